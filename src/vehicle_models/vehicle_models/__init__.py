@@ -1,0 +1,1 @@
+"""Pure numpy models of tyre, wheel, brake and vehicle."""

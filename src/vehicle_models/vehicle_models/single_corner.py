@@ -1,0 +1,167 @@
+"""Single-corner braking dynamics, equations (2.15) and (2.18).
+
+    J omega_dot = r Fx - T_b,    m v_dot = -Fx,    Fx = Fz mu(slip),    slip = (v - omega r) / v,
+
+with the braking force Fx positive, as in the book. The wheel pole grows as 1/v, so an explicit method fails at low speed;
+a linearly implicit, L-stable method of second order (Rosenbrock, gamma = 1 - 1/sqrt(2)) is stable down to standstill.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vehicle_models import burckhardt
+
+Array = NDArray[np.float64]
+
+GRAVITY = 9.81
+"""Standard acceleration of free fall as the chapter uses it [m/s^2]."""
+_GAMMA = 1.0 - 1.0 / np.sqrt(2.0)
+_SLIP_SPEED_FLOOR = 0.1
+"""Below this speed [m/s] slip is taken relative to it: the tyre then acts as a stiff damper and the corner comes to rest."""
+_REST_SPEED = 1e-3
+"""Below this speed [m/s] a braked corner stands."""
+
+
+@dataclass(frozen=True)
+class CornerParameters:
+    """One corner of the vehicle; the defaults are those of the evaluation protocol."""
+
+    radius: float = 0.3
+    """Effective rolling radius r [m]."""
+    inertia: float = 1.0
+    """Wheel inertia J [kg m^2]."""
+    mass: float = 225.0
+    """Quarter-car mass m [kg]."""
+    gravity: float = GRAVITY
+    """[m/s^2]"""
+
+    def __post_init__(self) -> None:
+        """Refuse values that make no corner."""
+        if not (self.radius > 0.0 and self.inertia > 0.0 and self.mass > 0.0 and self.gravity > 0.0):
+            raise ValueError(f"radius, inertia, mass and gravity must be > 0: {self}")
+
+    @property
+    def vertical_load(self) -> float:
+        """Fz = m g [N]."""
+        return self.mass * self.gravity
+
+    def peak_torque(self, theta: ArrayLike) -> Array:
+        """Brake torque [N m] that holds the corner at the peak: mu_max (r Fz + J (1 - lambda_max) g / r).
+
+        From (2.15) at constant slip, where omega_dot = (1 - slip) v_dot / r.
+        """
+        lambda_max, mu_max = burckhardt.peak(theta)
+        return np.asarray(
+            mu_max * (self.radius * self.vertical_load + self.inertia * (1.0 - lambda_max) * self.gravity / self.radius)
+        )
+
+
+class SingleCorner:
+    """State of n corners (wheels or Monte Carlo runs) that share their parameters."""
+
+    def __init__(
+        self,
+        parameters: CornerParameters,
+        speed: ArrayLike,
+        wheel_speed: ArrayLike | None = None,
+        *,
+        max_step: float = 1e-3,
+    ) -> None:
+        """Start at `speed` [m/s], shape (n,), and `wheel_speed` [rad/s] (free rolling when None).
+
+        Raises:
+            ValueError: a speed is negative or not finite, or max_step [s] is not positive.
+        """
+        self.parameters = parameters
+        self.speed: Array = np.atleast_1d(np.asarray(speed, dtype=np.float64)).copy()
+        """Vehicle speed v [m/s]."""
+        rolling = self.speed / parameters.radius if wheel_speed is None else wheel_speed
+        self.wheel_speed: Array = np.broadcast_to(np.asarray(rolling, dtype=np.float64), self.speed.shape).copy()
+        """Wheel speed omega [rad/s]."""
+        self.distance: Array = np.zeros_like(self.speed)
+        """Distance covered [m]."""
+        if not (np.all(self.speed >= 0.0) and np.all(self.wheel_speed >= 0.0)):
+            raise ValueError("speed and wheel_speed must be finite and >= 0")
+        if not max_step > 0.0:
+            raise ValueError(f"max_step must be > 0, is {max_step}")
+        self._max_step = max_step
+
+    @property
+    def slip(self) -> Array:
+        """Slip lambda [-], shape (n,); relative to 0.1 m/s below that speed, so 0 at rest."""
+        return self._slip(self.speed, self.wheel_speed)
+
+    def friction(self, theta: ArrayLike) -> Array:
+        """Friction coefficient [-] at the present slip, shape (n,)."""
+        return burckhardt.friction(theta, self.slip)
+
+    def acceleration(self, theta: ArrayLike) -> Array:
+        """Vehicle acceleration v_dot [m/s^2], negative in braking, shape (n,)."""
+        return -self.parameters.gravity * self.friction(theta)
+
+    def wheel_acceleration(self, theta: ArrayLike, brake_torque: ArrayLike) -> Array:
+        """Wheel acceleration omega_dot [rad/s^2] under `brake_torque` [N m], shape (n,); 0 while the wheel is locked."""
+        p = self.parameters
+        free = (p.radius * p.vertical_load * self.friction(theta) - np.asarray(brake_torque, dtype=np.float64)) / p.inertia
+        return np.where((self.wheel_speed <= 0.0) & (free < 0.0), 0.0, free)
+
+    def step(self, torque_begin: ArrayLike, torque_end: ArrayLike, theta: ArrayLike, dt: float) -> None:
+        """Advance by `dt` [s] under a brake torque [N m] that runs linearly from begin to end, on the road `theta`.
+
+        The brake only opposes rolling: a wheel stops at zero speed and stays there while the torque exceeds the
+        friction moment.
+
+        Args:
+            torque_begin: shape (n,) or scalar, >= 0.
+            torque_end: shape (n,) or scalar, >= 0.
+            theta: shape (3,) or (n, 3).
+            dt: > 0.
+        """
+        steps = max(1, int(np.ceil(dt / self._max_step - 1e-9)))
+        h = dt / steps
+        begin = np.asarray(torque_begin, dtype=np.float64)
+        rate = (np.asarray(torque_end, dtype=np.float64) - begin) / dt
+        for k in range(steps):
+            speed_before = self.speed
+            self._rosenbrock(begin + rate * (k * h), rate, np.asarray(theta, dtype=np.float64), h)
+            self.distance = self.distance + 0.5 * h * (speed_before + self.speed)
+
+    @staticmethod
+    def _reference(speed: Array) -> Array:
+        return np.maximum(speed, _SLIP_SPEED_FLOOR)
+
+    def _slip(self, speed: Array, wheel_speed: Array) -> Array:
+        return np.asarray((speed - wheel_speed * self.parameters.radius) / self._reference(speed))
+
+    def _derivative(self, speed: Array, wheel_speed: Array, torque: Array, theta: Array) -> tuple[Array, Array]:
+        p = self.parameters
+        force = p.vertical_load * burckhardt.friction(theta, self._slip(speed, wheel_speed))
+        return -force / p.mass, (p.radius * force - torque) / p.inertia
+
+    def _rosenbrock(self, torque: Array, torque_rate: Array, theta: Array, h: float) -> None:
+        p = self.parameters
+        v, w = self.speed, self.wheel_speed
+        reference = self._reference(v)
+        slope = p.vertical_load * burckhardt.slope(theta, self._slip(v, w))
+        force_v = slope * np.where(v > _SLIP_SPEED_FLOOR, w * p.radius / reference**2, 1.0 / reference)
+        force_w = -slope * p.radius / reference
+        gh = _GAMMA * h
+        a11, a12 = 1.0 + gh * force_v / p.mass, gh * force_w / p.mass
+        a21, a22 = -gh * p.radius * force_v / p.inertia, 1.0 - gh * p.radius * force_w / p.inertia
+        determinant = a11 * a22 - a12 * a21
+
+        def solve(b1: Array, b2: Array) -> tuple[Array, Array]:
+            return (a22 * b1 - a12 * b2) / determinant, (a11 * b2 - a21 * b1) / determinant
+
+        time_term = -gh * torque_rate / p.inertia
+        f_v, f_w = self._derivative(v, w, torque, theta)
+        k1_v, k1_w = solve(f_v, f_w + time_term)
+        f_v, f_w = self._derivative(v + h * k1_v, np.maximum(w + h * k1_w, 0.0), torque + h * torque_rate, theta)
+        k2_v, k2_w = solve(f_v - 2.0 * k1_v, f_w - 2.0 * k1_w - time_term)
+        speed = v + h * (1.5 * k1_v + 0.5 * k2_v)
+        wheel_speed = w + h * (1.5 * k1_w + 0.5 * k2_w)
+        standing = (speed < _REST_SPEED)
+        self.speed = np.where(standing, 0.0, speed)
+        self.wheel_speed = np.where(standing, 0.0, np.maximum(wheel_speed, 0.0))

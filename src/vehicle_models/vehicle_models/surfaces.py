@@ -1,0 +1,33 @@
+"""Burckhardt parameters of the roads of the chapter.
+
+dry, wet, cobblestone and snow are the true values of Table 8.1. high_grip and off_road stand for the test roads of Tables
+8.4 and 8.5, of which the chapter gives only lambda_max (0.1 and 0.13).
+"""
+
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+SURFACES: MappingProxyType[str, NDArray[np.float64]] = MappingProxyType(
+    {
+        "dry": np.array([1.28, 23.99, 0.52]),
+        "wet": np.array([0.86, 33.82, 0.35]),
+        "cobblestone": np.array([1.37, 6.46, 0.67]),
+        "snow": np.array([0.19, 94.13, 0.06]),
+        "high_grip": np.array([1.2, 47.9, 0.48]),
+        "off_road": np.array([0.55, 34.2, 0.22]),
+    }
+)
+TABLE_8_1 = ("dry", "wet", "cobblestone", "snow")
+
+
+def surface(name: str) -> NDArray[np.float64]:
+    """Return theta, shape (3,), of the road `name`.
+
+    Raises:
+        ValueError: the name is not one of SURFACES.
+    """
+    if name not in SURFACES:
+        raise ValueError(f"unknown surface '{name}': one of {', '.join(SURFACES)}")
+    return SURFACES[name].copy()
