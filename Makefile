@@ -1,14 +1,31 @@
 # Two commands matter: `make demo` and `make test`. `make help` lists the rest.
 PYTHON ?= python3
+SURFACE ?= dry
+OUT ?= out
+run := tools/run.bash
+
 .DEFAULT_GOAL := help
-.PHONY: help setup build
+.PHONY: help setup build test lint demo clean
 
 help: ## list the targets
-	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile
+	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
 
-setup: ## make .venv with ROS 2 Jazzy (nothing to do where ROS is sourced)
-	@test -x .venv/bin/colcon || { $(PYTHON) -m venv .venv && .venv/bin/pip install -r tools/requirements.in; }
-	@.venv/bin/python tools/make_underlay.py
+setup: ## make .venv with ROS 2 Jazzy (where ROS is sourced: with the few extra tools)
+	@tools/setup.bash $(PYTHON)
 
-build: setup ## colcon build of all packages
-	@bash -c '. .venv/setup.bash && colcon build --symlink-install'
+build: setup ## colcon build of all packages; afterwards: source install/setup.bash
+	@$(run) python tools/build.py
+
+lint: setup ## ruff and mypy
+	@$(run) ruff check
+	@$(run) ruff format --check
+	@$(run) mypy
+
+test: build lint ## everything that must hold: lint, format, types, tests
+	@$(run) pytest
+
+demo: build ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow, or BAG=path to replay
+	@$(run) python -m friction_bringup demo $(if $(BAG),--bag $(BAG),--surface $(SURFACE)) --out $(OUT)/demo
+
+clean: ## remove what the targets above made
+	rm -rf .venv build install log out .mypy_cache .ruff_cache .pytest_cache .hypothesis

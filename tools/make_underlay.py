@@ -76,8 +76,7 @@ def environment_entries(prefix: Path, site_packages: Path) -> list[tuple[str, Pa
 def write_setup_scripts(prefix: Path, site_packages: Path) -> int:
     """Write ``local_setup.*`` (this prefix) and ``setup.*`` (the same: nothing lies below) and count the changes."""
     prepends = "\n".join(
-        f'_underlay_prepend {name} "{directory}"'
-        for name, directory in environment_entries(prefix, site_packages)
+        f'_underlay_prepend {name} "{directory}"' for name, directory in environment_entries(prefix, site_packages)
     )
     scripts = {"local_setup.sh": LOCAL_SETUP_SH.format(prepends=prepends)}
     for name in ("local_setup.bash", "local_setup.zsh", "setup.sh", "setup.bash", "setup.zsh"):

@@ -1,0 +1,119 @@
+"""Build every package below src with colcon, with one line of progress; do nothing where nothing changed.
+
+Python modules are linked into install, so that only the rest (messages, package files, parameter and launch files,
+names of new files) asks for a build. A build that was killed, or was made elsewhere or by another Python, is
+removed first. Usage: tools/run.bash python tools/build.py   (normally through `make build`)
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import os
+import re
+import shutil
+import sys
+from pathlib import Path
+
+from progress import run_with_progress
+
+ROOT = Path(__file__).resolve().parents[1]
+IGNORED = {"__pycache__", "test", ".mypy_cache", ".ruff_cache", ".pytest_cache", ".hypothesis"}
+
+
+def source_digest(source: Path) -> str:
+    """Digest what a build depends on: the name of every file, and the contents of all but linked modules."""
+    digest = hashlib.sha256()
+    for directory, subdirectories, names in os.walk(source):
+        subdirectories[:] = sorted(
+            name for name in subdirectories if name not in IGNORED and not name.endswith(".egg-info")
+        )
+        for path in sorted(Path(directory, name) for name in names):
+            digest.update(f"{path.relative_to(source)}\n".encode())
+            if path.suffix not in {".py", ".md"} or path.name == "setup.py":
+                digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def packages(source: Path) -> list[str]:
+    """Name the packages below ``source``."""
+    return sorted(path.parent.name for path in source.glob("*/package.xml"))
+
+
+def read_stamp(root: Path) -> dict[str, object]:
+    """Return what the last build noted, or nothing where it did not begin."""
+    try:
+        stamp = json.loads((root / "build" / ".friction_stamp").read_text())
+    except (OSError, ValueError):
+        return {}
+    return stamp if isinstance(stamp, dict) else {}
+
+
+def write_stamp(root: Path, stamp: dict[str, object]) -> None:
+    """Note the state of the build in one step."""
+    new = root / "build" / ".friction_stamp.new"
+    new.write_text(json.dumps(stamp, indent=1))
+    new.replace(root / "build" / ".friction_stamp")
+
+
+def build(root: Path) -> int:
+    """Bring ``install`` up to date; return colcon's exit status."""
+    made_by = f"{root} {sys.executable} {sys.version} {os.environ.get('AMENT_PREFIX_PATH', '').split(':')[-1]}"
+    wanted: dict[str, object] = {
+        "made_by": made_by,
+        "state": "finished",
+        "packages": packages(root / "src"),
+        "sources": source_digest(root / "src"),
+    }
+    found = read_stamp(root)
+    if found == wanted and (root / "install/setup.bash").exists():
+        return 0
+    unfinished = found.get("state") != "finished" and (root / "build").exists()
+    removed = not set(map(str, found.get("packages") or [])) <= set(packages(root / "src"))  # type: ignore[call-overload]
+    if unfinished or removed or found.get("made_by", made_by) != made_by:
+        for name in ("build", "install"):
+            shutil.rmtree(root / name, ignore_errors=True)
+    (root / "build").mkdir(exist_ok=True)
+    write_stamp(root, {**wanted, "state": "building"})
+    code = run_colcon(root, len(packages(root / "src")))
+    write_stamp(root, {**wanted, "sources": wanted["sources"] if code == 0 else "failed"})
+    return code
+
+
+def run_colcon(root: Path, total: int) -> int:
+    """Run colcon over all packages; where one fails, print the end of its log."""
+    done = 0
+    failed: list[str] = []
+
+    def describe(line: str) -> str | None:
+        nonlocal done
+        if match := re.match(r"Finished <<< (\S+)", line):
+            done += 1
+            return f"{done} of {total} packages, {match[1]}"
+        if match := re.match(r"Failed +<<< (\S+)", line):
+            failed.append(match[1])
+        return None
+
+    log = root / "build" / "colcon.log"
+    command = ["colcon", "--log-base", str(root / "log"), "build", "--symlink-install", "--base-paths", "src"]
+    env = dict(os.environ, PYTHONUNBUFFERED="1")
+    code = run_with_progress("colcon build", command, log, describe, env)
+    for package in failed:
+        package_log = root / "log/latest_build" / package / "stdout_stderr.log"
+        print(f"--- {package}: the end of {package_log}", *package_log.read_text().splitlines()[-25:], sep="\n")
+    if code != 0 and not failed:
+        print(*log.read_text().splitlines()[-25:], sep="\n")
+    return code
+
+
+def main() -> None:
+    """Build, one process at a time, from the root of the workspace."""
+    os.chdir(ROOT)
+    directory = os.open(ROOT / "tools", os.O_RDONLY)
+    fcntl.flock(directory, fcntl.LOCK_EX)
+    sys.exit(build(ROOT))
+
+
+if __name__ == "__main__":
+    main()
