@@ -1,0 +1,68 @@
+"""The shape of layer 2: messages in, messages out, no middleware.
+
+A node and the offline bag runner drive processors alike, so that what they give is the same, bit for bit.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any, Literal, Protocol
+
+Output = tuple[str, Any]
+"""A relative topic and the message for it."""
+Report = Callable[[Literal["info", "warning", "error"], str], None]
+"""Takes what a processor has to say to a person: the severity and one line that names topic, wheel or parameter."""
+
+
+def silent(severity: str, text: str) -> None:
+    """A Report that says nothing."""
+
+
+class Level(IntEnum):
+    """Levels of diagnostic_msgs/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+
+
+@dataclass(frozen=True)
+class Health:
+    """What /diagnostics says of one processor."""
+
+    name: str
+    """Of the wheel, or of the part."""
+    level: Level = Level.OK
+    message: str = "ok"
+    values: Mapping[str, str] = field(default_factory=dict)
+
+
+class Processor(Protocol):
+    """One wheel's (or one car's) estimator behind its messages."""
+
+    @property
+    def sensors(self) -> Mapping[str, type]:
+        """Relative topics and types it takes with sensor QoS (best effort)."""
+
+    @property
+    def estimates(self) -> Mapping[str, type]:
+        """Relative topics and types it takes with reliable QoS: other nodes' estimates, demands, tyre blocks."""
+
+    @property
+    def outputs(self) -> Mapping[str, type]:
+        """Relative topics and types it gives."""
+
+    def process(self, topic: str, message: Any) -> Sequence[Output]:
+        """Take one message, return what follows from it. Never raises for what a message holds: it reports."""
+
+    def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
+        """Act on silence. `ages` [s] of each input by the node's clock, inf before the first message.
+
+        Called by a live node only, every 20 ms: what it gives is not part of an offline run.
+        """
+
+    def reset(self) -> None:
+        """Start anew, as after construction."""
+
+    def health(self) -> Health:
+        """State for diagnostics."""

@@ -1,0 +1,157 @@
+"""Layer 3, the same for every estimator: parameters, subscriptions, publishers, diagnostics around processors."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from time import monotonic
+from typing import Any, Generic, TypeVar
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from std_srvs.srv import Trigger
+
+from friction_runtime import qos
+from friction_runtime.parameters import ParameterError, declare
+from friction_runtime.processor import Health, Level, Output, Processor, Report
+
+Parameters = TypeVar("Parameters")
+
+_WATCH_PERIOD = 0.02
+_DIAGNOSTICS_PERIOD = 1.0
+_REPEAT_REPORT_AFTER = 5.0
+"""[s]"""
+
+
+class ProcessorNode(Node, Generic[Parameters]):
+    """A node around processors: it moves messages and holds no estimate.
+
+    Topics are relative, so a namespace and remapping work. `~/reset` (std_srvs/Trigger) starts every processor anew.
+    Staleness is by the steady clock of the machine; everything else is by message stamps.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        parameter_class: type[Parameters],
+        build: Callable[[Parameters, Report], Sequence[Processor]],
+    ) -> None:
+        """Declare, build and connect.
+
+        Args:
+            name: of the node.
+            parameter_class: dataclass made with friction_runtime.parameters.parameter.
+            build: makes the processors from the parameters; called again when a parameter changes, which starts them
+                anew. Read-only parameters hold what decides topics.
+
+        Raises:
+            ParameterError: a parameter is bad.
+        """
+        super().__init__(name)
+        self._build = build
+        self._said: dict[str, float] = {}
+        self._publishers_by_topic: dict[str, Publisher] = {}
+        self._arrivals: dict[str, float] = {}
+        self._counts: dict[str, int] = {}
+        self._readers: dict[str, list[Processor]] = {}
+        parameters = declare(self, parameter_class, self._apply)
+        try:
+            self._processors = list(build(parameters, self._report))
+        except ValueError as error:
+            raise ParameterError(str(error)) from error
+        self._connect()
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_service(Trigger, "~/reset", self._on_reset)
+        self.create_timer(_WATCH_PERIOD, self._on_watch, clock=steady)
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self.create_timer(_DIAGNOSTICS_PERIOD, self._on_diagnostics, clock=steady)
+
+    def _connect(self) -> None:
+        for processor in self._processors:
+            for topic, kind in processor.outputs.items():
+                if topic not in self._publishers_by_topic:
+                    self._publishers_by_topic[topic] = qos.publish(self, kind, topic)
+            for inputs, profile in ((processor.sensors, qos.SENSOR), (processor.estimates, qos.ESTIMATE)):
+                for topic, kind in inputs.items():
+                    if topic not in self._readers:
+                        self._readers[topic] = []
+                        self._counts[topic] = 0
+                        qos.subscribe(self, kind, topic, partial(self._on_message, topic), profile)
+                    self._readers[topic].append(processor)
+
+    def _apply(self, parameters: Parameters) -> None:
+        """Take changed parameters: new processors on the same topics."""
+        processors = list(self._build(parameters, self._report))
+        for old, new in zip(self._processors, processors, strict=True):
+            for readers in self._readers.values():
+                readers[:] = [new if reader is old else reader for reader in readers]
+        self._processors = processors
+
+    def _report(self, severity: str, text: str) -> None:
+        now = monotonic()
+        if severity == "info":
+            self.get_logger().info(text)
+            return
+        if now - self._said.get(text, float("-inf")) < _REPEAT_REPORT_AFTER:
+            return
+        if len(self._said) > 1000:
+            self._said.clear()
+        self._said[text] = now
+        if severity == "warning":
+            self.get_logger().warning(text)
+        else:
+            self.get_logger().error(text)
+
+    def _on_message(self, topic: str, message: Any) -> None:
+        self._arrivals[topic] = monotonic()
+        self._counts[topic] += 1
+        for processor in self._readers[topic]:
+            self._send(processor.process(topic, message))
+
+    def _send(self, outputs: Sequence[Output]) -> None:
+        for topic, message in outputs:
+            self._publishers_by_topic[topic].publish(message)
+
+    def _on_watch(self) -> None:
+        ages = self._ages()
+        for processor in self._processors:
+            self._send(processor.watch(ages))
+
+    def _ages(self) -> dict[str, float]:
+        now = monotonic()
+        return {topic: now - self._arrivals.get(topic, float("-inf")) for topic in self._readers}
+
+    def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        for processor in self._processors:
+            processor.reset()
+        response.success = True
+        response.message = f"{self.get_name()}: started anew"
+        self.get_logger().info("reset by service")
+        return response
+
+    def _on_diagnostics(self) -> None:
+        message = DiagnosticArray()
+        message.header.stamp = self.get_clock().now().to_msg()
+        message.status = [self._status(processor.health()) for processor in self._processors]
+        message.status.append(self._inputs_status())
+        self._diagnostics.publish(message)
+
+    def _inputs_status(self) -> DiagnosticStatus:
+        silent_topics = [topic for topic, age in self._ages().items() if age > _DIAGNOSTICS_PERIOD]
+        values: dict[str, str] = {}
+        for topic, age in self._ages().items():
+            values[f"{topic} rate [1/s]"] = f"{self._counts[topic] / _DIAGNOSTICS_PERIOD:.0f}"
+            values[f"{topic} age [s]"] = f"{age:.3f}"
+            self._counts[topic] = 0
+        text = f"no message within {_DIAGNOSTICS_PERIOD:.0f} s on {', '.join(silent_topics)}" if silent_topics else "ok"
+        return self._status(Health("inputs", Level.WARN if silent_topics else Level.OK, text, values))
+
+    def _status(self, health: Health) -> DiagnosticStatus:
+        return DiagnosticStatus(
+            level=bytes([health.level]),
+            name=f"{self.get_fully_qualified_name()}: {health.name}",
+            message=health.message,
+            hardware_id=health.name,
+            values=[KeyValue(key=key, value=value) for key, value in health.values.items()],
+        )
