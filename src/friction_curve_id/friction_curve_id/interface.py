@@ -1,0 +1,139 @@
+"""What every estimator of the friction curve takes and returns.
+
+    estimator = SomeEstimator(parameters)
+    answer = estimator.update(Sample(time, wheel_speed, vehicle_speed, brake_torque))
+
+An estimator takes one sample at a time, in order of time, and answers each with a `CurveEstimate` or with a `Refusal` that
+says why there is none. A refused sample leaves the state as it was. Nothing here knows ROS.
+"""
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+NAN = float("nan")
+
+
+class Reason(IntEnum):
+    """Why an estimate is not valid or a sample was refused; the values of friction_msgs/FrictionCurve."""
+
+    OK = 0
+    TOO_FEW_SAMPLES = 1
+    PEAK_NOT_PASSED = 2
+    LOW_SPEED = 3
+    NO_SLIP = 4
+    NO_TORQUE = 5
+    BAD_INPUT = 6
+    GAP = 7
+    NO_EXCITATION = 8
+    UNCERTAIN = 9
+    NO_PEAK = 10
+    NO_ACCELERATION = 11
+
+
+class RestartCause(IntEnum):
+    """Why the fit began anew; the values are those of friction_msgs/FrictionCurve."""
+
+    NONE = 0
+    SURFACE = 1
+    GAP = 2
+    REQUEST = 3
+
+
+@dataclass(frozen=True)
+class WheelParameters:
+    """The wheel and the share of the vehicle it brakes; the defaults are those of the evaluation protocol."""
+
+    radius: float = 0.3
+    """Effective rolling radius r [m], > 0."""
+    inertia: float = 1.0
+    """Wheel inertia J [kg m^2], > 0."""
+    mass: float = 225.0
+    """Mass m that this wheel decelerates [kg], > 0."""
+    vertical_load: float = 225.0 * 9.81
+    """Vertical load Fz [N], > 0."""
+
+    def __post_init__(self) -> None:
+        """Refuse values that make no wheel."""
+        for name in ("radius", "inertia", "mass", "vertical_load"):
+            if not 0.0 < getattr(self, name) < np.inf:
+                raise ValueError(f"{name} must be finite and > 0, is {getattr(self, name)}")
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One sample of one wheel. Anything may be garbage: the estimator refuses what it cannot use."""
+
+    time: float
+    """Stamp [s]."""
+    wheel_speed: float
+    """omega [rad/s]."""
+    vehicle_speed: float | None
+    """v [m/s], None where there is no measurement."""
+    brake_torque: float | None
+    """T_b [N m], >= 0 in braking, None where it is missing."""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why a sample gave no estimate."""
+
+    reason: Reason
+    text: str
+
+
+def _unknown_theta() -> Array:
+    return np.full(3, np.nan)
+
+
+@dataclass(frozen=True)
+class CurveEstimate:
+    """A friction curve after one more sample. NaN stands for what the method cannot say."""
+
+    samples: int
+    """Samples in the present fit."""
+    slip: float
+    """Present slip [-] as the method knows it."""
+    lambda_max: float = NAN
+    """Slip at the peak [-]; NaN where the curve has no peak in (0, 1)."""
+    mu_max: float = NAN
+    """Friction coefficient at the peak [-]."""
+    lambda_max_stddev: float = NAN
+    mu_max_stddev: float = NAN
+    theta: Array = field(default_factory=_unknown_theta)
+    """Burckhardt parameters of (2.13), shape (3,)."""
+    theta_stddev: Array = field(default_factory=_unknown_theta)
+    """Shape (3,)."""
+    mu: float = NAN
+    """Friction coefficient of the fitted curve at the present slip [-]."""
+    slope: float = NAN
+    """d mu / d slip of the fitted curve at the present slip [-]."""
+    slope_stddev: float = NAN
+    probability_beyond_peak: float = NAN
+    """Probability that the present slip is beyond the peak, 0..1."""
+    restarted: bool = False
+    """This sample began the fit anew."""
+    restart_cause: RestartCause = RestartCause.NONE
+    """Cause of this restart, NONE where `restarted` is False."""
+    valid: bool = False
+    """May lambda_max and mu_max be used?"""
+    reason: Reason = Reason.TOO_FEW_SAMPLES
+    """Why not (OK when valid)."""
+    text: str = ""
+    """The same in words."""
+
+
+class CurveEstimator(Protocol):
+    """An estimator of the friction curve of one wheel, made from its parameters."""
+
+    def update(self, sample: Sample) -> CurveEstimate | Refusal:
+        """Take the next sample; never raises on bad data."""
+        ...
+
+    def reset(self) -> None:
+        """Forget everything; the next estimate says that it restarted on request."""
+        ...

@@ -1,0 +1,98 @@
+"""Which samples may enter a fit: finite, in order of time, moving, without a gap."""
+
+from dataclasses import dataclass
+from enum import Enum
+from math import isfinite
+
+from friction_curve_id.interface import Reason, Refusal, Sample
+
+
+class Admission(Enum):
+    """How an admitted sample follows those before it."""
+
+    FIRST = "first"
+    NEXT = "next"
+    AFTER_GAP = "after a gap"
+
+
+@dataclass(frozen=True)
+class GateParameters:
+    """Limits of what may enter a fit."""
+
+    min_speed: float = 3.0
+    """Vehicle speed below which slip means nothing [m/s], > 0."""
+    min_interval: float = 1e-4
+    """Samples closer than this count as repeated [s], > 0."""
+    max_gap: float = 0.025
+    """Samples further apart than this are a gap [s], > min_interval."""
+
+    def __post_init__(self) -> None:
+        """Refuse limits that admit nothing."""
+        if not (self.min_speed > 0.0 and 0.0 < self.min_interval < self.max_gap):
+            raise ValueError(f"min_speed must be > 0 and 0 < min_interval < max_gap: {self}")
+
+
+class SampleGate:
+    """Admits samples one by one.
+
+    After a gap, or a jump back in time, the first sample is refused; the one that continues it is admitted as
+    `AFTER_GAP`, so that a single wrong stamp costs one sample and never the fit.
+    """
+
+    def __init__(self, radius: float, parameters: GateParameters = GateParameters()) -> None:
+        """Make a gate for a wheel of effective radius `radius` [m]."""
+        self._radius = radius
+        self._parameters = parameters
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the stamps seen."""
+        self._admitted: float | None = None
+        self._waiting: float | None = None
+
+    def admit(self, sample: Sample) -> Admission | Refusal:
+        """Say how `sample` follows the admitted ones, or why it must not enter."""
+        refusal = self._refuse_values(sample)
+        if refusal is not None:
+            return refusal
+        time, waiting, last = sample.time, self._waiting, self._admitted
+        if last is None:
+            self._admitted = time
+            return Admission.FIRST
+        if self._follows(last, time):
+            self._admitted, self._waiting = time, None
+            return Admission.NEXT
+        if waiting is not None and self._follows(waiting, time):
+            self._admitted, self._waiting = time, None
+            return Admission.AFTER_GAP
+        if abs(time - last) < self._parameters.min_interval:
+            return Refusal(Reason.BAD_INPUT, f"stamp {time:.6f} s repeats {last:.6f} s")
+        self._waiting = time
+        if time < last:
+            return Refusal(Reason.GAP, f"stamp {time:.6f} s is before the last, {last:.6f} s")
+        return Refusal(Reason.GAP, f"gap of {time - last:.3f} s since the last sample")
+
+    def _follows(self, before: float, time: float) -> bool:
+        return self._parameters.min_interval <= time - before <= self._parameters.max_gap
+
+    def _refuse_values(self, sample: Sample) -> Refusal | None:
+        speed, torque = sample.vehicle_speed, sample.brake_torque
+        if torque is None:
+            return Refusal(Reason.NO_TORQUE, "brake torque is missing")
+        values = {"time": sample.time, "wheel speed": sample.wheel_speed, "brake torque": torque}
+        for name, value in values.items():
+            if not isfinite(value):
+                return Refusal(Reason.BAD_INPUT, f"{name} is {value}")
+        if sample.wheel_speed <= 0.0:
+            return Refusal(Reason.LOW_SPEED, f"wheel speed {sample.wheel_speed:.3g} rad/s is not positive")
+        if speed is None:
+            return None
+        if not isfinite(speed):
+            return Refusal(Reason.BAD_INPUT, f"vehicle speed is {speed}")
+        if speed < self._parameters.min_speed:
+            limit = self._parameters.min_speed
+            return Refusal(Reason.LOW_SPEED, f"vehicle speed {speed:.2f} m/s is below {limit:.2f} m/s")
+        slip = 1.0 - sample.wheel_speed * self._radius / speed
+        if not -1.0 < slip < 1.0:
+            return Refusal(Reason.NO_SLIP, f"slip {slip:.2f} is outside (-1, 1)")
+        return None
