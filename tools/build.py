@@ -41,7 +41,7 @@ def packages(source: Path) -> list[str]:
     return sorted(path.parent.name for path in source.glob("*/package.xml"))
 
 
-def read_stamp(root: Path) -> dict[str, object]:
+def read_stamp(root: Path) -> dict[str, str]:
     """Return what the last build noted, or nothing where it did not begin."""
     try:
         stamp = json.loads((root / "build" / ".friction_stamp").read_text())
@@ -50,7 +50,7 @@ def read_stamp(root: Path) -> dict[str, object]:
     return stamp if isinstance(stamp, dict) else {}
 
 
-def write_stamp(root: Path, stamp: dict[str, object]) -> None:
+def write_stamp(root: Path, stamp: dict[str, str]) -> None:
     """Note the state of the build in one step."""
     new = root / "build" / ".friction_stamp.new"
     new.write_text(json.dumps(stamp, indent=1))
@@ -60,17 +60,17 @@ def write_stamp(root: Path, stamp: dict[str, object]) -> None:
 def build(root: Path) -> int:
     """Bring ``install`` up to date; return colcon's exit status."""
     made_by = f"{root} {sys.executable} {sys.version} {os.environ.get('AMENT_PREFIX_PATH', '').split(':')[-1]}"
-    wanted: dict[str, object] = {
+    wanted = {
         "made_by": made_by,
         "state": "finished",
-        "packages": packages(root / "src"),
+        "packages": " ".join(packages(root / "src")),
         "sources": source_digest(root / "src"),
     }
     found = read_stamp(root)
     if found == wanted and (root / "install/setup.bash").exists():
         return 0
     unfinished = found.get("state") != "finished" and (root / "build").exists()
-    removed = not set(map(str, found.get("packages") or [])) <= set(packages(root / "src"))  # type: ignore[call-overload]
+    removed = not set(found.get("packages", "").split()) <= set(packages(root / "src"))
     if unfinished or removed or found.get("made_by", made_by) != made_by:
         for name in ("build", "install"):
             shutil.rmtree(root / name, ignore_errors=True)

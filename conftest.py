@@ -1,0 +1,16 @@
+"""Settings of every test run, however pytest is started: the middleware stays on this machine, plots need no screen."""
+
+from __future__ import annotations
+
+import os
+
+from hypothesis import settings
+
+os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+os.environ["FASTDDS_BUILTIN_TRANSPORTS"] = "UDPv4"  # the default transports discover in 0.1 s or in 2 s, by chance
+os.environ["MPLBACKEND"] = "Agg"
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+# A shared machine is slow at times; that is no finding.
+settings.register_profile("workspace", deadline=None, print_blob=True)
+settings.load_profile("workspace")
