@@ -87,8 +87,8 @@ class _Stream:
 class Aligner(Generic[Payload]):
     """Aligns inputs to the stamps of a primary stream.
 
-    `offer_primary` and `offer` take a sample, or refuse it with a reason and stay as they were; `ready` then yields what
-    has become complete, in the order of the primary.
+    `offer_primary` and `offer` take a sample, or refuse it with a reason and stay as they were; `ready` then yields
+    what has become complete, in the order of the primary.
     """
 
     def __init__(self, primary: str, inputs: Sequence[AlignedInput], deadline: float = 0.05) -> None:
@@ -104,6 +104,7 @@ class Aligner(Generic[Payload]):
         self._deadline_ns = round(deadline * NANOSECONDS)
         self._pending: deque[tuple[Key, Payload, bool]] = deque()
         self._epoch = 0
+        self._epoch_start = 0
         self._newest: int | None = None
 
     def offer_primary(self, stamp: int, payload: Payload) -> str | None:
@@ -114,7 +115,7 @@ class Aligner(Generic[Payload]):
         rewound = self._newest is not None and stamp < self._newest
         if rewound:
             self._epoch += 1
-            self._pending.clear()
+            self._epoch_start = stamp
             for stream in self._streams.values():
                 stream.apart_since = stamp if stream.epoch != self._epoch else None
         self._newest = stamp
@@ -143,9 +144,7 @@ class Aligner(Generic[Payload]):
         """Yield the samples that are complete, or whose deadline has passed."""
         while self._pending:
             key, payload, rewound = self._pending[0]
-            assert self._newest is not None
-            overdue = self._newest - key[1] >= self._deadline_ns
-            if not overdue and not all(stream.has_reached(key) for stream in self._streams.values()):
+            if not self._overdue(key) and not all(stream.has_reached(key) for stream in self._streams.values()):
                 return
             self._pending.popleft()
             values: dict[str, tuple[float, ...]] = {}
@@ -165,6 +164,11 @@ class Aligner(Generic[Payload]):
         self._epoch = 0
         for topic, stream in self._streams.items():
             self._streams[topic] = _Stream(stream.declared)
+
+    def _overdue(self, key: Key) -> bool:
+        epoch, stamp = key
+        waiting_since = stamp if epoch == self._epoch else self._epoch_start
+        return self._newest is not None and self._newest - waiting_since >= self._deadline_ns
 
     def _rejoin(self, stream: _Stream) -> None:
         """A stream that jumped alone (or did not follow a jump) belongs to the primary's present again."""

@@ -67,7 +67,9 @@ def per_wheel(name: str, values: tuple[float, ...], wheels: tuple[str, ...]) -> 
     if len(values) == 1:
         return dict.fromkeys(wheels, values[0])
     if len(values) != len(wheels):
-        raise ParameterError(f"parameter '{name}' has {len(values)} values for {len(wheels)} wheels: give one, or one each")
+        raise ParameterError(
+            f"parameter '{name}' has {len(values)} values for {len(wheels)} wheels: give one, or one each"
+        )
     return dict(zip(wheels, values, strict=True))
 
 
@@ -125,7 +127,9 @@ def declare(node: "Node", cls: type[Parameters], apply: Callable[[Parameters], N
     names = {f.name for f in known}
     for given in node._parameter_overrides:
         if given not in names and given != "use_sim_time" and not given.startswith("qos_overrides."):
-            raise ParameterError(f"unknown parameter '{given}' for node {node.get_name()}: known are {', '.join(names)}")
+            raise ParameterError(
+                f"unknown parameter '{given}' for node {node.get_name()}: known are {', '.join(names)}"
+            )
     hints = get_type_hints(cls)
     values: dict[str, Any] = {}
     for f in known:

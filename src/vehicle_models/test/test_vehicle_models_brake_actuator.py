@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator, Command
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import SURFACES, TABLE_8_1, surface
 
@@ -73,7 +74,9 @@ def test_curves_broadcast_over_roads_and_slips() -> None:
     assert burckhardt.gradient(theta[:, np.newaxis, :], slip).shape == (4, 7, 3)
 
 
-@pytest.mark.parametrize("theta", [[1.0, 20.0, 0.0], [0.0, 20.0, 0.1], [0.5, 1.0, 0.6], [1.0, -3.0, 0.1], [np.nan, 1, 1]])
+@pytest.mark.parametrize(
+    "theta", [[1.0, 20.0, 0.0], [0.0, 20.0, 0.1], [0.5, 1.0, 0.6], [1.0, -3.0, 0.1], [np.nan, 1, 1]]
+)
 def test_curve_without_a_peak_has_nan_for_it(theta: list[float]) -> None:
     assert np.all(np.isnan(burckhardt.peak(theta)))
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+
 from vehicle_models import burckhardt
 from vehicle_models.single_corner import CornerParameters, SingleCorner
 from vehicle_models.surfaces import SURFACES, TABLE_8_1

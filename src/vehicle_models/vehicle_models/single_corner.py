@@ -104,7 +104,9 @@ class SingleCorner:
     def wheel_acceleration(self, theta: ArrayLike, brake_torque: ArrayLike) -> Array:
         """Wheel acceleration omega_dot [rad/s^2] under `brake_torque` [N m], shape (n,); 0 while the wheel is locked."""
         p = self.parameters
-        free = (p.radius * p.vertical_load * self.friction(theta) - np.asarray(brake_torque, dtype=np.float64)) / p.inertia
+        free = (
+            p.radius * p.vertical_load * self.friction(theta) - np.asarray(brake_torque, dtype=np.float64)
+        ) / p.inertia
         return np.where((self.wheel_speed <= 0.0) & (free < 0.0), 0.0, free)
 
     def step(self, torque_begin: ArrayLike, torque_end: ArrayLike, theta: ArrayLike, dt: float) -> None:
@@ -162,6 +164,6 @@ class SingleCorner:
         k2_v, k2_w = solve(f_v - 2.0 * k1_v, f_w - 2.0 * k1_w - time_term)
         speed = v + h * (1.5 * k1_v + 0.5 * k2_v)
         wheel_speed = w + h * (1.5 * k1_w + 0.5 * k2_w)
-        standing = (speed < _REST_SPEED)
+        standing = speed < _REST_SPEED
         self.speed = np.where(standing, 0.0, speed)
         self.wheel_speed = np.where(standing, 0.0, np.maximum(wheel_speed, 0.0))

@@ -1,0 +1,133 @@
+"""Input alignment: interpolation, deadlines, epochs, and independence of the order of arrival."""
+
+import math
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
+
+MS = 1_000_000
+START = 1_000 * MS
+
+
+def aligner(deadline: float = 0.05, max_gap: float = 0.1) -> Aligner[float]:
+    return Aligner("wheel_states", [AlignedInput("pressure", max_gap), AlignedInput("imu", max_gap)], deadline)
+
+
+def feed(target: Aligner[float], events: list[tuple[str, int]]) -> list[AlignedSample[float]]:
+    """Offer (topic, stamp in ms after START); the value of an input is its stamp in ms, so that interpolation is visible."""
+    out: list[AlignedSample[float]] = []
+    for topic, at in events:
+        stamp = START + at * MS
+        if topic == "wheel_states":
+            target.offer_primary(stamp, float(at))
+        else:
+            target.offer(topic, stamp, (float(at),))
+        out.extend(target.ready())
+    return out
+
+
+def test_sample_waits_until_every_input_has_passed_its_stamp() -> None:
+    a = aligner()
+    assert feed(a, [("pressure", 0), ("imu", 0), ("wheel_states", 5), ("pressure", 10)]) == []
+    (sample,) = feed(a, [("imu", 7)])
+    assert sample.values["pressure"] == (5.0,)
+    assert sample.values["imu"] == (5.0,)
+    assert not sample.missing
+
+
+def test_sample_with_the_same_stamp_is_taken_as_it_is() -> None:
+    (sample,) = feed(aligner(), [("pressure", 5), ("imu", 5), ("wheel_states", 5)])
+    assert sample.values == {"pressure": (5.0,), "imu": (5.0,)}
+
+
+def test_input_that_never_comes_is_missing_after_the_deadline_and_named() -> None:
+    a = aligner(deadline=0.02)
+    events = [(topic, t) for t in range(0, 30, 5) for topic in ("wheel_states", "imu")]
+    samples = feed(a, events)
+    assert [s.payload for s in samples] == [0.0, 5.0]
+    assert samples[0].missing == {"pressure": "pressure: no sample received"}
+    assert samples[0].values == {"imu": (0.0,)}
+
+
+def test_input_that_falls_silent_is_missing_with_its_age() -> None:
+    a = aligner(deadline=0.02)
+    feed(a, [("pressure", 0), ("imu", 0), ("wheel_states", 0)])
+    samples = feed(a, [(topic, t) for t in range(5, 60, 5) for topic in ("wheel_states", "imu")])
+    assert "pressure: silent, last sample 0.005 s older" in samples[0].missing.values()
+
+
+def test_values_are_not_interpolated_across_a_gap() -> None:
+    a = aligner(deadline=1.0, max_gap=0.1)
+    (sample,) = feed(a, [("pressure", 0), ("imu", 50), ("wheel_states", 50), ("pressure", 150)])
+    assert sample.missing == {"pressure": "pressure: gap around this stamp"}
+
+
+def test_zero_repeated_and_not_finite_samples_are_refused_by_name_and_change_nothing() -> None:
+    a = aligner()
+    feed(a, [("pressure", 0), ("wheel_states", 0)])
+    assert a.offer("pressure", START, (1.0,)) == "pressure: stamp repeats"
+    assert a.offer("pressure", 0, (1.0,)) == "pressure: stamp is zero"
+    assert a.offer("pressure", START + MS, (math.nan,)) == "pressure: value is not finite"
+    assert a.offer_primary(START, 9.0) == "wheel_states: stamp repeats"
+    (sample,) = feed(a, [("imu", 0)])
+    assert sample.values["pressure"] == (0.0,)
+
+
+def test_jump_back_marks_the_first_sample_and_mixes_nothing_from_before() -> None:
+    a = aligner()
+    grid = [(topic, t) for t in range(0, 40, 5) for topic in ("pressure", "imu", "wheel_states")]
+    first, second = feed(a, grid), feed(a, grid)
+    assert [s.rewound for s in first + second] == [False] * 8 + [True] + [False] * 7
+    assert [s.values for s in second] == [s.values for s in first]
+
+
+def test_input_whose_clock_jumps_alone_is_used_again_after_the_deadline() -> None:
+    a = aligner(deadline=0.02)
+    feed(a, [(topic, t) for t in range(0, 40, 5) for topic in ("pressure", "imu", "wheel_states")])
+    feed(a, [("imu", 1)])
+    samples = feed(a, [(topic, t) for t in range(40, 100, 5) for topic in ("pressure", "imu", "wheel_states")])
+    assert samples[0].missing
+    assert not samples[-1].missing
+
+
+def test_input_that_does_not_follow_a_jump_back_is_used_again_after_the_deadline() -> None:
+    a = aligner(deadline=0.02)
+    feed(a, [(topic, t) for t in range(100, 140, 5) for topic in ("pressure", "imu", "wheel_states")])
+    samples = feed(a, [(topic, t) for t in range(0, 40, 5) for topic in ("pressure", "wheel_states")])
+    assert [set(s.missing) for s in samples] == [{"imu"}] * len(samples)
+    samples = feed(a, [(topic, t) for t in range(40, 120, 5) for topic in ("pressure", "imu", "wheel_states")])
+    assert not samples[-1].missing
+
+
+def test_reset_forgets_everything() -> None:
+    a = aligner()
+    feed(a, [("pressure", 0), ("imu", 0), ("wheel_states", 0), ("wheel_states", 5)])
+    a.reset()
+    (sample,) = feed(a, [("pressure", 0), ("imu", 0), ("wheel_states", 0)])
+    assert not sample.rewound
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.data())
+def test_output_does_not_depend_on_the_order_of_arrival_across_topics(data: st.DataObject) -> None:
+    stamps = st.lists(st.integers(0, 200), min_size=2, max_size=25, unique=True).map(sorted)
+    loops = [{topic: data.draw(stamps) for topic in ("wheel_states", "pressure", "imu")} for _ in range(2)]
+    streams: dict[str, list[int]] = {topic: [] for topic in loops[0]}
+    for loop in loops:
+        for topic, own in loop.items():
+            # Every stream goes back at the loop, and ends at or past the primary, so that nothing waits for ever.
+            streams[topic].extend([-1, *own, 201] if topic != "wheel_states" else own)
+    if loops[1]["wheel_states"][0] >= loops[0]["wheel_states"][-1]:
+        return
+    orders = []
+    for _ in range(2):
+        left = {topic: list(own) for topic, own in streams.items()}
+        events = []
+        while any(left.values()):
+            topic = data.draw(st.sampled_from(sorted(t for t, own in left.items() if own)))
+            events.append((topic, left[topic].pop(0)))
+        orders.append(feed(aligner(deadline=1e6), events))
+    assert orders[0] == orders[1]
+    assert len(orders[0]) == len(streams["wheel_states"])

@@ -1,0 +1,88 @@
+"""Test support: a client node in the test's process and the real nodes as child processes, on a domain of their own."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+
+class DdsClient:
+    """A node of the test, and the processes it started."""
+
+    def __init__(self, node: Node, domain_id: int) -> None:
+        """Wrap a node; made by dds_client()."""
+        self.node = node
+        self.executor = SingleThreadedExecutor(context=node.context)
+        self.executor.add_node(node)
+        self._domain_id = domain_id
+        self._processes: list[subprocess.Popen[str]] = []
+
+    def start(self, *arguments: str) -> subprocess.Popen[str]:
+        """Start `python ARGUMENTS` (e.g. "-m", "corner_sim") on the domain of this client, output captured."""
+        process = subprocess.Popen(
+            [sys.executable, *arguments],
+            env=os.environ | {"ROS_DOMAIN_ID": str(self._domain_id)},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        self._processes.append(process)
+        return process
+
+    def until(self, condition: Callable[[], bool], timeout: float = 30.0) -> None:
+        """Spin until the condition holds.
+
+        Raises:
+            TimeoutError: it does not within `timeout` [s].
+        """
+        limit = time.monotonic() + timeout
+        while not condition():
+            if time.monotonic() > limit:
+                raise TimeoutError(f"not within {timeout} s")
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def call(self, kind: type, name: str, request: Any) -> Any:
+        """Call a service and return its response."""
+        client = self.node.create_client(kind, name)
+        self.until(client.service_is_ready)
+        future = client.call_async(request)
+        self.until(future.done)
+        return future.result()
+
+    def close(self) -> None:
+        """End what was started."""
+        for process in self._processes:
+            process.kill()
+            process.wait()
+
+
+def stop(process: subprocess.Popen[str], how: signal.Signals = signal.SIGINT) -> tuple[str, float]:
+    """Send a signal, return what the process printed and the time [s] it took to end."""
+    began = time.monotonic()
+    process.send_signal(how)
+    output, _ = process.communicate(timeout=20)
+    return output, time.monotonic() - began
+
+
+@contextmanager
+def dds_client(domain_id: int, arguments: Sequence[str] = ()) -> Iterator[DdsClient]:
+    """Make a client on a ROS domain (1 to 232) and end it and its processes afterwards."""
+    context = rclpy.Context()
+    rclpy.init(context=context, args=list(arguments), domain_id=domain_id)
+    client = DdsClient(rclpy.create_node("test_client", context=context), domain_id)
+    try:
+        yield client
+    finally:
+        client.close()
+        client.node.destroy_node()
+        rclpy.try_shutdown(context=context)
