@@ -1,1 +1,1 @@
-"""What every node of the friction graph shares: input alignment, parameters, QoS, diagnostics, spin and exit."""
+"""What every node of the friction graph shares: input alignment, parameters, QoS, diagnostics."""

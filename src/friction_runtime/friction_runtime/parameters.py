@@ -5,8 +5,8 @@
         wheels: tuple[str, ...] = parameter(("front_left",), "names of the wheels", read_only=True)
         radius: float = parameter(0.3, "effective rolling radius", unit="m", minimum=0.05, maximum=2.0)
 
-Allowed types: bool, int, float, str, tuple[float, ...], tuple[str, ...]. A dataclass may refuse combinations of values by
-raising ValueError in __post_init__.
+Allowed types: bool, int, float, str, tuple[float, ...], tuple[str, ...]. A dataclass may refuse combinations of
+values by raising ValueError in __post_init__.
 """
 
 from collections.abc import Callable, Mapping

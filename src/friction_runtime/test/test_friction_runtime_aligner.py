@@ -16,7 +16,7 @@ def aligner(deadline: float = 0.05, max_gap: float = 0.1) -> Aligner[float]:
 
 
 def feed(target: Aligner[float], events: list[tuple[str, int]]) -> list[AlignedSample[float]]:
-    """Offer (topic, stamp in ms after START); the value of an input is its stamp in ms, so that interpolation is visible."""
+    """Offer (topic, stamp in ms after START); the value of an input is its stamp, so that interpolation shows."""
     out: list[AlignedSample[float]] = []
     for topic, at in events:
         stamp = START + at * MS

@@ -2,8 +2,8 @@
 
     J omega_dot = r Fx - T_b,    m v_dot = -Fx,    Fx = Fz mu(slip),    slip = (v - omega r) / v,
 
-with the braking force Fx positive, as in the book. The wheel pole grows as 1/v, so an explicit method fails at low speed;
-a linearly implicit, L-stable method of second order (Rosenbrock, gamma = 1 - 1/sqrt(2)) is stable down to standstill.
+with the braking force Fx positive, as in the book. The wheel pole grows as 1/v, so an explicit method fails at low
+speed; a linearly implicit, L-stable method of second order (Rosenbrock, gamma = 1 - 1/sqrt(2)) is stable down to standstill.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ GRAVITY = 9.81
 """Standard acceleration of free fall as the chapter uses it [m/s^2]."""
 _GAMMA = 1.0 - 1.0 / np.sqrt(2.0)
 _SLIP_SPEED_FLOOR = 0.1
-"""Below this speed [m/s] slip is taken relative to it: the tyre then acts as a stiff damper and the corner comes to rest."""
+"""Below this speed [m/s] slip is taken relative to it: the tyre then acts as a stiff damper."""
 _REST_SPEED = 1e-3
 """Below this speed [m/s] a braked corner stands."""
 
@@ -102,7 +102,7 @@ class SingleCorner:
         return -self.parameters.gravity * self.friction(theta)
 
     def wheel_acceleration(self, theta: ArrayLike, brake_torque: ArrayLike) -> Array:
-        """Wheel acceleration omega_dot [rad/s^2] under `brake_torque` [N m], shape (n,); 0 while the wheel is locked."""
+        """Wheel acceleration omega_dot [rad/s^2] under `brake_torque` [N m], shape (n,); 0 when locked."""
         p = self.parameters
         free = (
             p.radius * p.vertical_load * self.friction(theta) - np.asarray(brake_torque, dtype=np.float64)

@@ -1,7 +1,7 @@
 """Burckhardt parameters of the roads of the chapter.
 
-dry, wet, cobblestone and snow are the true values of Table 8.1. high_grip and off_road stand for the test roads of Tables
-8.4 and 8.5, of which the chapter gives only lambda_max (0.1 and 0.13).
+dry, wet, cobblestone and snow are the true values of Table 8.1. high_grip and off_road stand for the test roads of
+Tables 8.4 and 8.5, of which the chapter gives only lambda_max (0.1 and 0.13).
 """
 
 from types import MappingProxyType
