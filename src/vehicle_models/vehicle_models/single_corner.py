@@ -3,7 +3,8 @@
     J omega_dot = r Fx - T_b,    m v_dot = -Fx,    Fx = Fz mu(slip),    slip = (v - omega r) / v,
 
 with the braking force Fx positive, as in the book. The wheel pole grows as 1/v, so an explicit method fails at low
-speed; a linearly implicit, L-stable method of second order (Rosenbrock, gamma = 1 - 1/sqrt(2)) is stable down to standstill.
+speed; a linearly implicit, L-stable method of second order (Rosenbrock, gamma = 1 - 1/sqrt(2)) is stable down to
+standstill.
 """
 
 from dataclasses import dataclass
