@@ -1,0 +1,1 @@
+"""Plant of the friction graph: braked wheels, their sensors and the truth, at 200 Hz"""

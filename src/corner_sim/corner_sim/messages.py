@@ -1,0 +1,181 @@
+"""From a sample of the plant to the messages of its sensors and of its truth."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from friction_msgs.msg import BrakeDemand, FrictionCurve, FrictionSlope, TyreForce, WheelSlip
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from sensor_msgs.msg import FluidPressure, Imu, JointState
+from std_msgs.msg import Header
+
+from corner_sim.plant import SLIP_MIN_SPEED, PlantSample
+from corner_sim.sensors import Measurement
+from corner_sim.slope_truth import SlopeCrossings
+from friction_runtime.processor import Output
+from friction_runtime.stamps import from_nanoseconds
+from vehicle_models import burckhardt
+from vehicle_models.sensor_noise import SensorNoise
+
+BASE_FRAME = "base_link"
+NAN = float("nan")
+
+
+def topics(wheels: Sequence[str], vehicle_velocity: bool, brake_demand: bool) -> dict[str, type]:
+    """Name the topics the plant gives, with their types."""
+    given: dict[str, type] = {
+        "wheel_states": JointState,
+        "imu/data": Imu,
+        "truth/vehicle_velocity": TwistWithCovarianceStamped,
+    }
+    if vehicle_velocity:
+        given["vehicle_velocity"] = TwistWithCovarianceStamped
+    if brake_demand:
+        given["brake_demand"] = BrakeDemand
+    for wheel in wheels:
+        given[f"{wheel}/brake_pressure"] = FluidPressure
+        given[f"truth/{wheel}/slip"] = WheelSlip
+        given[f"truth/{wheel}/friction_slope"] = FrictionSlope
+        given[f"truth/{wheel}/friction_curve"] = FrictionCurve
+        given[f"truth/{wheel}/tyre_force"] = TyreForce
+    return given
+
+
+def wheel_states(stamp: Time, wheels: Sequence[str], measured: Measurement) -> JointState:
+    """Make the wheel encoders' message."""
+    return JointState(
+        header=Header(stamp=stamp), name=list(wheels), velocity=[float(speed) for speed in measured.wheel_speed]
+    )
+
+
+def brake_pressure(stamp: Time, wheel: str, pressure: float, variance: float) -> FluidPressure:
+    """Make one wheel's pressure [Pa] message, with its variance [Pa^2]."""
+    return FluidPressure(header=Header(stamp=stamp, frame_id=wheel), fluid_pressure=pressure, variance=variance)
+
+
+def imu(stamp: Time, acceleration: float, variance: float) -> Imu:
+    """Make the accelerometer's message: x measured [m/s^2], no orientation and no rates (their covariance says so)."""
+    message = Imu(header=Header(stamp=stamp, frame_id=BASE_FRAME))
+    message.linear_acceleration.x = acceleration
+    message.linear_acceleration_covariance[0] = variance
+    message.orientation_covariance[0] = -1.0
+    message.angular_velocity_covariance[0] = -1.0
+    return message
+
+
+def velocity(stamp: Time, speed: float, variance: float) -> TwistWithCovarianceStamped:
+    """Make a vehicle speed [m/s] message, with its variance [m^2/s^2]."""
+    message = TwistWithCovarianceStamped(header=Header(stamp=stamp, frame_id=BASE_FRAME))
+    message.twist.twist.linear.x = speed
+    message.twist.covariance[0] = variance
+    return message
+
+
+def brake_demand(stamp_ns: int, pressure: float) -> BrakeDemand:
+    """Make the driver's demand [Pa] message, for all wheels."""
+    return BrakeDemand(header=Header(stamp=from_nanoseconds(stamp_ns), frame_id=BASE_FRAME), pressure=pressure)
+
+
+def sensors(
+    stamp_ns: int,
+    wheels: Sequence[str],
+    measured: Measurement,
+    noise: SensorNoise,
+    brake_gain: Sequence[float],
+    acceleration_variance: float,
+) -> list[Output]:
+    """Make the messages of all sensors for one sample: vehicle, wheels, then pressures."""
+    stamp = from_nanoseconds(stamp_ns)
+    outputs: list[Output] = [
+        ("vehicle_velocity", velocity(stamp, measured.speed, noise.speed_variance)),
+        ("imu/data", imu(stamp, measured.acceleration, acceleration_variance)),
+    ]
+    for wheel, pressure, gain in zip(wheels, measured.brake_pressure, brake_gain, strict=True):
+        variance = noise.torque_variance / gain**2
+        outputs.append((f"{wheel}/brake_pressure", brake_pressure(stamp, wheel, float(pressure), variance)))
+    outputs.append(("wheel_states", wheel_states(stamp, wheels, measured)))
+    return outputs
+
+
+def truth(stamp_ns: int, wheels: Sequence[str], sample: PlantSample, crossings: SlopeCrossings) -> list[Output]:
+    """Make the messages of the truth for one sample."""
+    stamp = from_nanoseconds(stamp_ns)
+    outputs: list[Output] = [("truth/vehicle_velocity", velocity(stamp, sample.speed, 0.0))]
+    for i, wheel in enumerate(wheels):
+        header = Header(stamp=stamp, frame_id=wheel)
+        outputs.append((f"truth/{wheel}/slip", _slip(header, wheel, sample, i)))
+        outputs.append((f"truth/{wheel}/friction_slope", _slope(header, wheel, sample, crossings, i)))
+        outputs.append((f"truth/{wheel}/friction_curve", _curve(header, wheel, sample, crossings, i)))
+        outputs.append((f"truth/{wheel}/tyre_force", _force(header, wheel, sample, i)))
+    return outputs
+
+
+def _slip(header: Header, wheel: str, sample: PlantSample, i: int) -> WheelSlip:
+    moving = sample.speed > SLIP_MIN_SPEED
+    return WheelSlip(
+        header=header,
+        wheel=wheel,
+        slip=float(sample.slip[i]) if moving else NAN,
+        slip_rate=float(sample.slip_rate[i]),
+        vehicle_speed=sample.speed,
+        wheel_speed=float(sample.wheel_speed[i]),
+        speed_source=WheelSlip.SPEED_SENSOR,
+        valid=moving,
+        reason=WheelSlip.OK if moving else WheelSlip.LOW_SPEED,
+        reason_text="" if moving else f"{wheel}: slip is not defined at or below {SLIP_MIN_SPEED} m/s",
+    )
+
+
+def _slope(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCrossings, i: int) -> FrictionSlope:
+    moving = sample.speed > SLIP_MIN_SPEED
+    count = int(crossings.count[i])
+    return FrictionSlope(
+        header=header,
+        wheel=wheel,
+        method=FrictionSlope.METHOD_TRUTH,
+        sign=int(np.sign(sample.slope[i])) if moving else 0,
+        h=float(sample.h[i]),
+        indicator=float(sample.h[i] * np.sign(sample.slip_rate[i])),
+        delay=0.0,
+        crossings=count,
+        crossing_sign=int(crossings.sign[i]) if count else 0,
+        slip_at_crossing=float(crossings.slip[i]),
+        crossing_stamp=from_nanoseconds(int(crossings.stamp[i])),
+        valid=moving,
+        reason=FrictionSlope.OK if moving else FrictionSlope.LOW_SPEED,
+        reason_text="" if moving else f"{wheel}: slip is not defined at or below {SLIP_MIN_SPEED} m/s",
+    )
+
+
+def _curve(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCrossings, i: int) -> FrictionCurve:
+    theta = sample.theta[i]
+    lambda_max, mu_max = (float(value) for value in burckhardt.peak(theta))
+    slip = float(sample.slip[i])
+    return FrictionCurve(
+        header=header,
+        wheel=wheel,
+        method="truth",
+        theta_1=float(theta[0]),
+        theta_2=float(theta[1]),
+        theta_3=float(theta[2]),
+        lambda_max=lambda_max,
+        mu_max=mu_max,
+        slip=slip,
+        mu=float(sample.friction[i]),
+        slope=float(sample.slope[i]),
+        probability_beyond_peak=float(slip > lambda_max),
+        samples=sample.index + 1,
+        restarts=int(crossings.surface_changes[i]),
+        restarted=bool(crossings.surface_changed[i]),
+        restart_cause=FrictionCurve.RESTART_SURFACE if crossings.surface_changes[i] else FrictionCurve.RESTART_NONE,
+        lambda_max_at_activation=NAN,
+        valid=True,
+        reason=FrictionCurve.OK,
+    )
+
+
+def _force(header: Header, wheel: str, sample: PlantSample, i: int) -> TyreForce:
+    load = float(sample.vertical_load[i])
+    return TyreForce(
+        header=header, wheel=wheel, fx=-load * float(sample.friction[i]), fz=load, valid=True, reason=TyreForce.OK
+    )

@@ -1,0 +1,246 @@
+"""The plant as a node: it keeps the pace, waits for commands in lock-step, and publishes."""
+
+import sys
+from collections.abc import Sequence
+from enum import Enum
+from functools import partial
+from time import monotonic
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from friction_msgs.msg import BrakeCommand, BrakeDemand
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock as ClockMessage
+from std_srvs.srv import Trigger
+
+from corner_sim import messages
+from corner_sim.pace import Pace
+from corner_sim.parameters import SimParameters
+from corner_sim.plant import SAMPLE_TIME
+from corner_sim.simulation import Simulation
+from friction_runtime import qos
+from friction_runtime.parameters import ParameterError, declare
+from friction_runtime.processor import Level
+from friction_runtime.spin import run
+from friction_runtime.stamps import from_nanoseconds
+
+_DIAGNOSTICS_PERIOD = 1.0
+"""[s]"""
+_LINGER = Duration(seconds=0.5)
+"""How long the last messages may take to reach reliable subscribers before the node leaves."""
+
+
+class Phase(Enum):
+    """What the plant is doing."""
+
+    WAITING_FOR_SUBSCRIBERS = "waiting for subscribers"
+    SETTLING = "waiting for the other nodes to find each other"
+    WAITING_FOR_START = "waiting for ~/start"
+    RUNNING = "running"
+    DONE = "done"
+
+
+class CornerSimNode(Node):
+    """Publishes the sensors and the truth of a Simulation at 200 Hz of message time."""
+
+    def __init__(self) -> None:
+        """Declare parameters, build the run, connect.
+
+        Raises:
+            ParameterError: a parameter is bad.
+        """
+        super().__init__("corner_sim")
+        self.exit_code = 0
+        """Exit code for the process: 1 when a time-out ended it."""
+        self._requested = declare(self, SimParameters, self._check)
+        p = self._requested
+        self._start_stamp = p.start_stamp or Clock().now().nanoseconds
+        try:
+            self._simulation = Simulation(p, self._start_stamp)
+        except ValueError as error:
+            raise ParameterError(str(error)) from error
+        self._in_force = p
+        self._published = False
+        self._published_at = 0.0
+        self._failure: str | None = None
+        self._refused = 0
+        self._pace = Pace(p.real_time_factor, monotonic())
+        self._waiting_since = monotonic()
+        self._settled_at = 0.0
+        self._phase = Phase.WAITING_FOR_SUBSCRIBERS if p.autostart else Phase.WAITING_FOR_START
+        given = messages.topics(p.wheels, p.vehicle_velocity, p.demand_source == "profile")
+        self._outputs = {topic: qos.publish(self, kind, topic) for topic, kind in given.items()}
+        self._clock_output = qos.publish(self, ClockMessage, "/clock") if p.publish_clock else None
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        for wheel in p.wheels:
+            qos.subscribe(self, BrakeCommand, f"{wheel}/brake_command", partial(self._on_command, wheel), qos.ESTIMATE)
+        if p.demand_source == "topic":
+            qos.subscribe(self, BrakeDemand, "brake_demand", self._on_demand, qos.ESTIMATE)
+        self.create_service(Trigger, "~/reset", self._on_reset)
+        self.create_service(Trigger, "~/start", self._on_start)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(_DIAGNOSTICS_PERIOD, self._on_diagnostics, clock=steady)
+        self._timer = self.create_timer(SAMPLE_TIME / max(p.real_time_factor, 1.0), self._on_timer, clock=steady)
+
+    def _check(self, parameters: SimParameters) -> None:
+        """Refuse changes that make no run; keep the others for the next reset."""
+        Simulation(parameters, self._start_stamp)
+        self._requested = parameters
+        self.get_logger().info("parameters changed: they take effect at the next ~/reset")
+
+    def _on_timer(self) -> None:
+        now = monotonic()
+        p = self._in_force
+        if self._phase is Phase.WAITING_FOR_SUBSCRIBERS:
+            if not (missing := self._missing_peers()):
+                self._phase = Phase.SETTLING
+                self._settled_at = now + (p.settle_time if p.lock_step or p.wait_for_subscribers else 0.0)
+            elif now - self._waiting_since > p.lock_step_timeout:
+                self._fail(f"not started: still missing after {p.lock_step_timeout} s: {', '.join(missing)}")
+        if self._phase is Phase.SETTLING and now >= self._settled_at:
+            self._begin()
+        self._run_due_samples()
+
+    def _missing_peers(self) -> list[str]:
+        """Name what must be there before the first sample and is not."""
+        p = self._in_force
+        commands = [f"{wheel}/brake_command" for wheel in p.wheels] if p.lock_step else []
+        missing = [f"a publisher of {topic}" for topic in commands if not self.count_publishers(topic)]
+        if (subscribed := self.count_subscribers("wheel_states")) < p.wait_for_subscribers:
+            missing.append(
+                f"{p.wait_for_subscribers - subscribed} of {p.wait_for_subscribers} wheel_states subscribers"
+            )
+        return missing
+
+    def _fail(self, text: str) -> None:
+        """Say once, and in diagnostics, that the plant cannot go on; with exit_when_done, leave with 1."""
+        if self._failure is not None:
+            return
+        self._failure = text
+        self.get_logger().error(text)
+        if self._in_force.exit_when_done:
+            self.exit_code = 1
+            rclpy.try_shutdown()
+
+    def _begin(self) -> None:
+        self._phase = Phase.RUNNING
+        self._pace = Pace(self._in_force.real_time_factor, monotonic())
+        self.get_logger().info(f"running from stamp {self._start_stamp} ns")
+
+    def _run_due_samples(self) -> None:
+        while self._phase is Phase.RUNNING and self._pace.due(monotonic()):
+            if self._published:
+                if self._is_waiting_for_commands():
+                    return
+                self._simulation.advance()
+            self._pace.taken(monotonic())
+            self._publish()
+            if (reason := self._simulation.end) is not None:
+                self._finish(reason)
+
+    def _is_waiting_for_commands(self) -> bool:
+        """In lock-step, has a wheel not yet answered the last sample? After the time-out that is a failure."""
+        p = self._in_force
+        if not p.lock_step or not (silent := self._simulation.unanswered):
+            return False
+        if monotonic() - self._published_at > p.lock_step_timeout:
+            self._fail(
+                f"lock-step: no brake_command with stamp {self._simulation.stamp} ns within {p.lock_step_timeout} s "
+                f"from {', '.join(silent)}: is its supervisor alive, and not in shadow mode? The plant holds still"
+            )
+        return True
+
+    def _publish(self) -> None:
+        if self._clock_output is not None:
+            self._clock_output.publish(ClockMessage(clock=from_nanoseconds(self._simulation.stamp)))
+        self._published, self._published_at, self._failure = True, monotonic(), None
+        for topic, message in self._simulation.messages():
+            self._outputs[topic].publish(message)
+
+    def _finish(self, reason: str) -> None:
+        self._phase = Phase.DONE
+        self.get_logger().info(f"done after {self._simulation.time:.3f} s: {reason}")
+        if self._in_force.exit_when_done:
+            for output in self._outputs.values():
+                output.wait_for_all_acked(_LINGER)
+            rclpy.try_shutdown()
+
+    def _on_command(self, wheel: str, message: BrakeCommand) -> None:
+        self._note_refusal(self._simulation.take_command(wheel, message))
+        if self._in_force.lock_step:
+            self._run_due_samples()
+
+    def _on_demand(self, message: BrakeDemand) -> None:
+        self._note_refusal(self._simulation.take_demand(message))
+
+    def _note_refusal(self, refusal: str | None) -> None:
+        if refusal is not None:
+            self._refused += 1
+            self.get_logger().warning(refusal, throttle_duration_sec=5.0)
+
+    def _on_start(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        response.success = self._phase not in (Phase.RUNNING, Phase.DONE)
+        if response.success:
+            self._begin()
+        response.message = "running" if response.success else f"{self._phase.value}: call ~/reset first"
+        return response
+
+    def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._in_force = self._requested
+        self._simulation = Simulation(self._in_force, self._start_stamp)
+        self._published = False
+        self._failure = None
+        if self._in_force.autostart:
+            self._begin()
+        else:
+            self._phase = Phase.WAITING_FOR_START
+        response.success = True
+        response.message = f"back at stamp {self._start_stamp} ns, {self._phase.value}"
+        self.get_logger().info(f"reset: {response.message}")
+        return response
+
+    def _on_diagnostics(self) -> None:
+        simulation, pace = self._simulation, self._pace
+        level, text = Level.OK, self._phase.value
+        if self._phase is Phase.RUNNING and simulation.stale and not self._in_force.lock_step:
+            level, text = Level.WARN, f"brake_command silent, taken as NONE: {', '.join(simulation.stale)}"
+        elif pace.shifted > 0.0:
+            level, text = Level.WARN, f"{text}; the machine is too slow: {pace.shifted:.3f} s behind the wall clock"
+        if self._failure is not None:
+            level, text = Level.ERROR, self._failure
+        values = {
+            "message time [s]": f"{simulation.time:.3f}",
+            "speed [m/s]": f"{simulation.speed:.3f}",
+            "samples": str(simulation.index + self._published),
+            "overruns": str(pace.overruns),
+            "worst lateness [s]": f"{pace.worst_lateness:.4f}",
+            "schedule shifted [s]": f"{pace.shifted:.3f}",
+            "messages refused": str(self._refused),
+        }
+        array = DiagnosticArray()
+        array.header.stamp = Clock().now().to_msg()
+        array.status = [
+            DiagnosticStatus(
+                level=bytes([level]),
+                name=f"{self.get_fully_qualified_name()}: plant",
+                message=text,
+                hardware_id="plant",
+                values=[KeyValue(key=key, value=value) for key, value in values.items()],
+            )
+        ]
+        self._diagnostics.publish(array)
+
+
+def main(args: Sequence[str] | None = None) -> None:
+    """Run the node; leave with 2 for a bad parameter, 1 for a time-out with exit_when_done, else 0."""
+    made: list[CornerSimNode] = []
+
+    def make() -> CornerSimNode:
+        made.append(CornerSimNode())
+        return made[0]
+
+    code = run(make, args)
+    sys.exit(code or (made[0].exit_code if made else 0))

@@ -1,0 +1,144 @@
+"""One run of the plant behind its messages: messages in, messages out, no middleware and no clock."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from friction_msgs.msg import BrakeCommand, BrakeDemand
+
+from corner_sim import messages
+from corner_sim.commands import CommandInbox, DemandInbox
+from corner_sim.driver import DriverProfile
+from corner_sim.parameters import SimParameters
+from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant
+from corner_sim.road import Road
+from corner_sim.sensors import Sensors
+from corner_sim.slope_truth import SlopeCrossings
+from corner_sim.vehicle import JoinedCorners
+from friction_runtime.parameters import per_wheel
+from friction_runtime.processor import Output
+from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
+from vehicle_models.single_corner import CornerParameters
+
+
+class Simulation:
+    """A run from the first sample on. `messages` gives the present sample, `advance` goes to the next."""
+
+    def __init__(self, parameters: SimParameters, start_stamp: int) -> None:
+        """Build the run.
+
+        Args:
+            parameters: of the run.
+            start_stamp: stamp of the first sample [ns], > 0.
+
+        Raises:
+            ValueError: parameters do not fit each other, by name.
+        """
+        self._parameters = parameters
+        self._start_stamp = start_stamp
+        wheels = parameters.wheels
+        gains = per_wheel("brake_gain", parameters.brake_gain, wheels)
+        self._brake_gain = np.array([gains[wheel] for wheel in wheels])
+        corner = CornerParameters(parameters.radius, parameters.inertia, parameters.mass)
+        road = Road(parameters.surfaces, parameters.surface_distances)
+        self._plant = Plant(
+            JoinedCorners(len(wheels), corner, parameters.initial_speed),
+            road,
+            ActuatorParameters(parameters.actuator_delay, parameters.apply_rate, parameters.release_rate),
+            self._brake_gain,
+        )
+        level = parameters.demand_level
+        if parameters.demand_unit == "peak_ratio":
+            level *= float(corner.peak_torque(road.theta(0.0)))
+        self._driver = DriverProfile(
+            level / gains[wheels[0]],
+            parameters.demand_start,
+            parameters.demand_rise,
+            parameters.demand_hold,
+            parameters.demand_release,
+        )
+        self._noise = CHAPTER_NOISE if parameters.noise == "chapter" else NO_NOISE
+        self._sensors = Sensors(
+            self._noise,
+            parameters.acceleration_variance,
+            parameters.acceleration_offset,
+            self._brake_gain,
+            parameters.seed,
+        )
+        self._demand = DemandInbox(wheels)
+        self._commands = CommandInbox(wheels, parameters.command_timeout)
+        self._crossings = SlopeCrossings(len(wheels))
+        self._profile_in_force = parameters.demand_source == "profile"
+        self._sample = self._plant.sample()
+        self._crossings.update(self._sample, self.stamp)
+
+    @property
+    def index(self) -> int:
+        """Samples since the start."""
+        return self._sample.index
+
+    @property
+    def time(self) -> float:
+        """Message time since the start [s]."""
+        return self.index * SAMPLE_TIME
+
+    @property
+    def stamp(self) -> int:
+        """Stamp of the present sample [ns]."""
+        return self._start_stamp + self.index * SAMPLE_TIME_NS
+
+    @property
+    def speed(self) -> float:
+        """Vehicle speed now [m/s]."""
+        return self._sample.speed
+
+    @property
+    def unanswered(self) -> list[str]:
+        """Wheels whose last brake_command does not answer the present sample."""
+        return self._commands.unanswered(self.stamp)
+
+    @property
+    def stale(self) -> list[str]:
+        """Wheels whose brake_command has fallen silent: it counts as NONE."""
+        return self._commands.stale(self.stamp)
+
+    @property
+    def end(self) -> str | None:
+        """Why the run has ended, None while it has not."""
+        p = self._parameters
+        if self.speed <= p.end_speed:
+            return f"speed {self.speed:.2f} m/s has reached end_speed {p.end_speed} m/s"
+        if p.end_time > 0.0 and self.time >= p.end_time - 0.5 * SAMPLE_TIME:
+            return f"end_time {p.end_time} s has passed"
+        return None
+
+    def messages(self) -> Sequence[Output]:
+        """Measure the present sample and make all its messages. Call it once a sample: each call draws noise."""
+        p = self._parameters
+        outputs = messages.truth(self.stamp, p.wheels, self._sample, self._crossings)
+        if self._profile_in_force:
+            outputs.append(("brake_demand", messages.brake_demand(self.stamp, self._driver.demand(self.time))))
+        outputs += messages.sensors(
+            self.stamp,
+            p.wheels,
+            self._sensors.measure(self._sample),
+            self._noise,
+            self._brake_gain.tolist(),
+            p.acceleration_variance,
+        )
+        return [output for output in outputs if p.vehicle_velocity or output[0] != "vehicle_velocity"]
+
+    def take_command(self, wheel: str, message: BrakeCommand) -> str | None:
+        """Take a brake_command of `wheel`; return why it is refused."""
+        return self._commands.take(wheel, message)
+
+    def take_demand(self, message: BrakeDemand) -> str | None:
+        """Take a brake_demand; return why it is refused."""
+        return self._demand.take(message)
+
+    def advance(self) -> None:
+        """Go to the next sample under the commands and the demand in force."""
+        demand = self._driver.demand(self.time) if self._profile_in_force else self._demand.pressure
+        self._plant.advance(demand, self._commands.commands(self.stamp))
+        self._sample = self._plant.sample()
+        self._crossings.update(self._sample, self.stamp)
