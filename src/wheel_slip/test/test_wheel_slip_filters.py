@@ -1,0 +1,114 @@
+"""The Kalman filters of wheel speed and vehicle speed: closed forms, statistics, irregular and late samples."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
+from wheel_slip.wheel_speed_filter import WheelSpeedFilter
+
+MS = 1_000_000
+QUIET = SpeedFilterParameters(acceleration_stddev=1e-3, offset_stddev=0.4, offset_walk=1e-4)
+
+
+def wheel_filter() -> WheelSpeedFilter:
+    return WheelSpeedFilter(variance=0.005, jerk_density=3e3, max_gap=0.1)
+
+
+@given(st.lists(st.floats(0.001, 0.08), min_size=60, max_size=60), st.floats(-100.0, 100.0))
+def test_constant_acceleration_is_followed_exactly_at_irregular_times(gaps: list[float], rate: float) -> None:
+    wheel = wheel_filter()
+    stamp = MS
+    for gap in gaps:
+        stamp += round(gap * 1e9)
+        wheel.update(stamp, 80.0 + rate * stamp * 1e-9)
+    # What is left of the unknown start has decayed to the share of its prior.
+    assert wheel.speed == pytest.approx(80.0 + rate * stamp * 1e-9, abs=0.02)
+    assert wheel.acceleration == pytest.approx(rate, abs=0.5)
+
+
+@pytest.mark.parametrize("rate", [25, 100, 200, 1000])
+def test_wheel_filter_is_as_uncertain_as_it_says(rate: int) -> None:
+    rng = np.random.default_rng(3)
+    dt = 1.0 / rate
+    errors = []
+    for _ in range(60):
+        wheel, omega, alpha, stamp = wheel_filter(), 80.0, 0.0, MS
+        for _ in range(60):
+            wheel.update(stamp, omega + np.sqrt(0.005) * rng.normal())
+            error = (wheel.speed - omega, wheel.acceleration - alpha)
+            jerk = rng.multivariate_normal(
+                [0, 0], 3e3 * np.array([[dt**3 / 3, dt**2 / 2], [dt**2 / 2, dt]]), method="cholesky"
+            )
+            omega, alpha = omega + alpha * dt + jerk[0], alpha + jerk[1]
+            stamp += round(dt * 1e9)
+        errors.append((error[0] ** 2 / wheel.speed_variance, error[1] ** 2 / wheel.acceleration_variance))
+    mean = np.mean(errors, axis=0)
+    # Mean of 60 squared unit normals: five standard deviations.
+    assert np.all(np.abs(mean - 1.0) < 5.0 * np.sqrt(2.0 / 60.0))
+
+
+def test_burst_of_near_equal_stamps_averages_and_a_gap_starts_anew() -> None:
+    wheel = wheel_filter()
+    for k in range(5):
+        wheel.update(MS + k, 50.0 + (-1.0) ** k * 0.07)
+    assert wheel.speed == pytest.approx(50.0, abs=0.03)
+    assert wheel.settled
+    wheel.update(MS + 200 * MS, 40.0)
+    assert not wheel.settled
+    assert wheel.restarted_by_gap
+    assert wheel.speed == 40.0
+
+
+def run_speed_filter(late: int, offset: float) -> SpeedFilter:
+    """Brake from 30 m/s, accelerometer off by `offset`, the speed sensor's samples `late` samples old."""
+    f = SpeedFilter(QUIET)
+    times = np.arange(1, 401) * 0.005
+    speeds = 30.0 - 8.0 * times + 0.5 * np.sin(3.0 * times)
+    accelerations = -8.0 + 1.5 * np.cos(3.0 * times) + offset
+    stamps = [round(t * 1e9) for t in times]
+    for k in range(400):
+        f.predict(stamps[k], float(accelerations[k]))
+        if k >= late:
+            assert f.correct(float(speeds[k - late]), 0.01, stamps[k - late])
+    assert f.speed == pytest.approx(speeds[-1], abs=0.01)
+    return f
+
+
+@pytest.mark.parametrize("late", [0, 1, 40])
+def test_offset_is_learned_and_latency_leaves_no_bias(late: int) -> None:
+    f = run_speed_filter(late, 0.35)
+    assert f.offset == pytest.approx(0.35, abs=0.01)
+
+
+def test_sample_from_before_the_history_is_refused_and_changes_nothing() -> None:
+    f = SpeedFilter(QUIET)
+    f.predict(5 * MS, 0.0)
+    f.correct(10.0, 0.01)
+    before = (f.speed, f.offset, f.speed_variance)
+    assert not f.correct(20.0, 0.01, 4 * MS)
+    assert not f.correct(20.0, 0.01, 6 * MS)
+    assert (f.speed, f.offset, f.speed_variance) == before
+
+
+def test_without_measurements_the_uncertainty_grows_faster_than_time() -> None:
+    f = SpeedFilter(SpeedFilterParameters())
+    f.predict(5 * MS, 0.0)
+    f.correct(30.0, 0.01)
+    deviations = []
+    for k in range(2, 401):
+        f.predict(k * 5 * MS, 0.0)
+        deviations.append(np.sqrt(f.speed_variance - 0.01))
+    assert np.all(np.diff(deviations) > 0.0)
+    assert deviations[-1] > 1.9 * deviations[len(deviations) // 2 - 1]
+
+
+def test_acceleration_is_continuous_when_the_accelerometer_goes_and_offset_is_kept_until_it_returns() -> None:
+    f = run_speed_filter(0, 0.35)
+    offset, acceleration, speed = f.offset, f.acceleration, f.speed
+    f.predict(401 * 5 * MS, None)
+    assert f.acceleration == pytest.approx(acceleration)
+    assert f.speed == pytest.approx(speed + 0.005 * acceleration, abs=0.01)
+    f.predict(402 * 5 * MS, acceleration + 0.35)
+    assert f.offset == pytest.approx(offset)

@@ -1,0 +1,269 @@
+"""Messages in, messages out: order of arrival, bad input, jumps in time, shipped parameters."""
+
+import random
+from collections.abc import Sequence
+from dataclasses import replace
+from math import isfinite, isnan, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from friction_msgs.msg import WheelSlip
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from sensor_msgs.msg import Imu, JointState
+
+from friction_runtime.parameters import ParameterError, from_mapping, load
+from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from wheel_slip.estimate import Reason, SpeedSource
+from wheel_slip.parameters import WheelSlipParameters
+from wheel_slip.processor import CarProcessor, build
+
+CONFIG = Path(__file__).parents[1] / "config" / "wheel_slip.yaml"
+PERIOD = 5_000_000
+FOUR = ("front_left", "front_right", "rear_left", "rear_right")
+Message = tuple[str, Any]
+
+
+def wheel_states(stamp: int, speeds: Sequence[float], names: Sequence[str] = ("front_left",)) -> Message:
+    message = JointState(name=list(names), velocity=list(speeds))
+    message.header.stamp = from_nanoseconds(stamp)
+    return "wheel_states", message
+
+
+def imu(stamp: int, acceleration: float) -> Message:
+    message = Imu()
+    message.header.stamp = from_nanoseconds(stamp)
+    message.linear_acceleration.x = acceleration
+    return "imu/data", message
+
+
+def velocity(stamp: int, speed: float, variance: float = 0.25) -> Message:
+    message = TwistWithCovarianceStamped()
+    message.header.stamp = from_nanoseconds(stamp)
+    message.twist.twist.linear.x = speed
+    message.twist.covariance[0] = variance
+    return "vehicle_velocity", message
+
+
+def stop(samples: int = 300, start: int = PERIOD, seed: int = 0) -> list[Message]:
+    """A noisy stop of one wheel from 30 m/s at 6 m/s^2 with slip 0.1, speed sensor at 50 Hz."""
+    rng = np.random.default_rng(seed)
+    messages: list[Message] = []
+    for k in range(samples):
+        t = k * 0.005
+        speed = 30.0 - 6.0 * max(t - 0.3, 0.0)
+        slip = 0.1 * min(max((t - 0.3) / 0.2, 0.0), 1.0)
+        stamp = start + k * PERIOD
+        messages.append(wheel_states(stamp, [(1.0 - slip) * speed / 0.3 + 0.07 * rng.normal()]))
+        messages.append(imu(stamp, (-6.0 if t > 0.3 else 0.0) + 0.1 * rng.normal()))
+        if k % 4 == 0:
+            messages.append(velocity(stamp, speed + 0.2 * rng.normal(), 0.04))
+    return messages
+
+
+def run(processor: CarProcessor, messages: Sequence[Message]) -> list[WheelSlip]:
+    return [out for topic, message in messages for _, out in processor.process(topic, message)]
+
+
+def numbers(message: WheelSlip) -> tuple[Any, ...]:
+    """All fields, comparable (NaN equals NaN)."""
+    fields = [getattr(message, name) for name in message.get_fields_and_field_types() if name != "header"]
+    return (to_nanoseconds(message.header.stamp), *(repr(value) for value in fields))
+
+
+@pytest.fixture
+def processor() -> CarProcessor:
+    return CarProcessor(load(WheelSlipParameters, CONFIG, "wheel_slip"))
+
+
+def test_shipped_parameter_file_holds_the_defaults() -> None:
+    assert load(WheelSlipParameters, CONFIG, "wheel_slip") == WheelSlipParameters()
+    assert len(build(WheelSlipParameters())) == 1
+
+
+def test_enums_are_those_of_the_message() -> None:
+    for reason in Reason:
+        assert getattr(WheelSlip, reason.name) == reason
+    for source in SpeedSource:
+        assert getattr(WheelSlip, f"SPEED_{source.name}") == source
+
+
+def test_slip_follows_a_stop_with_the_speed_sensor(processor: CarProcessor) -> None:
+    outputs = run(processor, stop())
+    last = outputs[-1]
+    assert len(outputs) >= 299
+    assert last.valid
+    assert last.speed_source == WheelSlip.SPEED_SENSOR
+    assert last.slip == pytest.approx(0.1, abs=5.0 * last.slip_variance**0.5)
+    assert last.slip_variance**0.5 < 0.01
+    assert last.slip_rate == pytest.approx(0.0, abs=5.0 * last.slip_rate_variance**0.5)
+    assert to_nanoseconds(last.header.stamp) % PERIOD == 0
+
+
+def test_output_does_not_depend_on_the_order_of_arrival_across_topics() -> None:
+    in_order = stop()
+    rng = random.Random(7)
+    delay = {"wheel_states": 0.0, "imu/data": 0.0, "vehicle_velocity": 0.0}
+    arrivals: list[tuple[float, int, Message]] = []
+    for topic, message in in_order:
+        # Up to 15 ms late, each topic in its own order.
+        delay[topic] = max(delay[topic] - 5e6, rng.uniform(0.0, 15e6))
+        arrivals.append((to_nanoseconds(message.header.stamp) + delay[topic], len(arrivals), (topic, message)))
+    shuffled = [message for _, _, message in sorted(arrivals)]
+    assert [m for m, _ in shuffled] != [m for m, _ in in_order]
+    a = [numbers(m) for m in run(CarProcessor(WheelSlipParameters()), in_order)]
+    b = [numbers(m) for m in run(CarProcessor(WheelSlipParameters()), shuffled)]
+    assert a[: len(b)] == b[: len(a)]
+
+
+def test_output_never_waits_for_a_slow_speed_sensor(processor: CarProcessor) -> None:
+    processor.process(*velocity(PERIOD, 20.0))
+    for k in range(1, 60):
+        processor.process(*imu(k * PERIOD, 0.0))
+        ((_, output),) = processor.process(*wheel_states(k * PERIOD, [20.0 / 0.3]))
+        assert to_nanoseconds(output.header.stamp) == k * PERIOD
+
+
+def test_late_speed_is_used_at_its_own_time(processor: CarProcessor) -> None:
+    late = CarProcessor(replace(WheelSlipParameters(), speed_latency=0.2))
+    messages = []
+    for topic, message in stop(500):
+        if topic == "vehicle_velocity":
+            stamp = to_nanoseconds(message.header.stamp) + 200_000_000
+            message.header.stamp = from_nanoseconds(stamp)
+        messages.append((topic, message))
+    last = run(late, messages)[-1]
+    assert last.vehicle_speed == pytest.approx(30.0 - 6.0 * (499 * 0.005 - 0.3), abs=0.1)
+
+
+def test_loop_of_a_bag_starts_anew_with_the_same_outputs(processor: CarProcessor) -> None:
+    first = run(processor, stop())
+    second = run(processor, stop())
+    assert [numbers(m) for m in second[-290:]] == [numbers(m) for m in first[-290:]]
+
+
+def test_reset_starts_anew(processor: CarProcessor) -> None:
+    first = run(processor, stop())
+    processor.reset()
+    assert [numbers(m) for m in run(processor, stop())] == [numbers(m) for m in first]
+
+
+@pytest.mark.parametrize(
+    ("bad", "named"),
+    [
+        (wheel_states(0, [50.0]), "wheel_states: stamp is zero"),
+        (imu(0, 0.0), "imu/data: stamp is zero"),
+        (imu(300 * PERIOD + 1, nan), "imu/data: value is not finite"),
+        (velocity(0, 20.0), "vehicle_velocity: stamp is zero"),
+        (velocity(301 * PERIOD, float("inf")), "vehicle_velocity: inf is no vehicle speed"),
+        (wheel_states(300 * PERIOD, [50.0]), "wheel_states: stamp repeats"),
+    ],
+)
+def test_bad_sample_is_refused_by_name_and_changes_nothing(bad: Message, named: str) -> None:
+    said: list[str] = []
+    disturbed = CarProcessor(WheelSlipParameters(), lambda _severity, text: said.append(text))
+    calm = CarProcessor(WheelSlipParameters())
+    messages = stop(400)
+    cut = next(i for i, (_, m) in enumerate(messages) if to_nanoseconds(m.header.stamp) > 300 * PERIOD)
+    outputs = run(disturbed, [*messages[:cut], bad, *messages[cut:]])
+    assert [numbers(m) for m in outputs] == [numbers(m) for m in run(calm, messages)]
+    assert any(named in text for text in said)
+
+
+def test_missing_and_not_finite_wheels_are_invalid_and_named_while_others_go_on() -> None:
+    said: list[str] = []
+    p = from_mapping(WheelSlipParameters, {"wheels": FOUR})
+    processor = CarProcessor(p, lambda _severity, text: said.append(text))
+    rolling = 20.0 / 0.3
+    outputs: list[tuple[str, WheelSlip]] = []
+    for k in range(1, 40):
+        processor.process(*imu(k * PERIOD, 0.0))
+        states = wheel_states(k * PERIOD, [rolling, nan, rolling], ("front_left", "front_right", "rear_left"))
+        outputs = list(processor.process(*states))
+    by_topic = dict(outputs)
+    assert by_topic["front_left/slip"].valid
+    assert by_topic["rear_left/slip"].valid
+    for wheel in ("front_right", "rear_right"):
+        message = by_topic[f"{wheel}/slip"]
+        assert not message.valid
+        assert message.reason == WheelSlip.BAD_INPUT
+        assert wheel in message.reason_text
+        assert isnan(message.slip)
+        assert any(f"'{wheel}'" in text for text in said)
+
+
+def test_no_slip_near_standstill_and_in_reverse(processor: CarProcessor) -> None:
+    for speed in (0.0, 0.5, -3.0):
+        processor.reset()
+        messages: list[Message] = []
+        for k in range(1, 60):
+            messages += [
+                velocity(k * PERIOD, speed, 0.01),
+                imu(k * PERIOD, 0.0),
+                wheel_states(k * PERIOD, [speed / 0.3]),
+            ]
+        last = run(processor, messages)[-1]
+        assert not last.valid
+        assert last.reason == WheelSlip.LOW_SPEED
+        assert isnan(last.slip)
+        assert isnan(last.slip_rate)
+        assert last.vehicle_speed == pytest.approx(speed, abs=0.2)
+
+
+def test_without_imu_the_speed_sensor_alone_serves_and_the_fault_is_said(processor: CarProcessor) -> None:
+    messages = [m for m in stop(400) if m[0] != "imu/data"]
+    last = run(processor, messages)[-1]
+    assert last.valid
+    assert last.slip == pytest.approx(0.1, abs=5.0 * last.slip_variance**0.5)
+    assert "imu/data" in processor.health().message
+
+
+def test_gap_makes_the_slip_invalid_until_the_filter_has_settled(processor: CarProcessor) -> None:
+    messages = [m for m in stop(300) if not 200 * PERIOD < to_nanoseconds(m[1].header.stamp) <= 240 * PERIOD]
+    outputs = run(processor, messages)
+    after = [m for m in outputs if to_nanoseconds(m.header.stamp) > 240 * PERIOD]
+    assert [m.reason for m in after[:4]] == [WheelSlip.GAP] * 4
+    assert after[10].valid
+
+
+def test_every_output_of_a_hostile_stream_is_consistent(processor: CarProcessor) -> None:
+    rng = random.Random(3)
+    weird = [nan, float("inf"), -float("inf"), 1e308, -1e308, 0.0, 1e-308]
+    messages: list[Message] = []
+    for topic, message in stop(600):
+        if rng.random() < 0.1:
+            stamp = rng.choice([0, 1, PERIOD, to_nanoseconds(message.header.stamp) - 50 * PERIOD])
+            message.header.stamp = from_nanoseconds(max(stamp, 0))
+        if rng.random() < 0.1:
+            value = rng.choice(weird)
+            if topic == "wheel_states":
+                message.velocity = rng.choice([[], [value], [value, value]])
+            elif topic == "imu/data":
+                message.linear_acceleration.x = value
+            else:
+                message.twist.twist.linear.x = value
+                message.twist.covariance[0] = value
+        messages.append((topic, message))
+    for output in run(processor, messages):
+        assert output.valid == (output.reason == WheelSlip.OK)
+        assert output.valid == isfinite(output.slip)
+        assert output.valid == isfinite(output.slip_rate)
+        assert output.valid or output.reason_text
+
+
+@pytest.mark.parametrize(
+    ("values", "named"),
+    [
+        ({"wheels": []}, "wheels"),
+        ({"wheels": ["a", "a"]}, "wheels"),
+        ({"wheels": ["a", "b"], "radii": [0.3, 0.3, 0.3]}, "radii"),
+        ({"radii": [0.0]}, "radii"),
+        ({"minimum_speed": 0.0}, "minimum_speed"),
+        ({"imu_sign": 0.5}, "imu_sign"),
+        ({"imu_axis": "w"}, "imu_axis"),
+    ],
+)
+def test_bad_parameter_is_refused_by_name(values: dict[str, Any], named: str) -> None:
+    with pytest.raises(ParameterError, match=named):
+        from_mapping(WheelSlipParameters, values)

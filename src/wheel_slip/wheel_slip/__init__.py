@@ -1,0 +1,1 @@
+"""Vehicle speed and wheel slip from wheel encoders, accelerometer and speed sensor."""

@@ -1,0 +1,18 @@
+"""Node wheel_slip: the car's processor on its topics."""
+
+from collections.abc import Sequence
+
+from friction_runtime.processor_node import ProcessorNode
+from friction_runtime.spin import run
+from wheel_slip.parameters import WheelSlipParameters
+from wheel_slip.processor import build
+
+
+def make_node() -> ProcessorNode[WheelSlipParameters]:
+    """Make the node; rclpy is initialised."""
+    return ProcessorNode("wheel_slip", WheelSlipParameters, build)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run until a signal; return the exit code."""
+    return run(make_node, args)

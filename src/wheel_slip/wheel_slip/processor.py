@@ -1,0 +1,172 @@
+"""wheel_states, imu/data and vehicle_velocity in, <wheel>/slip out: one processor for the car."""
+
+from collections.abc import Mapping, Sequence
+from math import isfinite, nan, sqrt
+
+from friction_msgs.msg import WheelSlip
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from sensor_msgs.msg import Imu, JointState
+from std_msgs.msg import Header
+
+from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
+from friction_runtime.processor import Health, Level, Output, Report, silent
+from friction_runtime.stamps import NANOSECONDS, from_nanoseconds, to_nanoseconds
+from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
+from wheel_slip.estimator import SlipEstimator, SpeedSample
+from wheel_slip.parameters import WheelSlipParameters
+from wheel_slip.speed_queue import SpeedQueue
+
+WHEEL_STATES = "wheel_states"
+IMU = "imu/data"
+VEHICLE_VELOCITY = "vehicle_velocity"
+_SILENT_AFTER = 0.25
+"""[s]"""
+_FASTEST_WHEEL = 1000.0
+_FASTEST_CAR = 200.0
+_STRONGEST_ACCELERATION = 200.0
+"""[rad/s], [m/s], [m/s^2]: what is beyond is garbage, not a measurement."""
+
+
+class CarProcessor:
+    """Layer 2 of wheel_slip. Fires for each wheel_states sample, once the accelerometer has reached its stamp."""
+
+    def __init__(self, parameters: WheelSlipParameters, report: Report = silent) -> None:
+        """Build from the parameters; `report` takes what a person should know."""
+        self._p = parameters
+        self._report = report
+        self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, VEHICLE_VELOCITY: TwistWithCovarianceStamped}
+        inputs: list[AlignedInput] = []
+        if parameters.use_imu:
+            self.sensors = {**self.sensors, IMU: Imu}
+            inputs.append(AlignedInput(IMU, parameters.max_gap))
+        self.estimates: Mapping[str, type] = {}
+        self.outputs: Mapping[str, type] = {f"{wheel}/slip": WheelSlip for wheel in parameters.wheels}
+        self._aligner: Aligner[tuple[float, ...]] = Aligner(WHEEL_STATES, inputs, parameters.deadline)
+        self._speeds: SpeedQueue[tuple[float, float]] = SpeedQueue(parameters.speed_wait)
+        self._estimator = SlipEstimator(parameters.estimator())
+        self.reset()
+
+    def reset(self) -> None:
+        """Start anew, as after construction."""
+        self._aligner.reset()
+        self._speeds.reset()
+        self._estimator.reset()
+        self._last: dict[str, WheelEstimate] = {}
+        self._missing = ""
+        self._silent = ""
+
+    def process(self, topic: str, message: JointState | Imu | TwistWithCovarianceStamped) -> Sequence[Output]:
+        """Take one message, return what follows from it."""
+        stamp = to_nanoseconds(message.header.stamp)
+        if topic == WHEEL_STATES:
+            refusal = self._aligner.offer_primary(stamp, self._wheel_speeds(message))
+        elif topic == IMU:
+            refusal = self._aligner.offer(topic, stamp, (self._acceleration(message),))
+        else:
+            refusal = self._offer_speed(stamp, message)
+        if refusal is not None:
+            self._report("warning", f"{refusal}: sample refused")
+        self._silent = ""
+        return [output for sample in self._aligner.ready() for output in self._fire(sample)]
+
+    def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
+        """Note silence of wheel_states for diagnostics: without a sample there is no stamp to speak of."""
+        age = ages.get(WHEEL_STATES, 0.0)
+        self._silent = f"{WHEEL_STATES}: no message for {age:.2f} s" if age > _SILENT_AFTER else ""
+        return []
+
+    def health(self) -> Health:
+        """State for diagnostics."""
+        speed = self._estimator.speed_filter
+        values = {
+            "speed source": self._estimator.source.name.lower(),
+            "vehicle speed [m/s]": f"{speed.speed:.3f}",
+            "vehicle speed standard deviation [m/s]": f"{sqrt(speed.speed_variance):.3f}",
+            "accelerometer offset [m/s^2]": f"{speed.offset:.3f}",
+            "late samples of vehicle_velocity": str(self._speeds.late),
+        }
+        bad: list[str] = []
+        for wheel, estimate in self._last.items():
+            values[f"{wheel} reason"] = estimate.reason_text or "ok"
+            if estimate.reason not in (Reason.OK, Reason.LOW_SPEED):
+                bad.append(f"{wheel}: {estimate.reason_text}")
+        if self._silent or not self._last:
+            return Health("car", Level.ERROR, self._silent or f"{WHEEL_STATES}: no sample yet", values)
+        if self._estimator.source is SpeedSource.NONE:
+            return Health("car", Level.ERROR, "no vehicle speed", values)
+        said = "; ".join([*bad, *([self._missing] if self._missing else [])])
+        return Health("car", Level.WARN if said else Level.OK, said or "ok", values)
+
+    def _wheel_speeds(self, message: JointState) -> tuple[float, ...]:
+        """Speeds of our wheels [rad/s], NaN for what is missing."""
+        speeds = dict(zip(message.name, message.velocity, strict=False))
+        given = (float(speeds.get(wheel, nan)) for wheel in self._p.wheels)
+        result = tuple(speed if abs(speed) <= _FASTEST_WHEEL else nan for speed in given)
+        for wheel, speed in zip(self._p.wheels, result, strict=True):
+            if not isfinite(speed):
+                if wheel not in speeds:
+                    self._report(
+                        "error",
+                        f"{WHEEL_STATES}: no velocity for wheel '{wheel}', names are: {', '.join(message.name)}; "
+                        "check the parameter 'wheels'",
+                    )
+                else:
+                    self._report(
+                        "warning", f"{WHEEL_STATES}: velocity of wheel '{wheel}' is no wheel speed: {speeds[wheel]}"
+                    )
+        return result
+
+    def _acceleration(self, message: Imu) -> float:
+        """Acceleration forward [m/s^2], NaN where it is garbage."""
+        acceleration = self._p.imu_sign * getattr(message.linear_acceleration, self._p.imu_axis) - self._p.imu_offset
+        return float(acceleration) if abs(acceleration) <= _STRONGEST_ACCELERATION else nan
+
+    def _offer_speed(self, stamp: int, message: TwistWithCovarianceStamped) -> str | None:
+        speed, variance = message.twist.twist.linear.x, message.twist.covariance[0]
+        if not abs(speed) <= _FASTEST_CAR:
+            return f"{VEHICLE_VELOCITY}: {speed} is no vehicle speed"
+        if not (isfinite(variance) and variance > 0.0):
+            variance = self._p.speed_stddev**2
+        refusal = self._speeds.offer(stamp, (speed, variance))
+        return None if refusal is None else f"{VEHICLE_VELOCITY}: {refusal}"
+
+    def _fire(self, sample: AlignedSample[tuple[float, ...]]) -> list[Output]:
+        if sample.rewound:
+            self._estimator.reset()
+            self._report("info", f"{WHEEL_STATES}: stamps jumped back, started anew")
+        self._missing = sample.missing.get(IMU, "")
+        latency = round(self._p.speed_latency * NANOSECONDS)
+        measured = [
+            SpeedSample(when - latency, *value) for when, value in self._speeds.due(sample.stamp, sample.rewound)
+        ]
+        acceleration = sample.values[IMU][0] if IMU in sample.values else None
+        estimates = self._estimator.update(sample.stamp, sample.payload, acceleration, measured)
+        stamp = from_nanoseconds(sample.stamp)
+        outputs: list[Output] = []
+        for wheel, estimate in zip(self._p.wheels, estimates, strict=True):
+            self._last[wheel] = estimate
+            outputs.append((f"{wheel}/slip", _message(Header(stamp=stamp, frame_id=wheel), wheel, estimate)))
+        return outputs
+
+
+def build(parameters: WheelSlipParameters, report: Report = silent) -> list[CarProcessor]:
+    """Make the processors: one, for the whole car."""
+    return [CarProcessor(parameters, report)]
+
+
+def _message(header: Header, wheel: str, estimate: WheelEstimate) -> WheelSlip:
+    return WheelSlip(
+        header=header,
+        wheel=wheel,
+        slip=estimate.slip,
+        slip_rate=estimate.slip_rate,
+        vehicle_speed=estimate.vehicle_speed,
+        wheel_speed=estimate.wheel_speed,
+        slip_variance=estimate.slip_variance,
+        slip_rate_variance=estimate.slip_rate_variance,
+        vehicle_speed_variance=estimate.vehicle_speed_variance,
+        speed_source=int(estimate.source),
+        valid=estimate.reason is Reason.OK,
+        reason=int(estimate.reason),
+        reason_text=estimate.reason_text and f"{wheel}: {estimate.reason_text}",
+    )

@@ -1,0 +1,148 @@
+"""Vehicle speed and accelerometer offset: a Kalman filter driven by the accelerometer.
+
+    v_dot = a_m - b + n_a,    b_dot = n_b
+
+a_m is the measured acceleration, b its offset: sensor bias and road slope together (g sin(slope)), which a speed
+measurement separates from a_m and nothing else can. Without an accelerometer a_m is 0, b is minus the acceleration of
+the car, and n_b is as strong as the changes of acceleration of a braking car.
+
+A measurement z of the speed at an earlier time t_m is used as it is: v(t_m) = v - A + b (t - t_m), where A is the
+integral of a_m from t_m to t. So a late sensor delays nothing and blurs nothing.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+from math import isfinite
+
+from friction_runtime.stamps import NANOSECONDS
+
+_HISTORY = 1 * NANOSECONDS
+"""How far back [ns] a measurement can be used."""
+_FIRST_SPEED_VARIANCE = 1e6
+"""[m^2/s^2] Nothing is known."""
+_ACCELERATION_WALK = 30.0**2
+"""Density of the change of acceleration without an accelerometer [m^2/s^5]: 10 m/s^2 in 0.1 s."""
+_UNKNOWN_ACCELERATION_VARIANCE = 25.0
+"""Of the acceleration when the accelerometer has just gone [m^2/s^4]."""
+
+
+@dataclass(frozen=True)
+class SpeedFilterParameters:
+    """Noise of the accelerometer and of its offset."""
+
+    acceleration_stddev: float = 0.1
+    """Noise of one sample [m/s^2]."""
+    offset_stddev: float = 0.4
+    """What the offset may be before anything is learned [m/s^2]: bias 0.35 and a slope of 2 %."""
+    offset_walk: float = 0.03
+    """Change of offset, by the road, [m/s^2] in the square root of a second."""
+
+
+class SpeedFilter:
+    """State (v, b) and its covariance."""
+
+    def __init__(self, parameters: SpeedFilterParameters) -> None:
+        """Start with nothing known."""
+        self._parameters = parameters
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.speed = 0.0
+        """Vehicle speed [m/s], forward positive."""
+        self.offset = 0.0
+        """Offset b [m/s^2]; minus the acceleration while there is no accelerometer."""
+        self.speed_variance = _FIRST_SPEED_VARIANCE
+        """[m^2/s^2]"""
+        self.offset_variance = self._parameters.offset_stddev**2
+        """[m^2/s^4]"""
+        self._covariance = 0.0
+        self._measured: float | None = 0.0
+        self._travelled = 0.0
+        self._history: deque[tuple[int, float]] = deque()
+        self._kept = (0.0, self.offset_variance)
+
+    @property
+    def acceleration(self) -> float:
+        """Acceleration of the car [m/s^2], forward positive."""
+        return (self._measured or 0.0) - self.offset
+
+    @property
+    def acceleration_variance(self) -> float:
+        """[m^2/s^4]"""
+        noise = self._parameters.acceleration_stddev**2 if self._measured is not None else 0.0
+        return self.offset_variance + noise
+
+    def predict(self, stamp: int, measured: float | None) -> None:
+        """Go to `stamp` [ns], later than the last, with the acceleration measured there [m/s^2] or None."""
+        before = self._measured
+        if (before is None) != (measured is None):
+            self._change_of_input(measured)
+            before = self._measured
+        if self._history:
+            dt = (stamp - self._history[-1][0]) / NANOSECONDS
+            walk = self._parameters.offset_walk**2 if measured is not None else _ACCELERATION_WALK
+            noise = self._parameters.acceleration_stddev if measured is not None else 0.0
+            change = 0.5 * dt * ((before or 0.0) + (measured or 0.0))
+            pv, pc, pb = self.speed_variance, self._covariance, self.offset_variance
+            self.speed += change - dt * self.offset
+            self.speed_variance = pv + dt * (dt * (pb + noise**2 + walk * dt / 3.0) - 2.0 * pc)
+            self._covariance = pc - dt * (pb + 0.5 * walk * dt)
+            self.offset_variance = pb + walk * dt
+            self._travelled += change
+        self._measured = measured
+        self._history.append((stamp, self._travelled))
+        while self._history[0][0] < stamp - _HISTORY:
+            self._history.popleft()
+
+    def correct(self, speed: float, variance: float, stamp: int | None = None) -> bool:
+        """Use a measured speed [m/s] with its variance [m^2/s^2], taken at `stamp` [ns] (None: now).
+
+        Returns:
+            False if the filter was not running at that time, or it is too long ago: nothing is changed.
+        """
+        age, travelled = 0.0, 0.0
+        if stamp is not None:
+            then = self._travelled_at(stamp)
+            if then is None:
+                return False
+            age = (self._history[-1][0] - stamp) / NANOSECONDS
+            travelled = self._travelled - then
+        pv, pc, pb = self.speed_variance, self._covariance, self.offset_variance
+        hv, hb = pv + age * pc, pc + age * pb
+        total = hv + age * hb + variance
+        if not isfinite(total):
+            return False
+        gain_v, gain_b = hv / total, hb / total
+        innovation = speed - (self.speed - travelled + age * self.offset)
+        self.speed += gain_v * innovation
+        self.offset += gain_b * innovation
+        self.speed_variance = pv - gain_v * hv
+        self._covariance = pc - gain_v * hb
+        self.offset_variance = pb - gain_b * hb
+        return True
+
+    def _travelled_at(self, stamp: int) -> float | None:
+        """Integral of the measured acceleration up to `stamp` [m/s]."""
+        later: tuple[int, float] | None = None
+        for known in reversed(self._history):
+            if known[0] == stamp:
+                return known[1]
+            if known[0] < stamp:
+                if later is None:
+                    return None
+                weight = (stamp - known[0]) / (later[0] - known[0])
+                return known[1] + weight * (later[1] - known[1])
+            later = known
+        return None
+
+    def _change_of_input(self, measured: float | None) -> None:
+        """The accelerometer came or went: the offset changes its meaning, the acceleration of the car stays."""
+        if measured is None:
+            self._kept = (self.offset, self.offset_variance)
+            self.offset -= self._measured or 0.0
+            self.offset_variance = _UNKNOWN_ACCELERATION_VARIANCE
+        else:
+            self.offset, self.offset_variance = self._kept
+        self._covariance = 0.0
+        self._measured = measured

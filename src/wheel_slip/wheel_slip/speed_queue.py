@@ -1,0 +1,81 @@
+"""Samples of the speed sensor, held back in message time so that the order of arrival does not matter.
+
+The output never waits for the speed sensor: it comes with the wheel speeds (and the accelerometer), and a speed sample
+is used, at its own time, in the first output whose stamp is `wait` past its own. What arrives within `wait` of message
+time is thus used in the same output whether it overtook other topics or was overtaken.
+"""
+
+from collections import deque
+from collections.abc import Iterator
+from typing import Generic, TypeVar
+
+from friction_runtime.stamps import NANOSECONDS
+
+Payload = TypeVar("Payload")
+
+
+class SpeedQueue(Generic[Payload]):
+    """Queue between the stream of a sensor and the stamps of the outputs.
+
+    A jump back in time starts a new epoch of either stream; samples meet outputs of the same epoch only. A stream that
+    jumps alone meets the other again after `wait`.
+    """
+
+    def __init__(self, wait: float) -> None:
+        """Start empty, with the time [s] a sample is held back, >= 0."""
+        self._wait = round(wait * NANOSECONDS)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._held: deque[tuple[int, int, Payload]] = deque()
+        self._newest: int | None = None
+        self._epoch = 0
+        self._output_epoch = 0
+        self._apart_since: int | None = None
+        self._output: int | None = None
+        self.late = 0
+        """Samples that came after the output they were due in."""
+
+    def offer(self, stamp: int, payload: Payload) -> str | None:
+        """Take a sample with its stamp [ns]; return the reason if it is refused."""
+        if stamp <= 0:
+            return "stamp is zero"
+        if stamp == self._newest:
+            return "stamp repeats"
+        if self._newest is not None and stamp < self._newest:
+            self._epoch += 1
+            self._apart_since = None
+        self._newest = stamp
+        if self._epoch == self._output_epoch and self._output is not None and stamp + self._wait <= self._output:
+            self.late += 1
+        self._held.append((self._epoch, stamp, payload))
+        return None
+
+    def due(self, stamp: int, rewound: bool) -> Iterator[tuple[int, Payload]]:
+        """Yield the samples (stamp [ns], payload) to be used in the output at `stamp` [ns].
+
+        Args:
+            stamp: of the output.
+            rewound: whether this is the first output after a jump back in time.
+        """
+        if rewound:
+            self._output_epoch += 1
+            self._apart_since = None
+        self._output = stamp
+        if self._epoch != self._output_epoch:
+            self._meet(stamp)
+        while self._held and self._held[0][0] < self._output_epoch:
+            self._held.popleft()
+        while self._held and self._held[0][0] == self._output_epoch and self._held[0][1] + self._wait <= stamp:
+            _, when, payload = self._held.popleft()
+            yield when, payload
+
+    def _meet(self, stamp: int) -> None:
+        """One stream has jumped and the other not, or not yet: after a while they belong together again."""
+        if self._apart_since is None:
+            self._apart_since = stamp
+        if stamp - self._apart_since >= max(self._wait, 1):
+            self._output_epoch = self._epoch
+            self._held = deque(entry for entry in self._held if entry[0] == self._epoch and entry[1] <= stamp)
+            self._apart_since = None

@@ -1,0 +1,85 @@
+"""Speed and acceleration of one wheel from noisy samples at irregular times: a Kalman filter with white jerk.
+
+    d/dt [omega, omega_dot] = [omega_dot, w],    z = omega + n
+
+The density q of w and the variance of n set the bandwidth, (q / (variance T))^(1/4) [rad/s] at sample time T. Any
+sample time from 1 to 40 ms and bursts of near-equal stamps are handled by the exact discretisation.
+"""
+
+from friction_runtime.stamps import NANOSECONDS
+
+_FIRST_ACCELERATION_VARIANCE = 100.0**2
+"""Of a wheel nothing is known of [rad^2/s^4]: ten times the acceleration of a wheel that rolls in a hard stop."""
+_SAMPLES_TO_SETTLE = 5
+"""From there on the acceleration is measured, not assumed."""
+
+
+class WheelSpeedFilter:
+    """Filter of one wheel. `speed` and `acceleration` mean something once `started`."""
+
+    def __init__(self, variance: float, jerk_density: float, max_gap: float) -> None:
+        """Start empty.
+
+        Args:
+            variance: of the measured wheel speed [rad^2/s^2], > 0.
+            jerk_density: power spectral density of the wheel's jerk [rad^2/s^5], > 0.
+            max_gap: longer gaps [s] start the filter anew.
+        """
+        self._variance = variance
+        self._jerk_density = jerk_density
+        self._max_gap = max_gap
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.speed = 0.0
+        """Wheel speed [rad/s]."""
+        self.acceleration = 0.0
+        """Wheel acceleration [rad/s^2]."""
+        self.speed_variance = self._variance
+        """[rad^2/s^2]"""
+        self.acceleration_variance = _FIRST_ACCELERATION_VARIANCE
+        """[rad^2/s^4]"""
+        self.restarted_by_gap = False
+        """Whether a gap was the last reason to start anew."""
+        self._covariance = 0.0
+        self._stamp: int | None = None
+        self._samples = 0
+
+    @property
+    def settled(self) -> bool:
+        """Enough samples since start or gap."""
+        return self._samples >= _SAMPLES_TO_SETTLE
+
+    def update(self, stamp: int, measured: float) -> None:
+        """Take a wheel speed [rad/s], finite, at a stamp [ns] later than the last."""
+        dt = 0.0 if self._stamp is None else (stamp - self._stamp) / NANOSECONDS
+        if self._stamp is None or dt > self._max_gap:
+            gap = self._stamp is not None
+            self.reset()
+            self.restarted_by_gap = gap
+            self.speed = measured
+        else:
+            self._predict(dt)
+            self._correct(measured)
+        self._stamp = stamp
+        self._samples += 1
+
+    def _predict(self, dt: float) -> None:
+        q = self._jerk_density
+        p11, p12, p22 = self.speed_variance, self._covariance, self.acceleration_variance
+        self.speed += dt * self.acceleration
+        self.speed_variance = p11 + dt * (2.0 * p12 + dt * (p22 + q * dt / 3.0))
+        self._covariance = p12 + dt * (p22 + 0.5 * q * dt)
+        self.acceleration_variance = p22 + q * dt
+
+    def _correct(self, measured: float) -> None:
+        p11, p12 = self.speed_variance, self._covariance
+        gain = p11 / (p11 + self._variance)
+        acceleration_gain = p12 / (p11 + self._variance)
+        innovation = measured - self.speed
+        self.speed += gain * innovation
+        self.acceleration += acceleration_gain * innovation
+        self.speed_variance = gain * self._variance
+        self._covariance = acceleration_gain * self._variance
+        self.acceleration_variance -= acceleration_gain * p12
