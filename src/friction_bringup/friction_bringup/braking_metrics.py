@@ -1,0 +1,135 @@
+"""What one braking was worth: stopping distance, adhesion utilisation, slope crossings against the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+GRAVITY = 9.81
+"""[m/s^2]"""
+BUILD_UP = 0.4
+"""Time [s] after brake onset in which the torque builds up; utilisation is also given without it."""
+
+
+@dataclass(frozen=True)
+class Braking:
+    """One braking from its onset to the end speed. SI units."""
+
+    onset: float
+    """Time of brake onset [s]."""
+    initial_speed: float
+    end_speed: float
+    duration: float
+    distance: float
+    """Distance covered [m]."""
+    ideal_distance: float
+    """Distance with mu = mu_max all the way, on the same road [m]."""
+    utilisation: float
+    """Mean of mu / mu_max over time, from onset to the end speed."""
+    utilisation_built_up: float
+    """The same without the first 0.4 s; NaN where the braking is shorter."""
+
+
+def measure_braking(
+    time: Array, speed: Array, mu: Array, mu_max: Array, onset: float, end_speed: float = 5.0
+) -> Braking:
+    """Measure a braking against the ideal.
+
+    The ideal car decelerates with g mu_max of the road under it: its speed squared falls by the integral of
+    2 g mu_max over distance, from the same place and speed.
+
+    Args:
+        time: of the samples [s], shape (n,), increasing.
+        speed: vehicle speed [m/s], shape (n,).
+        mu: friction coefficient used [-], shape (n,), mean over wheels.
+        mu_max: friction coefficient at the peak of the road under the wheels [-], shape (n,).
+        onset: time of brake onset [s].
+        end_speed: where the measurement ends [m/s].
+
+    Raises:
+        ValueError: the speed is never above end_speed after the onset, or fewer than two samples are.
+    """
+    chosen = (time >= onset) & np.logical_and.accumulate((speed > end_speed) | (time < onset))
+    if np.count_nonzero(chosen) < 2:
+        raise ValueError(f"no braking above {end_speed} m/s after t = {onset:.2f} s")
+    t, v, ratio = time[chosen], speed[chosen], (mu / mu_max)[chosen]
+    steps = np.diff(t)
+    covered = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * steps)])
+    available = mu_max[chosen]
+    ideal_loss = np.concatenate([[0.0], np.cumsum(GRAVITY * (available[1:] + available[:-1]) * np.diff(covered))])
+    built_up = t >= onset + BUILD_UP
+    return Braking(
+        onset=onset,
+        initial_speed=float(v[0]),
+        end_speed=float(v[-1]),
+        duration=float(t[-1] - t[0]),
+        distance=float(covered[-1]),
+        ideal_distance=float(np.interp(v[0] ** 2 - v[-1] ** 2, ideal_loss, covered)),
+        utilisation=float(np.mean(ratio)),
+        utilisation_built_up=float(np.mean(ratio[built_up])) if np.any(built_up) else float("nan"),
+    )
+
+
+@dataclass(frozen=True)
+class CrossingEvent:
+    """A change of the slope's sign, estimated or true."""
+
+    time: float
+    """When it was known [s]: stamp of the first message that speaks of it; when it was, for the truth."""
+    sign: int
+    """Sign after it: -1 the peak was passed, +1 the stable side was regained."""
+    slip: float
+    """Slip at the crossing [-], compensated for delay: an estimate of lambda_max."""
+
+
+@dataclass(frozen=True)
+class JudgedCrossing:
+    """An estimated crossing beside the true one it belongs to."""
+
+    estimate: CrossingEvent
+    lambda_max: float
+    """True slip at the peak, of the road then [-]."""
+    true_time: float
+    """Time of the true crossing [s]; NaN where there is none: a false alarm."""
+
+    @property
+    def delay(self) -> float:
+        """Time from the true crossing until it was known [s]; NaN for a false alarm."""
+        return self.estimate.time - self.true_time
+
+    @property
+    def relative_error(self) -> float:
+        """Error of the slip at the crossing as an estimate of lambda_max [-]."""
+        return self.estimate.slip / self.lambda_max - 1.0
+
+
+def judge_crossings(
+    estimates: Sequence[CrossingEvent], truth: Sequence[CrossingEvent], time: Array, lambda_max: Array
+) -> list[JudgedCrossing]:
+    """Set each estimated crossing beside the last true one of its sign that no earlier estimate has claimed.
+
+    Args:
+        estimates: in the order of time.
+        truth: in the order of time.
+        time: of the samples of lambda_max [s], shape (n,).
+        lambda_max: true slip at the peak [-], shape (n,).
+    """
+    judged = []
+    claimed_until = {-1: -np.inf, 1: -np.inf}
+    for estimate in estimates:
+        candidates = [
+            event.time
+            for event in truth
+            if event.sign == estimate.sign and claimed_until[event.sign] < event.time <= estimate.time
+        ]
+        true_time = candidates[-1] if candidates else float("nan")
+        if candidates:
+            claimed_until[estimate.sign] = true_time
+        peak = float(lambda_max[np.clip(np.searchsorted(time, estimate.time), 0, time.size - 1)])
+        judged.append(JudgedCrossing(estimate, peak, true_time))
+    return judged

@@ -1,0 +1,58 @@
+"""The nodes of the friction graph and how each is started: one list for the launch files and for the demo."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from ament_index_python.packages import get_package_share_directory
+
+PLANT = "corner_sim"
+ESTIMATORS = ("wheel_slip", "friction_slope", "abs_supervisor")
+"""In the order in which data flows. Package, module, node and parameter file of a node have one name."""
+NODES = (PLANT, *ESTIMATORS)
+SURFACES = ("dry", "wet", "cobblestone", "snow")
+
+ParameterValue = bool | int | float | str | Sequence[float] | Sequence[str]
+
+
+def shipped_file(name: str) -> Path:
+    """Path of a parameter file of this package.
+
+    Args:
+        name: without suffix: demo, alongside.
+    """
+    return Path(get_package_share_directory("friction_bringup")) / "config" / f"{name}.yaml"
+
+
+def parameter_files(node: str, params_file: Path) -> list[Path]:
+    """Name the parameter files of a node: what its package ships, then what decides over it."""
+    return [Path(get_package_share_directory(node)) / "config" / f"{node}.yaml", params_file]
+
+
+def executable(node: str) -> str:
+    """Name of a node's program for ``ros2 run``."""
+    return f"{node}_node"
+
+
+def command(
+    node: str, params_files: Sequence[Path], overrides: Mapping[str, ParameterValue], namespace: str = ""
+) -> list[str]:
+    """Command line that starts a node with this python, without ros2cli.
+
+    Args:
+        node: name of the node.
+        params_files: parameter files, the later decides.
+        overrides: parameters that decide over the files.
+        namespace: of the node and its relative topics; empty for none.
+    """
+    arguments = [sys.executable, "-m", node, "--ros-args"]
+    for path in params_files:
+        arguments += ["--params-file", str(path)]
+    for name, value in overrides.items():
+        arguments += ["-p", f"{name}:={json.dumps(value)}"]
+    if namespace:
+        arguments += ["-r", f"__ns:=/{namespace.strip('/')}"]
+    return arguments

@@ -1,0 +1,225 @@
+"""Pictures of a recorded run: one page for each wheel, and one of all wheels where there are several."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from friction_msgs.msg import BrakeCommand, SupervisorState
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from friction_bringup.recorded_run import Array, RecordedRun, Series
+
+ESTIMATE, TRUTH, PEAK, DEMAND = "tab:blue", "black", "tab:red", "tab:orange"
+STABLE_BAND, UNSTABLE_BAND, UNKNOWN_BAND = "#8fd19e", "#f28b82", "#d9d9d9"
+WHEEL_COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:pink")
+STATES = {
+    SupervisorState.S0: "S0",
+    SupervisorState.S1: "S1",
+    SupervisorState.S21: "S21",
+    SupervisorState.S22: "S22",
+}
+COMMANDS = {
+    BrakeCommand.NONE: ("none", UNKNOWN_BAND),
+    BrakeCommand.INCREASE: ("increase", "#9ecae1"),
+    BrakeCommand.HOLD: ("hold", "#fdd49e"),
+    BrakeCommand.DECREASE: ("decrease", "#c994c7"),
+}
+SIGNS = {-1: ("beyond the peak", UNSTABLE_BAND), 0: ("not known", UNKNOWN_BAND), 1: ("stable side", STABLE_BAND)}
+
+
+def write_plots(run: RecordedRun, directory: Path, title: str) -> list[Path]:
+    """Draw every picture of a run.
+
+    Args:
+        run: the run.
+        directory: where the PNG files go; it must exist.
+        title: opens the title of each picture.
+
+    Returns:
+        Paths of the pictures.
+    """
+    paths = []
+    for wheel in run.wheels:
+        slope = run.get(f"{wheel}/friction_slope")
+        if slope is not None and np.any(slope["valid"] > 0.0):
+            paths.append(_save(wheel_figure(run, wheel, f"{title}, {wheel}"), directory / f"{wheel}.png"))
+    if len(run.wheels) > 1 or not paths:
+        paths.append(_save(all_wheels_figure(run, title), directory / "wheels.png"))
+    return paths
+
+
+def wheel_figure(run: RecordedRun, wheel: str, title: str) -> Figure:
+    """Draw speed, slip, slope indicator, supervisor and brake of one wheel over time."""
+    figure = Figure(figsize=(11.0, 13.0), layout="constrained")
+    axes: list[Axes] = list(figure.subplots(5, 1, sharex=True, height_ratios=[2.0, 3.0, 2.5, 1.6, 2.0]))
+    figure.suptitle(title)
+    _draw_speeds(axes[0], run, [wheel])
+    _draw_slip(axes[1], run, wheel)
+    _draw_indicator(axes[2], run, wheel)
+    _draw_supervisor(axes[3], run, wheel)
+    _draw_brake(axes[4], run, wheel)
+    _finish(axes)
+    return figure
+
+
+def all_wheels_figure(run: RecordedRun, title: str) -> Figure:
+    """Draw speeds, slips and what is known of the slope's sign for all wheels over time."""
+    figure = Figure(figsize=(11.0, 9.0), layout="constrained")
+    axes: list[Axes] = list(figure.subplots(3, 1, sharex=True, height_ratios=[2.5, 3.0, 1.5]))
+    figure.suptitle(title)
+    _draw_speeds(axes[0], run, run.wheels)
+    for wheel, colour in zip(run.wheels, WHEEL_COLOURS, strict=False):
+        if (slip := run.get(f"{wheel}/slip")) is not None:
+            axes[1].plot(slip.time, slip["slip"], color=colour, lw=1.0, label=wheel)
+    axes[1].set_ylabel("slip λ [-]")
+    labels = []
+    for row, wheel in enumerate(run.wheels):
+        slope = run.get(f"{wheel}/friction_slope")
+        labels.append(wheel)
+        if slope is not None:
+            sign = np.where(slope["valid"] > 0.0, slope["sign"], 0.0)
+            _strip(axes[2], slope.time, sign, {k: c for k, (_, c) in SIGNS.items()}, (row - 0.4, row + 0.4))
+    axes[2].set_yticks(range(len(labels)), labels)
+    axes[2].set_ylim(len(labels) - 0.5, -0.5)
+    axes[2].set_ylabel("slope sign")
+    _legend_of_bands(axes[2], dict(SIGNS.values()))
+    _finish(axes)
+    return figure
+
+
+def _draw_speeds(axes: Axes, run: RecordedRun, wheels: tuple[str, ...] | list[str]) -> None:
+    colours = WHEEL_COLOURS if len(wheels) > 1 else (ESTIMATE,)
+    for wheel, colour in zip(wheels, colours, strict=False):
+        if (slip := run.get(f"{wheel}/slip")) is not None:
+            circumference = slip["vehicle_speed"] * (1.0 - slip["slip"])
+            axes.plot(slip.time, circumference, color=colour, lw=0.8, label=f"{wheel}: wheel speed ω r")
+    if (slip := run.get(f"{wheels[0]}/slip")) is not None:
+        axes.plot(slip.time, slip["vehicle_speed"], color="tab:cyan", lw=1.2, label="vehicle speed, estimated")
+    for topic, label in (("truth/vehicle_velocity", "vehicle speed, true"), ("vehicle_velocity", "speed sensor")):
+        if (series := run.get(topic)) is not None:
+            axes.plot(series.time, series["twist.twist.linear.x"], color=TRUTH, lw=0.9, ls="--", label=label)
+            break
+    axes.set_ylabel("speed [m/s]")
+
+
+def _draw_slip(axes: Axes, run: RecordedRun, wheel: str) -> None:
+    if (true_slope := run.get(f"truth/{wheel}/friction_slope")) is not None:
+        axes.fill_between(
+            true_slope.time,
+            0.0,
+            1.0,
+            where=list(true_slope["sign"] < 0.0),
+            transform=axes.get_xaxis_transform(),
+            color=UNSTABLE_BAND,
+            alpha=0.35,
+            lw=0.0,
+            label="truly beyond the peak",
+        )
+    if (slip := run.get(f"{wheel}/slip")) is not None:
+        axes.plot(slip.time, slip["slip"], color=ESTIMATE, lw=0.9, label="slip, estimated")
+    if (truth := run.get(f"truth/{wheel}/slip")) is not None:
+        axes.plot(truth.time, truth["slip"], color=TRUTH, lw=0.8, label="slip, true")
+    top = 0.3
+    if (curve := run.get(f"truth/{wheel}/friction_curve")) is not None:
+        axes.plot(curve.time, curve["lambda_max"], color=PEAK, lw=1.2, ls="--", label="λ_max of the road, true")
+        top = max(top, 3.0 * float(np.nanmax(curve["lambda_max"])))
+    events = run.crossings(f"{wheel}/friction_slope")
+    for sign, marker, label in ((-1, "v", "crossing detected: peak passed"), (1, "^", "crossing detected: regained")):
+        chosen = [event for event in events if event.sign == sign]
+        axes.plot(
+            [event.time for event in chosen],
+            [event.slip for event in chosen],
+            ls="",
+            marker=marker,
+            ms=6,
+            mfc="white",
+            mec=PEAK if sign < 0 else "tab:green",
+            label=label,
+        )
+    axes.set_ylim(-0.02, min(top, 1.02))
+    axes.set_ylabel("slip λ [-]")
+
+
+def _draw_indicator(axes: Axes, run: RecordedRun, wheel: str) -> None:
+    slope = run.get(f"{wheel}/friction_slope")
+    if slope is None:
+        return
+    used = np.where(slope["valid"] > 0.0, 1e-3 * slope["indicator"], np.nan)
+    axes.plot(slope.time, 1e-3 * slope["h"], color="0.7", lw=0.7, label="H")
+    axes.plot(slope.time, used, color=ESTIMATE, lw=0.9, label="indicator H sign(·), where valid")
+    axes.axhline(0.0, color=TRUTH, lw=0.6)
+    sign = np.where(slope["valid"] > 0.0, slope["sign"], 0.0)
+    known = used[np.isfinite(used)]
+    reach = float(np.percentile(np.abs(known), 99.0)) * 1.3 if known.size else 1.0
+    axes.set_ylim(-1.35 * reach, reach)
+    _strip(axes, slope.time, sign, {k: c for k, (_, c) in SIGNS.items()}, (-1.33 * reach, -1.12 * reach))
+    for text, colour in SIGNS.values():
+        axes.fill_between([], [], color=colour, label=f"sign: {text}")
+    axes.set_ylabel("H, indicator [10³ rad/s³]")
+
+
+def _draw_supervisor(axes: Axes, run: RecordedRun, wheel: str) -> None:
+    levels = {state: row for row, state in enumerate(STATES)}
+    if (supervisor := run.get(f"{wheel}/abs_supervisor")) is not None:
+        rows = np.array([levels[int(state)] for state in supervisor["state"]], dtype=np.float64)
+        axes.step(supervisor.time, rows, where="post", color=TRUTH, lw=1.0)
+    if (command := run.get(f"{wheel}/brake_command")) is not None:
+        _strip(axes, command.time, command["command"], {k: c for k, (_, c) in COMMANDS.items()}, (-1.1, -0.5))
+    axes.set_yticks([-0.8, *levels.values()], ["command", *STATES.values()])
+    axes.set_ylim(-1.2, len(levels) - 0.7)
+    axes.set_ylabel("supervisor")
+    _legend_of_bands(axes, dict(COMMANDS.values()))
+
+
+def _draw_brake(axes: Axes, run: RecordedRun, wheel: str) -> None:
+    demand, supervisor = run.get("brake_demand"), run.get(f"{wheel}/abs_supervisor")
+    if (pressure := run.get(f"{wheel}/brake_pressure")) is not None:
+        axes.plot(pressure.time, 1e-6 * pressure["fluid_pressure"], color=ESTIMATE, lw=0.9, label="line pressure")
+        axes.set_ylim(0.0, max(1e-6, 1.15e-6 * float(np.nanmax(pressure["fluid_pressure"]))))
+    if demand is not None:
+        axes.plot(demand.time, 1e-6 * demand["pressure"], color=DEMAND, lw=1.0, ls="--", label="driver's demand")
+        axes.set_ylim(0.0, max(axes.get_ylim()[1], 1.1e-6 * float(np.nanmax(demand["pressure"]))))
+        if supervisor is not None and (gain := _brake_gain(demand, supervisor)) > 0.0:
+            per_megapascal = 1e6 * gain
+            torque = axes.secondary_yaxis(
+                "right", functions=(lambda p: p * per_megapascal, lambda t: t / per_megapascal)
+            )
+            torque.set_ylabel("brake torque [N m]")
+    axes.set_ylabel("brake pressure [MPa]")
+
+
+def _brake_gain(demand: Series, supervisor: Series) -> float:
+    """Gain k of T_b = k p [N m/Pa], as the supervisor applies it to the demand; 0 where it never saw one."""
+    pressure, torque = float(np.nanmax(demand["pressure"])), float(np.nanmax(supervisor["demand_torque"]))
+    return torque / pressure if pressure > 0.0 and np.isfinite(torque) else 0.0
+
+
+def _strip(axes: Axes, time: Array, values: Array, colours: dict[int, str], span: tuple[float, float]) -> None:
+    """Fill a horizontal strip with the colour of each value."""
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1, [time.size - 1]])
+    for begin, end in pairwise(edges):
+        colour = colours.get(int(values[begin]), UNKNOWN_BAND)
+        axes.fill_between([time[begin], time[end]], *span, color=colour, lw=0.0)
+
+
+def _legend_of_bands(axes: Axes, colours: dict[str, str]) -> None:
+    for text, colour in colours.items():
+        axes.fill_between([], [], color=colour, label=text)
+
+
+def _finish(axes: list[Axes]) -> None:
+    for each in axes:
+        each.grid(visible=True, lw=0.3)
+        if each.get_legend_handles_labels()[1]:
+            each.legend(loc="upper left", bbox_to_anchor=(1.0 if each.child_axes == [] else 1.09, 1.0), fontsize=8)
+    axes[-1].set_xlabel("time since the first sample [s]")
+
+
+def _save(figure: Figure, path: Path) -> Path:
+    FigureCanvasAgg(figure)
+    figure.savefig(path, dpi=110)
+    return path

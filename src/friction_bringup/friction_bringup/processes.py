@@ -1,0 +1,78 @@
+"""Processes of the graph: started together, watched, and ended together within two seconds."""
+
+from __future__ import annotations
+
+import ctypes
+import signal
+import subprocess
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+_PR_SET_PDEATHSIG = 1
+_GRACE = 1.2
+"""Time [s] between SIGINT and SIGKILL: with it every process is gone within 2 s."""
+
+_libc = ctypes.CDLL(None)
+
+
+def _die_with_parent() -> None:
+    _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGINT)
+
+
+class ProcessGroup:
+    """A set of processes with a log file each. Leaving the context ends them all.
+
+    They do not belong to the terminal's foreground group, so that Ctrl-C reaches this process alone, which then ends
+    them in order; were this process killed, the system would interrupt them.
+    """
+
+    def __init__(self, log_directory: Path) -> None:
+        """Make the directory of the log files."""
+        log_directory.mkdir(parents=True, exist_ok=True)
+        self._log_directory = log_directory
+        self._processes: dict[str, subprocess.Popen[bytes]] = {}
+
+    def __enter__(self) -> ProcessGroup:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def start(self, name: str, command: Sequence[str], env: Mapping[str, str]) -> None:
+        """Start a process; call it before this process has threads (rclpy makes some)."""
+        with self.log(name).open("wb") as log:
+            self._processes[name] = subprocess.Popen(
+                list(command),
+                env=dict(env),
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+                preexec_fn=_die_with_parent,
+            )
+
+    def log(self, name: str) -> Path:
+        """Log file of a process."""
+        return self._log_directory / f"{name}.log"
+
+    def ended(self) -> dict[str, int]:
+        """Exit codes of the processes that have ended, by name."""
+        codes = {name: process.poll() for name, process in self._processes.items()}
+        return {name: code for name, code in codes.items() if code is not None}
+
+    def stop(self) -> list[str]:
+        """Interrupt what still runs, kill what does not end in time, and return the names of those killed."""
+        running = {name: process for name, process in self._processes.items() if process.poll() is None}
+        for process in running.values():
+            process.send_signal(signal.SIGINT)
+        deadline = time.monotonic() + _GRACE
+        killed = []
+        for name, process in running.items():
+            try:
+                process.wait(max(deadline - time.monotonic(), 0.0))
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+                killed.append(name)
+        return killed

@@ -1,0 +1,146 @@
+"""The numbers of a recorded run, topic by topic, as arrays against time."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from operator import attrgetter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.serialization import deserialize_message
+
+from friction_bags.bag_reader import BagReader
+from friction_bringup.braking_metrics import CrossingEvent
+from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
+
+Array = NDArray[np.float64]
+
+_COLUMNS: Mapping[str, tuple[str, ...]] = {
+    "friction_msgs/msg/WheelSlip": ("slip", "slip_rate", "vehicle_speed", "wheel_speed", "valid"),
+    "friction_msgs/msg/FrictionSlope": (
+        *("sign", "h", "indicator", "valid", "crossings", "crossing_sign", "slip_at_crossing", "delay"),
+        *("crossing_stamp.sec", "crossing_stamp.nanosec"),
+    ),
+    "friction_msgs/msg/FrictionCurve": ("lambda_max", "mu_max", "mu"),
+    "friction_msgs/msg/SupervisorState": ("state", "demand_torque", "valid"),
+    "friction_msgs/msg/BrakeCommand": ("command",),
+    "friction_msgs/msg/BrakeDemand": ("pressure",),
+    "sensor_msgs/msg/FluidPressure": ("fluid_pressure",),
+    "geometry_msgs/msg/TwistWithCovarianceStamped": ("twist.twist.linear.x",),
+}
+
+
+@dataclass
+class Series:
+    """The messages of one topic: the time of their stamps and some of their fields."""
+
+    time: Array
+    """[s] since the first stamp of wheel_states."""
+    columns: Mapping[str, Array]
+    reasons: Counter[str] = field(default_factory=Counter)
+    """How often each reason was given where the message was not valid."""
+
+    def __getitem__(self, column: str) -> Array:
+        """Return a field over time."""
+        return self.columns[column]
+
+
+@dataclass
+class RecordedRun:
+    """A run as a bag holds it."""
+
+    wheels: tuple[str, ...]
+    """In the order of wheel_states."""
+    start: int
+    """First stamp of wheel_states [ns]."""
+    series: Mapping[str, Series]
+    """By topic, without the namespace's leading slash."""
+    wheel_speed: Mapping[str, tuple[Array, Array]]
+    """Time [s] and wheel speed [rad/s] of each wheel as measured."""
+
+    def get(self, topic: str) -> Series | None:
+        """Return the series of a topic, None where the bag has no message of it."""
+        return self.series.get(topic)
+
+    def crossings(self, topic: str) -> list[CrossingEvent]:
+        """Return the slope crossings that a friction_slope topic tells of; times as the truth or as first known."""
+        series = self.get(topic)
+        if series is None:
+            return []
+        seconds, nanoseconds = series["crossing_stamp.sec"], series["crossing_stamp.nanosec"]
+        rows = np.flatnonzero(np.diff(series["crossings"], prepend=0.0) > 0.0)
+        compensated = (seconds - self.start // NANOSECONDS) + (nanoseconds - self.start % NANOSECONDS) / NANOSECONDS
+        time = compensated if topic.startswith("truth/") else series.time
+        return [
+            CrossingEvent(float(time[row]), int(series["crossing_sign"][row]), float(series["slip_at_crossing"][row]))
+            for row in rows
+        ]
+
+
+def read_run(bag: Path) -> RecordedRun:
+    """Read a bag of the graph.
+
+    Args:
+        bag: directory of the bag.
+
+    Raises:
+        BagError: the bag cannot be read.
+        ValueError: it holds no wheel_states, without which there is nothing to show.
+    """
+    rows: dict[str, list[tuple[int, list[float]]]] = {}
+    types: dict[str, str] = {}
+    reasons: dict[str, Counter[str]] = {}
+    wheel_rows: dict[str, list[tuple[int, float]]] = {}
+    with BagReader(bag) as reader:
+        wanted = [t for t in reader.counts if t.type in _COLUMNS or t.type == "sensor_msgs/msg/JointState"]
+        getters = {t: [attrgetter(column) for column in _COLUMNS.get(t.type, ())] for t in wanted}
+        for topic, _, data in reader.messages(wanted):
+            message = deserialize_message(data, _message_class(topic.type))
+            stamp = to_nanoseconds(message.header.stamp)
+            name = topic.name.lstrip("/")
+            if topic.type == "sensor_msgs/msg/JointState":
+                for wheel, speed in zip(message.name, message.velocity, strict=False):
+                    wheel_rows.setdefault(wheel, []).append((stamp, speed))
+                continue
+            types[name] = topic.type
+            rows.setdefault(name, []).append((stamp, [float(get(message)) for get in getters[topic]]))
+            if not getattr(message, "valid", True):
+                reasons.setdefault(name, Counter())[message.reason_text] += 1
+    if not wheel_rows:
+        raise ValueError(f"{bag} holds no wheel_states: nothing to show of it")
+    start = min(stamps[0][0] for stamps in wheel_rows.values())
+    series = {
+        name: _series(values, start, _COLUMNS[types[name]], reasons.get(name, Counter()))
+        for name, values in rows.items()
+    }
+    wheel_speed = {
+        wheel: (_seconds([stamp for stamp, _ in values], start), np.array([speed for _, speed in values]))
+        for wheel, values in wheel_rows.items()
+    }
+    return RecordedRun(tuple(wheel_speed), start, series, wheel_speed)
+
+
+def _series(
+    values: list[tuple[int, list[float]]], start: int, columns: tuple[str, ...], reasons: Counter[str]
+) -> Series:
+    values.sort(key=lambda row: row[0])
+    table = np.array([row for _, row in values], dtype=np.float64)
+    return Series(
+        _seconds([stamp for stamp, _ in values], start),
+        {column: table[:, i] for i, column in enumerate(columns)},
+        reasons,
+    )
+
+
+def _seconds(stamps: list[int], start: int) -> Array:
+    return np.array([(stamp - start) / NANOSECONDS for stamp in stamps])
+
+
+def _message_class(name: str) -> Any:
+    package, _, kind = name.split("/")
+    return getattr(import_module(f"{package}.msg"), kind)

@@ -1,0 +1,110 @@
+"""What is printed at the end of a run."""
+
+from __future__ import annotations
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from friction_bringup.braking_metrics import Braking, JudgedCrossing, judge_crossings, measure_braking
+from friction_bringup.recorded_run import RecordedRun
+
+_SHOWN_CROSSINGS = 16
+_SHOWN_REASONS = 3
+
+
+def print_summary(console: Console, run: RecordedRun) -> None:
+    """Print what the bag of a run shows: crossings and braking where the truth is known, validity everywhere."""
+    for wheel in run.wheels:
+        crossings = judged_crossings(run, wheel)
+        if crossings:
+            console.print(crossing_table(wheel, crossings))
+    braking = braking_of(run)
+    if isinstance(braking, Braking):
+        console.print(braking_table(braking))
+    else:
+        console.print(f"Stopping distance and utilisation: {braking}.")
+    console.print(validity_table(run))
+
+
+def judged_crossings(run: RecordedRun, wheel: str) -> list[JudgedCrossing]:
+    """Set the crossings a wheel's friction_slope told of beside the truth; empty where there is no truth."""
+    curve = run.get(f"truth/{wheel}/friction_curve")
+    if curve is None:
+        return []
+    estimates, truth = run.crossings(f"{wheel}/friction_slope"), run.crossings(f"truth/{wheel}/friction_slope")
+    return judge_crossings(estimates, truth, curve.time, curve["lambda_max"])
+
+
+def braking_of(run: RecordedRun) -> Braking | str:
+    """Measure the braking of a run by its truth, or say why that cannot be done."""
+    speed, demand = run.get("truth/vehicle_velocity"), run.get("brake_demand")
+    curves = [curve for wheel in run.wheels if (curve := run.get(f"truth/{wheel}/friction_curve")) is not None]
+    if speed is None or len(curves) != len(run.wheels):
+        return "no truth in this bag (a measured one has none), so there is no ideal to compare with"
+    if demand is None or not np.any(demand["pressure"] > 0.0):
+        return "the driver never braked"
+    time = speed.time
+    mu, mu_max = (np.mean([np.interp(time, c.time, c[name]) for c in curves], axis=0) for name in ("mu", "mu_max"))
+    onset = float(demand.time[np.argmax(demand["pressure"] > 0.0)])
+    try:
+        return measure_braking(time, speed["twist.twist.linear.x"], mu, mu_max, onset)
+    except ValueError as error:
+        return str(error)
+
+
+def crossing_table(wheel: str, crossings: list[JudgedCrossing]) -> Table:
+    """Show each crossing of the slope's sign against the truth, the longest list cut in the middle of its tail."""
+    table = Table(title=f"{wheel}: crossings of the peak of the friction curve", title_justify="left")
+    for heading in ("detected at [s]", "crossing", "slip at crossing", "true λ_max", "error", "delay [ms]"):
+        table.add_column(heading, justify="left" if heading == "crossing" else "right")
+    for crossing in crossings[:_SHOWN_CROSSINGS]:
+        false_alarm = not np.isfinite(crossing.true_time)
+        table.add_row(
+            f"{crossing.estimate.time:.3f}",
+            "peak passed" if crossing.estimate.sign < 0 else "regained",
+            f"{crossing.estimate.slip:.3f}",
+            f"{crossing.lambda_max:.3f}",
+            f"{crossing.relative_error:+.0%}",
+            "false alarm" if false_alarm else f"{1e3 * crossing.delay:.0f}",
+        )
+    passed = [c for c in crossings if c.estimate.sign < 0]
+    slips = np.array([c.estimate.slip for c in passed])
+    delays = np.array([c.delay for c in passed])
+    table.caption = (
+        f"{len(crossings)} crossings, the first {min(len(crossings), _SHOWN_CROSSINGS)} shown; peak passed "
+        f"{len(passed)} times at a median slip of {np.nanmedian(slips) if passed else np.nan:.3f}, known "
+        f"{1e3 * np.nanmedian(delays) if np.any(np.isfinite(delays)) else np.nan:.0f} ms later (median)"
+    )
+    return table
+
+
+def braking_table(braking: Braking) -> Table:
+    """Show stopping distance and adhesion utilisation."""
+    table = Table(
+        title=f"Braking from {braking.initial_speed:.1f} to {braking.end_speed:.1f} m/s", title_justify="left"
+    )
+    table.add_column("quantity")
+    table.add_column("value", justify="right")
+    table.add_row("time", f"{braking.duration:.2f} s")
+    table.add_row("distance", f"{braking.distance:.1f} m")
+    table.add_row("ideal distance (mu = mu_max throughout)", f"{braking.ideal_distance:.1f} m")
+    table.add_row("longer than the ideal", f"{braking.distance / braking.ideal_distance - 1.0:+.1%}")
+    table.add_row("adhesion utilisation, mean mu / mu_max", f"{braking.utilisation:.3f}")
+    table.add_row("the same without the first 0.4 s", f"{braking.utilisation_built_up:.3f}")
+    return table
+
+
+def validity_table(run: RecordedRun) -> Table:
+    """Show for each estimate how much of it was valid, and why the rest was not."""
+    table = Table(title="What was estimated, and what could not be", title_justify="left")
+    table.add_column("topic", no_wrap=True)
+    table.add_column("messages", justify="right")
+    table.add_column("valid", justify="right")
+    table.add_column("why not (most frequent first)")
+    for topic, series in sorted(run.series.items()):
+        if topic.startswith("truth/") or "valid" not in series.columns:
+            continue
+        reasons = [f"{text} ({count})" for text, count in series.reasons.most_common(_SHOWN_REASONS)]
+        table.add_row(topic, str(series.time.size), f"{np.mean(series['valid']):.1%}", "\n".join(reasons))
+    return table
