@@ -186,7 +186,7 @@ def _draw_brake(axes: Axes, run: RecordedRun, wheel: str) -> None:
         if supervisor is not None and (gain := _brake_gain(demand, supervisor)) > 0.0:
             per_megapascal = 1e6 * gain
             torque = axes.secondary_yaxis(
-                "right", functions=(lambda p: p * per_megapascal, lambda t: t / per_megapascal)
+                "right", functions=(lambda p: np.asarray(p) * per_megapascal, lambda t: np.asarray(t) / per_megapascal)
             )
             torque.set_ylabel("brake torque [N m]")
     axes.set_ylabel("brake pressure [MPa]")
