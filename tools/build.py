@@ -47,7 +47,7 @@ def read_stamp(root: Path) -> dict[str, str]:
         stamp = json.loads((root / "build" / ".friction_stamp").read_text())
     except (OSError, ValueError):
         return {}
-    return stamp if isinstance(stamp, dict) else {}
+    return {str(key): str(value) for key, value in stamp.items()} if isinstance(stamp, dict) else {}
 
 
 def write_stamp(root: Path, stamp: dict[str, str]) -> None:
