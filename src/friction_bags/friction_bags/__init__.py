@@ -1,0 +1,1 @@
+"""Record, replay, repair and offline processing of bags; importers for measured data."""

@@ -1,0 +1,51 @@
+"""Command line: `python -m friction_bags COMMAND ...`, and the executables of `ros2 run friction_bags ...`."""
+
+import sys
+from argparse import ArgumentParser
+from collections.abc import Sequence
+
+from friction_bags import import_csv, info, play, record, reindex
+
+_NODES = {
+    "record": (record, "record topics to a bag"),
+    "play": (play, "replay a bag onto its topics"),
+}
+_TOOLS = {
+    "info": (info, "say what a bag holds"),
+    "reindex": (reindex, "repair a bag whose recorder was killed"),
+    "import": (import_csv, "make a bag from measured data in a CSV file"),
+}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command; return its exit code."""
+    given = list(sys.argv[1:] if argv is None else argv)
+    parser = ArgumentParser(prog="friction_bags", description="Record, replay, repair, import and process bags.")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, (module, text) in {**_NODES, **_TOOLS}.items():
+        module.add_arguments(commands.add_parser(name, help=text, description=text))
+    ours, ros_args = _split(given)
+    args = parser.parse_args(ours)
+    if args.command in _NODES:
+        return _NODES[args.command][0].run(args, ros_args)
+    return _TOOLS[args.command][0].run(args)
+
+
+def _split(given: list[str]) -> tuple[list[str], list[str]]:
+    """Divide arguments into ours and those from --ros-args on (rclpy would take OLD:=NEW out of ours)."""
+    at = given.index("--ros-args") if "--ros-args" in given else len(given)
+    return given[:at], given[at:]
+
+
+def record_main() -> int:
+    """`ros2 run friction_bags record ...`."""
+    return main(["record", *sys.argv[1:]])
+
+
+def play_main() -> int:
+    """`ros2 run friction_bags play ...`."""
+    return main(["play", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

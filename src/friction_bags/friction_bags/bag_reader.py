@@ -1,0 +1,297 @@
+"""Reading any rosbag2 bag: mcap or sqlite3, compressed or not, whole or damaged."""
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path, PurePath
+from tempfile import TemporaryDirectory
+from types import TracebackType
+from typing import Any, Protocol, cast
+
+import yaml
+import zstandard
+from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat
+from rosbags.rosbag2 import Reader
+
+from friction_bags.bag_format import METADATA_NAME, BagError, Contents, Topic, read_custom_data
+from friction_bags.salvage_mcap import McapSalvage
+from friction_bags.salvage_sqlite import SqliteSalvage
+
+Message = tuple[Topic, int, bytes]
+"""Topic, recording stamp [ns], CDR data."""
+
+_ENCODINGS = {
+    MessageDefinitionFormat.MSG: "ros2msg",
+    MessageDefinitionFormat.IDL: "ros2idl",
+    MessageDefinitionFormat.NONE: "",
+}
+_STORAGES = {".mcap": "mcap", ".db3": "sqlite3"}
+_COMPRESSED = ".zstd"
+_ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+
+
+class _Salvage(Protocol):
+    problems: list[str]
+
+    @property
+    def topics(self) -> list[Topic]: ...
+
+    def messages(self, start: int = 0) -> Iterator[Message]: ...
+
+
+@dataclass
+class _Part:
+    """A storage file: with an index, or salvaged where there is no reader."""
+
+    path: Path
+    contents: Contents
+    reader: Reader | None
+    topic_of: dict[int, Topic]
+
+
+class BagReader:
+    """A bag, open for reading.
+
+    What cannot be read is said in `problems`, on opening and while reading; what can be read is read. On damaged files
+    rosbags lets errors of every layer below it surface, hence the broad `except Exception` around its calls.
+    """
+
+    def __init__(self, bag: Path) -> None:
+        """Open a bag.
+
+        Args:
+            bag: directory, or a single storage file.
+
+        Raises:
+            BagError: there is no such bag, or nothing in it can be read.
+        """
+        self.bag = bag
+        self.problems: list[str] = []
+        self._parts: list[_Part] = []
+        self._unpacked: TemporaryDirectory[str] | None = None
+        if not bag.exists():
+            raise BagError(f"{bag} does not exist")
+        files = self._listed_files() if bag.is_dir() else [bag]
+        if not files:
+            raise BagError(f"{bag} holds no .mcap or .db3 file")
+        for file in files:
+            path = self._unpack(file) if file.suffix == _COMPRESSED else file
+            if path is not None and not self._open_indexed(path):
+                self._open_salvage(path)
+        if not self._parts:
+            self.close()
+            raise BagError(f"{bag} cannot be read: {'; '.join(self.problems)}")
+
+    @property
+    def counts(self) -> dict[Topic, int]:
+        """Messages of each topic."""
+        counts: dict[Topic, int] = {}
+        for part in self._parts:
+            for topic, count in part.contents.counts.items():
+                counts[topic] = counts.get(topic, 0) + count
+        return counts
+
+    @property
+    def message_count(self) -> int:
+        """Messages of all topics."""
+        return sum(part.contents.message_count for part in self._parts)
+
+    @property
+    def start(self) -> int:
+        """[ns] Earliest recording stamp; 0 in an empty bag."""
+        return min((part.contents.start for part in self._parts if part.contents.message_count), default=0)
+
+    @property
+    def end(self) -> int:
+        """[ns] Latest recording stamp; 0 in an empty bag."""
+        return max((part.contents.end for part in self._parts if part.contents.message_count), default=0)
+
+    @property
+    def custom_data(self) -> dict[str, str]:
+        """Notes that travel with the bag."""
+        return read_custom_data(self.bag) if self.bag.is_dir() else {}
+
+    @property
+    def storage(self) -> str:
+        """mcap or sqlite3."""
+        return storage_of(self._parts[0].path)
+
+    def messages(
+        self, topics: Collection[Topic] | None = None, start: int | None = None, stop: int | None = None
+    ) -> Iterator[Message]:
+        """Yield topic, recording stamp [ns] and CDR data in the order of recording, a file after the other.
+
+        Args:
+            topics: only these; None for all.
+            start: from this stamp [ns] on.
+            stop: up to and without this stamp [ns].
+        """
+        wanted = {(topic.name, topic.type): topic for topic in (self.counts if topics is None else topics)}
+        for part in self._parts:
+            for message in self._part_messages(part, wanted, start or 0):
+                if stop is None or message[1] < stop:
+                    yield message
+
+    def close(self) -> None:
+        """Close the files."""
+        for part in self._parts:
+            if part.reader is not None:
+                part.reader.close()
+        self._parts.clear()
+        if self._unpacked is not None:
+            self._unpacked.cleanup()
+
+    def __enter__(self) -> "BagReader":
+        """Give itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Close."""
+        self.close()
+
+    def _listed_files(self) -> list[Path]:
+        """Files named by metadata.yaml; those found where it is missing or damaged."""
+        path = self.bag / METADATA_NAME
+        advice = f"`python -m friction_bags reindex {self.bag}` rebuilds it"
+        if not path.is_file():
+            self.problems.append(f"{self.bag} has no {METADATA_NAME} (recorder killed?): {advice}")
+            return storage_files(self.bag)
+        try:
+            document: Any = yaml.safe_load(path.read_text(encoding="utf-8"))
+            names = [PurePath(name).name for name in document["rosbag2_bagfile_information"]["relative_file_paths"]]
+        except (OSError, ValueError, yaml.YAMLError, LookupError, TypeError) as error:
+            self.problems.append(f"{path} cannot be read ({_said(error)}): {advice}")
+            return storage_files(self.bag)
+        files = [self.bag / name for name in names]
+        self.problems.extend(f"{file} is missing" for file in files if not file.is_file())
+        return [file for file in files if file.is_file()]
+
+    def _unpack(self, file: Path) -> Path | None:
+        """Decompress a file as far as possible into a temporary directory."""
+        if self._unpacked is None:
+            self._unpacked = TemporaryDirectory(prefix="friction_bags_")
+        unpacked = Path(self._unpacked.name, file.stem)
+        try:
+            with file.open("rb") as source, unpacked.open("wb") as target:
+                zstandard.ZstdDecompressor().copy_stream(source, target)
+        except OSError as error:
+            self.problems.append(f"{file}: {_said(error)}")
+            return None
+        except zstandard.ZstdError as error:
+            self.problems.append(f"{file}: decompression stopped: {_said(error)}")
+        return unpacked
+
+    def _part_messages(self, part: _Part, wanted: dict[tuple[str, str], Topic], start: int) -> Iterator[Message]:
+        last = start - 1
+        if part.reader is not None:
+            known = {key: wanted.get((topic.name, topic.type)) for key, topic in part.topic_of.items()}
+            connections = [each for each in part.reader.connections if known[each.id] is not None]
+            if not connections:
+                return
+            try:
+                for connection, stamp, data in part.reader.messages(connections, start or None):
+                    yield cast("Topic", known[connection.id]), stamp, _plain(data)
+                    last = stamp
+                return
+            except Exception as error:
+                self.problems.append(f"{part.path}: {_said(error)}; going on behind the damage")
+        try:
+            salvage = open_salvage(part.path)
+            for topic, stamp, data in salvage.messages(last + 1):
+                named = wanted.get((topic.name, topic.type))
+                if named is not None:
+                    yield named, stamp, _plain(data)
+        except Exception as error:
+            self._note([_said(error)])
+        else:
+            self._note(salvage.problems)
+
+    def _note(self, problems: list[str]) -> None:
+        self.problems.extend(problem for problem in problems if problem not in self.problems)
+
+    def _open_indexed(self, file: Path) -> bool:
+        try:
+            reader = Reader(file)
+            reader.open()
+        except Exception as error:
+            self.problems.append(f"{file}: {_said(error)}")
+            return False
+        topic_of = {connection.id: _topic(connection) for connection in reader.connections}
+        counts: dict[Topic, int] = {}
+        for connection in reader.connections:
+            topic = topic_of[connection.id]
+            counts[topic] = counts.get(topic, 0) + connection.msgcount
+        empty = not reader.message_count
+        contents = Contents(file.name, counts, 0 if empty else reader.start_time, 0 if empty else reader.end_time - 1)
+        self._parts.append(_Part(file, contents, reader, topic_of))
+        return True
+
+    def _open_salvage(self, file: Path) -> None:
+        try:
+            salvage = open_salvage(file)
+            contents = scan(file.name, salvage)
+        except Exception as error:
+            self._note([_said(error)])
+            return
+        self._note(salvage.problems)
+        self._parts.append(_Part(file, contents, None, {}))
+
+
+def storage_files(bag: Path) -> list[Path]:
+    """Storage files of a bag's directory, in the order of their numbers."""
+    files = [path for path in bag.iterdir() if Path(path.name.removesuffix(_COMPRESSED)).suffix in _STORAGES]
+    return sorted(files, key=lambda path: (len(path.name), path.name))
+
+
+def storage_of(file: Path) -> str:
+    """Name rosbag2 gives to the storage of a file."""
+    return _STORAGES[file.suffix]
+
+
+def open_salvage(file: Path) -> _Salvage:
+    """Open a damaged file for reading from its beginning.
+
+    Raises:
+        BagError: it is no mcap or sqlite3 file, or nothing of it can be read.
+        OSError: it cannot be opened.
+    """
+    if file.suffix == ".mcap":
+        return McapSalvage(file)
+    if file.suffix == ".db3":
+        return SqliteSalvage(file)
+    raise BagError(f"{file} is neither an .mcap nor a .db3 file")
+
+
+def scan(name: str, salvage: _Salvage) -> Contents:
+    """Read all messages and say what there is."""
+    counts: dict[Topic, int] = {}
+    start, end = 0, 0
+    for topic, stamp, _ in salvage.messages():
+        start = min(start, stamp) if counts else stamp
+        end = max(end, stamp)
+        counts[topic] = counts.get(topic, 0) + 1
+    for topic in salvage.topics:
+        counts.setdefault(topic, 0)
+    return Contents(name, counts, start, end)
+
+
+def _topic(connection: Connection) -> Topic:
+    ext = cast("ConnectionExtRosbag2", connection.ext)
+    return Topic(
+        connection.topic,
+        connection.msgtype,
+        connection.msgdef.data,
+        _ENCODINGS[connection.msgdef.format],
+        connection.digest or "",
+        tuple(ext.offered_qos_profiles),
+    )
+
+
+def _plain(data: bytes) -> bytes:
+    """CDR of a message, which a bag may hold compressed one by one."""
+    return zstandard.decompress(data) if data[:4] == _ZSTD_MAGIC else data
+
+
+def _said(error: BaseException) -> str:
+    return str(error) or type(error).__name__

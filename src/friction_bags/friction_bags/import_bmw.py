@@ -1,0 +1,65 @@
+"""Columns of bmw_m8_abs_stop_100hz.csv as our input topics.
+
+The stamps are t_s + 1000 s, exact to the nanosecond and otherwise as in the file: t_s begins below zero, which a stamp
+cannot. The file is strictly increasing, so nothing is reordered; bursts of samples less than 3 ms apart are kept.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from sensor_msgs.msg import Imu, JointState
+
+STAMP_OFFSET = 1000
+"""[s] added to t_s."""
+WHEELS = {
+    "front_left": "w_fl_radps",
+    "front_right": "w_fr_radps",
+    "rear_left": "w_rl_radps",
+    "rear_right": "w_rr_radps",
+}
+COLUMNS = (
+    "t_s",
+    "vx_mps",
+    "vy_mps",
+    "ax_mps2",
+    "ay_mps2",
+    "yaw_rate_radps",
+    *WHEELS.values(),
+    "brake_torque_can",
+)
+BRAKE_TORQUE_TOPIC = "/can/total_brake_torque_request"
+NOTES = {
+    "source": "BMW M8, roadview-project/vehicle-dynamics at 8fe8b60 (MIT), bmw_m8_abs_stop_100hz.csv",
+    "stamps": f"t_s + {STAMP_OFFSET} s",
+    "brakes": "no brake pressure was recorded, so there is none here; "
+    f"{BRAKE_TORQUE_TOPIC[1:]} is the request for all four wheels together upstream of the ABS, negative in braking",
+    "effective_radius": "not measured; own estimate from coasting: 0.345 m front, 0.3465 m rear (config/bmw_m8.yaml)",
+}
+
+
+def messages(rows: Iterable[Mapping[str, float]]) -> Iterator[tuple[str, Any]]:
+    """Yield topic and message: wheel_states, imu/data, vehicle_velocity and the brake torque request of each row."""
+    for row in rows:
+        stamp = from_nanoseconds(round(row["t_s"] * NANOSECONDS) + STAMP_OFFSET * NANOSECONDS)
+        wheels = JointState(name=list(WHEELS), velocity=[row[column] for column in WHEELS.values()])
+        imu = Imu()
+        imu.header.frame_id = "base_link"
+        imu.orientation_covariance[0] = -1.0
+        imu.angular_velocity.z = row["yaw_rate_radps"]
+        imu.linear_acceleration.x = row["ax_mps2"]
+        imu.linear_acceleration.y = row["ay_mps2"]
+        speed = TwistWithCovarianceStamped()
+        speed.header.frame_id = "base_link"
+        speed.twist.twist.linear.x = row["vx_mps"]
+        speed.twist.twist.linear.y = row["vy_mps"]
+        torque = JointState(name=["all_wheels"], effort=[row["brake_torque_can"]])
+        for topic, message in (
+            ("/wheel_states", wheels),
+            ("/imu/data", imu),
+            ("/vehicle_velocity", speed),
+            (BRAKE_TORQUE_TOPIC, torque),
+        ):
+            message.header.stamp = stamp
+            yield topic, message

@@ -1,0 +1,88 @@
+"""`import`: makes a bag of our input topics from measured data in a CSV file."""
+
+import csv
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from friction_runtime.stamps import to_nanoseconds
+from rclpy.serialization import serialize_message
+
+from friction_bags import import_bmw, import_iac
+from friction_bags.bag_format import BagError, Topic
+from friction_bags.bag_writer import BagWriter
+from friction_bags.message_definition import message_definition
+
+_FORMATS = {"bmw": import_bmw, "iac": import_iac}
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.add_argument("format", choices=sorted(_FORMATS), help="whose columns the file has")
+    parser.add_argument("csv", type=Path, help="file of measured data")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="bag to be made")
+
+
+def run(args: Namespace) -> int:
+    """Import a file.
+
+    Returns:
+        Exit code: 0, 2 when the file cannot be read or the bag not be made.
+    """
+    module = _FORMATS[args.format]
+    try:
+        count = write_bag(args.out, module.messages(read_rows(args.csv, module.COLUMNS)), module.NOTES)
+    except (BagError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    print(f"{args.out}: {count} messages from {args.csv}")
+    return 0
+
+
+def read_rows(path: Path, columns: Iterable[str]) -> Iterator[dict[str, float]]:
+    """Yield the rows of a CSV file as numbers by column.
+
+    Args:
+        path: of the file; its first line names the columns.
+        columns: those needed; others are left out.
+
+    Raises:
+        BagError: a column is missing or a value is no number; the text names it.
+        OSError: the file cannot be read.
+    """
+    wanted = list(columns)
+    with path.open(newline="", encoding="utf-8") as stream:
+        reader = csv.DictReader(stream)
+        missing = [column for column in wanted if column not in (reader.fieldnames or [])]
+        if missing:
+            raise BagError(f"{path} has no column {', '.join(missing)}")
+        for row in reader:
+            try:
+                yield {column: float(row[column]) for column in wanted}
+            except (TypeError, ValueError):
+                raise BagError(f"{path}, line {reader.line_num}: a value is no number") from None
+
+
+def write_bag(bag: Path, messages: Iterable[tuple[str, Any]], notes: Mapping[str, str]) -> int:
+    """Write topics and messages with a header to a bag, recorded at their stamps; return their number.
+
+    Raises:
+        BagError: the bag cannot be made.
+    """
+    channels: dict[str, int] = {}
+    count = 0
+    with BagWriter(bag, custom_data=notes) as writer:
+        for name, message in messages:
+            if name not in channels:
+                channels[name] = writer.add_topic(_topic(name, type(message)))
+            writer.write(channels[name], to_nanoseconds(message.header.stamp), serialize_message(message))
+            count += 1
+    return count
+
+
+def _topic(name: str, kind: type) -> Topic:
+    type_name = f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
+    definition = message_definition(type_name)
+    return Topic(name, type_name, definition.text, "ros2msg", definition.type_hash)

@@ -1,0 +1,148 @@
+"""`play`: the command that replays a bag."""
+
+import sys
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Event
+from time import monotonic
+
+import rclpy
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from friction_bags.bag_format import BagError
+from friction_bags.bag_reader import BagReader
+from friction_bags.player import Player, Span
+from friction_bags.stopping import stop_on_signals
+from friction_bags.topic_selection import add_selection_arguments, selection_of
+
+_NANOSECONDS = 1_000_000_000
+_PROGRESS_PERIOD = 0.1
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.add_argument("bag", type=Path, help="directory of a bag, or an .mcap or .db3 file")
+    add_selection_arguments(parser)
+    parser.add_argument("--rate", type=_positive, default=1.0, help="seconds of the bag in a second (default 1)")
+    parser.add_argument("--loop", action="store_true", help="begin again at the end")
+    parser.add_argument("--start-offset", type=_not_negative, default=0.0, metavar="S", help="begin S into the bag")
+    parser.add_argument("--duration", type=_positive, metavar="S", help="replay only S seconds of the bag")
+    parser.add_argument("--remap", nargs="+", default=[], type=_remapping, metavar="OLD:=NEW", help="rename topics")
+    parser.add_argument(
+        "--clock", type=_positive, nargs="?", const=100.0, metavar="HZ", help="publish /clock (default 100 Hz)"
+    )
+    parser.add_argument(
+        "--wait",
+        type=_not_negative,
+        default=1.0,
+        metavar="S",
+        help="wait at most S until each topic has a subscriber (default 1)",
+    )
+
+
+def run(args: Namespace, ros_args: list[str]) -> int:
+    """Replay until the end of the bag or a signal.
+
+    Returns:
+        Exit code: 0, 1 when the bag is damaged or not all was delivered, 2 when nothing can be replayed.
+    """
+    stop = stop_on_signals()
+    try:
+        reader = BagReader(args.bag)
+    except BagError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    rclpy.init(args=ros_args, signal_handler_options=SignalHandlerOptions.NO)
+    node = Node("player", enable_rosout=False, start_parameter_services=False)
+    try:
+        with reader:
+            return _play(args, node, reader, stop)
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
+    selection = selection_of(args, node.get_namespace())
+    remapping = {_absolute(old): new for old, new in args.remap}
+    player = Player(node, reader, [topic for topic in reader.counts if selection.wants(topic.name)], remapping)
+    for name, reason in player.skipped.items():
+        print(f"skipping {name}: {reason}", file=sys.stderr)
+    if not player.topics:
+        print(f"error: {args.bag}: no topic to replay", file=sys.stderr)
+        return 2
+    if args.clock:
+        player.publish_clock(args.clock)
+    start = reader.start + round(args.start_offset * _NANOSECONDS)
+    stop_at = reader.end + 1 if args.duration is None else start + round(args.duration * _NANOSECONDS)
+    span = Span(start, min(stop_at, reader.end + 1))
+    if span.stop <= span.start:
+        print(f"error: {args.bag}: nothing behind --start-offset {args.start_offset} s", file=sys.stderr)
+        return 2
+    player.wait_for_subscribers(args.wait, stop)
+    with _progress((span.stop - span.start) / _NANOSECONDS) as progress:
+        player.play(span, args.rate, stop, progress)
+        while args.loop and not stop.is_set():
+            player.play(span, args.rate, stop, progress)
+    delivered = stop.is_set() or player.wait_for_delivery()
+    for problem in reader.problems:
+        print(f"damaged: {problem}", file=sys.stderr)
+    if not delivered:
+        print("some subscribers have not acknowledged everything", file=sys.stderr)
+    print(
+        f"{args.bag}: {player.published} messages on {len(player.topics)} topics replayed, "
+        f"at most {player.late * 1e3:.1f} ms late",
+        flush=True,
+    )
+    return 0 if delivered and not reader.problems else 1
+
+
+@contextmanager
+def _progress(total: float) -> Iterator[Callable[[float], None]]:
+    """Bar on a terminal, nothing elsewhere."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda _: None
+        return
+    columns = (BarColumn(), TextColumn("{task.completed:.1f} of {task.total:.1f} s"), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, auto_refresh=False) as bar:
+        task = bar.add_task("replay", total=total)
+        shown = 0.0
+
+        def show(offset: float) -> None:
+            nonlocal shown
+            if (now := monotonic()) - shown > _PROGRESS_PERIOD:
+                shown = now
+                bar.update(task, completed=offset, refresh=True)
+
+        yield show
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value < float("inf"):
+        raise ArgumentTypeError(f"{text} must be above 0")
+    return value
+
+
+def _not_negative(text: str) -> float:
+    value = float(text)
+    if not 0.0 <= value < float("inf"):
+        raise ArgumentTypeError(f"{text} must not be negative")
+    return value
+
+
+def _remapping(text: str) -> tuple[str, str]:
+    old, separator, new = text.partition(":=")
+    if not (old and separator and new):
+        raise ArgumentTypeError(f"{text} is not of the form OLD:=NEW")
+    return old, new
+
+
+def _absolute(name: str) -> str:
+    return name if name.startswith("/") else f"/{name}"

@@ -1,0 +1,125 @@
+"""Replay of a bag onto its topics: raw CDR, so that header stamps stay what they were."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from threading import Event
+from time import monotonic
+
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rosgraph_msgs.msg import Clock
+
+from friction_bags import qos_profiles
+from friction_bags.bag_format import Topic
+from friction_bags.bag_reader import BagReader
+from friction_bags.message_definition import UnknownTypeError, message_class
+
+_NANOSECONDS = 1_000_000_000
+_POLL_PERIOD = 0.005
+_ACKNOWLEDGE_TIMEOUT = 5.0
+
+
+@dataclass(frozen=True)
+class Span:
+    """Part of a bag to be replayed."""
+
+    start: int
+    """[ns] from this recording stamp on."""
+    stop: int
+    """[ns] up to and without this one."""
+
+
+class Player:
+    """Publishes the messages of a bag when they are due."""
+
+    def __init__(self, node: Node, reader: BagReader, topics: Sequence[Topic], remapping: Mapping[str, str]) -> None:
+        """Make the publishers.
+
+        Args:
+            node: on which to publish.
+            reader: the bag.
+            topics: those to be replayed.
+            remapping: topics that get another name.
+        """
+        self._node = node
+        self._reader = reader
+        self._publishers: dict[Topic, Publisher] = {}
+        self._clock: Publisher | None = None
+        self._clock_period = 0.0
+        self.skipped: dict[str, str] = {}
+        self.published = 0
+        self.late = 0.0
+        for topic in topics:
+            try:
+                kind = message_class(topic.type)
+            except UnknownTypeError as error:
+                self.skipped[topic.name] = str(error)
+                continue
+            name = remapping.get(topic.name, topic.name)
+            self._publishers[topic] = node.create_publisher(kind, name, qos_profiles.replayed(topic.qos))
+
+    @property
+    def topics(self) -> list[Topic]:
+        """Topics that are replayed."""
+        return list(self._publishers)
+
+    def publish_clock(self, frequency: float) -> None:
+        """Publish /clock, the recording time of the bag, at a frequency [Hz] of the replayed time."""
+        self._clock = self._node.create_publisher(Clock, "/clock", 10)
+        self._clock_period = 1.0 / frequency
+
+    def wait_for_subscribers(self, timeout: float, stop: Event) -> list[str]:
+        """Wait until each topic has a subscriber, at most `timeout` [s]; return the topics that have none."""
+        end = monotonic() + timeout
+        while True:
+            alone = [each.topic_name for each in self._publishers.values() if each.get_subscription_count() == 0]
+            if not alone or stop.is_set() or monotonic() >= end:
+                return alone
+            stop.wait(_POLL_PERIOD)
+
+    def play(self, span: Span, rate: float, stop: Event, progress: Callable[[float], None]) -> None:
+        """Replay once.
+
+        Args:
+            span: part of the bag.
+            rate: seconds of the bag in a second.
+            stop: ends the replay when set.
+            progress: is told the time [s] into the span after each message.
+        """
+        begun = monotonic()
+        next_clock = 0.0
+        for topic, stamp, data in self._reader.messages(self._publishers, span.start, span.stop):
+            offset = (stamp - span.start) / _NANOSECONDS
+            while self._clock is not None and next_clock <= offset:
+                self._sleep_until(begun + next_clock / rate, stop)
+                self._tell_time(span.start + round(next_clock * _NANOSECONDS))
+                next_clock += self._clock_period
+            self._sleep_until(begun + offset / rate, stop)
+            if stop.is_set():
+                return
+            self._publishers[topic].publish(data)
+            self.published += 1
+            progress(offset)
+
+    def wait_for_delivery(self) -> bool:
+        """Wait until reliable subscribers have acknowledged everything; return whether they have."""
+        end = monotonic() + _ACKNOWLEDGE_TIMEOUT
+        return all(
+            publisher.wait_for_all_acked(Duration(seconds=max(end - monotonic(), 0.0)))
+            for publisher in self._publishers.values()
+        )
+
+    def _sleep_until(self, due: float, stop: Event) -> None:
+        ahead = due - monotonic()
+        if ahead > 0.0:
+            stop.wait(ahead)
+        else:
+            self.late = max(self.late, -ahead)
+
+    def _tell_time(self, now: int) -> None:
+        assert self._clock is not None
+        seconds, nanoseconds = divmod(now, _NANOSECONDS)
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = seconds, nanoseconds
+        self._clock.publish(message)

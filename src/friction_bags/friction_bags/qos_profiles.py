@@ -1,0 +1,56 @@
+"""QoS of recorded topics: as stored in a bag, as matched by the recorder, as offered again by the player."""
+
+from collections.abc import Sequence
+
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+
+_RECORDING_DEPTH = 4000
+"""Samples a topic may wait for the recorder: 20 s at 200 Hz."""
+_REPLAY_DEPTH = 1000
+"""Samples a slow reliable subscriber may lag behind the player."""
+
+
+def stored(profile: QoSProfile) -> Qos:
+    """Form in which a bag stores a profile."""
+    return Qos(
+        QosHistory(int(profile.history)),
+        profile.depth,
+        QosReliability(int(profile.reliability)),
+        QosDurability(int(profile.durability)),
+        _time(profile.deadline),
+        _time(profile.lifespan),
+        QosLiveliness(int(profile.liveliness)),
+        _time(profile.liveliness_lease_duration),
+        bool(profile.avoid_ros_namespace_conventions),
+    )
+
+
+def matching(publishers: Sequence[TopicEndpointInfo]) -> QoSProfile:
+    """Strictest profile that all publishers match: reliable and transient local only where each of them is."""
+    offered = [publisher.qos_profile for publisher in publishers]
+    reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in offered)
+    latched = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in offered)
+    return _profile(_RECORDING_DEPTH, reliable=reliable, latched=latched)
+
+
+def replayed(recorded: Sequence[Qos]) -> QoSProfile:
+    """Profile of the player: reliable, which every subscriber matches; transient local where it was."""
+    latched = bool(recorded) and all(qos.durability == QosDurability.TRANSIENT_LOCAL for qos in recorded)
+    depth = max(max(qos.depth for qos in recorded), 1) if latched else _REPLAY_DEPTH
+    return _profile(depth, reliable=True, latched=latched)
+
+
+def _profile(depth: int, *, reliable: bool, latched: bool) -> QoSProfile:
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+def _time(duration: Duration) -> QosTime:
+    return QosTime(*divmod(int(duration.nanoseconds), 1_000_000_000))

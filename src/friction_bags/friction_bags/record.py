@@ -1,0 +1,98 @@
+"""`record`: the command and the main loop of the recorder."""
+
+import sys
+from argparse import ArgumentParser, Namespace
+from datetime import datetime
+from pathlib import Path
+from threading import Event
+from time import monotonic
+
+import rclpy
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rich.console import Console
+from rich.table import Table
+
+from friction_bags.bag_format import BagError
+from friction_bags.bag_writer import BagWriter
+from friction_bags.recorder import Recorder
+from friction_bags.stopping import stop_on_signals
+from friction_bags.topic_selection import add_selection_arguments, selection_of
+
+_TAKE_PERIOD = 0.02
+_DISCOVER_PERIOD = 0.1
+_FLUSH_PERIOD = 0.5
+"""[s] A killed recorder loses at most this, and one take period."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.add_argument("--out", type=Path, metavar="DIR", help="directory to be made (default: bag_ and the time)")
+    parser.add_argument("--all", action="store_true", help="all topics, which is the default without --topics")
+    add_selection_arguments(parser)
+    parser.add_argument("--compression", choices=("zstd", "lz4", "none"), default="zstd", help="of chunks")
+    parser.add_argument("--duration", type=float, default=float("inf"), metavar="S", help="stop after so many seconds")
+    parser.add_argument("--note", default="", help="a note that travels with the bag")
+
+
+def run(args: Namespace, ros_args: list[str]) -> int:
+    """Record until a signal or the end of the duration.
+
+    Returns:
+        Exit code: 0, 1 when writing failed, 2 when it could not begin.
+    """
+    stop = stop_on_signals()
+    if args.all and args.topics:
+        print("error: give either --all or --topics", file=sys.stderr)
+        return 2
+    bag = args.out or Path(f"bag_{datetime.now():%Y_%m_%d-%H_%M_%S}")
+    try:
+        writer = BagWriter(bag, compression=args.compression, custom_data={"note": args.note} if args.note else {})
+    except BagError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    rclpy.init(args=ros_args, signal_handler_options=SignalHandlerOptions.NO)
+    node = Node("recorder", enable_rosout=False, start_parameter_services=False)
+    recorder = Recorder(node, writer, selection_of(args, node.get_namespace()), _say)
+    _say(f"recording to {bag}; Ctrl-C ends it")
+    try:
+        _loop(recorder, writer, stop, args.duration)
+        writer.close()
+    except BagError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+    _summarise(recorder, bag)
+    return 0
+
+
+def _loop(recorder: Recorder, writer: BagWriter, stop: Event, duration: float) -> None:
+    begun = monotonic()
+    discover_at = flush_at = begun
+    while not stop.is_set() and (now := monotonic()) - begun < duration:
+        if now >= discover_at:
+            recorder.discover()
+            discover_at = now + _DISCOVER_PERIOD
+        recorder.take()
+        if now >= flush_at:
+            writer.flush()
+            flush_at = now + _FLUSH_PERIOD
+        stop.wait(_TAKE_PERIOD)
+    recorder.take()
+    recorder.finish()
+
+
+def _say(line: str) -> None:
+    print(line, flush=True)
+
+
+def _summarise(recorder: Recorder, bag: Path) -> None:
+    table = Table("topic", "type", "messages", "lost", box=None)
+    for name, recorded in sorted(recorder.topics.items()):
+        table.add_row(name, recorded.topic.type, str(recorded.count), str(recorded.lost))
+    total = sum(recorded.count for recorded in recorder.topics.values())
+    lost = sum(recorded.lost for recorded in recorder.topics.values())
+    Console().print(table)
+    _say(f"{bag}: {total} messages on {len(recorder.topics)} topics, {lost} lost; closed")

@@ -1,0 +1,158 @@
+"""Recording of topics: found as they appear, taken as raw CDR, written in the order of their arrival."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import time_ns
+from typing import NamedTuple
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+from rosbags.interfaces import Qos
+
+from friction_bags import qos_profiles
+from friction_bags.bag_format import Topic
+from friction_bags.bag_writer import BagWriter
+from friction_bags.message_definition import UnknownTypeError, message_class, message_definition
+from friction_bags.topic_selection import TopicSelection
+
+
+class _Taken(NamedTuple):
+    """A message that was received; tuples sort by the time of arrival."""
+
+    received: int
+    channel: int
+    sequence: int
+    sent: int
+    data: bytes
+
+
+@dataclass
+class RecordedTopic:
+    """A topic that is being recorded."""
+
+    topic: Topic
+    channel: int
+    subscription: Subscription
+    profile: QoSProfile
+    publishers: int
+    count: int = 0
+    lost: int = 0
+    """Messages missing in the sequence of a topic's only publisher."""
+    last_sequence: int | None = None
+
+
+class Recorder:
+    """Subscribes to the selected topics of a graph and writes what arrives.
+
+    The subscriptions are drained by `take`, every now and then, instead of by an executor: that costs microseconds a
+    message, and the middleware stamps each arrival by itself. The node is never spun.
+    """
+
+    def __init__(self, node: Node, writer: BagWriter, selection: TopicSelection, say: Callable[[str], None]) -> None:
+        """Start with no topic.
+
+        Args:
+            node: on which to subscribe.
+            writer: of the bag.
+            selection: topics wanted.
+            say: takes lines for a person.
+        """
+        self._node = node
+        self._writer = writer
+        self._selection = selection
+        self._say = say
+        self._refused: set[str] = set()
+        self._held: list[_Taken] = []
+        self.topics: dict[str, RecordedTopic] = {}
+
+    def discover(self) -> None:
+        """Subscribe to selected topics that have appeared, and follow publishers that have changed."""
+        for name, types in self._node.get_topic_names_and_types():
+            if "/_" in name or name in self._refused or not self._selection.wants(name):
+                continue
+            publishers = self._node.get_publishers_info_by_topic(name)
+            if not publishers:
+                continue
+            profile = qos_profiles.matching(publishers)
+            recorded = self.topics.get(name)
+            if recorded is None:
+                if len(types) > 1:
+                    self._refuse(name, f"it has several types ({', '.join(types)})")
+                    continue
+                offered = tuple(qos_profiles.stored(publisher.qos_profile) for publisher in publishers)
+                self._begin(name, types[0], offered, profile)
+                continue
+            recorded.publishers = len(publishers)
+            if profile != recorded.profile:
+                self._resubscribe(recorded, profile)
+
+    def take(self) -> None:
+        """Write what has arrived.
+
+        Raises:
+            BagError: it cannot be written.
+        """
+        now = time_ns()
+        arrived: list[_Taken] = []
+        for recorded in self.topics.values():
+            self._drain(recorded, arrived)
+        ready = self._held + [taken for taken in arrived if taken.received <= now]
+        self._held = [taken for taken in arrived if taken.received > now]
+        for taken in sorted(ready):
+            self._write(taken)
+
+    def finish(self) -> None:
+        """Write what `take` held back because it arrived while others were taken."""
+        held, self._held = self._held, []
+        for taken in sorted(held):
+            self._write(taken)
+
+    def _write(self, taken: _Taken) -> None:
+        sequence = taken.sequence & 0xFFFFFFFF
+        self._writer.write(taken.channel, taken.received, taken.data, sent=taken.sent, sequence=sequence)
+
+    def _drain(self, recorded: RecordedTopic, arrived: list[_Taken]) -> None:
+        handle = recorded.subscription.handle
+        with handle:
+            while (message := handle.take_message(recorded.subscription.msg_type, True)) is not None:
+                data, info = message
+                received = info["received_timestamp"] or time_ns()
+                sequence = info["publication_sequence_number"] or 0
+                arrived.append(_Taken(received, recorded.channel, sequence, info["source_timestamp"] or received, data))
+                recorded.count += 1
+                if recorded.publishers == 1 and recorded.last_sequence is not None and sequence > recorded.last_sequence:
+                    recorded.lost += sequence - recorded.last_sequence - 1
+                recorded.last_sequence = sequence or None
+
+    def _begin(self, name: str, kind: str, offered: tuple[Qos, ...], profile: QoSProfile) -> None:
+        try:
+            definition = message_definition(kind)
+            subscription = self._subscribe(name, kind, profile)
+        except UnknownTypeError as error:
+            self._refuse(name, str(error))
+            return
+        topic = Topic(name, kind, definition.text, "ros2msg", definition.type_hash, offered)
+        channel = self._writer.add_topic(topic)
+        self.topics[name] = RecordedTopic(topic, channel, subscription, profile, publishers=len(offered))
+        self._say(f"recording {name} ({kind}, {profile.reliability.name.lower()})")
+
+    def _resubscribe(self, recorded: RecordedTopic, profile: QoSProfile) -> None:
+        """Match publishers that offer less, or more, than those before."""
+        self._drain(recorded, self._held)
+        self._node.destroy_subscription(recorded.subscription)
+        recorded.subscription = self._subscribe(recorded.topic.name, recorded.topic.type, profile)
+        recorded.profile = profile
+        recorded.last_sequence = None
+        self._say(f"recording {recorded.topic.name} anew with {profile.reliability.name.lower()} QoS")
+
+    def _subscribe(self, name: str, kind: str, profile: QoSProfile) -> Subscription:
+        return self._node.create_subscription(message_class(kind), name, _never_called, profile, raw=True)
+
+    def _refuse(self, name: str, reason: str) -> None:
+        self._refused.add(name)
+        self._say(f"NOT recording {name}: {reason}")
+
+
+def _never_called(_: bytes) -> None:
+    """Callback of subscriptions that are drained by hand."""

@@ -1,0 +1,30 @@
+"""Packaging of friction_bags."""
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+package_name = "friction_bags"
+
+setup(
+    name=package_name,
+    version="0.1.0",
+    packages=find_packages(exclude=["test"]),
+    package_data={package_name: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", ["resource/" + package_name]),
+        ("share/" + package_name, ["package.xml"]),
+        ("share/" + package_name + "/config", glob("config/*.yaml")),
+    ],
+    zip_safe=True,
+    maintainer="friction developers",
+    maintainer_email="developers@friction.example.org",
+    description="Record, replay, repair and offline processing of bags; importers for measured data.",
+    license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "record = friction_bags.__main__:record_main",
+            "play = friction_bags.__main__:play_main",
+        ]
+    },
+)
