@@ -1,0 +1,123 @@
+"""The finite state machine of Figure 8.1 as a total function of state, input and time in the state.
+
+    S0 --demand >= T-bar--> S1 --indicator <= H_inst--> S21 --n ms--> S22 --indicator >= H_st--> S1
+
+and from S1, S21, S22 back to S0 when braking is over, when the inputs fail or at low speed. S22 also returns to S1 when it
+has released for long enough: a slope that stays unmeasurable must not keep the brake open.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from math import isnan
+
+
+class State(IntEnum):
+    """States; the values are those of friction_msgs/SupervisorState."""
+
+    S0 = 0
+    S1 = 1
+    S21 = 2
+    S22 = 3
+
+
+class Cause(IntEnum):
+    """Why a transition was made; the values are those of friction_msgs/SupervisorState."""
+
+    NONE = 0
+    BRAKING = 1
+    INSTABILITY = 2
+    WAIT_OVER = 3
+    STABILITY = 4
+    RELEASE_TIMEOUT = 5
+    BRAKING_OVER = 6
+    FAIL_SAFE = 7
+    RESET = 8
+    LOW_SPEED = 9
+
+
+class Command(IntEnum):
+    """What the ABS core is asked to do; the values are those of friction_msgs/BrakeCommand."""
+
+    NONE = 0
+    INCREASE = 1
+    HOLD = 2
+    DECREASE = 3
+
+
+COMMANDS = {
+    State.S0: Command.NONE,
+    State.S1: Command.INCREASE,
+    State.S21: Command.DECREASE,
+    State.S22: Command.DECREASE,
+}
+"""Control action of each state, section 8.2.2."""
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """What the transitions compare with."""
+
+    h_instability: float
+    """H_inst [rad/s^3], < 0: an indicator at or below it says that stability is lost."""
+    h_stability: float
+    """H_st [rad/s^3], > 0: an indicator at or above it says that stability is regained."""
+    wait: float
+    """n [s], >= 0: the least time in S21, for the release to act."""
+    release_timeout: float
+    """Longest time in S22 [s], > 0."""
+
+    def __post_init__(self) -> None:
+        """Refuse thresholds of the wrong sign."""
+        if not self.h_instability < 0.0 < self.h_stability:
+            raise ValueError(
+                f"h_instability ({self.h_instability}) must be < 0 and h_stability ({self.h_stability}) > 0"
+            )
+        if not (self.wait >= 0.0 and self.release_timeout > 0.0):
+            raise ValueError(f"wait ({self.wait}) must be >= 0 and release_timeout ({self.release_timeout}) > 0")
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """What the machine sees at one sample."""
+
+    braking: bool
+    """Does the driver ask for at least T-bar?"""
+    indicator: float
+    """H sign(eta) of (8.5) [rad/s^3]; NaN where the sign is not measured."""
+    failed: bool = False
+    """Inputs stale or invalid."""
+    slow: bool = False
+    """Below the speed where the ABS ends."""
+
+
+def transition(state: State, inputs: Inputs, time_in_state: float, thresholds: Thresholds) -> tuple[State, Cause]:
+    """Next state and the cause of the transition; the same state and Cause.NONE when there is none.
+
+    Args:
+        state: present state.
+        inputs: at this sample. An indicator that is not measured makes no transition.
+        time_in_state: since the state was entered [s], >= 0.
+        thresholds: of the transitions.
+    """
+    if state is State.S0:
+        if inputs.braking and not inputs.failed and not inputs.slow:
+            return State.S1, Cause.BRAKING
+        return State.S0, Cause.NONE
+    if inputs.failed:
+        return State.S0, Cause.FAIL_SAFE
+    if not inputs.braking:
+        return State.S0, Cause.BRAKING_OVER
+    if inputs.slow:
+        return State.S0, Cause.LOW_SPEED
+    if state is State.S21:
+        return (State.S22, Cause.WAIT_OVER) if time_in_state >= thresholds.wait else (state, Cause.NONE)
+    measured = not isnan(inputs.indicator)
+    if state is State.S1:
+        if measured and inputs.indicator <= thresholds.h_instability:
+            return State.S21, Cause.INSTABILITY
+        return state, Cause.NONE
+    if measured and inputs.indicator >= thresholds.h_stability:
+        return State.S1, Cause.STABILITY
+    if time_in_state >= thresholds.release_timeout:
+        return State.S1, Cause.RELEASE_TIMEOUT
+    return state, Cause.NONE

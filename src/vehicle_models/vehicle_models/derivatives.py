@@ -1,0 +1,121 @@
+"""Causal derivative estimators: a polynomial fitted to the last samples by least squares.
+
+Over the window the signal is taken as a polynomial of degree d in time; order k of its derivative is read `delay` before
+the newest sample. On a uniform grid these are the Savitzky-Golay filters; the weights follow the stamps, so that jitter
+and lost samples leave the result exact for every polynomial of degree d.
+
+Delay: read at the centre of the window, (N - 1) T / 2 before the newest sample at sample time T, the estimate is a
+weighted mean of the true derivative around that point, with the least variance. Read nearer to the newest sample it is
+younger and noisier; before it (a negative delay) it is a prediction. A fit of degree d = k is the same everywhere in the
+window, and its delay is that of the centre.
+"""
+
+from math import factorial
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+_NANOSECOND = 1e-9
+
+
+def polynomial_weights(offsets: ArrayLike, degree: int, order: int, delay: float) -> Array:
+    """Weights that turn samples at `offsets` into a derivative of the fitted polynomial.
+
+    Args:
+        offsets: times of the samples against the newest [s], ascending to 0, shape (n,), all different.
+        degree: of the polynomial, < n.
+        order: of the derivative, 0..degree.
+        delay: how long before the newest sample the derivative is read [s].
+
+    Returns:
+        Shape (n,), in 1/s^order: the derivative is their product with the samples.
+
+    Raises:
+        ValueError: degree or order do not fit, or the offsets do not ascend.
+    """
+    times = np.asarray(offsets, dtype=np.float64)
+    if not 0 <= order <= degree < times.size:
+        raise ValueError(f"need 0 <= order ({order}) <= degree ({degree}) < samples ({times.size})")
+    if not np.all(np.diff(times) > 0.0):
+        raise ValueError("offsets must ascend")
+    centre, scale = 0.5 * (times[0] + times[-1]), 0.5 * (times[-1] - times[0])
+    # Scaled to [-1, 1] and read through powers about the centre, the normal equations stay well conditioned.
+    powers = np.vander((times - centre) / scale, degree + 1, increasing=True)
+    point = (times[-1] - delay - centre) / scale
+    reading = np.zeros(degree + 1)
+    for k in range(order, degree + 1):
+        reading[k] = factorial(k) / factorial(k - order) * point ** (k - order)
+    return np.asarray(powers @ np.linalg.solve(powers.T @ powers, reading)) / scale**order
+
+
+class LocalPolynomial:
+    """Sliding window of samples of one or several signals, and derivatives of the polynomial through it."""
+
+    def __init__(self, window: int, degree: int, signals: int = 1) -> None:
+        """Start empty.
+
+        Args:
+            window: samples N, > degree.
+            degree: of the polynomial, >= 0.
+            signals: how many are sampled together; they share the stamps.
+
+        Raises:
+            ValueError: the window is too short for the degree.
+        """
+        if not 0 <= degree < window:
+            raise ValueError(f"window ({window} samples) must be longer than degree ({degree}) >= 0")
+        self._window, self._degree, self._signals = window, degree, signals
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget every sample."""
+        # Written twice, half a ring apart, the window is always one contiguous block, oldest sample first.
+        self._stamps = np.zeros(2 * self._window, dtype=np.int64)
+        self._values: Array = np.zeros((2 * self._window, self._signals))
+        self._next = 0
+        self.count = 0
+        """Samples since the start."""
+        self._offsets = np.zeros(0, dtype=np.int64)
+        self._weights: dict[tuple[int, float], Array] = {}
+
+    @property
+    def ready(self) -> bool:
+        """Is the window full?"""
+        return self.count >= self._window
+
+    @property
+    def span(self) -> float:
+        """Time from the oldest to the newest sample of the window [s]; 0 while it is not full."""
+        return float(-self._offsets[0]) * _NANOSECOND if self.ready else 0.0
+
+    def update(self, stamp: int, values: ArrayLike) -> None:
+        """Take a sample of every signal.
+
+        Args:
+            stamp: [ns], later than the last.
+            values: finite, shape (signals,).
+        """
+        at, again = self._next, self._next + self._window
+        self._stamps[at] = self._stamps[again] = stamp
+        self._values[at] = self._values[again] = values
+        self._next = (at + 1) % self._window
+        self.count += 1
+        if self.ready:
+            offsets = self._stamps[self._next : self._next + self._window] - stamp
+            if not np.array_equal(offsets, self._offsets):
+                self._offsets = offsets
+                self._weights.clear()
+
+    def derivative(self, order: int, delay: float) -> Array:
+        """Derivative of each signal `delay` [s] before the newest sample, shape (signals,).
+
+        Raises:
+            ValueError: the window is not full, or order is not in 0..degree.
+        """
+        if not self.ready:
+            raise ValueError(f"window is not full: {self.count} of {self._window} samples")
+        key = (order, delay)
+        if key not in self._weights:
+            self._weights[key] = polynomial_weights(self._offsets * _NANOSECOND, self._degree, order, delay)
+        return np.asarray(self._weights[key] @ self._values[self._next : self._next + self._window])
