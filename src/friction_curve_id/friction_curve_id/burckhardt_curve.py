@@ -1,0 +1,52 @@
+"""The Burckhardt curve (2.13) as a model to fit, theta = (th1, th2, th3)."""
+
+from math import isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle_models import burckhardt
+
+Array = NDArray[np.float64]
+
+THETA_LOW = np.array([0.02, 1.0, -5.0])
+THETA_HIGH = np.array([5.0, 300.0, 5.0])
+"""No fit leaves this box: wide enough for racing tyres (2.33, 23.4, 3.79) and snow (0.19, 94.13, 0.06). th3 < 0 is a
+curve without a peak, the honest fit of data that end before it."""
+
+
+class BurckhardtCurve:
+    """CurveModel of (2.13)."""
+
+    def friction(self, parameters: Array, slip: float) -> float:
+        """Mu [-], (2.13)."""
+        return float(burckhardt.friction(parameters, slip))
+
+    def gradient(self, parameters: Array, slip: float) -> Array:
+        """The xi of (8.10), shape (3,)."""
+        return burckhardt.gradient(parameters, slip)
+
+    def slope(self, parameters: Array, slip: float) -> float:
+        """D mu / d slip [-], (2.37)."""
+        return float(burckhardt.slope(parameters, slip))
+
+    def slope_gradient(self, parameters: Array, slip: float) -> Array:
+        """Gradient of the slope with respect to theta, shape (3,)."""
+        th1, th2, _ = parameters
+        magnitude = abs(slip)
+        decay = np.exp(-th2 * magnitude)
+        return np.array([th2 * decay, th1 * decay * (1.0 - th2 * magnitude), -1.0])
+
+    def curvature(self, parameters: Array, slip: float) -> float:
+        """d^2 mu / d slip^2 [-] at slip >= 0."""
+        th1, th2, _ = parameters
+        return float(-th1 * th2**2 * np.exp(-th2 * slip))
+
+    def peak(self, parameters: Array) -> float:
+        """lambda_max in closed form where it lies in (0, 1), else NaN."""
+        peak = float(burckhardt.peak(parameters)[0])
+        return peak if isfinite(peak) and 0.0 < peak < 1.0 else float("nan")
+
+    def theta(self, parameters: Array) -> Array | None:
+        """The parameters themselves, shape (3,)."""
+        return parameters

@@ -1,0 +1,158 @@
+"""A fitted friction curve with the covariance of its parameters, and what follows for the peak and the present slip.
+
+First-order error propagation. With s = d mu / d slip and p the parameters,
+    d lambda_max = -(ds/dp at the peak) dp / (ds/dslip at the peak),   d mu_max = (dmu/dp at the peak) dp,
+    P(slip beyond the peak) = P(s < 0 at the present slip), normal.
+"""
+
+from dataclasses import dataclass
+from math import erf, isfinite, sqrt
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.interface import NAN, CurveEstimate, Reason
+
+Array = NDArray[np.float64]
+
+_LARGEST_RELATIVE_STDDEV = 0.25
+"""A lambda_max known no better than this share of itself is not valid."""
+
+
+class CurveModel(Protocol):
+    """A friction curve mu(slip; p) of n parameters."""
+
+    def friction(self, parameters: Array, slip: float) -> float:
+        """Mu [-]."""
+        ...
+
+    def gradient(self, parameters: Array, slip: float) -> Array:
+        """D mu / d p, shape (n,)."""
+        ...
+
+    def slope(self, parameters: Array, slip: float) -> float:
+        """D mu / d slip [-]."""
+        ...
+
+    def slope_gradient(self, parameters: Array, slip: float) -> Array:
+        """Gradient of the slope with respect to p, shape (n,)."""
+        ...
+
+    def curvature(self, parameters: Array, slip: float) -> float:
+        """d^2 mu / d slip^2 [-]."""
+        ...
+
+    def peak(self, parameters: Array) -> float:
+        """lambda_max in (0, 1), NaN where there is none."""
+        ...
+
+    def theta(self, parameters: Array) -> Array | None:
+        """Burckhardt parameters, shape (3,), None for another model."""
+        ...
+
+
+@dataclass(frozen=True)
+class FittedCurve:
+    """Parameters and their covariance, shapes (n,) and (n, n); NaN covariance where it is unknown."""
+
+    model: CurveModel
+    parameters: Array
+    covariance: Array
+
+    def estimate(self, slip: float, samples: int, largest_slip: float) -> CurveEstimate:
+        """Say what the curve says at the present `slip`.
+
+        Args:
+            slip: present slip [-].
+            samples: points in the fit.
+            largest_slip: the largest slip among them; a peak beyond it is extrapolated, hence not valid.
+        """
+        m, p, covariance = self.model, self.parameters, self.covariance
+
+        def stddev(row: Array) -> float:
+            variance = float(row @ covariance @ row)
+            return sqrt(variance) if 0.0 <= variance < np.inf else NAN
+
+        peak = m.peak(p)
+        mu_max = lambda_stddev = mu_stddev = NAN
+        if isfinite(peak):
+            mu_max = m.friction(p, peak)
+            mu_stddev = stddev(m.gradient(p, peak))
+            curvature = m.curvature(p, peak)
+            if curvature < 0.0:
+                lambda_stddev = stddev(m.slope_gradient(p, peak)) / -curvature
+        slope = m.slope(p, slip)
+        slope_stddev = stddev(m.slope_gradient(p, slip))
+        reason, text = _judge(peak, lambda_stddev, largest_slip)
+        theta = m.theta(p)
+        known = theta is not None
+        nothing = np.full(3, NAN)
+        return CurveEstimate(
+            samples=samples,
+            slip=slip,
+            lambda_max=peak,
+            mu_max=mu_max,
+            lambda_max_stddev=lambda_stddev,
+            mu_max_stddev=mu_stddev,
+            theta=theta.copy() if theta is not None else nothing,
+            theta_stddev=np.sqrt(np.maximum(np.diag(covariance), 0.0)) if known else nothing,
+            mu=m.friction(p, slip),
+            slope=slope,
+            slope_stddev=slope_stddev,
+            probability_beyond_peak=_probability_negative(slope, slope_stddev),
+            valid=reason is Reason.OK,
+            reason=reason,
+            text=text,
+        )
+
+
+def _judge(peak: float, stddev: float, largest_slip: float) -> tuple[Reason, str]:
+    if not isfinite(peak):
+        return Reason.NO_PEAK, "the fitted curve has no peak in (0, 1)"
+    if largest_slip < peak:
+        return Reason.PEAK_NOT_PASSED, f"slip reached {largest_slip:.3f}, the fitted peak lies at {peak:.3f}"
+    if not stddev <= _LARGEST_RELATIVE_STDDEV * peak:
+        return Reason.UNCERTAIN, f"standard deviation {stddev:.3f} of lambda_max {peak:.3f} is too large"
+    return Reason.OK, ""
+
+
+def _probability_negative(mean: float, stddev: float) -> float:
+    if not isfinite(stddev):
+        return NAN
+    if stddev == 0.0:
+        return 1.0 if mean < 0.0 else 0.0
+    return 0.5 * (1.0 + erf(-mean / (stddev * sqrt(2.0))))
+
+
+def fit_covariance(rows: Array, residuals: Array) -> Array:
+    """Covariance of the parameters of an unweighted least-squares fit whose noise may be correlated between neighbours.
+
+    Differenced signals make neighbouring friction samples share noise, so the plain sigma^2 (X^T X)^-1 is too large. With
+    T the tridiagonal Toeplitz matrix of the residuals' variance and lag-one covariance (limited to what a moving
+    average of order one can have, hence T >= 0), the covariance is (X^T X)^-1 X^T T X (X^T X)^-1.
+
+    Args:
+        rows: X, gradient of the curve at each sample, shape (samples, n).
+        residuals: shape (samples,).
+
+    Returns:
+        Shape (n, n); NaN where there are no more samples than parameters.
+    """
+    samples, count = rows.shape
+    if samples <= count:
+        return np.full((count, count), np.nan)
+    variance = float(residuals @ residuals) / (samples - count)
+    lag = float(residuals[1:] @ residuals[:-1]) / (samples - count)
+    lag = min(max(lag, -0.5 * variance), 0.5 * variance)
+    neighbours = rows[1:].T @ rows[:-1]
+    middle = variance * (rows.T @ rows) + lag * (neighbours + neighbours.T)
+    inverse = gram_inverse(rows.T @ rows)
+    return np.asarray(inverse @ middle @ inverse)
+
+
+def gram_inverse(gram: Array) -> Array:
+    """Inverse of X^T X, shape (n, n), with a floor of 1e-12 on its scaled diagonal: blind directions come out huge."""
+    scale = np.sqrt(np.maximum(np.diag(gram), np.finfo(np.float64).tiny))
+    scaled = gram / np.outer(scale, scale) + 1e-12 * np.eye(len(gram))
+    return np.asarray(np.linalg.inv(scaled) / np.outer(scale, scale))

@@ -1,0 +1,62 @@
+"""Batch least squares on the four fixed exponentials (8.12), section 8.3.1.2."""
+
+from collections import deque
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.exponential_curve import ExponentialCurve, regressor
+from friction_curve_id.fitted_curve import FittedCurve
+
+Array = NDArray[np.float64]
+
+RIDGE = 1e-6
+"""Added to the diagonal of the Gram matrix. With noise of 0.02 on mu this is a prior of sigma 20 on each coefficient: it
+decides only directions the data do not see, and after 20 samples there are always some (condition 1e10 to 1e17)."""
+
+
+def triangle(slips: Array, frictions: Array) -> Array:
+    """Square root of the normal equations: R of [phi mu], with the ridge, shape (7, 7), upper triangular.
+
+    Its last column holds z with R[:6, :6] a = z, and its corner the root of the sum of squares that remains.
+
+    Args:
+        slips: shape (n,).
+        frictions: mu at them, shape (n,).
+    """
+    rows = np.column_stack([regressor(slips), frictions])
+    ridge = np.column_stack([np.sqrt(RIDGE) * np.eye(6), np.zeros(6)])
+    return np.asarray(np.linalg.qr(np.vstack([rows, ridge]), mode="r"))
+
+
+def solve(root: Array, samples: int, largest_slip: float) -> FittedCurve:
+    """The curve that a triangle of `samples` samples up to `largest_slip` holds.
+
+    The covariance is sigma^2 (phi^T phi)^-1, NaN where there are no more samples than parameters. Differenced signals share
+    noise between neighbours, which makes it too large rather than too small; it knows nothing of the bias of (8.12).
+    """
+    inverse = np.linalg.inv(root[:6, :6])
+    variance = root[6, 6] ** 2 / (samples - 6) if samples > 6 else np.nan
+    return FittedCurve(ExponentialCurve(largest_slip), inverse @ root[:6, 6], variance * (inverse @ inverse.T))
+
+
+class LeastSquares:
+    """Batch LS over the newest samples: a fit from scratch at every sample."""
+
+    def __init__(self, window: int = 400) -> None:
+        """Fit at most `window` samples, the newest."""
+        self._points: deque[tuple[float, float]] = deque(maxlen=window)
+
+    def start(self, slips: Array, frictions: Array) -> None:
+        """Begin a fit with the first samples, shapes (n,)."""
+        self._points.clear()
+        self._points.extend(zip(slips.tolist(), frictions.tolist(), strict=True))
+
+    def add(self, slip: float, friction: float) -> None:
+        """Take one more sample."""
+        self._points.append((slip, friction))
+
+    def curve(self) -> FittedCurve:
+        """Fit."""
+        slips, frictions = np.array(self._points).T
+        return solve(triangle(slips, frictions), len(slips), float(np.max(slips)))
