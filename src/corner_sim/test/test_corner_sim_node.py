@@ -1,0 +1,244 @@
+"""The plant as a real process over DDS."""
+
+import signal
+import subprocess
+import time
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from friction_msgs.msg import BrakeCommand
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue, SetParametersResult
+from rcl_interfaces.srv import SetParameters
+from rclpy.serialization import serialize_message
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+
+from corner_sim import messages
+from corner_sim.parameters import SimParameters
+from corner_sim.simulation import Simulation
+from dds_client import DdsClient, dds_client, stop
+from friction_runtime import qos
+from friction_runtime.stamps import to_nanoseconds
+
+START = 1_000_000_000
+PERIOD = 5_000_000
+TOPICS = messages.topics(["front_left"], vehicle_velocity=True, brake_demand=True)
+
+
+@pytest.fixture
+def client() -> Iterator[DdsClient]:
+    with dds_client(10) as made:
+        yield made
+
+
+def start(client: DdsClient, **parameters: object) -> subprocess.Popen[str]:
+    """Start the node that waits for the client; a parameter is written as on the command line."""
+    wanted = {"start_stamp": START, "wait_for_subscribers": 1, "settle_time": 0.2} | parameters
+    arguments = [part for name, value in wanted.items() for part in ("-p", f"{name}:={value}")]
+    return client.start("-m", "corner_sim", "--ros-args", *arguments)
+
+
+def record(client: DdsClient, topics: Sequence[str] = tuple(TOPICS)) -> dict[str, list[Any]]:
+    """Collect messages by topic."""
+    found: dict[str, list[Any]] = {topic: [] for topic in topics}
+    for topic in topics:
+        qos.subscribe(client.node, TOPICS[topic], topic, found[topic].append, qos.ESTIMATE)
+    return found
+
+
+def stamps(received: Sequence[Any]) -> list[int]:
+    return [to_nanoseconds(message.header.stamp) for message in received]
+
+
+def supervise(client: DdsClient) -> list[JointState]:
+    """Answer each wheel_states as a scripted supervisor, which looks at the measured speed, noise and all."""
+    seen: list[JointState] = []
+    publisher = qos.publish(client.node, BrakeCommand, "front_left/brake_command")
+
+    def answer(message: JointState) -> None:
+        seen.append(message)
+        order = BrakeCommand.DECREASE if message.velocity[0] < 60.0 else BrakeCommand.INCREASE
+        publisher.publish(BrakeCommand(header=message.header, wheel="front_left", command=order))
+
+    qos.subscribe(client.node, JointState, "wheel_states", answer, qos.SENSOR)
+    return seen
+
+
+def set_parameter(client: DdsClient, name: str, value: ParameterValue) -> SetParametersResult:
+    request = SetParameters.Request(parameters=[Parameter(name=name, value=value)])
+    return client.call(SetParameters, "/corner_sim/set_parameters", request).results[0]
+
+
+def test_every_topic_comes_at_200_hz_with_the_stamps_of_the_schedule(client: DdsClient) -> None:
+    found = record(client)
+    published: list[int] = []
+
+    def note(message: Clock, info: dict[str, int]) -> None:
+        published.append(info["source_timestamp"])
+
+    client.node.create_subscription(Clock, "/clock", note, qos.ESTIMATE)
+    process = start(client, end_time=2.0, exit_when_done="true", publish_clock="true")
+    client.until(lambda: all(len(received) >= 401 for received in found.values()))
+    for topic, received in found.items():
+        assert stamps(received) == [START + k * PERIOD for k in range(401)], topic
+    client.until(lambda: len(published) >= 401)
+    # 2 s of message time take 2 s of the wall clock; the median forgives hiccups of the machine
+    lead = np.array(published) - np.array(stamps(found["wheel_states"]))
+    assert np.median(lead[-100:]) - np.median(lead[:100]) == pytest.approx(0.0, abs=0.02e9)
+    client.until(lambda: process.poll() is not None)
+    assert process.returncode == 0
+
+
+def test_what_goes_over_dds_is_the_simulation_bit_for_bit(client: DdsClient) -> None:
+    found = record(client)
+    start(client, end_time=1.0, seed=5, demand_start=0.2, wheels="[front_left]", exit_when_done="true")
+    client.until(lambda: all(len(received) >= 201 for received in found.values()))
+    simulation = Simulation(SimParameters(seed=5, demand_start=0.2), START)
+    for k in range(201):
+        for topic, message in simulation.messages():
+            assert serialize_message(found[topic][k]) == serialize_message(message), (topic, k)
+        simulation.advance()
+
+
+RECORDED = ("wheel_states", "imu/data", "front_left/brake_pressure", "truth/front_left/slip")
+
+
+def closed_loop(domain: int) -> tuple[dict[str, list[Any]], subprocess.Popen[str]]:
+    """Messages of one lock-step run with a supervisor of its own."""
+    with dds_client(domain) as client:
+        found = record(client, RECORDED)
+        supervise(client)
+        process = start(
+            client, lock_step="true", real_time_factor=0.0, wait_for_subscribers=2, end_time=1.5,
+            exit_when_done="true", demand_start=0.1,
+        )  # fmt: skip
+        client.until(lambda: all(len(received) >= 301 for received in found.values()), timeout=60.0)
+        client.until(lambda: process.poll() is not None)
+        return found, process
+
+
+def test_a_lock_step_closed_loop_over_dds_repeats_bit_for_bit() -> None:
+    (first, process), (second, _) = closed_loop(10), closed_loop(11)
+    assert process.returncode == 0
+    for topic in RECORDED:
+        assert len(first[topic]) == 301
+        assert list(map(serialize_message, first[topic])) == list(map(serialize_message, second[topic])), topic
+    slips = [message.slip for message in first["truth/front_left/slip"]]
+    assert max(slips) > 0.3
+    assert slips[-1] < max(slips)  # the commands were obeyed
+
+
+def test_lock_step_names_the_wheel_that_is_silent_and_holds_still(client: DdsClient) -> None:
+    found = record(client, ["wheel_states"])
+    qos.publish(client.node, BrakeCommand, "front_left/brake_command")
+    process = start(client, lock_step="true", lock_step_timeout=2.0, exit_when_done="true")
+    client.until(lambda: process.poll() is not None)
+    assert process.stdout is not None
+    assert f"no brake_command with stamp {START} ns within 2.0 s from front_left" in process.stdout.read()
+    assert process.returncode == 1
+    assert stamps(found["wheel_states"]) == [START]
+
+
+def test_a_missing_supervisor_is_named_before_the_start(client: DdsClient) -> None:
+    process = start(client, lock_step="true", lock_step_timeout=0.5, exit_when_done="true", wait_for_subscribers=0)
+    client.until(lambda: process.poll() is not None)
+    assert process.stdout is not None
+    assert "front_left/brake_command" in process.stdout.read()
+    assert process.returncode == 1
+
+
+def test_reset_rewinds_stamps_and_noise_and_takes_changed_parameters(client: DdsClient) -> None:
+    found = record(client, ["wheel_states", "truth/front_left/friction_curve"])
+    wheel_states, curves = found["wheel_states"], found["truth/front_left/friction_curve"]
+    start(client)
+    client.until(lambda: len(wheel_states) > 50)
+    snow = ParameterValue(type=ParameterType.PARAMETER_STRING_ARRAY, string_array_value=["snow"])
+    assert set_parameter(client, "surfaces", snow).successful
+    assert client.call(Trigger, "/corner_sim/reset", Trigger.Request()).success
+    client.until(lambda: stamps(wheel_states).count(START) == 2)
+    jump = stamps(wheel_states).index(START, 1)
+    client.until(lambda: len(wheel_states) > jump + 50 and len(curves) > jump + 50)
+    assert stamps(wheel_states[jump : jump + 50]) == stamps(wheel_states[:50])
+    assert wheel_states[jump].velocity == wheel_states[0].velocity
+    thetas = {stamp: curve.theta_2 for stamp, curve in zip(stamps(curves), curves, strict=True) if stamp == START}
+    assert thetas[START] == 94.13
+
+
+def test_start_waits_for_its_service(client: DdsClient) -> None:
+    found = record(client, ["wheel_states"])
+    start(client, autostart="false")
+    client.until(lambda: client.node.count_publishers("wheel_states") == 1)
+    waited_until = time.monotonic() + 0.5
+    client.until(lambda: time.monotonic() > waited_until)
+    assert found["wheel_states"] == []
+    assert client.call(Trigger, "/corner_sim/start", Trigger.Request()).success
+    client.until(lambda: len(found["wheel_states"]) > 5)
+    assert not client.call(Trigger, "/corner_sim/start", Trigger.Request()).success
+    assert stamps(found["wheel_states"])[0] == START
+    assert client.call(Trigger, "/corner_sim/reset", Trigger.Request()).success
+    count = len(found["wheel_states"])
+    waited_until = time.monotonic() + 0.3
+    client.until(lambda: time.monotonic() > waited_until)
+    assert len(found["wheel_states"]) <= count + 20  # those that were under way
+
+
+def test_a_bad_value_is_refused_live_by_name_and_the_plant_goes_on(client: DdsClient) -> None:
+    found = record(client, ["wheel_states"])
+    start(client)
+    client.until(lambda: len(found["wheel_states"]) > 5)
+    for name, value in {
+        "mass": ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=-1.0),
+        "surfaces": ParameterValue(type=ParameterType.PARAMETER_STRING_ARRAY, string_array_value=["ice"]),
+        "surface_distances": ParameterValue(type=ParameterType.PARAMETER_DOUBLE_ARRAY, double_array_value=[0.0, 1.0]),
+        "brake_gain": ParameterValue(type=ParameterType.PARAMETER_DOUBLE_ARRAY, double_array_value=[1.0, 1.0]),
+        "wheels": ParameterValue(type=ParameterType.PARAMETER_STRING_ARRAY, string_array_value=["rear_left"]),
+    }.items():
+        result = set_parameter(client, name, value)
+        assert not result.successful
+        assert name in result.reason
+    count = len(found["wheel_states"])
+    client.until(lambda: len(found["wheel_states"]) > count + 5)
+
+
+@pytest.mark.parametrize(
+    "given", [{"mass": -1.0}, {"surfaces": "[ice]"}, {"surface_distances": "[0.0, 1.0]"}, {"real_time_factor": 0.0}]
+)
+def test_a_bad_value_at_start_ends_the_process_with_the_name(client: DdsClient, given: dict[str, object]) -> None:
+    process = start(client, **given)
+    client.until(lambda: process.poll() is not None)
+    assert process.returncode == 2
+    assert process.stdout is not None
+    output = process.stdout.read()
+    assert next(iter(given)) in output
+    assert "Traceback" not in output
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_process_cleanly_and_soon(client: DdsClient, how: signal.Signals) -> None:
+    found = record(client, ["wheel_states"])
+    process = start(client)
+    client.until(lambda: len(found["wheel_states"]) > 20)
+    output, seconds = stop(process, how)
+    assert seconds < 2.0
+    assert process.returncode == 0
+    assert "Traceback" not in output
+
+
+def test_diagnostics_say_when_a_supervisor_falls_silent(client: DdsClient) -> None:
+    health: list[DiagnosticArray] = []
+    client.node.create_subscription(DiagnosticArray, "/diagnostics", health.append, 10)
+    record(client, ["wheel_states"])
+    publisher = qos.publish(client.node, BrakeCommand, "front_left/brake_command")
+    start(client, end_speed=-1.0)
+    client.until(lambda: publisher.get_subscription_count() == 1)
+    command = BrakeCommand(wheel="front_left", command=BrakeCommand.DECREASE)
+    command.header.stamp.sec = 1
+    publisher.publish(command)
+    client.until(lambda: any("front_left" in status.message for array in health for status in array.status))
+    status = health[-1].status[0]
+    assert status.level == b"\x01"
+    assert status.name == "/corner_sim: plant"

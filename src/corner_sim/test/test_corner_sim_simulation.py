@@ -1,0 +1,198 @@
+"""A run behind its messages."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionCurve, FrictionSlope
+from std_msgs.msg import Header
+
+from corner_sim import messages
+from corner_sim.parameters import SimParameters
+from corner_sim.simulation import Simulation
+from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from vehicle_models import burckhardt
+from vehicle_models.surfaces import surface
+
+START = 1_000_000_000
+Supervisor = Callable[[int], int]
+
+
+def run(parameters: SimParameters, samples: int, supervisor: Supervisor | None = None) -> dict[str, list[Any]]:
+    """Messages by topic of the first samples, under a supervisor that maps sample number to command."""
+    simulation = Simulation(parameters, START)
+    found: dict[str, list[Any]] = {}
+    for k in range(samples):
+        for topic, message in simulation.messages():
+            found.setdefault(topic, []).append(message)
+        if supervisor is not None:
+            header = Header(stamp=from_nanoseconds(simulation.stamp))
+            for wheel in parameters.wheels:
+                order = BrakeCommand(header=header, wheel=wheel, command=supervisor(k))
+                assert simulation.take_command(wheel, order) is None
+        simulation.advance()
+    return found
+
+
+def cycling(k: int) -> int:
+    return int(BrakeCommand.DECREASE if k % 60 > 40 else BrakeCommand.INCREASE)
+
+
+def test_every_topic_carries_every_sample_with_the_stamps_of_the_schedule() -> None:
+    parameters = SimParameters(wheels=("front_left", "rear_right"))
+    found = run(parameters, 30)
+    assert set(found) == set(messages.topics(parameters.wheels, vehicle_velocity=True, brake_demand=True))
+    for topic, list_of_messages in found.items():
+        stamps = [to_nanoseconds(message.header.stamp) for message in list_of_messages]
+        assert stamps == [START + 5_000_000 * k for k in range(30)], topic
+        kind = messages.topics(parameters.wheels, vehicle_velocity=True, brake_demand=True)[topic]
+        assert all(type(message) is kind for message in list_of_messages), topic
+
+
+def test_topics_that_are_not_wanted_are_not_published() -> None:
+    found = run(SimParameters(vehicle_velocity=False, demand_source="topic"), 2)
+    assert "vehicle_velocity" not in found
+    assert "brake_demand" not in found
+
+
+def test_the_same_seed_repeats_every_message_and_another_seed_does_not() -> None:
+    first, again = run(SimParameters(), 300, cycling), run(SimParameters(), 300, cycling)
+    other = run(SimParameters(seed=1), 300, cycling)
+    assert repr(first) == repr(again)  # repr, because NaN is not equal to itself
+    assert repr(first["wheel_states"]) != repr(other["wheel_states"])
+    assert repr(first["truth/front_left/slip"]) == repr(other["truth/front_left/slip"])
+
+
+def test_pressure_times_gain_is_the_torque_that_slows_wheel_and_vehicle() -> None:
+    parameters = SimParameters(noise="none", brake_gain=(2e-4,), demand_start=0.0)
+    found = run(parameters, 60)
+    speed = np.array([m.twist.twist.linear.x for m in found["vehicle_velocity"]])
+    wheel_speed = np.array([m.velocity[0] for m in found["wheel_states"]])
+    torque = 2e-4 * np.array([m.fluid_pressure for m in found["front_left/brake_pressure"]])
+    impulse = (0.5 * (torque[1:] + torque[:-1]) * 0.005).sum()
+    momentum = (wheel_speed[-1] - wheel_speed[0]) + 0.3 * 225.0 * (speed[-1] - speed[0])
+    assert wheel_speed[-1] > 0.0
+    assert momentum == pytest.approx(-impulse, rel=1e-6)
+
+
+def test_demand_is_a_multiple_of_the_peak_torque_of_the_first_surface() -> None:
+    parameters = SimParameters(
+        demand_level=1.5, demand_start=0.0, surfaces=("snow", "dry"), surface_distances=(0.0, 9.0)
+    )
+    lambda_max, mu_max = burckhardt.peak(surface("snow"))
+    peak_torque = mu_max * (0.3 * 225.0 * 9.81 + (1.0 - lambda_max) * 9.81 / 0.3)
+    pressure = run(parameters, 1)["brake_demand"][0].pressure
+    assert pressure == pytest.approx(1.5 * peak_torque / 1e-4, rel=1e-12)
+
+
+def test_demand_by_torque_is_that_torque_at_the_wheel() -> None:
+    found = run(
+        SimParameters(noise="none", demand_unit="torque", demand_level=300.0, demand_start=0.0, brake_gain=(2e-4,)), 40
+    )
+    assert found["front_left/brake_pressure"][-1].fluid_pressure * 2e-4 == pytest.approx(300.0)
+
+
+def test_the_topic_brakes_when_it_is_the_source() -> None:
+    simulation = Simulation(SimParameters(noise="none", demand_source="topic"), START)
+    assert simulation.take_demand(BrakeDemand(pressure=2e6)) is None
+    for _ in range(20):
+        simulation.advance()
+    pressure = {topic: m for topic, m in simulation.messages() if topic == "front_left/brake_pressure"}
+    assert pressure["front_left/brake_pressure"].fluid_pressure == pytest.approx(2e6)
+
+
+def test_release_by_command_lets_the_wheel_spin_up_again() -> None:
+    locked = run(SimParameters(noise="none"), 260)["truth/front_left/slip"][-1]
+    released = run(SimParameters(noise="none"), 260, lambda k: BrakeCommand.DECREASE if k > 160 else BrakeCommand.NONE)[
+        "truth/front_left/slip"
+    ][-1]
+    assert locked.slip == 1.0
+    assert released.slip < 0.02
+
+
+def test_the_imu_says_what_the_speed_does_and_no_more() -> None:
+    found = run(SimParameters(noise="none", demand_level=0.5, demand_start=0.0), 100)
+    speed = np.array([m.twist.twist.linear.x for m in found["truth/vehicle_velocity"]])
+    acceleration = np.array([m.linear_acceleration.x for m in found["imu/data"]])
+    np.testing.assert_allclose(acceleration[1:-1], (speed[2:] - speed[:-2]) / 0.01, atol=0.05)
+    assert acceleration[-1] < -1.0
+    assert found["imu/data"][0].orientation_covariance[0] == -1.0
+
+
+def test_true_crossings_lie_at_lambda_max_between_the_samples_around_them() -> None:
+    found = run(SimParameters(noise="none"), 330, cycling)
+    lambda_max = float(burckhardt.peak(surface("dry"))[0])
+    slips, slopes = found["truth/front_left/slip"], found["truth/front_left/friction_slope"]
+    expected = [k for k in range(1, 330) if (slips[k].slip > lambda_max) != (slips[k - 1].slip > lambda_max)]
+    assert len(expected) >= 3
+    assert slopes[-1].crossings == len(expected)
+    for number, k in enumerate(expected, start=1):
+        assert slopes[k - 1].crossings == number - 1
+        assert slopes[k].crossings == number
+        assert slopes[k].slip_at_crossing == pytest.approx(lambda_max, rel=1e-12)
+        assert slopes[k].crossing_sign == slopes[k].sign == (-1 if slips[k].slip > lambda_max else 1)
+        crossing = to_nanoseconds(slopes[k].crossing_stamp)
+        assert to_nanoseconds(slips[k - 1].header.stamp) <= crossing <= to_nanoseconds(slips[k].header.stamp)
+    assert slopes[0].crossings == slopes[0].crossing_sign == 0
+
+
+def test_the_true_indicator_has_the_sign_of_the_slope() -> None:
+    for slope in run(SimParameters(noise="none"), 330, cycling)["truth/front_left/friction_slope"]:
+        if abs(slope.indicator) > 1e-6:
+            assert np.sign(slope.indicator) == slope.sign
+            assert slope.method == FrictionSlope.METHOD_TRUTH
+
+
+def test_a_change_of_surface_shows_in_the_true_curve_once() -> None:
+    parameters = SimParameters(noise="none", demand_level=0.0, surfaces=("dry", "snow"), surface_distances=(0.0, 2.95))
+    curves = run(parameters, 40)["truth/front_left/friction_curve"]
+    restarted = [k for k, curve in enumerate(curves) if curve.restarted]
+    assert restarted == [20]  # 2.95 m at 0.15 m a sample
+    assert curves[19].theta_2 == surface("dry")[1]
+    assert curves[20].theta_2 == surface("snow")[1]
+    assert curves[39].restarts == 1
+    assert curves[39].restart_cause == FrictionCurve.RESTART_SURFACE
+    assert curves[39].lambda_max == pytest.approx(float(burckhardt.peak(surface("snow"))[0]))
+
+
+def test_the_true_force_is_load_times_friction_and_negative_in_braking() -> None:
+    found = run(SimParameters(noise="none", demand_start=0.0), 60)
+    force, curve = found["truth/front_left/tyre_force"][-1], found["truth/front_left/friction_curve"][-1]
+    assert force.fz == pytest.approx(225.0 * 9.81)
+    assert force.fx == pytest.approx(-force.fz * curve.mu)
+    assert force.fx < -1000.0
+
+
+def test_at_standstill_the_truth_says_that_slip_is_not_defined() -> None:
+    found = run(SimParameters(noise="none", initial_speed=2.0, demand_start=0.0), 300)
+    slip, slope = found["truth/front_left/slip"][-1], found["truth/front_left/friction_slope"][-1]
+    assert not slip.valid
+    assert slip.reason == slip.LOW_SPEED
+    assert "front_left" in slip.reason_text
+    assert np.isnan(slip.slip)
+    assert not slope.valid
+    assert slope.sign == 0
+
+
+@pytest.mark.parametrize(
+    ("changes", "named"), [({"end_speed": 12.0}, "end_speed"), ({"end_time": 0.1}, "end_time"), ({}, "end_speed")]
+)
+def test_a_run_ends_at_its_speed_or_its_time(changes: dict[str, float], named: str) -> None:
+    simulation = Simulation(SimParameters(**changes), START)  # type: ignore[arg-type]
+    while simulation.end is None:
+        simulation.advance()
+        assert simulation.index < 2000
+    assert named in simulation.end
+    if "end_time" in changes:
+        assert simulation.index == 20
+    else:
+        assert simulation.speed <= changes.get("end_speed", 0.0)
+
+
+def test_a_run_without_an_end_goes_on_at_standstill() -> None:
+    simulation = Simulation(SimParameters(initial_speed=1.0, demand_start=0.0, end_speed=-1.0), START)
+    for _ in range(400):
+        simulation.advance()
+    assert simulation.speed == 0.0
+    assert simulation.end is None
