@@ -66,7 +66,10 @@ class PointFitting:
         self._fit = fit
         self._start = start
         self._cause = RestartCause.NONE
-        self._clear()
+        self._waiting: deque[FrictionPoint] = deque(maxlen=self._LONGEST_WAIT)
+        self._count = 0
+        self._largest_slip = 0.0
+        self._released_since: float | None = None
 
     def reset(self) -> None:
         """Forget everything; the next estimate says that it restarted on request."""
@@ -94,10 +97,10 @@ class PointFitting:
         return replace(estimate, restarted=cause is not RestartCause.NONE, restart_cause=cause)
 
     def _clear(self) -> None:
-        self._waiting: deque[FrictionPoint] = deque(maxlen=self._LONGEST_WAIT)
+        self._waiting.clear()
         self._count = 0
         self._largest_slip = 0.0
-        self._released_since: float | None = None
+        self._released_since = None
 
     def _is_braking(self, point: FrictionPoint) -> bool:
         """A short release belongs to the braking: so do the first samples, before the torque has risen."""
@@ -124,7 +127,9 @@ class PointFitting:
         if span < self._start.min_slip_span:
             return Refusal(Reason.NO_EXCITATION, f"the slip stays within {span:.4f}: nothing to fit")
         if point.slip <= self._start.lambda_init:
-            return Refusal(Reason.TOO_FEW_SAMPLES, f"slip {point.slip:.3f} has not passed {self._start.lambda_init:.3f}")
+            return Refusal(
+                Reason.TOO_FEW_SAMPLES, f"slip {point.slip:.3f} has not passed {self._start.lambda_init:.3f}"
+            )
         self._fit.start(slips, np.array([first.mu for first in self._waiting]))
         self._count, self._largest_slip = count, float(np.max(slips))
         self._waiting.clear()

@@ -4,11 +4,11 @@ Eliminating Fx from (2.15) gives m v_dot = -(J omega_dot + T_b) / r, hence
 
     v(t) = v0 - (J / (m r)) (omega(t) - omega(0)) - (1 / (m r)) integral of T_b dt.
 
-The noise of omega enters scaled by J / (m r), some 0.015 m per rad, and that of T_b integrated: a thousandth of what a
-speed sensor with 0.5 m/s gives. What remains is the anchor v0 and the model: an error of m, J or of the torque's gain, a
-slope of the road or the drag of the air makes the speed drift. The anchor is omega r while the wheel rolls freely (no brake
-torque since the start, or for a while: a wheel just released still slips), and a measured speed, where there is one,
-weighted by its variance.
+The noise of omega enters scaled by J / (m r), some 0.015 m per rad, and that of T_b integrated: a thousandth of
+what a speed sensor with 0.5 m/s gives. What remains is the anchor v0 and the model: an error of m, J or of the
+torque's gain, a slope of the road or the drag of the air makes the speed drift. The anchor is omega r while the
+wheel rolls freely (no brake torque since the start, or for a while: a wheel just released still slips), and a
+measured speed, where there is one, weighted by its variance.
 """
 
 from dataclasses import dataclass

@@ -1,8 +1,8 @@
 """The friction curve as four fixed exponentials, a line and a constant, (8.12); linear in its six parameters.
 
-The chapter's exponents b = 4, 36, 68, 100 span th2 of the usual roads. The model does not hold the Burckhardt curve of any
-road exactly: on the noise-free samples of manoeuvre B lambda_max is off by 3.5 % on dry, 0.5 % on wet, 1.4 % on
-cobblestone and 0.2 % on snow, and this bias remains whatever the noise.
+The chapter's exponents b = 4, 36, 68, 100 span th2 of the usual roads. The model does not hold the Burckhardt
+curve of any road exactly: on the noise-free samples of manoeuvre B lambda_max is off by 3.5 % on dry, 0.5 % on
+wet, 1.4 % on cobblestone and 0.2 % on snow, and this bias remains whatever the noise.
 """
 
 import numpy as np
@@ -17,10 +17,8 @@ _BISECTIONS = 40
 
 
 def regressor(slips: Array) -> Array:
-    """Phi of (8.12) = (exp(-b1 slip), ..., exp(-b4 slip), slip, 1) for slips of shape (n,), shape (n, 6)."""
-    return np.concatenate(
-        [np.exp(-np.outer(slips, EXPONENTS)), slips[:, np.newaxis], np.ones((len(slips), 1))], axis=1
-    )
+    """Regressor phi of (8.12), (exp(-b1 slip), ..., exp(-b4 slip), slip, 1) for slips of shape (n,), shape (n, 6)."""
+    return np.concatenate([np.exp(-np.outer(slips, EXPONENTS)), slips[:, np.newaxis], np.ones((len(slips), 1))], axis=1)
 
 
 class ExponentialCurve:

@@ -126,11 +126,11 @@ def _probability_negative(mean: float, stddev: float) -> float:
 
 
 def fit_covariance(rows: Array, residuals: Array) -> Array:
-    """Covariance of the parameters of an unweighted least-squares fit whose noise may be correlated between neighbours.
+    """Covariance of an unweighted least-squares fit whose noise may be correlated between neighbours.
 
-    Differenced signals make neighbouring friction samples share noise, so the plain sigma^2 (X^T X)^-1 is too large. With
-    T the tridiagonal Toeplitz matrix of the residuals' variance and lag-one covariance (limited to what a moving
-    average of order one can have, hence T >= 0), the covariance is (X^T X)^-1 X^T T X (X^T X)^-1.
+    Differenced signals make neighbouring friction samples share noise, so the plain sigma^2 (X^T X)^-1 is too
+    large. With T the tridiagonal Toeplitz matrix of the residuals' variance and lag-one covariance (limited to
+    what a moving average of order one can have, hence T >= 0), the covariance is (X^T X)^-1 X^T T X (X^T X)^-1.
 
     Args:
         rows: X, gradient of the curve at each sample, shape (samples, n).
@@ -152,7 +152,7 @@ def fit_covariance(rows: Array, residuals: Array) -> Array:
 
 
 def gram_inverse(gram: Array) -> Array:
-    """Inverse of X^T X, shape (n, n), with a floor of 1e-12 on its scaled diagonal: blind directions come out huge."""
+    """Inverse of X^T X, shape (n, n), scaled diagonal floored by 1e-12: blind directions come out huge."""
     scale = np.sqrt(np.maximum(np.diag(gram), np.finfo(np.float64).tiny))
     scaled = gram / np.outer(scale, scale) + 1e-12 * np.eye(len(gram))
     return np.asarray(np.linalg.inv(scaled) / np.outer(scale, scale))

@@ -1,15 +1,17 @@
 """Samples of the friction curve, mu(slip), from the signals of one wheel: (8.8) and two better conditioned forms.
 
-Each takes two neighbouring samples and speaks of the middle between them: rates are differences over the interval, levels
-are means. The difference and the mean of white noise are uncorrelated, so that the noise of omega does not enter mu and
-slip together. At 200 Hz with the noise of section 8.3.2 (sigma of omega 0.07 rad/s, v 0.5 m/s, T_b 3.2 N m) on
-the defaults of `WheelParameters`:
+Each takes two neighbouring samples and speaks of the middle between them: rates are differences over the
+interval, levels are means. The difference and the mean of white noise are uncorrelated, so that the noise of
+omega does not enter mu and slip together. At 200 Hz with the noise of section 8.3.2 (sigma of omega 0.07 rad/s,
+v 0.5 m/s, T_b 3.2 N m) on the defaults of `WheelParameters`:
 
-- SLIP_EQUATION: (8.8) as printed, with the measured speed. Passes on the noise of v twice: in the slip (sigma 0.012 at
-  30 m/s) and differenced in slip_dot, which puts a sigma near 0.7 on mu; the two are correlated through slip(t).
-- WHEEL_EQUATION: mu = (J omega_dot + T_b) / (r Fz), from (2.15) alone, against the slip from the measured speed. mu knows
-  nothing of v: sigma 0.03, nearly all from omega (each difference shares its omega with the next, so that it averages out
-  as 1/N and not as 1/sqrt(N)). The slip keeps its 0.012: errors in variables flatten and bias the fit.
+- SLIP_EQUATION: (8.8) as printed, with the measured speed. Passes on the noise of v twice: in the slip (sigma
+  0.012 at 30 m/s) and differenced in slip_dot, which puts a sigma near 0.7 on mu; the two are correlated
+  through slip(t).
+- WHEEL_EQUATION: mu = (J omega_dot + T_b) / (r Fz), from (2.15) alone, against the slip from the measured
+  speed. mu knows nothing of v: sigma 0.03, nearly all from omega (each difference shares its omega with the
+  next, so that it averages out as 1/N and not as 1/sqrt(N)). The slip keeps its 0.012: errors in variables
+  flatten and bias the fit.
 - DEAD_RECKONED: the same mu against the slip from the dead-reckoned speed (dead_reckoning.py): sigma of the slip
   0.0005, and an error of the anchor (0.02 m/s, 0.0007 of slip) common to all samples. The best of the three.
 
@@ -24,6 +26,7 @@ from friction_curve_id.dead_reckoning import DeadReckonedSpeed, DeadReckoningPar
 from friction_curve_id.interface import Reason, Refusal, Sample, WheelParameters
 from friction_curve_id.sample_gate import Admission, GateParameters, SampleGate
 
+_GATE, _DEAD_RECKONING = GateParameters(), DeadReckoningParameters()
 _LARGEST_FRICTION = 10.0
 """|mu| above this is no friction, whatever the noise: racing tyres reach 2, (8.8) with noisy v scatters by 2."""
 
@@ -67,8 +70,8 @@ class FrictionSamples:
         self,
         wheel: WheelParameters,
         source: FrictionSource = FrictionSource.DEAD_RECKONED,
-        gate: GateParameters = GateParameters(),
-        dead_reckoning: DeadReckoningParameters = DeadReckoningParameters(),
+        gate: GateParameters = _GATE,
+        dead_reckoning: DeadReckoningParameters = _DEAD_RECKONING,
     ) -> None:
         """Choose the form; `gate` says which samples are admitted."""
         self._wheel = wheel
@@ -149,8 +152,10 @@ class FrictionSamples:
         return 1.0 - known.wheel_speed * self._wheel.radius / known.speed
 
 
-def slip_equation(wheel: WheelParameters, slip: float, slip_rate: float, wheel_speed: float, brake_torque: float) -> float:
-    """Mu of (8.8) [-], the inverse of (8.7) with v = omega r / (1 - slip).
+def slip_equation(
+    wheel: WheelParameters, slip: float, slip_rate: float, wheel_speed: float, brake_torque: float
+) -> float:
+    """Friction coefficient of (8.8) [-], the inverse of (8.7) with v = omega r / (1 - slip).
 
     Args:
         wheel: radius, inertia, mass, vertical load.

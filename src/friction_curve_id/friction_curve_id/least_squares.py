@@ -11,8 +11,9 @@ from friction_curve_id.fitted_curve import FittedCurve
 Array = NDArray[np.float64]
 
 RIDGE = 1e-6
-"""Added to the diagonal of the Gram matrix. With noise of 0.02 on mu this is a prior of sigma 20 on each coefficient: it
-decides only directions the data do not see, and after 20 samples there are always some (condition 1e10 to 1e17)."""
+"""Added to the diagonal of the Gram matrix. With noise of 0.02 on mu this is a prior of sigma 20 on each
+coefficient: it decides only directions the data do not see, and after 20 samples there are always some
+(condition 1e10 to 1e17)."""
 
 
 def triangle(slips: Array, frictions: Array) -> Array:
@@ -32,8 +33,9 @@ def triangle(slips: Array, frictions: Array) -> Array:
 def solve(root: Array, samples: int, largest_slip: float) -> FittedCurve:
     """The curve that a triangle of `samples` samples up to `largest_slip` holds.
 
-    The covariance is sigma^2 (phi^T phi)^-1, NaN where there are no more samples than parameters. Differenced signals share
-    noise between neighbours, which makes it too large rather than too small; it knows nothing of the bias of (8.12).
+    The covariance is sigma^2 (phi^T phi)^-1, NaN where there are no more samples than parameters. Differenced
+    signals share noise between neighbours, which makes it too large rather than too small; it knows nothing of
+    the bias of (8.12).
     """
     inverse = np.linalg.inv(root[:6, :6])
     variance = root[6, 6] ** 2 / (samples - 6) if samples > 6 else np.nan

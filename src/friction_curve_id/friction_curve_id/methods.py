@@ -25,13 +25,17 @@ CHAPTER_METHODS: Mapping[str, Callable[[], CurveFit]] = MappingProxyType(
 """Methods of section 8.3 on friction samples."""
 
 
+_WHEEL, _START = WheelParameters(), StartParameters()
+_GATE, _DEAD_RECKONING = GateParameters(), DeadReckoningParameters()
+
+
 def chapter_method(
     name: str,
-    wheel: WheelParameters = WheelParameters(),
+    wheel: WheelParameters = _WHEEL,
     source: FrictionSource = FrictionSource.DEAD_RECKONED,
-    start: StartParameters = StartParameters(),
-    gate: GateParameters = GateParameters(),
-    dead_reckoning: DeadReckoningParameters = DeadReckoningParameters(),
+    start: StartParameters = _START,
+    gate: GateParameters = _GATE,
+    dead_reckoning: DeadReckoningParameters = _DEAD_RECKONING,
 ) -> WheelFitting:
     """Make the estimator of one wheel by a method of the chapter.
 

@@ -1,8 +1,9 @@
 """Recursive least squares on the four fixed exponentials (8.12), section 8.3.1.2, in square-root (QR) form.
 
-The Gram matrix of the first 20 samples has a condition of 1e10 to 1e17, where the covariance form of RLS loses symmetry
-and diverges. Here its triangular root is carried with the right-hand side, one orthogonal step a sample. Started by the
-regularised batch LS of the first samples, it solves the same problem as LS at every sample and so equals it.
+The Gram matrix of the first 20 samples has a condition of 1e10 to 1e17, where the covariance form of RLS loses
+symmetry and diverges. Here its triangular root is carried with the right-hand side, one orthogonal step a
+sample. Started by the regularised batch LS of the first samples, it solves the same problem as LS at every
+sample and so equals it.
 """
 
 import numpy as np
@@ -18,6 +19,12 @@ Array = NDArray[np.float64]
 class RecursiveLS:
     """RLS; its memory does not grow."""
 
+    def __init__(self) -> None:
+        """Wait for the first samples."""
+        self._root: Array = np.zeros((7, 7))
+        self._samples = 0
+        self._largest_slip = 0.0
+
     def start(self, slips: Array, frictions: Array) -> None:
         """Begin with the batch LS of the first samples, shapes (n,)."""
         self._root = triangle(slips, frictions)
@@ -27,7 +34,7 @@ class RecursiveLS:
     def add(self, slip: float, friction: float) -> None:
         """Take one more sample."""
         row = np.append(regressor(np.array([slip]))[0], friction)
-        self._root = np.linalg.qr(np.vstack([self._root, row]), mode="r")
+        self._root = np.asarray(np.linalg.qr(np.vstack([self._root, row]), mode="r"))
         self._samples += 1
         self._largest_slip = max(self._largest_slip, slip)
 

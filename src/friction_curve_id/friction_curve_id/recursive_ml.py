@@ -4,8 +4,9 @@ The recursion is (8.10) turned into recursive least squares: one Gauss-Newton st
 P xi, P^-1 = sum of xi xi^T. As printed it is unsound twice, and this form differs so that it cannot diverge:
 - P^-1 of the first samples is singular to working precision (condition 1e10 and more). Here its square root R is
   carried (P^-1 = R^T R, updated by a QR step) and it begins with a prior around theta(0);
-- at low slip the data tell th1 th2 and nothing else, a hyperbola in theta on which a linear step goes astray. The recursion
-  runs in (ln th1, ln th2, th3), where it is a straight line; the steps end at the box of sensible curves.
+- at low slip the data tell th1 th2 and nothing else, a hyperbola in theta on which a linear step goes astray.
+  The recursion runs in (ln th1, ln th2, th3), where it is a straight line; the steps end at the box of sensible
+  curves.
 
 The extra gain of the chapter multiplies the steps of th2 and th3. Alone that would leave the line of curves that
 fit the past and oscillate, so th1 follows: it is fitted anew, given the longer steps, to the information in R. A gain
@@ -61,6 +62,9 @@ class RecursiveML:
         if not 1.0 <= extra_gain < 2.0:
             raise ValueError(f"extra_gain must be in [1, 2), is {extra_gain}")
         self._extra_gain = extra_gain
+        self._prior = self._unknowns = np.zeros(3)
+        self._root = np.eye(3)
+        self._squares, self._count = 0.0, 0
 
     def start(self, slips: Array, frictions: Array) -> None:
         """Begin with theta(0) by (8.11) and the information of the first samples, shapes (n,)."""
@@ -90,7 +94,7 @@ class RecursiveML:
         return error
 
     def iterate(self, slips: Array, frictions: Array, iterations: int) -> None:
-        """Improve by a few batch steps (8.10) over all samples, shapes (n,), and continue the recursion from there."""
+        """Improve by a few batch steps (8.10) over all samples, shapes (n,), and continue from there."""
         for _ in range(iterations):
             theta = _theta(self._unknowns)
             residuals = frictions - burckhardt.friction(theta, slips)
