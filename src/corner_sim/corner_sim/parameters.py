@@ -12,11 +12,25 @@ class SimParameters:
 
     wheels: tuple[str, ...] = parameter(("front_left",), "names of the wheels", read_only=True)
     model: str = parameter(
-        "single_corner", "vehicle model: equal corners that share one body", choices=("single_corner",), read_only=True
+        "single_corner",
+        "vehicle: equal corners that share one body, or a car whose load moves between its axles",
+        choices=("single_corner", "two_axle"),
+        read_only=True,
     )
     radius: float = parameter(0.3, "effective rolling radius", unit="m", minimum=0.05, maximum=2.0)
     inertia: float = parameter(1.0, "wheel inertia", unit="kg m^2", minimum=0.01, maximum=100.0)
-    mass: float = parameter(225.0, "mass carried by each corner", unit="kg", minimum=1.0, maximum=1e5)
+    mass: float = parameter(225.0, "mass a wheel: a car has four times that", unit="kg", minimum=1.0, maximum=1e5)
+    wheelbase: float = parameter(2.7, "of the car (two_axle)", unit="m", minimum=0.5, maximum=20.0)
+    height: float = parameter(0.5, "of the car's centre of gravity (two_axle)", unit="m", minimum=0.0, maximum=5.0)
+    front_share: float = parameter(
+        0.5, "share of the weight on the front axle at rest (two_axle)", minimum=0.05, maximum=0.95
+    )
+    drag_area: float = parameter(
+        0.65, "drag coefficient times frontal area (two_axle)", unit="m^2", minimum=0.0, maximum=20.0
+    )
+    rolling_resistance: float = parameter(
+        0.012, "coefficient of rolling resistance (two_axle)", minimum=0.0, maximum=0.5
+    )
     initial_speed: float = parameter(30.0, "speed at the start, rolling freely", unit="m/s", minimum=0.0, maximum=150.0)
 
     surfaces: tuple[str, ...] = parameter(("dry",), "surfaces of the road in order", choices=tuple(SURFACES))
@@ -106,5 +120,10 @@ class SimParameters:
         """
         if not self.wheels or any(not wheel for wheel in self.wheels) or len(set(self.wheels)) != len(self.wheels):
             raise ValueError(f"parameter 'wheels' must name at least one wheel, each once: {list(self.wheels)}")
+        if self.model == "two_axle" and len(self.wheels) != 4:
+            raise ValueError(
+                "parameter 'wheels' must name the four wheels of model two_axle, in the order front left, front right, "
+                f"rear left, rear right: {list(self.wheels)}"
+            )
         if self.real_time_factor == 0.0 and not self.lock_step:
             raise ValueError("parameter 'real_time_factor' = 0 needs lock_step: nothing else would hold the plant back")

@@ -90,6 +90,7 @@ class Plant:
             wheel_acceleration = vehicle.wheel_acceleration(theta, self._actuator.torque)
             slip_rate = ((1.0 - slip) * acceleration - vehicle.radius * wheel_acceleration) / vehicle.speed
         slope = burckhardt.slope(theta, slip)
+        vertical_load = vehicle.vertical_load(theta)
         return PlantSample(
             index=self._index,
             speed=vehicle.speed,
@@ -101,10 +102,10 @@ class Plant:
             slip_rate=slip_rate,
             theta=theta,
             surface=surface,
-            vertical_load=vehicle.vertical_load,
+            vertical_load=vertical_load,
             friction=burckhardt.friction(theta, slip),
             slope=slope,
-            h=vehicle.radius * vehicle.vertical_load / vehicle.inertia * slope * slip_rate,
+            h=vehicle.radius * vertical_load / vehicle.inertia * slope * slip_rate,
         )
 
     def advance(self, demand_pressure: ArrayLike, command: ArrayLike) -> None:

@@ -8,17 +8,16 @@ from friction_msgs.msg import BrakeCommand, BrakeDemand
 from corner_sim import messages
 from corner_sim.commands import CommandInbox, DemandInbox
 from corner_sim.driver import DriverProfile
+from corner_sim.models import build_vehicle
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant
 from corner_sim.road import Road
 from corner_sim.sensors import Sensors
 from corner_sim.slope_truth import SlopeCrossings
-from corner_sim.vehicle import JoinedCorners
 from friction_runtime.parameters import per_wheel
 from friction_runtime.processor import Output
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
-from vehicle_models.single_corner import CornerParameters
 
 
 class Simulation:
@@ -39,17 +38,17 @@ class Simulation:
         wheels = parameters.wheels
         gains = per_wheel("brake_gain", parameters.brake_gain, wheels)
         self._brake_gain = np.array([gains[wheel] for wheel in wheels])
-        corner = CornerParameters(parameters.radius, parameters.inertia, parameters.mass)
+        vehicle = build_vehicle(parameters)
         road = Road(parameters.surfaces, parameters.surface_distances)
         self._plant = Plant(
-            JoinedCorners(len(wheels), corner, parameters.initial_speed),
+            vehicle,
             road,
             ActuatorParameters(parameters.actuator_delay, parameters.apply_rate, parameters.release_rate),
             self._brake_gain,
         )
         level = parameters.demand_level
         if parameters.demand_unit == "peak_ratio":
-            level *= float(corner.peak_torque(road.theta(0.0)))
+            level *= vehicle.peak_torque(road.theta(0.0))
         self._driver = DriverProfile(
             level / gains[wheels[0]],
             parameters.demand_start,

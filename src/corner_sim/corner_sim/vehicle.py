@@ -37,9 +37,11 @@ class Vehicle(Protocol):
     def inertia(self) -> Array:
         """Wheel inertia J [kg m^2]."""
 
-    @property
-    def vertical_load(self) -> Array:
-        """Load Fz [N]."""
+    def peak_torque(self, theta: Array) -> float:
+        """Brake torque [N m] that holds the first wheel at the peak of the road theta, shape (3,)."""
+
+    def vertical_load(self, theta: Array) -> Array:
+        """Load Fz of each wheel [N]."""
 
     def acceleration(self, theta: Array) -> float:
         """Vehicle acceleration [m/s^2], negative in braking."""
@@ -93,8 +95,11 @@ class JoinedCorners:
         """Wheel inertias [kg m^2], shape (n,)."""
         return np.full_like(self.wheel_speed, self._parameters.inertia)
 
-    @property
-    def vertical_load(self) -> Array:
+    def peak_torque(self, theta: Array) -> float:
+        """Brake torque [N m] that holds a wheel at the peak of the road theta, shape (3,)."""
+        return float(self._parameters.peak_torque(theta))
+
+    def vertical_load(self, theta: Array) -> Array:
         """Loads [N], shape (n,)."""
         return np.full_like(self.wheel_speed, self._parameters.vertical_load)
 

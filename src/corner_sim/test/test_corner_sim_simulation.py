@@ -1,6 +1,7 @@
 """A run behind its messages."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -196,3 +197,60 @@ def test_a_run_without_an_end_goes_on_at_standstill() -> None:
         simulation.advance()
     assert simulation.speed == 0.0
     assert simulation.end is None
+
+
+CAR = SimParameters(
+    model="two_axle",
+    wheels=("front_left", "front_right", "rear_left", "rear_right"),
+    brake_gain=(1.6e-4, 1.6e-4, 0.8e-4, 0.8e-4),
+    noise="none",
+    demand_start=0.0,
+    demand_level=0.6,
+)
+
+
+def test_a_car_carries_its_weight_and_moves_it_to_the_front_in_braking() -> None:
+    found = run(CAR, 100)
+    first, last = (np.array([found[f"truth/{wheel}/tyre_force"][k].fz for wheel in CAR.wheels]) for k in (0, -1))
+    assert first.sum() == last.sum() == pytest.approx(4.0 * 225.0 * 9.81)
+    deceleration = -found["imu/data"][-1].linear_acceleration.x
+    assert deceleration > 3.0
+    moved = 4.0 * 225.0 * deceleration * 0.5 / 2.7  # m a h / L
+    assert last[0] + last[1] - last[2] - last[3] == pytest.approx(2.0 * moved)
+
+
+def test_tyres_and_air_slow_the_car_by_their_sum() -> None:
+    found = run(CAR, 100)
+    fx = sum(found[f"truth/{wheel}/tyre_force"][-1].fx for wheel in CAR.wheels)
+    speed = found["truth/vehicle_velocity"][-1].twist.twist.linear.x
+    drag = 0.5 * 1.2 * 0.65 * speed**2
+    assert 900.0 * found["imu/data"][-1].linear_acceleration.x == pytest.approx(fx - drag)
+
+
+def test_each_brake_line_of_a_car_obeys_its_own_command() -> None:
+    simulation = Simulation(CAR, START)
+    for _ in range(40):
+        header = Header(stamp=from_nanoseconds(simulation.stamp))
+        order = BrakeCommand(header=header, wheel="rear_left", command=BrakeCommand.DECREASE)
+        assert simulation.take_command("rear_left", order) is None
+        simulation.advance()
+    found = dict(simulation.messages())
+    pressures = {wheel: found[f"{wheel}/brake_pressure"].fluid_pressure for wheel in CAR.wheels}
+    assert pressures["rear_left"] == 0.0
+    assert pressures["front_left"] == pytest.approx(pressures["front_right"])
+    assert pressures["rear_right"] > 1e6
+
+
+def test_the_rear_axle_meets_a_new_surface_one_wheelbase_later() -> None:
+    found = run(replace(CAR, demand_level=0.0, surfaces=("dry", "snow"), surface_distances=(0.0, 2.95)), 60)
+    changed = {
+        wheel: next(k for k, curve in enumerate(found[f"truth/{wheel}/friction_curve"]) if curve.restarted)
+        for wheel in CAR.wheels
+    }
+    # 2.95 m and 5.65 m at 0.15 m a sample
+    assert changed == {"front_left": 20, "front_right": 20, "rear_left": 38, "rear_right": 38}
+
+
+def test_a_car_without_four_wheels_is_refused_by_name() -> None:
+    with pytest.raises(ValueError, match="wheels"):
+        SimParameters(model="two_axle")
