@@ -102,28 +102,28 @@ def _environment(directory: Path) -> dict[str, str]:
 def _start(processes: ProcessGroup, options: DemoOptions, bag: Path, env: dict[str, str]) -> str:
     """Start recorder, estimators and then the source of samples; return the name of the latter."""
     python = [sys.executable, "-m"]
-    processes.start("recorder", [*python, "friction_bags", "record", "--out", str(bag)], env)
+    processes.start("recorder", [*python, "friction_bags", "record", "--out", str(bag), *graph.QUIET_LOG], env)
     replay = options.bag is not None
     for node in graph.ESTIMATORS:
         overrides: dict[str, graph.ParameterValue] = {"shadow": True} if replay and node == "abs_supervisor" else {}
         files = graph.parameter_files(node, options.params_file)
-        processes.start(node, graph.command(node, files, overrides), env)
+        processes.start(node, [*graph.command(node, files, overrides), *graph.QUIET_LOG], env)
     if options.bag is not None:
-        processes.start("player", [*python, "friction_bags", "play", str(options.bag)], env)
+        processes.start("player", [*python, "friction_bags", "play", str(options.bag), *graph.QUIET_LOG], env)
         return "player"
     files = graph.parameter_files(graph.PLANT, options.params_file)
     overrides = {
         "surfaces": [options.surface],
         "exit_when_done": True,
-        "wait_for_subscribers": 4,  # two estimators, the recorder and the live view
+        "wait_for_subscribers": 2,
     }
-    processes.start(graph.PLANT, graph.command(graph.PLANT, files, overrides), env)
+    processes.start(graph.PLANT, [*graph.command(graph.PLANT, files, overrides), *graph.QUIET_LOG], env)
     return graph.PLANT
 
 
 def _watch(console: Console, processes: ProcessGroup, source: str, what: str) -> None:
     """Show the graph until its source ends and all that was sent has arrived."""
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    rclpy.init(args=list(graph.QUIET_LOG), signal_handler_options=SignalHandlerOptions.NO)
     view = LiveView()
     executor = EventsExecutor()
     executor.add_node(view)

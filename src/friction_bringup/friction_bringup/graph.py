@@ -14,6 +14,8 @@ ESTIMATORS = ("wheel_slip", "friction_slope", "abs_supervisor")
 """In the order in which data flows. Package, module, node and parameter file of a node have one name."""
 NODES = (PLANT, *ESTIMATORS)
 SURFACES = ("dry", "wet", "cobblestone", "snow")
+QUIET_LOG = ("--ros-args", "--disable-external-lib-logs")
+"""Arguments for processes whose output goes to a file already."""
 
 ParameterValue = bool | int | float | str | Sequence[float] | Sequence[str]
 

@@ -29,6 +29,8 @@ _COMMANDS = {
     BrakeCommand.HOLD: "hold",
     BrakeCommand.DECREASE: "decrease",
 }
+_DISCOVERY_PERIOD = 0.1
+"""[s]"""
 _BAR_CELLS = 20
 _BAR_FULL_SLIP = 0.4
 
@@ -46,10 +48,10 @@ class WheelView:
 
 
 class LiveView(Node):
-    """Listens to every wheel that wheel_states names and keeps the last values."""
+    """Listens to every wheel of the graph and keeps the last values."""
 
     def __init__(self) -> None:
-        """Subscribe to wheel_states; the wheels follow as they appear."""
+        """Subscribe to wheel_states; the wheels follow as their topics appear."""
         super().__init__("live_view")
         self.wheels: dict[str, WheelView] = {}
         self.samples = 0
@@ -57,6 +59,7 @@ class LiveView(Node):
         self._first_stamp = 0
         self._last_stamp = 0
         qos.subscribe(self, JointState, "wheel_states", self._on_wheel_states, qos.SENSOR)
+        self.create_timer(_DISCOVERY_PERIOD, self._discover)
 
     @property
     def time(self) -> float:
@@ -75,9 +78,15 @@ class LiveView(Node):
         self._last_stamp = stamp
         self.samples += 1
         for wheel, wheel_speed in zip(message.name, message.velocity, strict=False):
-            if wheel not in self.wheels:
+            if wheel in self.wheels:
+                self.wheels[wheel].wheel_speed = wheel_speed
+
+    def _discover(self) -> None:
+        """Subscribe to the wheels that wheel_slip speaks of, before the first sample comes."""
+        for topic, _ in self.get_topic_names_and_types():
+            wheel, _, name = topic.removeprefix(self.get_namespace()).strip("/").rpartition("/")
+            if name == "slip" and wheel not in self.wheels and not wheel.startswith("truth/"):
                 self._add(wheel)
-            self.wheels[wheel].wheel_speed = wheel_speed
 
     def _add(self, wheel: str) -> None:
         self.wheels[wheel] = WheelView()

@@ -45,9 +45,9 @@ def write_plots(run: RecordedRun, directory: Path, title: str) -> list[Path]:
     paths = []
     for wheel in run.wheels:
         slope = run.get(f"{wheel}/friction_slope")
-        if slope is not None and np.any(slope["valid"] > 0.0):
+        if len(run.wheels) == 1 or (slope is not None and np.any(slope["valid"] > 0.0)):
             paths.append(_save(wheel_figure(run, wheel, f"{title}, {wheel}"), directory / f"{wheel}.png"))
-    if len(run.wheels) > 1 or not paths:
+    if len(run.wheels) > 1:
         paths.append(_save(all_wheels_figure(run, title), directory / "wheels.png"))
     return paths
 
@@ -148,6 +148,9 @@ def _draw_indicator(axes: Axes, run: RecordedRun, wheel: str) -> None:
     slope = run.get(f"{wheel}/friction_slope")
     if slope is None:
         return
+    if not np.any(slope["valid"] > 0.0):
+        reason = slope.reasons.most_common(1)[0][0]
+        axes.text(0.5, 0.5, f"never valid: {reason}", transform=axes.transAxes, ha="center", va="center", wrap=True)
     used = np.where(slope["valid"] > 0.0, 1e-3 * slope["indicator"], np.nan)
     axes.plot(slope.time, 1e-3 * slope["h"], color="0.7", lw=0.7, label="H")
     axes.plot(slope.time, used, color=ESTIMATE, lw=0.9, label="indicator H sign(·), where valid")
