@@ -1,0 +1,212 @@
+"""Calibration from recorded drives: tooth tables, speed trends, beta, force maps (section 8.4.4).
+
+Reference forces come from the car's acceleration and load transfer; wheel-force transducers are not needed. Such a reference
+does not see the unevenness of the road: the maps are therefore fitted as angle over force (see `force_map`).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smart_tyre_forces.calibration import Calibration, Polynomial, TyreCalibration, WheelCalibration
+from smart_tyre_forces.correction import Patch, PatchCorrection, ZeroParameters
+from smart_tyre_forces.force_map import ForceMap
+from smart_tyre_forces.forces import steady_force
+from smart_tyre_forces.front_template import FrontTemplate
+from smart_tyre_forces.patch_tracker import Passage, TrackerParameters
+from smart_tyre_forces.reasons import PatchReason
+from vehicle_models.straight_forces import wheel_forces
+from vehicle_models.two_axle import CarParameters
+
+Array = NDArray[np.float64]
+
+_REFERENCE_SPEED = 10.0
+"""Speed at which the nominal length is read off the length trend [m/s]."""
+_ACCELERATING = 1.0
+"""Acceleration above which the front tyre shows the cross-talk [m/s^2]."""
+_STEADY = 0.05
+"""Acceleration below which the scatter of the fronts is taken [m/s^2]."""
+
+
+@dataclass(frozen=True)
+class WheelRun:
+    """Passages of one wheel in one drive."""
+
+    wheel: str
+    rear: bool
+    passages: list[Passage]
+    time: Array
+    """Of the car's acceleration, in the time of the passages [s], increasing, shape (n,)."""
+    acceleration: Array
+    """Forward positive [m/s^2], shape (n,)."""
+
+
+@dataclass(frozen=True)
+class _Points:
+    """Passages of one drive as arrays."""
+
+    speed: Array
+    acceleration: Array
+    shift: Array
+    length: Array
+    fx: Array
+    fz: Array
+
+
+def quasi_static_trends(
+    runs: list[WheelRun], car: CarParameters, parameters: TrackerParameters
+) -> tuple[Polynomial, Polynomial, Polynomial, dict[str, float]]:
+    """Speed trends of shift [rad] and length [rad], one map for all wheels (Figure 8.21), and the mean Fx [N] they absorb.
+
+    The zero of the shift differs from wheel to wheel and from drive to drive, so each run has a constant of its own in the fit.
+
+    Raises:
+        ValueError: a run has no valid passage, or the speeds do not span 5 m/s.
+    """
+    points = [_raw_points(run, car, parameters) for run in runs]
+    speed = np.concatenate([p.speed for p in points])
+    if np.ptp(speed) < 5.0:
+        raise ValueError(f"quasi-static runs: speeds span {np.ptp(speed):.1f} m/s, at least 5 are needed")
+    own = np.concatenate([np.full(len(p.speed), k) for k, p in enumerate(points)])
+    design = np.stack([speed, speed**2, *(own == k for k in range(len(points)))], axis=1).astype(np.float64)
+    shift = np.concatenate([p.shift for p in points])
+    solution = np.linalg.lstsq(design, shift, rcond=None)[0]
+    shift_left = shift - design @ solution
+    length, length_left = _second_order(speed, np.concatenate([p.length for p in points]))
+    force = np.linalg.lstsq(design, np.concatenate([p.fx for p in points]), rcond=None)[0]
+    residuals = {
+        "shift_trend_rad": float(np.sqrt(np.mean(shift_left**2))),
+        "length_trend_rad": float(np.sqrt(np.mean(length_left**2))),
+    }
+    return (0.0, float(solution[0]), float(solution[1])), length, (0.0, float(force[0]), float(force[1])), residuals
+
+
+def calibrate(
+    quasi_static: list[WheelRun],
+    dynamic: list[WheelRun],
+    tooth_tables: dict[str, Array],
+    car: CarParameters = CarParameters(),
+    parameters: TrackerParameters = TrackerParameters(),
+    zero: ZeroParameters = ZeroParameters(),
+    template: FrontTemplate | None = None,
+) -> Calibration:
+    """Everything a wheel needs, from quasi-static and dynamic drives of front and rear wheels.
+
+    Args:
+        quasi_static: very slow acceleration and coasting down.
+        dynamic: each from a stretch of constant low speed, with acceleration and braking.
+        tooth_tables: wheel -> deviations of its crossings [rad].
+        car: for the reference forces.
+        parameters: sensors.
+        zero: what a steady stretch is.
+        template: goes into the result as it is.
+
+    Raises:
+        ValueError: a drive lacks what it is needed for; the message says what.
+    """
+    shift_trend, length_trend, trend_force, residuals = quasi_static_trends(quasi_static, car, parameters)
+    speeds = np.linspace(parameters.minimum_speed, parameters.maximum_speed, 61)
+    steady = wheel_forces(car, speeds, np.zeros(len(speeds)))
+    wheels = {
+        run.wheel: WheelCalibration(
+            tuple(float(d) for d in tooth_tables[run.wheel]),
+            _second_order(speeds, steady.fx_rear if run.rear else steady.fx_front)[0],
+        )
+        for run in dynamic
+    }
+    identity = ForceMap((0.0, 1.0), -1.0, 1.0)
+    tyre = TyreCalibration(
+        shift_trend=shift_trend,
+        length_trend=length_trend,
+        nominal_length=length_trend[0] + _REFERENCE_SPEED * (length_trend[1] + _REFERENCE_SPEED * length_trend[2]),
+        beta=0.0,
+        edge_stddev=0.0,
+        length_map=identity,
+        shift_map=identity,
+        trend_force=trend_force,
+    )
+    # Beta needs to know how much of the front's shift is force, the force map needs beta: they settle in a few rounds.
+    for _ in range(4):
+        points = [_corrected_points(run, tyre, wheels[run.wheel], car, parameters, zero) for run in dynamic]
+        tyre = _fit_maps(tyre, points)
+        tyre = replace(tyre, beta=tyre.beta + _beta_step(tyre, dynamic, points))
+    points = [_corrected_points(run, tyre, wheels[run.wheel], car, parameters, zero) for run in dynamic]
+    tyre = _fit_maps(tyre, points)
+    shift_left = [p.shift - tyre.shift_map.angle(p.fx) for p in points]
+    length_left = [p.length - tyre.length_map.angle(p.fz) for p in points]
+    even = [left[np.abs(p.acceleration) < _STEADY] for left, p in zip(shift_left, points, strict=True)]
+    residuals["shift_map_rad"] = float(np.sqrt(np.mean(np.concatenate(shift_left) ** 2)))
+    residuals["length_map_rad"] = float(np.sqrt(np.mean(np.concatenate(length_left) ** 2)))
+    scatter = float(np.sqrt(np.mean([np.var(left) for left in even if len(left) > 2])))
+    tyre = replace(tyre, edge_stddev=scatter / float(np.sqrt(0.5 + 2.0 * tyre.beta**2)), residuals=residuals)
+    return Calibration(tyre, wheels, template)
+
+
+def _fit_maps(tyre: TyreCalibration, points: list[_Points]) -> TyreCalibration:
+    fx, shift = np.concatenate([p.fx for p in points]), np.concatenate([p.shift for p in points])
+    fz, length = np.concatenate([p.fz for p in points]), np.concatenate([p.length for p in points])
+    return replace(tyre, shift_map=ForceMap.fit(fx, shift, (1, 2, 3)), length_map=ForceMap.fit(fz, length, (0, 1, 2)))
+
+
+def _beta_step(tyre: TyreCalibration, runs: list[WheelRun], points: list[_Points]) -> float:
+    """Change of beta that leaves no shift on the accelerating front tyre beyond what its small force explains."""
+    longer, left = [], []
+    for run, p in zip(runs, points, strict=True):
+        accelerating = (p.acceleration > _ACCELERATING) & (not run.rear)
+        longer.append((p.length - tyre.nominal_length)[accelerating])
+        left.append((p.shift - tyre.shift_map.angle(p.fx))[accelerating])
+    x, y = np.concatenate(longer), np.concatenate(left)
+    if len(x) < 5:
+        raise ValueError("dynamic runs: beta needs a front wheel that accelerates for at least 5 revolutions")
+    return -float(x @ y / (x @ x))
+
+
+def _raw_points(run: WheelRun, car: CarParameters, parameters: TrackerParameters) -> _Points:
+    valid = [p for p in run.passages if p.reason is PatchReason.OK]
+    if len(valid) < 10:
+        raise ValueError(f"{run.wheel}: only {len(valid)} valid passages in a quasi-static run")
+    centre = np.array([0.5 * (p.alpha_1 + p.alpha_2) for p in valid])
+    shift = np.unwrap(centre)
+    length = np.array([p.alpha_2 - p.alpha_1 for p in valid])
+    return _points(run, valid, shift, length, car, parameters)
+
+
+def _corrected_points(
+    run: WheelRun,
+    tyre: TyreCalibration,
+    wheel: WheelCalibration,
+    car: CarParameters,
+    parameters: TrackerParameters,
+    zero: ZeroParameters,
+) -> _Points:
+    """Corrected passages; Fx relative to what zero shift stands for."""
+    correction = PatchCorrection(tyre, parameters.radius, parameters.sample_rate, zero)
+    patches: list[Patch] = [correction.update(passage) for passage in run.passages]
+    valid = [patch for patch in patches if patch.reason is PatchReason.OK]
+    if len(valid) < 10:
+        raise ValueError(f"{run.wheel}: only {len(valid)} valid passages after a steady stretch in a dynamic run")
+    shift, length = np.array([p.shift for p in valid]), np.array([p.length for p in valid])
+    points = _points(run, [p.passage for p in valid], shift, length, car, parameters)
+    hidden = np.array([steady_force(tyre, wheel, float(v), correction.zero_speed) for v in points.speed])
+    return replace(points, fx=points.fx - hidden)
+
+
+def _points(
+    run: WheelRun, valid: list[Passage], shift: Array, length: Array, car: CarParameters, parameters: TrackerParameters
+) -> _Points:
+    wheel_speed = np.array([p.wheel_speed for p in valid])
+    # The fronts are seen half a patch before and after its centre.
+    time = np.array([p.time for p in valid]) / parameters.sample_rate - 0.5 * length / wheel_speed
+    acceleration = np.interp(time, run.time, run.acceleration)
+    speed = wheel_speed * parameters.radius
+    reference = wheel_forces(car, speed, acceleration)
+    fx, fz = (reference.fx_rear, reference.fz_rear) if run.rear else (reference.fx_front, reference.fz_front)
+    return _Points(speed, acceleration, shift, length, fx, fz)
+
+
+def _second_order(speed: Array, value: Array) -> tuple[Polynomial, Array]:
+    """Least squares second-order polynomial, and what it leaves."""
+    design = np.vander(speed, 3, increasing=True)
+    solution = np.linalg.lstsq(design, value, rcond=None)[0]
+    return (float(solution[0]), float(solution[1]), float(solution[2])), value - design @ solution

@@ -1,0 +1,175 @@
+"""From raw fronts to length and shift free of speed and load: Omega_0 (8.15), speed trends, beta (8.19).
+
+    delta phi = (alpha_1 + alpha_2)/2 + Omega_0 - (P(v) - P(v_0)) + beta (Delta phi - Delta phi_0)
+    Delta phi = k (alpha_2 - alpha_1) - Q(v) + Delta phi_0
+
+Omega_0 is found at the first stretch of constant low speed v_0 that lasts some seconds, so that delta phi is zero there (the
+chapter says 10 ms, which is less than a revolution). k is 1 until the length is re-zeroed at constant speed, after a change of
+pressure.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from smart_tyre_forces.calibration import TyreCalibration, polynomial
+from smart_tyre_forces.patch_tracker import Passage
+from smart_tyre_forces.reasons import PatchReason
+
+
+@dataclass(frozen=True)
+class ZeroParameters:
+    """When a stretch of driving is steady enough to be called zero."""
+
+    duration: float = 4.0
+    """[s]"""
+    speed_spread: float = 0.03
+    """Largest over smallest speed in the stretch, less one [-]."""
+    maximum_speed: float = 12.0
+    """Of the first, automatic zero [m/s]; a requested one may be at any speed."""
+    pressure_tolerance: float = 0.04
+    """Change of length at constant speed that is noticed as a change of pressure [-]."""
+
+
+@dataclass(frozen=True)
+class Patch:
+    """Contact patch of one revolution; angles NaN where there is none [rad]."""
+
+    passage: Passage
+    reason: PatchReason
+    speed: float = np.nan
+    """omega R [m/s]."""
+    alpha_1: float = np.nan
+    """With Omega_0."""
+    alpha_2: float = np.nan
+    length_raw: float = np.nan
+    """(8.13)"""
+    shift_raw: float = np.nan
+    """(8.15)"""
+    length: float = np.nan
+    """Speed trend removed."""
+    shift: float = np.nan
+    """Speed trend removed and corrected for load (8.19)."""
+
+
+@dataclass(frozen=True)
+class _Steady:
+    time: float
+    speed: float
+    centre: float
+    length_raw: float
+
+
+class PatchCorrection:
+    """Corrections of one wheel."""
+
+    def __init__(
+        self,
+        calibration: TyreCalibration | None,
+        radius: float,
+        sample_rate: float,
+        parameters: ZeroParameters = ZeroParameters(),
+    ) -> None:
+        """Start without zero; without a calibration only the raw values and the zero are available."""
+        self._calibration = calibration
+        self._radius, self._sample_rate = radius, sample_rate
+        self._parameters = parameters
+        self._stretch: deque[_Steady] = deque()
+        self._reference: int | None = None
+        self._omega_0: float | None = None
+        self._length_wanted = False
+        self._any_speed = False
+        self.zero_speed = np.nan
+        """v_0 [m/s]; NaN until Omega_0 is known."""
+        self.length_scale = 1.0
+        """k"""
+        self.pressure_changed = False
+        """The last steady stretch was longer or shorter than it should be."""
+
+    def request_shift_zero(self) -> None:
+        """Find Omega_0 anew at the next stretch of constant speed, whatever the speed."""
+        self._omega_0 = None
+        self._any_speed = True
+        self._stretch.clear()
+
+    def request_length_zero(self) -> None:
+        """Find k anew at the next stretch of constant speed: the pressure has changed."""
+        self._length_wanted = True
+        self._stretch.clear()
+
+    def update(self, passage: Passage) -> Patch:
+        """Correct one passage."""
+        speed = passage.wheel_speed * self._radius
+        if passage.reason is not PatchReason.OK:
+            self._stretch.clear()
+            return Patch(passage, passage.reason, speed)
+        if passage.reference != self._reference:
+            self._reference, self._omega_0 = passage.reference, None
+            self._stretch.clear()
+        centre = 0.5 * (passage.alpha_1 + passage.alpha_2)
+        length_raw = passage.alpha_2 - passage.alpha_1
+        self._stretch.append(_Steady(passage.time / self._sample_rate, speed, centre, length_raw))
+        self._learn_from_stretch()
+        if self._omega_0 is None:
+            return Patch(passage, PatchReason.NOT_READY, speed, length_raw=length_raw)
+        shift_raw = _wrapped(centre + self._omega_0)
+        length, shift = self._corrected(speed, shift_raw, length_raw)
+        reason = PatchReason.OK if self._calibration is not None else PatchReason.NOT_CALIBRATED
+        return Patch(
+            passage=passage,
+            reason=PatchReason.NOT_READY if self._length_wanted else reason,
+            speed=speed,
+            alpha_1=shift_raw - 0.5 * length_raw,
+            alpha_2=shift_raw + 0.5 * length_raw,
+            length_raw=length_raw,
+            shift_raw=shift_raw,
+            length=length,
+            shift=shift,
+        )
+
+    def _corrected(self, speed: float, shift_raw: float, length_raw: float) -> tuple[float, float]:
+        c = self._calibration
+        if c is None:
+            return length_raw, shift_raw
+        longer = self.length_scale * length_raw - polynomial(c.length_trend, speed)
+        trend = polynomial(c.shift_trend, speed) - polynomial(c.shift_trend, self.zero_speed)
+        return longer + c.nominal_length, shift_raw - trend + c.beta * longer
+
+    def _learn_from_stretch(self) -> None:
+        stretch, p = self._stretch, self._parameters
+        while len(stretch) > 2 and stretch[-1].time - stretch[1].time >= p.duration:
+            stretch.popleft()
+        if stretch[-1].time - stretch[0].time < p.duration:
+            return
+        speeds = [entry.speed for entry in stretch]
+        if max(speeds) > (1.0 + p.speed_spread) * min(speeds):
+            return
+        speed = float(np.mean(speeds))
+        if self._calibration is not None:
+            self._check_length(float(np.mean([entry.length_raw for entry in stretch])), speed)
+        if self._omega_0 is None and (self._any_speed or speed <= p.maximum_speed):
+            self._zero(speed)
+
+    def _check_length(self, length_raw: float, speed: float) -> None:
+        assert self._calibration is not None
+        expected = polynomial(self._calibration.length_trend, speed)
+        if self._length_wanted:
+            self.length_scale, self._length_wanted = expected / length_raw, False
+        self.pressure_changed = (
+            abs(self.length_scale * length_raw / expected - 1.0) > self._parameters.pressure_tolerance
+        )
+
+    def _zero(self, speed: float) -> None:
+        """Omega_0 such that the corrected shift is zero on the mean of the stretch."""
+        first = self._stretch[0].centre
+        self.zero_speed = speed
+        self._omega_0 = 0.0
+        shifts = [self._corrected(e.speed, _wrapped(e.centre - first), e.length_raw)[1] for e in self._stretch]
+        self._omega_0 = -first - float(np.mean(shifts))
+        self._any_speed = False
+
+
+def _wrapped(angle: float) -> float:
+    """Angle brought to -pi..pi [rad]."""
+    return angle - 2.0 * np.pi * round(angle / (2.0 * np.pi))

@@ -1,0 +1,107 @@
+"""Zero crossings of the encoder's sine, streaming: blocks of any size give the same crossings, bit for bit (section 8.4.4).
+
+Every sample of the sine takes part: a short symmetric filter (its delay is a whole number of samples) averages the
+neighbourhood of each crossing before the crossing is interpolated. Hysteresis keeps noise from adding crossings, so they
+alternate between rising and falling and lie 180/teeth degrees apart.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from smart_tyre_forces.reasons import PatchReason
+
+Array = NDArray[np.float64]
+
+_TAPS = signal.windows.hann(11)[1:-1] / np.sum(signal.windows.hann(11))
+_DELAY = (len(_TAPS) - 1) // 2
+# A two-term denominator keeps scipy on its sample-by-sample recursion; its shortcut for pure FIR sums in another order.
+_ONE = np.array([1.0, 0.0])
+
+
+@dataclass(frozen=True)
+class CrossingParameters:
+    """What counts as a crossing."""
+
+    hysteresis: float = 0.1
+    """[V] the voltage must reach on either side; also the amplitude below which the wheel counts as standing."""
+    longest_interval: int = 330
+    """Samples between crossings above which the wheel may have turned back: the sine has no direction."""
+    interval_ratio: float = 1.5
+    """An interval longer than the last by more than this factor is a missed tooth, shorter by it a surplus one."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Crossings with nothing missed between them."""
+
+    interrupted: PatchReason | None
+    """Why the angle was lost before the first of these; None when they continue the crossings before."""
+    times: Array
+    """[samples since index 0], increasing."""
+
+
+class EncoderCrossings:
+    """Finds the crossings of one encoder."""
+
+    def __init__(self, parameters: CrossingParameters = CrossingParameters()) -> None:
+        """Start without history."""
+        self._parameters = parameters
+        self.restart(0)
+
+    def restart(self, sample: int) -> None:
+        """Forget everything; the next voltage is that of index `sample`."""
+        self._next = sample
+        self._state = np.zeros(len(_TAPS) - 1)
+        self._blind = len(_TAPS) - 1
+        self._armed: tuple[float, float] | None = None
+        self._previous: list[float] = []
+
+    def push(self, voltage: Array) -> list[Stretch]:
+        """Take the next samples [V], finite, shape (n,); return the crossings they complete, in stretches without a fault."""
+        smooth, self._state = signal.lfilter(_TAPS, _ONE, voltage, zi=self._state)
+        first = self._next - _DELAY
+        self._next += len(voltage)
+        if self._blind:
+            # The filter is still filling.
+            skip = min(self._blind, len(smooth))
+            smooth, first, self._blind = smooth[skip:], first + skip, self._blind - skip
+        armed = np.flatnonzero(np.abs(smooth) >= self._parameters.hysteresis)
+        if len(armed) == 0:
+            return []
+        values, places = smooth[armed], armed + float(first)
+        if self._armed is not None:
+            places = np.concatenate(((self._armed[0],), places))
+            values = np.concatenate(((self._armed[1],), values))
+        self._armed = (float(places[-1]), float(values[-1]))
+        positive = values > 0.0
+        change = np.flatnonzero(positive[1:] != positive[:-1])
+        if len(change) == 0:
+            return []
+        before, after = values[change], values[change + 1]
+        begin = places[change]
+        times = begin + (places[change + 1] - begin) * (before / (before - after))
+        return self._checked(times)
+
+    def _checked(self, times: Array) -> list[Stretch]:
+        known = np.concatenate((self._previous, times))
+        self._previous = list(known[-2:])
+        carried = len(known) - len(times)
+        intervals = np.diff(known)
+        wrong = np.zeros(len(known), dtype=bool)
+        if len(intervals) > 1:
+            ratio = intervals[1:] / intervals[:-1]
+            limit = self._parameters.interval_ratio
+            wrong[2:] = (ratio > limit) | (ratio * limit < 1.0)
+        standing = np.zeros(len(known), dtype=bool)
+        standing[1:] = intervals > self._parameters.longest_interval
+        faults = np.flatnonzero((wrong | standing)[carried:])
+        if len(faults) == 0:
+            return [Stretch(None, times)]
+        stretches = [Stretch(None, times[: faults[0]])] if faults[0] > 0 else []
+        for begin, end in zip(faults, [*faults[1:], len(times)], strict=True):
+            why = PatchReason.REVERSAL if standing[carried + begin] else PatchReason.MISSED_TOOTH
+            stretches.append(Stretch(why, times[begin:end]))
+        return stretches

@@ -1,0 +1,80 @@
+"""Fz and Fx of one wheel from its corrected contact patch, (8.14) and (8.16), with their deviations.
+
+Removing the speed trend removes the steady drag and rolling resistance with it: the shift map alone gives Fx relative to
+constant speed. The part removed is known from the calibration and is added again unless it is switched off:
+
+    Fx = f_x(delta phi) + Fx_wheel(v_0) + trend(v) - trend(v_0),
+
+with Fx_wheel the force of this wheel at constant speed, where the shift was called zero, and trend the mean of both axles
+that went into the common speed map.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from smart_tyre_forces.calibration import TyreCalibration, WheelCalibration, polynomial
+from smart_tyre_forces.correction import Patch
+from smart_tyre_forces.reasons import ForceReason, PatchReason
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Forces of one revolution [N]; NaN where unknown."""
+
+    reason: ForceReason
+    fx: float = np.nan
+    """Forward positive."""
+    fz: float = np.nan
+    """On the tyre, upwards."""
+    fx_stddev: float = np.nan
+    fz_stddev: float = np.nan
+
+
+def steady_force(tyre: TyreCalibration, wheel: WheelCalibration, speed: float, zero_speed: float) -> float:
+    """Fx [N] that corrected shift zero stands for at `speed`, the shift having been called zero at `zero_speed` [m/s]."""
+    removed = polynomial(tyre.trend_force, speed) - polynomial(tyre.trend_force, zero_speed)
+    return polynomial(wheel.steady_force, zero_speed) + removed
+
+
+def shift_stddev(tyre: TyreCalibration) -> float:
+    """Deviation of the corrected shift [rad]: half the sum of two fronts, and beta times their difference."""
+    return tyre.edge_stddev * float(np.sqrt(0.5 + 2.0 * tyre.beta**2))
+
+
+def length_stddev(tyre: TyreCalibration) -> float:
+    """Deviation of the length [rad]: the difference of two fronts."""
+    return tyre.edge_stddev * float(np.sqrt(2.0))
+
+
+def forces(
+    patch: Patch,
+    tyre: TyreCalibration | None,
+    wheel: WheelCalibration | None,
+    zero_speed: float,
+    *,
+    restore_steady: bool,
+) -> Forces:
+    """Forces of one contact patch.
+
+    Args:
+        patch: of this revolution.
+        tyre: maps; None when not calibrated.
+        wheel: steady force; None when not calibrated.
+        zero_speed: v_0, where the shift was called zero [m/s].
+        restore_steady: add the steady part that the speed trend removed.
+    """
+    if tyre is None or wheel is None:
+        return Forces(ForceReason.NOT_CALIBRATED)
+    if patch.reason is not PatchReason.OK:
+        return Forces(ForceReason.NO_PATCH)
+    fz, fx = tyre.length_map.force(patch.length), tyre.shift_map.force(patch.shift)
+    if not (np.isfinite(fz) and np.isfinite(fx)):
+        return Forces(ForceReason.OUT_OF_RANGE)
+    return Forces(
+        reason=ForceReason.OK,
+        fx=fx + (steady_force(tyre, wheel, patch.speed, zero_speed) if restore_steady else 0.0),
+        fz=fz,
+        fx_stddev=tyre.shift_map.slope(fx) * shift_stddev(tyre),
+        fz_stddev=tyre.length_map.slope(fz) * length_stddev(tyre),
+    )

@@ -1,0 +1,148 @@
+"""Fronts by a matched template, for rough roads: generalised least squares with noise learned from the free belt.
+
+Near a front the signal is z = A s(phi - delta) + B + noise, with s the mean normalised waveform of that front. The noise is
+not white (the road shakes between 150 and 2000 Hz), so residuals are whitened by the autoregressive filter that fits the
+noise on the free belt; two Gauss-Newton steps for (A, B, delta) from the crossing then come close to the Cramer-Rao bound.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg, signal
+
+from smart_tyre_forces.fronts import Fronts
+
+Array = NDArray[np.float64]
+
+GRID = np.radians(np.arange(-24.0, 24.05, 0.1))
+"""Angle after the front at which a template is tabulated [rad]."""
+_OUTER, _INNER = np.radians(10.0), np.radians(6.0)
+"""How far the fit reaches from the front, out of and into the patch [rad]."""
+_ORDER = 20
+"""Of the noise filter."""
+_FREE_END = -np.radians(75.0)
+"""The bulge is gone before this angle [rad]."""
+_FORGETTING = 0.1
+"""Weight of the newest revolution in the noise."""
+_RIDGE = 1e-4
+"""Of the noise power added to the whole band, so that a quiet band is not trusted without limit."""
+
+
+class FrontRefiner(Protocol):
+    """What may look at each passage once its fronts have been found by crossing."""
+
+    def refine(self, fronts: Fronts, theta: Array, acceleration: Array, split: int) -> Fronts | None:
+        """Return better fronts, or None where there are none.
+
+        Args:
+            fronts: found by crossing.
+            theta: wheel angle of the samples about the expected centre [rad], from the free belt to the end of the window.
+            acceleration: at those samples [m/s^2].
+            split: first sample of the window with the fronts.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class FrontTemplate:
+    """Mean normalised waveforms (0 in the patch, 1 on the free belt) on GRID."""
+
+    leading: Array
+    """About the front where the sensor enters the patch, shape (len(GRID),)."""
+    trailing: Array
+    """About the front where it leaves."""
+
+    def __post_init__(self) -> None:
+        """Refuse tables of the wrong length or with gaps."""
+        for table in (self.leading, self.trailing):
+            if table.shape != GRID.shape or not np.all(np.isfinite(table)):
+                raise ValueError(f"front template: needs {len(GRID)} finite values, has shape {table.shape}")
+
+
+class TemplateLearner:
+    """Mean waveform over the passages seen; leaves the fronts as they are."""
+
+    def __init__(self) -> None:
+        """Start empty."""
+        self._sums = np.zeros((2, len(GRID)))
+        self._count = 0
+
+    def refine(self, fronts: Fronts, theta: Array, acceleration: Array, split: int) -> Fronts | None:
+        """Add one passage."""
+        normalised = (acceleration - fronts.floor) / fronts.step
+        for row, front in enumerate((fronts.alpha_1, fronts.alpha_2)):
+            self._sums[row] += np.interp(GRID + front, theta, normalised)
+        self._count += 1
+        return fronts
+
+    @property
+    def template(self) -> FrontTemplate:
+        """The mean so far.
+
+        Raises:
+            ValueError: no passage was seen.
+        """
+        if self._count == 0:
+            raise ValueError("front template: no passage seen")
+        return FrontTemplate(self._sums[0] / self._count, self._sums[1] / self._count)
+
+
+class TemplateFit:
+    """Fits a template to the fronts of passage after passage of one wheel."""
+
+    def __init__(self, template: FrontTemplate) -> None:
+        """Start with no knowledge of the noise: the first passage gives the first estimate."""
+        self._tables = (template.leading, template.trailing)
+        self._slopes = tuple(np.gradient(table, GRID) for table in self._tables)
+        self._covariance: Array | None = None
+
+    def refine(self, fronts: Fronts, theta: Array, acceleration: Array, split: int) -> Fronts | None:
+        """Fit both fronts of a passage."""
+        whitener = self._whitener(acceleration[: int(np.searchsorted(theta, _FREE_END))])
+        if whitener is None:
+            return None
+        normalised = (acceleration - fronts.floor) / fronts.step
+        leading = self._fit(0, theta - fronts.alpha_1, normalised, (-_OUTER, _INNER), whitener)
+        trailing = self._fit(1, theta - fronts.alpha_2, normalised, (-_INNER, _OUTER), whitener)
+        if leading is None or trailing is None:
+            return None
+        return replace(fronts, alpha_1=fronts.alpha_1 + leading, alpha_2=fronts.alpha_2 + trailing)
+
+    def _whitener(self, free: Array) -> Array | None:
+        """Prediction-error filter of the noise on the free belt, shape (order + 1,)."""
+        if len(free) < 4 * _ORDER:
+            return None
+        ramp = np.linspace(-1.0, 1.0, len(free))
+        noise = free - np.mean(free) - ramp * (np.dot(ramp, free) / np.dot(ramp, ramp))
+        lags = np.array([np.dot(noise[: len(noise) - lag], noise[lag:]) for lag in range(_ORDER + 1)]) / len(noise)
+        # Relative: a faster revolution is louder, not more telling.
+        lags = lags / lags[0] if lags[0] > 0.0 else np.eye(1, _ORDER + 1)[0]
+        if self._covariance is None:
+            self._covariance = lags
+        else:
+            self._covariance = self._covariance + _FORGETTING * (lags - self._covariance)
+        column = self._covariance[:_ORDER].copy()
+        column[0] *= 1.0 + _RIDGE
+        return np.concatenate(((1.0,), -linalg.solve_toeplitz(column, self._covariance[1:])))
+
+    def _fit(self, side: int, phi: Array, z: Array, reach: tuple[float, float], whitener: Array) -> float | None:
+        """Offset delta [rad] of one front against the crossing at phi = 0."""
+        begin, end = np.searchsorted(phi, reach)
+        begin -= _ORDER
+        if begin < 0 or end - begin < 2 * _ORDER:
+            return None
+        phi, z = phi[begin:end], z[begin:end]
+        columns = np.empty((4, len(phi)))
+        delta = 0.0
+        for _ in range(2):
+            columns[0] = z
+            columns[1] = np.interp(phi - delta, GRID, self._tables[side])
+            columns[2] = 1.0
+            columns[3] = -np.interp(phi - delta, GRID, self._slopes[side])
+            white = signal.lfilter(whitener, (1.0, 0.0), columns)[:, _ORDER:]
+            gram = white[1:] @ white[1:].T
+            amplitude, _, moved = np.linalg.solve(gram, white[1:] @ white[0])
+            delta += float(moved / amplitude)
+        return delta if abs(delta) < reach[1] else None

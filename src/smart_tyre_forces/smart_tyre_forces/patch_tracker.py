@@ -1,0 +1,267 @@
+"""From the two sampled signals to one contact patch per revolution, streaming (section 8.4.4).
+
+Blocks of any size give the same passages, bit for bit: a revolution is worked on only when its last crossing has come, and
+then from samples chosen by angle, never by block.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smart_tyre_forces.encoder_crossings import CrossingParameters, EncoderCrossings
+from smart_tyre_forces.front_template import FrontRefiner
+from smart_tyre_forces.fronts import FREE_BEGIN, FREE_END, WINDOW_END, find_fronts
+from smart_tyre_forces.reasons import PatchReason
+from smart_tyre_forces.tooth_table import ToothTable
+from smart_tyre_forces.wheel_angle import WheelAngle
+
+Array = NDArray[np.float64]
+
+_ACQUISITION_WIDTH = np.radians(12.0)
+"""Width of the running mean whose lowest place shows the patch [rad]."""
+_DEEP = 0.4
+"""The patch is believed when that mean lies below this share of the median over the revolution."""
+_LENGTHS = np.radians((8.0, 50.0))
+"""Plausible contact patch lengths [rad]."""
+_FAILURES = 3
+"""Passages without fronts after which the patch is searched for anew."""
+_BUFFER = 60_000
+"""Samples kept at most: a wheel that turns more slowly than one revolution in 6 s has no angle anyway."""
+
+
+@dataclass(frozen=True)
+class TrackerParameters:
+    """The sensors of one wheel."""
+
+    sample_rate: float = 1.0e4
+    """[Hz]"""
+    teeth: int = 48
+    """Of the encoder."""
+    radius: float = 0.32
+    """Of the tyre [m]: only for the limits of speed."""
+    minimum_speed: float = 5.0
+    """[m/s]"""
+    maximum_speed: float = 35.0
+    """[m/s]"""
+    acceleration_range: float = 500.0 * 9.81
+    """Saturation of the accelerometer, +- [m/s^2]."""
+    crossings: CrossingParameters = CrossingParameters()
+
+
+@dataclass(frozen=True)
+class Passage:
+    """One passage of the accelerometer through the contact patch."""
+
+    revolution: int
+    """Counted since the start."""
+    time: float
+    """Of the trailing front, or of the end of an invalid revolution [samples since index 0]."""
+    alpha_1: float
+    """Leading front [rad], tooth table frame, 0 to 2 pi (its centre); NaN when not OK."""
+    alpha_2: float
+    """Trailing front [rad]."""
+    wheel_speed: float
+    """Mean over the window of the passage [rad/s]; NaN where unknown."""
+    reason: PatchReason
+    reference: int
+    """Convention of zero angle: angles of different references cannot be compared."""
+
+
+class PatchTracker:
+    """Passages of one wheel."""
+
+    def __init__(
+        self,
+        parameters: TrackerParameters = TrackerParameters(),
+        table: ToothTable | None = None,
+        refiner: FrontRefiner | None = None,
+    ) -> None:
+        """Start; without a tooth table it is learned first, without a refiner fronts are crossings."""
+        self._parameters = parameters
+        self._crossings = EncoderCrossings(parameters.crossings)
+        self.wheel = WheelAngle(parameters.teeth, table)
+        """Angle of the wheel over time."""
+        self._refiner = refiner
+        self._acceleration: Array = np.zeros(0)
+        self._base = 0
+        self._next: int | None = None
+        self._revolution = 0
+        self._centre: float | None = None
+        self._failures = 0
+
+    def push(
+        self, first_sample: int, voltage: NDArray[np.floating], acceleration: NDArray[np.floating]
+    ) -> list[Passage]:
+        """Take a block and return the passages it completes.
+
+        Args:
+            first_sample: index of its first sample; a jump means lost packets.
+            voltage: of the encoder [V], shape (n,).
+            acceleration: radial [m/s^2], shape (n,); NaN where it is missing.
+
+        Raises:
+            ValueError: the two differ in length, or the block is empty.
+        """
+        if voltage.shape != acceleration.shape or voltage.ndim != 1 or len(voltage) == 0:
+            raise ValueError(f"block: {voltage.shape} encoder and {acceleration.shape} acceleration samples")
+        passages: list[Passage] = []
+        if self._next is not None and first_sample != self._next:
+            passages += self._interrupt(PatchReason.LOST_PACKETS, first_sample)
+        if self._next is None or first_sample != self._next:
+            self._restart(first_sample)
+        self._next = first_sample + len(voltage)
+        if not np.all(np.isfinite(voltage)):
+            passages += self._interrupt(PatchReason.BAD_INPUT, first_sample)
+            self._restart(self._next)
+            return passages
+        self._acceleration = np.concatenate((self._acceleration, acceleration))
+        stretches = self._crossings.push(np.asarray(voltage, dtype=np.float64))
+        for stretch in stretches:
+            if stretch.interrupted is not None:
+                passages += self._interrupt(stretch.interrupted, int(stretch.times[0]))
+                self.wheel.restart()
+                self._centre = None
+            self.wheel.extend(stretch.times)
+            passages += self._revolutions()
+        if stretches:
+            self._trim()
+        elif len(self._acceleration) > 2 * _BUFFER:
+            self._drop(self._base + len(self._acceleration) - _BUFFER)
+        return passages
+
+    def _restart(self, sample: int) -> None:
+        self._crossings.restart(sample)
+        self.wheel.restart()
+        self._acceleration = np.zeros(0)
+        self._base = sample
+        self._centre = None
+
+    def _interrupt(self, reason: PatchReason, sample: int) -> list[Passage]:
+        """Say once why the angle is lost."""
+        if not self.wheel.known:
+            return []
+        return [self._invalid(reason, float(sample), np.nan)]
+
+    def _invalid(self, reason: PatchReason, time: float, wheel_speed: float) -> Passage:
+        self._revolution += 1
+        return Passage(self._revolution, time, np.nan, np.nan, wheel_speed, reason, self.wheel.reference)
+
+    def _revolutions(self) -> list[Passage]:
+        passages: list[Passage] = []
+        while self.wheel.known:
+            angles = self.wheel.angles
+            if len(angles) == 0:
+                break
+            if self._centre is None:
+                if angles[-1] - angles[0] < 2.5 * np.pi:
+                    break
+                found = self._acquire(float(angles[0]))
+                if found is None:
+                    passages.append(self._no_patch())
+                    continue
+                self._centre = found
+                self._failures = 0
+            elif angles[-1] < self._centre + WINDOW_END:
+                break
+            else:
+                passages.append(self._passage(self._centre))
+        return passages
+
+    def _samples(self, begin: float, end: float) -> tuple[Array, Array]:
+        """Times [samples] and acceleration of the samples between two angles [rad]."""
+        first, last = np.ceil(self.wheel.time_of(begin)), np.floor(self.wheel.time_of(end))
+        times = np.arange(first, last + 1.0)
+        start = int(first) - self._base
+        return times, self._acceleration[start : start + len(times)]
+
+    def _acquire(self, begin: float) -> float | None:
+        """Centre of the next patch [rad], from the revolution that starts at angle `begin`."""
+        times, acceleration = self._samples(begin, begin + 2.25 * np.pi)
+        width = max(int(len(times) * _ACQUISITION_WIDTH / (2.25 * np.pi)), 2)
+        total = np.concatenate(((0.0,), np.cumsum(acceleration)))
+        mean = (total[width:] - total[:-width]) / width
+        if not np.all(np.isfinite(mean)):
+            return None
+        lowest = int(np.argmin(mean))
+        if not mean[lowest] < _DEEP * np.median(mean):
+            return None
+        centre = float(self.wheel.at(times[lowest] + np.array([0.5 * (width - 1)]))[0])
+        while centre + FREE_BEGIN < begin:
+            centre += 2.0 * np.pi
+        return centre
+
+    def _no_patch(self) -> Passage:
+        """Leave a revolution in which no patch was seen."""
+        begin = float(self.wheel.angles[0])
+        end = self.wheel.time_of(begin + 2.0 * np.pi)
+        start = self.wheel.time_of(begin)
+        speed = self._rate(2.0 * np.pi, end - start)
+        self.wheel.forget_before(end)
+        reason = self._speed_reason(speed) or PatchReason.NO_FRONTS
+        return self._invalid(reason, end, speed)
+
+    def _rate(self, angle: float, samples: float) -> float:
+        return angle * self._parameters.sample_rate / samples
+
+    def _speed_reason(self, wheel_speed: float) -> PatchReason | None:
+        speed = wheel_speed * self._parameters.radius
+        inside = self._parameters.minimum_speed <= speed <= self._parameters.maximum_speed
+        return None if inside else PatchReason.SPEED_RANGE
+
+    def _passage(self, centre: float) -> Passage:
+        wheel = self.wheel
+        begin, free_end, end = (wheel.time_of(centre + a) for a in (FREE_BEGIN, FREE_END, WINDOW_END))
+        free_speed = self._rate(FREE_END - FREE_BEGIN, free_end - begin)
+        speed = self._rate(WINDOW_END - FREE_END, end - free_end)
+        self._centre = centre + 2.0 * np.pi
+        reason = self._speed_reason(speed)
+        if reason is not None:
+            return self._invalid(reason, end, speed)
+        times, acceleration = self._samples(centre + FREE_BEGIN, centre + WINDOW_END)
+        if not np.all(np.isfinite(acceleration)):
+            return self._invalid(PatchReason.BAD_INPUT, end, speed)
+        split = int(np.searchsorted(times, free_end))
+        if np.max(np.abs(acceleration[split:])) >= 0.999 * self._parameters.acceleration_range:
+            return self._invalid(PatchReason.SATURATED, end, speed)
+        theta = wheel.at(times) - centre
+        fronts = find_fronts(
+            theta[split:], acceleration[split:], float(np.mean(acceleration[:split])), speed / free_speed
+        )
+        if fronts is not None and self._refiner is not None:
+            fronts = self._refiner.refine(fronts, theta, acceleration, split)
+        if fronts is None or not _LENGTHS[0] < fronts.alpha_2 - fronts.alpha_1 < _LENGTHS[1]:
+            self._failures += 1
+            if self._failures >= _FAILURES:
+                self._centre = None
+                wheel.forget_before(end)
+            return self._invalid(PatchReason.NO_FRONTS, end, speed)
+        self._failures = 0
+        self._centre += 0.5 * (fronts.alpha_1 + fronts.alpha_2)
+        self._revolution += 1
+        turns = 2.0 * np.pi * np.floor((centre + 0.5 * (fronts.alpha_1 + fronts.alpha_2)) / (2.0 * np.pi))
+        return Passage(
+            revolution=self._revolution,
+            time=wheel.time_of(centre + fronts.alpha_2),
+            alpha_1=centre + fronts.alpha_1 - turns,
+            alpha_2=centre + fronts.alpha_2 - turns,
+            wheel_speed=speed,
+            reason=PatchReason.OK,
+            reference=wheel.reference,
+        )
+
+    def _trim(self) -> None:
+        """Keep what the coming revolution needs."""
+        if self.wheel.known and len(self.wheel.times):
+            if self._centre is not None:
+                self.wheel.forget_before(self.wheel.time_of(self._centre + FREE_BEGIN))
+            keep = int(self.wheel.times[0]) - 1
+        else:
+            keep = self._base + len(self._acceleration) - _BUFFER
+        self._drop(max(keep, self._base + len(self._acceleration) - _BUFFER))
+
+    def _drop(self, before: int) -> None:
+        surplus = before - self._base
+        if surplus > 0:
+            self._acceleration = self._acceleration[surplus:].copy()
+            self._base = before
