@@ -29,7 +29,9 @@ class VehicleParameters:
     drag_per_speed_squared: float = 2.3e-4
     """Aerodynamic drag rho cd A / (2 m) [1/m]."""
     relaxation_length: float = 0.3
-    """Distance over which a tyre answers to its slip [m], >= 0."""
+    """Distance over which a tyre answers to its slip [m], > 0."""
+    relaxation_spread: float = 0.5
+    """Standard deviation of the logarithm of that length [-], > 0."""
     timing_stddev: float = 0.01
     """Standard deviation of the shift between speed reference and wheel speeds [s], > 0."""
     min_speed: float = 6.0
@@ -52,8 +54,9 @@ class VehicleParameters:
             raise ValueError(f"radii and static_shares must be > 0: {self}")
         if abs(sum(self.static_shares) - 1.0) > 1e-6 or abs(sum(self.transfer_shares)) > 1e-6:
             raise ValueError(f"static_shares must add up to 1 and transfer_shares to 0: {self}")
-        if not (self.relaxation_length >= 0.0 and self.timing_stddev > 0.0 and self.min_speed > 0.0):
-            raise ValueError(f"relaxation_length must be >= 0, timing_stddev and min_speed > 0: {self}")
+        for name in ("relaxation_length", "relaxation_spread", "timing_stddev", "min_speed"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be > 0, is {getattr(self, name)}")
 
 
 def four_wheels(
@@ -97,6 +100,8 @@ class VehiclePoint:
     """Slip behind the relaxation of the tyres [-]."""
     slips_per_second: Array
     """Change of these slips per shift of the speed reference in time [1/s]."""
+    slips_per_length: Array
+    """Change of these slips per change of the logarithm of the relaxation length [-]."""
     shares: Array
     """Fz_i / sum of Fz [-]."""
     friction: float
@@ -125,6 +130,7 @@ class VehicleSamples:
         self._braked_at: float | None = None
         self._slips = np.zeros(len(self._radii))
         self._per_second = np.zeros(len(self._radii))
+        self._per_length = np.zeros(len(self._radii))
 
     def update(self, sample: VehicleSample) -> VehiclePoint | Refusal:
         """Return what `sample` contributes, or why it contributes nothing."""
@@ -137,13 +143,9 @@ class VehicleSamples:
         last, self._last = self._last, sample.time
         if last is None or not 0.0 < sample.time - last <= p.max_gap:
             self._after_gap = self._after_gap or last is not None
-            self._slips, self._per_second = slips, per_second
-        elif p.relaxation_length > 0.0:
-            gain = -np.expm1(-(sample.time - last) * sample.speed / p.relaxation_length)
-            self._slips = self._slips + gain * (slips - self._slips)
-            self._per_second = self._per_second + gain * (per_second - self._per_second)
+            self._slips, self._per_second, self._per_length = slips, per_second, np.zeros_like(slips)
         else:
-            self._slips, self._per_second = slips, per_second
+            self._relax(slips, per_second, (sample.time - last) * sample.speed / p.relaxation_length)
         if -sample.acceleration < p.min_deceleration:
             return Refusal(Reason.NO_EXCITATION, f"deceleration {-sample.acceleration:.2f} m/s^2: not braking")
         starts = self._braked_at is None or not 0.0 <= sample.time - self._braked_at <= p.release_time
@@ -151,7 +153,15 @@ class VehicleSamples:
         deceleration = -sample.acceleration / _GRAVITY
         drag = p.rolling_resistance + p.drag_per_speed_squared * sample.speed**2 / _GRAVITY
         shares = self._static + self._transfer * deceleration
-        return VehiclePoint(self._slips, self._per_second, shares, deceleration - drag, starts, after_gap)
+        friction = deceleration - drag
+        return VehiclePoint(self._slips, self._per_second, self._per_length, shares, friction, starts, after_gap)
+
+    def _relax(self, slips: Array, per_second: Array, lengths: float) -> None:
+        """Advance the tyres by so many relaxation lengths."""
+        kept = float(np.exp(-lengths))
+        self._per_length = kept * (self._per_length - lengths * (slips - self._slips))
+        self._slips = slips + kept * (self._slips - slips)
+        self._per_second = per_second + kept * (self._per_second - per_second)
 
     def _refuse(self, sample: VehicleSample) -> Refusal | None:
         p = self._parameters

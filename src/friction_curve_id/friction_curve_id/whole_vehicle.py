@@ -6,9 +6,10 @@ with the load shares s_i0 of the standing vehicle and the load transfer t_i. It 
 one road surface. Two things are known to spoil the slips of real sensors, and both are in the model:
 - the speed reference and the wheel speeds are not of the same instant. A shift tau moves the slip by
   tau (1 - slip) a_x / v, at 11 m/s^2 and 10 m/s some 0.01 for 10 ms. tau is a nuisance unknown with a prior;
-- a tyre answers to a change of slip over its relaxation length: the slip is filtered by exp(-distance / length).
+- a tyre answers to a change of slip over its relaxation length L: the slip is filtered by exp(-distance / L). ln L is
+  another nuisance unknown, linearised around the parameter.
 
-The fit is robust (Huber) maximum a posteriori in (ln th1, ln th2, th3, tau) over the samples of one braking,
+The fit is robust (Huber) maximum a posteriori in (ln th1, ln th2, th3, tau, ln L) over the samples of one braking,
 two Gauss-Newton steps a sample. Neighbouring residuals are alike (suspension, ABS cycles), so the information of the
 samples is divided by 1 + 2 sum of their positive autocorrelation before it becomes an interval.
 """
@@ -28,11 +29,11 @@ from vehicle_models import burckhardt
 
 Array = NDArray[np.float64]
 
-_PRIOR_MEAN = np.array([np.log(0.8), np.log(25.0), 0.4, 0.0])
+_PRIOR_MEAN = np.array([np.log(0.8), np.log(25.0), 0.4, 0.0, 0.0])
 _PRIOR_STDDEV = np.array([0.8, 1.0, 0.5])
-"""Of ln th1, ln th2, th3; that of tau is a parameter."""
-_LOW = np.array([np.log(0.02), np.log(1.0), 1e-3, -0.1])
-_HIGH = np.array([np.log(5.0), np.log(300.0), 5.0, 0.1])
+"""Of ln th1, ln th2, th3; those of tau and ln L are parameters."""
+_LOW = np.array([np.log(0.02), np.log(1.0), 1e-3, -0.1, -2.0])
+_HIGH = np.array([np.log(5.0), np.log(300.0), 5.0, 0.1, 2.0])
 _LEAST_NOISE = 0.01
 """Floor of the residuals' standard deviation [-]: a pitching vehicle's accelerometer is no better."""
 _HUBER = 1.345
@@ -52,7 +53,7 @@ class WholeVehicle:
     def __init__(self, parameters: VehicleParameters) -> None:
         """Wait for the first braking."""
         self._samples = VehicleSamples(parameters)
-        self._prior_stddev = np.append(_PRIOR_STDDEV, parameters.timing_stddev)
+        self._prior_stddev = np.append(_PRIOR_STDDEV, [parameters.timing_stddev, parameters.relaxation_spread])
         self._points: deque[VehiclePoint] = deque(maxlen=_WINDOW)
         self._unknowns = _PRIOR_MEAN.copy()
         self._cause = RestartCause.NONE
@@ -91,32 +92,34 @@ class WholeVehicle:
         self._unknowns = _PRIOR_MEAN.copy()
 
     def _fit(self) -> Array:
-        """Improve the unknowns and return their covariance, shape (4, 4)."""
-        slips = np.array([point.slips for point in self._points])
-        per_second = np.array([point.slips_per_second for point in self._points])
+        """Improve the unknowns and return their covariance, shape (5, 5)."""
+        slips = np.array([(p.slips, p.slips_per_second, p.slips_per_length) for p in self._points])
         shares = np.array([point.shares for point in self._points])
         frictions = np.array([point.friction for point in self._points])
         for _ in range(_STEPS):
-            residuals, rows = self._linearise(slips, per_second, shares, frictions)
+            residuals, rows = self._linearise(slips, shares, frictions)
             noise = max(1.4826 * float(np.median(np.abs(residuals))), _LEAST_NOISE)
             weights = np.minimum(1.0, _HUBER * noise / np.maximum(np.abs(residuals), 1e-9))
             information = (rows * weights[:, np.newaxis]).T @ rows / noise**2
             pull = (_PRIOR_MEAN - self._unknowns) / self._prior_stddev
             gradient = rows.T @ (weights * residuals) / noise**2 + pull
-            step = np.linalg.solve(information + np.eye(4), gradient)
+            step = np.linalg.solve(information + np.eye(5), gradient)
             step *= min(1.0, _LONGEST_STEP / float(np.max(np.abs(step))) if np.any(step) else 1.0)
             self._unknowns = np.clip(self._unknowns + step * self._prior_stddev, _LOW, _HIGH)
         information /= _inflation(weights * residuals)
-        return np.linalg.inv(information + np.eye(4)) * np.outer(self._prior_stddev, self._prior_stddev)
+        return np.linalg.inv(information + np.eye(5)) * np.outer(self._prior_stddev, self._prior_stddev)
 
-    def _linearise(self, slips: Array, per_second: Array, shares: Array, frictions: Array) -> tuple[Array, Array]:
-        """Residuals, shape (n,), and rows of the model per standard deviation of the prior, shape (n, 4)."""
+    def _linearise(self, slips: Array, shares: Array, frictions: Array) -> tuple[Array, Array]:
+        """Residuals, shape (n,), and rows of the model per standard deviation of the prior, shape (n, 5).
+
+        `slips` holds slip and its two derivatives of n samples of w wheels, shape (n, 3, w).
+        """
         theta = np.array([np.exp(self._unknowns[0]), np.exp(self._unknowns[1]), self._unknowns[2]])
-        shifted = slips + self._unknowns[3] * per_second
+        shifted = slips[:, 0] + np.einsum("k,nkw->nw", self._unknowns[3:], slips[:, 1:])
         residuals = frictions - np.sum(shares * burckhardt.friction(theta, shifted), axis=1)
         curve = np.einsum("nw,nwk->nk", shares, burckhardt.gradient(theta, shifted)) * [theta[0], theta[1], 1.0]
-        timing = np.sum(shares * burckhardt.slope(theta, shifted) * per_second, axis=1)
-        return residuals, np.column_stack([curve, timing]) * self._prior_stddev
+        nuisance = np.einsum("nw,nkw->nk", shares * burckhardt.slope(theta, shifted), slips[:, 1:])
+        return residuals, np.column_stack([curve, nuisance]) * self._prior_stddev
 
 
 def _inflation(residuals: Array) -> float:
