@@ -1,10 +1,11 @@
 """From a sample of the plant to the messages of its sensors and of its truth."""
 
+from array import array
 from collections.abc import Sequence
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from friction_msgs.msg import BrakeDemand, FrictionCurve, FrictionSlope, TyreForce, WheelSlip
+from friction_msgs.msg import BrakeDemand, FrictionCurve, FrictionSlope, TyreForce, TyreSignals, WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
@@ -12,16 +13,18 @@ from std_msgs.msg import Header
 from corner_sim.plant import SLIP_MIN_SPEED, PlantSample
 from corner_sim.sensors import Measurement
 from corner_sim.slope_truth import SlopeCrossings
+from corner_sim.tyre_signals import SAMPLE_RATE
 from friction_runtime.processor import Output
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import SensorNoise
+from vehicle_models.tyre_signal import TyreBlock
 
 BASE_FRAME = "base_link"
 NAN = float("nan")
 
 
-def topics(wheels: Sequence[str], vehicle_velocity: bool, brake_demand: bool) -> dict[str, type]:
+def topics(wheels: Sequence[str], vehicle_velocity: bool, brake_demand: bool, tyre_signals: bool) -> dict[str, type]:
     """Name the topics the plant gives, with their types."""
     given: dict[str, type] = {
         "wheel_states": JointState,
@@ -34,6 +37,8 @@ def topics(wheels: Sequence[str], vehicle_velocity: bool, brake_demand: bool) ->
         given["brake_demand"] = BrakeDemand
     for wheel in wheels:
         given[f"{wheel}/brake_pressure"] = FluidPressure
+        if tyre_signals:
+            given[f"{wheel}/tyre_signals"] = TyreSignals
         given[f"truth/{wheel}/slip"] = WheelSlip
         given[f"truth/{wheel}/friction_slope"] = FrictionSlope
         given[f"truth/{wheel}/friction_curve"] = FrictionCurve
@@ -95,6 +100,29 @@ def sensors(
         outputs.append((f"{wheel}/brake_pressure", brake_pressure(stamp, wheel, float(pressure), variance)))
     outputs.append(("wheel_states", wheel_states(stamp, wheels, measured)))
     return outputs
+
+
+def tyre_signals(
+    stamp_ns: int, wheels: Sequence[str], blocks: Sequence[TyreBlock], inflation_pressure: float
+) -> list[Output]:
+    """Make the messages of the smart tyres; `stamp_ns` is that of the first sample of the blocks."""
+    stamp = from_nanoseconds(stamp_ns)
+    return [
+        (
+            f"{wheel}/tyre_signals",
+            TyreSignals(
+                header=Header(stamp=stamp, frame_id=wheel),
+                wheel=wheel,
+                sample_rate=SAMPLE_RATE,
+                first_sample=block.first_sample,
+                encoder_voltage=array("f", block.encoder_voltage.tobytes()),
+                radial_acceleration=array("f", block.radial_acceleration.tobytes()),
+                inflation_pressure=inflation_pressure,
+            ),
+        )
+        for wheel, block in zip(wheels, blocks, strict=True)
+        if not block.lost
+    ]
 
 
 def truth(stamp_ns: int, wheels: Sequence[str], sample: PlantSample, crossings: SlopeCrossings) -> list[Output]:

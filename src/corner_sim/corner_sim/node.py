@@ -71,7 +71,7 @@ class CornerSimNode(Node):
         self._waiting_since = monotonic()
         self._settled_at = 0.0
         self._phase = Phase.WAITING_FOR_SUBSCRIBERS if p.autostart else Phase.WAITING_FOR_START
-        given = messages.topics(p.wheels, p.vehicle_velocity, p.demand_source == "profile")
+        given = messages.topics(p.wheels, p.vehicle_velocity, p.demand_source == "profile", p.tyre_signals)
         self._outputs = {topic: qos.publish(self, kind, topic) for topic, kind in given.items()}
         self._clock_output = qos.publish(self, ClockMessage, "/clock") if p.publish_clock else None
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
@@ -214,6 +214,7 @@ class CornerSimNode(Node):
         values = {
             "message time [s]": f"{simulation.time:.3f}",
             "speed [m/s]": f"{simulation.speed:.3f}",
+            "distance [m]": f"{simulation.distance:.3f}",
             "samples": str(simulation.index + self._published),
             "overruns": str(pace.overruns),
             "worst lateness [s]": f"{pace.worst_lateness:.4f}",

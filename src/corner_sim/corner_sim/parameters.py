@@ -75,6 +75,12 @@ class SimParameters:
     seed: int = parameter(0, "seed of the noise", minimum=0, maximum=2**31 - 1)
 
     vehicle_velocity: bool = parameter(True, "publish the speed sensor on vehicle_velocity", read_only=True)
+    tyre_signals: bool = parameter(
+        False, "publish <wheel>/tyre_signals: encoder voltage and in-tyre acceleration at 10 kHz", read_only=True
+    )
+    inflation_pressure: float = parameter(
+        2e5, "gauge pressure of the tyres (tyre_signals)", unit="Pa", minimum=5e4, maximum=1e6
+    )
     publish_clock: bool = parameter(False, "publish /clock", read_only=True)
     start_stamp: int = parameter(
         0, "stamp of the first sample, 0: the wall clock at start", unit="ns", minimum=0, maximum=2**62, read_only=True

@@ -14,10 +14,12 @@ from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant
 from corner_sim.road import Road
 from corner_sim.sensors import Sensors
 from corner_sim.slope_truth import SlopeCrossings
+from corner_sim.tyre_signals import TyreSensors
 from friction_runtime.parameters import per_wheel
 from friction_runtime.processor import Output
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
+from vehicle_models.tyre_signal import TyreBlock
 
 
 class Simulation:
@@ -68,7 +70,13 @@ class Simulation:
         self._commands = CommandInbox(wheels, parameters.command_timeout)
         self._crossings = SlopeCrossings(len(wheels))
         self._profile_in_force = parameters.demand_source == "profile"
+        self._tyre_sensors: TyreSensors | None = None
+        if parameters.tyre_signals:
+            self._tyre_sensors = TyreSensors(
+                len(wheels), parameters.noise != "none", parameters.inflation_pressure, parameters.seed
+            )
         self._sample = self._plant.sample()
+        self._blocks: list[TyreBlock] = []
         self._crossings.update(self._sample, self.stamp)
 
     @property
@@ -90,6 +98,11 @@ class Simulation:
     def speed(self) -> float:
         """Vehicle speed now [m/s]."""
         return self._sample.speed
+
+    @property
+    def distance(self) -> float:
+        """Distance covered by the first wheel [m]."""
+        return self._sample.distance
 
     @property
     def unanswered(self) -> list[str]:
@@ -125,6 +138,9 @@ class Simulation:
             self._brake_gain.tolist(),
             p.acceleration_variance,
         )
+        if self._blocks:
+            block_stamp = self.stamp - SAMPLE_TIME_NS
+            outputs += messages.tyre_signals(block_stamp, p.wheels, self._blocks, p.inflation_pressure)
         return [output for output in outputs if p.vehicle_velocity or output[0] != "vehicle_velocity"]
 
     def take_command(self, wheel: str, message: BrakeCommand) -> str | None:
@@ -139,5 +155,7 @@ class Simulation:
         """Go to the next sample under the commands and the demand in force."""
         demand = self._driver.demand(self.time) if self._profile_in_force else self._demand.pressure
         self._plant.advance(demand, self._commands.commands(self.stamp))
-        self._sample = self._plant.sample()
+        before, self._sample = self._sample, self._plant.sample()
+        if self._tyre_sensors is not None:
+            self._blocks = self._tyre_sensors.between(before, self._sample)
         self._crossings.update(self._sample, self.stamp)

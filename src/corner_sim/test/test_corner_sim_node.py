@@ -26,7 +26,7 @@ from friction_runtime.stamps import to_nanoseconds
 
 START = 1_000_000_000
 PERIOD = 5_000_000
-TOPICS = messages.topics(["front_left"], vehicle_velocity=True, brake_demand=True)
+TOPICS = messages.topics(["front_left"], vehicle_velocity=True, brake_demand=True, tyre_signals=False)
 
 
 @pytest.fixture
@@ -86,9 +86,9 @@ def test_every_topic_comes_at_200_hz_with_the_stamps_of_the_schedule(client: Dds
     for topic, received in found.items():
         assert stamps(received) == [START + k * PERIOD for k in range(401)], topic
     client.until(lambda: len(published) >= 401)
-    # 2 s of message time take 2 s of the wall clock; the median forgives hiccups of the machine
-    lead = np.array(published) - np.array(stamps(found["wheel_states"]))
-    assert np.median(lead[-100:]) - np.median(lead[:100]) == pytest.approx(0.0, abs=0.02e9)
+    # message time keeps step with the wall clock: never ahead, and behind by no more than a busy machine's hiccups
+    late = np.array(published) - np.array(stamps(found["wheel_states"])) - (published[0] - START)
+    assert -3e6 < np.median(late[-100:]) - np.median(late[:100]) < 0.25e9
     client.until(lambda: process.poll() is not None)
     assert process.returncode == 0
 

@@ -43,11 +43,13 @@ def cycling(k: int) -> int:
 def test_every_topic_carries_every_sample_with_the_stamps_of_the_schedule() -> None:
     parameters = SimParameters(wheels=("front_left", "rear_right"))
     found = run(parameters, 30)
-    assert set(found) == set(messages.topics(parameters.wheels, vehicle_velocity=True, brake_demand=True))
+    assert set(found) == set(
+        messages.topics(parameters.wheels, vehicle_velocity=True, brake_demand=True, tyre_signals=False)
+    )
     for topic, list_of_messages in found.items():
         stamps = [to_nanoseconds(message.header.stamp) for message in list_of_messages]
         assert stamps == [START + 5_000_000 * k for k in range(30)], topic
-        kind = messages.topics(parameters.wheels, vehicle_velocity=True, brake_demand=True)[topic]
+        kind = messages.topics(parameters.wheels, vehicle_velocity=True, brake_demand=True, tyre_signals=False)[topic]
         assert all(type(message) is kind for message in list_of_messages), topic
 
 
@@ -254,3 +256,28 @@ def test_the_rear_axle_meets_a_new_surface_one_wheelbase_later() -> None:
 def test_a_car_without_four_wheels_is_refused_by_name() -> None:
     with pytest.raises(ValueError, match="wheels"):
         SimParameters(model="two_axle")
+
+
+def test_tyre_blocks_follow_each_other_without_gap_and_stop_where_the_sample_begins() -> None:
+    found = run(SimParameters(tyre_signals=True, demand_level=0.0, noise="none"), 60)
+    blocks = found["front_left/tyre_signals"]
+    assert [to_nanoseconds(block.header.stamp) for block in blocks] == [START + 5_000_000 * k for k in range(59)]
+    assert [block.first_sample for block in blocks] == [50 * k for k in range(59)]
+    assert {len(block.encoder_voltage) for block in blocks} == {50}
+    assert {len(block.radial_acceleration) for block in blocks} == {50}
+
+
+def test_the_encoder_of_a_smart_tyre_turns_with_the_wheel() -> None:
+    found = run(SimParameters(tyre_signals=True, demand_level=0.0, noise="none"), 201)
+    voltage = np.concatenate([block.encoder_voltage for block in found["front_left/tyre_signals"]])
+    rises = np.count_nonzero((voltage[:-1] < 0.0) & (voltage[1:] >= 0.0))
+    assert rises == pytest.approx(48 * 100.0 / (2.0 * np.pi) * 1.0, abs=1.0)  # 48 teeth at 100 rad/s for 1 s
+
+
+def test_smart_tyres_repeat_with_their_seed() -> None:
+    parameters = SimParameters(tyre_signals=True)
+    first, again, other = (
+        run(p, 20)["front_left/tyre_signals"] for p in (parameters, parameters, replace(parameters, seed=9))
+    )
+    assert first == again
+    assert first != other

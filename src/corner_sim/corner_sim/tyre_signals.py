@@ -1,0 +1,59 @@
+"""The smart tyres of the plant: encoder voltage and in-tyre acceleration at 10 kHz, in blocks of one sample time."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from corner_sim.plant import SAMPLE_TIME, PlantSample
+from vehicle_models.encoder import EncoderParameters
+from vehicle_models.tyre_ring import TyreRing
+from vehicle_models.tyre_signal import AccelerometerParameters, TyreBlock, TyreSignalSource
+
+Array = NDArray[np.float64]
+
+SAMPLE_RATE = 1.0e4
+"""[Hz]"""
+_SMALLEST_LOAD = 1.0
+"""[N] A wheel that lifts off keeps this: the tyre model has no patch without load."""
+
+
+class TyreSensors:
+    """One instrumented tyre per wheel."""
+
+    def __init__(self, count: int, noise: bool, inflation_pressure: float, seed: int) -> None:
+        """Mount the sensors.
+
+        Args:
+            count: wheels.
+            noise: with the imperfections of the sensors, or ideal.
+            inflation_pressure: gauge [Pa].
+            seed: of noise and starting angles; teeth and mounting belong to the wheel and do not change with it.
+        """
+        self._sources = [
+            TyreSignalSource(
+                TyreRing(),
+                AccelerometerParameters() if noise else AccelerometerParameters.ideal(),
+                EncoderParameters() if noise else EncoderParameters.ideal(),
+                wheel_seed=wheel,
+                noise_seed=seed * 1000 + wheel,
+                pressure=inflation_pressure,
+                sample_rate=SAMPLE_RATE,
+            )
+            for wheel in range(count)
+        ]
+        self._within = np.arange(round(SAMPLE_TIME * SAMPLE_RATE)) / (SAMPLE_TIME * SAMPLE_RATE)
+
+    def between(self, before: PlantSample, after: PlantSample) -> list[TyreBlock]:
+        """Give the blocks of all wheels from `before` (first sample) to just short of `after`, states run linearly."""
+
+        def run(begin: Array, end: Array, i: int) -> Array:
+            return np.asarray(begin[i] + (end[i] - begin[i]) * self._within)
+
+        fx_before, fx_after = (-sample.vertical_load * sample.friction for sample in (before, after))
+        return [
+            source.advance(
+                run(before.wheel_speed, after.wheel_speed, i),
+                run(fx_before, fx_after, i),
+                np.maximum(run(before.vertical_load, after.vertical_load, i), _SMALLEST_LOAD),
+            )
+            for i, source in enumerate(self._sources)
+        ]
