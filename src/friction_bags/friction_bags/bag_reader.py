@@ -14,7 +14,7 @@ from rosbags.rosbag2 import Reader
 
 from friction_bags.bag_format import METADATA_NAME, BagError, Contents, Topic, read_custom_data
 from friction_bags.salvage_mcap import McapSalvage
-from friction_bags.salvage_sqlite import SqliteSalvage
+from friction_bags.salvage_sqlite import SqliteSalvage, is_truncated
 
 Message = tuple[Topic, int, bytes]
 """Topic, recording stamp [ns], CDR data."""
@@ -112,7 +112,7 @@ class BagReader:
 
     @property
     def storage(self) -> str:
-        """mcap or sqlite3."""
+        """Name of the storage: mcap or sqlite3."""
         return storage_of(self._parts[0].path)
 
     def messages(
@@ -212,6 +212,8 @@ class BagReader:
 
     def _open_indexed(self, file: Path) -> bool:
         try:
+            if file.suffix == ".db3" and is_truncated(file):
+                raise BagError("the file is truncated")
             reader = Reader(file)
             reader.open()
         except Exception as error:

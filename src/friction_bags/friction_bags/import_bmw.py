@@ -7,9 +7,10 @@ cannot. The file is strictly increasing, so nothing is reordered; bursts of samp
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import Imu, JointState
+
+from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
 
 STAMP_OFFSET = 1000
 """[s] added to t_s."""

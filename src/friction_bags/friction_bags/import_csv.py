@@ -7,13 +7,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from friction_runtime.stamps import to_nanoseconds
-from rclpy.serialization import serialize_message
-
 from friction_bags import import_bmw, import_iac
-from friction_bags.bag_format import BagError, Topic
+from friction_bags.bag_format import BagError
 from friction_bags.bag_writer import BagWriter
-from friction_bags.message_definition import message_definition
+from friction_bags.cdr import encode, installed_topic
+from friction_runtime.stamps import to_nanoseconds
 
 _FORMATS = {"bmw": import_bmw, "iac": import_iac}
 
@@ -76,13 +74,7 @@ def write_bag(bag: Path, messages: Iterable[tuple[str, Any]], notes: Mapping[str
     with BagWriter(bag, custom_data=notes) as writer:
         for name, message in messages:
             if name not in channels:
-                channels[name] = writer.add_topic(_topic(name, type(message)))
-            writer.write(channels[name], to_nanoseconds(message.header.stamp), serialize_message(message))
+                channels[name] = writer.add_topic(installed_topic(name, type(message)))
+            writer.write(channels[name], to_nanoseconds(message.header.stamp), encode(message))
             count += 1
     return count
-
-
-def _topic(name: str, kind: type) -> Topic:
-    type_name = f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
-    definition = message_definition(type_name)
-    return Topic(name, type_name, definition.text, "ros2msg", definition.type_hash)

@@ -1,16 +1,17 @@
 """Columns of iac_av21_putnam_25hz.csv as our input topics.
 
-The wheel speeds of the file are rim speeds in km/h. They become angular speeds by a nominal radius of 0.3 m, which is no
-measurement: a node that is given the same radius gets back the speeds of the file.
+The wheel speeds of the file are rim speeds in km/h. They become angular speeds by a nominal radius of 0.3 m, which is
+no measurement: a node that is given the same radius gets back the speeds of the file.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from friction_msgs.msg import BrakeDemand
-from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import Imu, JointState
+
+from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
 
 NOMINAL_RADIUS = 0.3
 """[m]"""

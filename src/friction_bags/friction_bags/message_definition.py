@@ -65,7 +65,7 @@ def message_class(type_name: str) -> type:
     package, _, name = type_name.partition("/")
     module = f"{package}.msg"
     try:
-        return getattr(import_module(module), name.removeprefix("msg/"))  # type: ignore[no-any-return]
+        return getattr(import_module(module), name.removeprefix("msg/"))
     except (ImportError, AttributeError) as error:
         raise UnknownTypeError(f"type {type_name} is not installed: install or build package {package}") from error
 

@@ -39,10 +39,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--wait",
         type=_not_negative,
-        default=1.0,
+        default=3.0,
         metavar="S",
-        help="wait at most S until each topic has a subscriber (default 1)",
+        help="wait at most S until each topic has its subscribers (default 3: discovery can take 2.5 s)",
     )
+    parser.add_argument("--subscribers", type=int, default=1, metavar="N", help="of each topic to wait for (default 1)")
 
 
 def run(args: Namespace, ros_args: list[str]) -> int:
@@ -84,7 +85,8 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
     if span.stop <= span.start:
         print(f"error: {args.bag}: nothing behind --start-offset {args.start_offset} s", file=sys.stderr)
         return 2
-    player.wait_for_subscribers(args.wait, stop)
+    for name in player.wait_for_subscribers(args.subscribers, args.wait, stop):
+        print(f"{name}: less than {args.subscribers} subscribers after {args.wait} s", file=sys.stderr)
     with _progress((span.stop - span.start) / _NANOSECONDS) as progress:
         player.play(span, args.rate, stop, progress)
         while args.loop and not stop.is_set():

@@ -69,11 +69,11 @@ class Player:
         self._clock = self._node.create_publisher(Clock, "/clock", 10)
         self._clock_period = 1.0 / frequency
 
-    def wait_for_subscribers(self, timeout: float, stop: Event) -> list[str]:
-        """Wait until each topic has a subscriber, at most `timeout` [s]; return the topics that have none."""
+    def wait_for_subscribers(self, count: int, timeout: float, stop: Event) -> list[str]:
+        """Wait until each topic has `count` subscribers, at most `timeout` [s]; return the topics that have less."""
         end = monotonic() + timeout
         while True:
-            alone = [each.topic_name for each in self._publishers.values() if each.get_subscription_count() == 0]
+            alone = [each.topic_name for each in self._publishers.values() if each.get_subscription_count() < count]
             if not alone or stop.is_set() or monotonic() >= end:
                 return alone
             stop.wait(_POLL_PERIOD)

@@ -121,8 +121,8 @@ class Recorder:
                 sequence = info["publication_sequence_number"] or 0
                 arrived.append(_Taken(received, recorded.channel, sequence, info["source_timestamp"] or received, data))
                 recorded.count += 1
-                if recorded.publishers == 1 and recorded.last_sequence is not None and sequence > recorded.last_sequence:
-                    recorded.lost += sequence - recorded.last_sequence - 1
+                if recorded.publishers == 1 and recorded.last_sequence is not None:
+                    recorded.lost += max(sequence - recorded.last_sequence - 1, 0)
                 recorded.last_sequence = sequence or None
 
     def _begin(self, name: str, kind: str, offered: tuple[Qos, ...], profile: QoSProfile) -> None:

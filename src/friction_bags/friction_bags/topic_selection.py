@@ -28,7 +28,7 @@ class TopicSelection:
 
 def add_selection_arguments(parser: ArgumentParser) -> None:
     """Add the options that select topics."""
-    parser.add_argument("--topics", nargs="+", default=[], metavar="TOPIC", help="only these; patterns such as '*/slip'")
+    parser.add_argument("--topics", nargs="+", default=[], metavar="TOPIC", help="only these, such as '*/slip'")
     parser.add_argument("--exclude", nargs="+", default=[], metavar="TOPIC", help="not these")
 
 

@@ -1,0 +1,59 @@
+"""Encoding of messages so that the same message always gives the same bytes.
+
+rclpy's own serialization leaves the padding between fields as it finds it in memory, and appends padding to a message
+that ends with an empty sequence of doubles. Both decode to the same message; here padding is zero, and nothing is added.
+"""
+
+from array import array
+from functools import cache
+from typing import Any
+
+import numpy as np
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from friction_bags.bag_format import Topic
+from friction_bags.message_definition import message_definition
+
+
+def type_name(kind: type) -> str:
+    """Name of a message class, e.g. sensor_msgs/msg/JointState."""
+    return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
+
+
+def installed_topic(name: str, kind: type) -> Topic:
+    """Topic of a message class, with its definition.
+
+    Raises:
+        UnknownTypeError: the definition is not installed.
+    """
+    definition = message_definition(type_name(kind))
+    return Topic(name, type_name(kind), definition.text, "ros2msg", definition.type_hash)
+
+
+def encode(message: Any) -> bytes:
+    """CDR of a message, little endian, with its encapsulation header.
+
+    Raises:
+        UnknownTypeError: the definition of the message is not installed.
+    """
+    name = type_name(type(message))
+    return bytes(_typestore(name).serialize_cdr(_Numpy(message), name))
+
+
+class _Numpy:
+    """A message whose number sequences are numpy arrays, as rosbags has them."""
+
+    def __init__(self, message: Any) -> None:
+        self._message = message
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(self._message, name)
+        return np.array(value, dtype=value.typecode) if isinstance(value, array) else value
+
+
+@cache
+def _typestore(name: str) -> Typestore:
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(message_definition(name).text, name))
+    return store

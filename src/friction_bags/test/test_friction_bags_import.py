@@ -1,0 +1,108 @@
+import csv
+import os
+from itertools import pairwise
+from math import isclose
+from pathlib import Path
+
+import pytest
+from rclpy.serialization import deserialize_message
+
+from friction_bags import import_bmw, import_iac
+from friction_bags.__main__ import main
+from friction_bags.bag_reader import BagReader
+from friction_bags.message_definition import message_class
+
+DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[4] / "shared" / "data"))
+BMW = DATA / "bmw_m8_abs_stop_100hz.csv"
+IAC = DATA / "iac_av21_putnam_25hz.csv"
+needs_data = pytest.mark.skipif(not BMW.is_file(), reason=f"{BMW} is absent (set FRICTION_DATA)")
+
+
+def imported(kind: str, source: Path, bag: Path) -> dict[str, list]:
+    """Messages by topic of a file imported by the command."""
+    assert main(["import", kind, str(source), "--out", str(bag)]) == 0
+    found: dict[str, list] = {}
+    with BagReader(bag) as reader:
+        for topic, stamp, data in reader.messages():
+            message = deserialize_message(data, message_class(topic.type))
+            assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == stamp
+            found.setdefault(topic.name, []).append((stamp, message))
+    return found
+
+
+def rows_of(path: Path) -> list[dict[str, float]]:
+    with path.open(newline="") as stream:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(stream)]
+
+
+@needs_data
+def test_the_bmw_bag_holds_the_values_and_the_times_of_the_file(tmp_path: Path) -> None:
+    rows = rows_of(BMW)
+    bag = imported("bmw", BMW, tmp_path / "bag")
+    assert set(bag) == {"/wheel_states", "/imu/data", "/vehicle_velocity", "/can/total_brake_torque_request"}
+    assert all(len(messages) == len(rows) for messages in bag.values())
+    for row, (stamp, wheels) in zip(rows, bag["/wheel_states"], strict=True):
+        assert stamp - import_bmw.STAMP_OFFSET * 10**9 == round(row["t_s"] * 1e9)
+        assert wheels.name == ["front_left", "front_right", "rear_left", "rear_right"]
+        assert list(wheels.velocity) == [row[f"w_{wheel}_radps"] for wheel in ("fl", "fr", "rl", "rr")]
+    for row, (_, imu) in zip(rows, bag["/imu/data"], strict=True):
+        assert (imu.linear_acceleration.x, imu.linear_acceleration.y) == (row["ax_mps2"], row["ay_mps2"])
+        assert imu.angular_velocity.z == row["yaw_rate_radps"]
+        assert imu.orientation_covariance[0] == -1.0
+    for row, (_, speed) in zip(rows, bag["/vehicle_velocity"], strict=True):
+        assert (speed.twist.twist.linear.x, speed.twist.twist.linear.y) == (row["vx_mps"], row["vy_mps"])
+    for row, (_, torque) in zip(rows, bag["/can/total_brake_torque_request"], strict=True):
+        assert (torque.name, list(torque.effort)) == (["all_wheels"], [row["brake_torque_can"]])
+
+
+@needs_data
+def test_no_brake_pressure_is_invented(tmp_path: Path) -> None:
+    for kind, source in (("bmw", BMW), ("iac", IAC)):
+        assert not any("brake_pressure" in topic for topic in imported(kind, source, tmp_path / kind))
+
+
+@needs_data
+def test_bursts_of_near_duplicate_stamps_are_kept_in_their_order(tmp_path: Path) -> None:
+    stamps = [stamp for stamp, _ in imported("bmw", BMW, tmp_path / "bag")["/wheel_states"]]
+    steps = [after - before for before, after in pairwise(stamps)]
+    assert min(steps) > 0
+    assert sum(step < 1_000_000 for step in steps) == 7
+    assert max(steps) > 60_000_000
+
+
+@needs_data
+def test_the_iac_bag_holds_the_values_of_the_file(tmp_path: Path) -> None:
+    rows = rows_of(IAC)
+    bag = imported("iac", IAC, tmp_path / "bag")
+    assert set(bag) == {"/wheel_states", "/imu/data", "/vehicle_velocity", "/brake_demand"}
+    for row, (stamp, wheels) in zip(rows, bag["/wheel_states"], strict=True):
+        assert stamp == round(row["time(s)"] * 1e9)
+        rims = [row[f"wheel_{wheel}(kmph)"] for wheel in ("fl", "fr", "rl", "rr")]
+        back = [speed * import_iac.NOMINAL_RADIUS * 3.6 for speed in wheels.velocity]
+        assert all(isclose(a, b, rel_tol=1e-14) for a, b in zip(rims, back, strict=True))
+    for row, (_, demand) in zip(rows, bag["/brake_demand"], strict=True):
+        assert demand.pressure == row["brake_ped_cmd(kPa)"] * 1000.0
+    for row, (_, imu) in zip(rows, bag["/imu/data"], strict=True):
+        assert imu.linear_acceleration.x == row["ax(m/s^2)"]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("a,b\n1,2\n", "no column t_s"),
+        (",".join(import_bmw.COLUMNS) + "\n" + ",".join(["1"] * 9) + ",x\n", "line 2"),
+        (",".join(import_bmw.COLUMNS) + "\n" + "1,2\n", "line 2"),
+    ],
+)
+def test_a_file_with_other_columns_or_no_numbers_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, said: str
+) -> None:
+    source = tmp_path / "x.csv"
+    source.write_text(text)
+    assert main(["import", "bmw", str(source), "--out", str(tmp_path / "bag")]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_missing_file_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["import", "iac", str(tmp_path / "x.csv"), "--out", str(tmp_path / "bag")]) == 2
+    assert "x.csv" in capsys.readouterr().err
