@@ -128,9 +128,10 @@ def _probability_negative(mean: float, stddev: float) -> float:
 def fit_covariance(rows: Array, residuals: Array) -> Array:
     """Covariance of an unweighted least-squares fit whose noise may be correlated between neighbours.
 
-    Differenced signals make neighbouring friction samples share noise, so the plain sigma^2 (X^T X)^-1 is too
+    Where neighbouring residuals are opposed (differenced signals share noise), the plain sigma^2 (X^T X)^-1 is too
     large. With T the tridiagonal Toeplitz matrix of the residuals' variance and lag-one covariance (limited to
     what a moving average of order one can have, hence T >= 0), the covariance is (X^T X)^-1 X^T T X (X^T X)^-1.
+    Where they are alike (the model's error, oscillations), it is the plain one times `samples_per_information`.
 
     Args:
         rows: X, gradient of the curve at each sample, shape (samples, n).
@@ -144,11 +145,31 @@ def fit_covariance(rows: Array, residuals: Array) -> Array:
         return np.full((count, count), np.nan)
     variance = float(residuals @ residuals) / (samples - count)
     lag = float(residuals[1:] @ residuals[:-1]) / (samples - count)
-    lag = min(max(lag, -0.5 * variance), 0.5 * variance)
-    neighbours = rows[1:].T @ rows[:-1]
-    middle = variance * (rows.T @ rows) + lag * (neighbours + neighbours.T)
     inverse = gram_inverse(rows.T @ rows)
+    if lag > 0.0:
+        return variance * samples_per_information(residuals) * inverse
+    neighbours = rows[1:].T @ rows[:-1]
+    middle = variance * (rows.T @ rows) + max(lag, -0.5 * variance) * (neighbours + neighbours.T)
     return np.asarray(inverse @ middle @ inverse)
+
+
+def samples_per_information(residuals: Array) -> float:
+    """Samples that carry the information of one, >= 1: 1 + 2 sum of the autocorrelation up to its first zero.
+
+    Args:
+        residuals: shape (n,).
+    """
+    centred = residuals - np.mean(residuals)
+    power = float(centred @ centred)
+    total = 1.0
+    if power <= 0.0:
+        return total
+    for lag in range(1, len(centred) // 4):
+        correlation = float(centred[lag:] @ centred[:-lag]) / power
+        if correlation <= 0.0:
+            break
+        total += 2.0 * correlation
+    return total
 
 
 def gram_inverse(gram: Array) -> Array:

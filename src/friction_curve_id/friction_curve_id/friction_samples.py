@@ -27,7 +27,7 @@ from friction_curve_id.interface import Reason, Refusal, Sample, WheelParameters
 from friction_curve_id.sample_gate import Admission, GateParameters, SampleGate
 
 _GATE, _DEAD_RECKONING = GateParameters(), DeadReckoningParameters()
-_LARGEST_FRICTION = 10.0
+LARGEST_FRICTION = 10.0
 """|mu| above this is no friction, whatever the noise: racing tyres reach 2, (8.8) with noisy v scatters by 2."""
 
 
@@ -123,7 +123,7 @@ class FrictionSamples:
         w, dt = self._wheel, sample.time - last.time
         change, mean_torque = sample.wheel_speed - last.wheel_speed, 0.5 * (last.torque + torque)
         friction = (w.inertia * change / dt + mean_torque) / (w.radius * w.vertical_load)
-        if not abs(friction) <= _LARGEST_FRICTION:
+        if not abs(friction) <= LARGEST_FRICTION:
             return Refusal(Reason.BAD_INPUT, f"wheel speed and brake torque give mu = {friction:.3g}")
         if self._source is FrictionSource.DEAD_RECKONED:
             speed = self._reckoned.advance(dt, change, mean_torque, sample.wheel_speed, sample.vehicle_speed)
@@ -143,7 +143,7 @@ class FrictionSamples:
         if self._source is FrictionSource.SLIP_EQUATION:
             wheel_speed = 0.5 * (last.wheel_speed + sample.wheel_speed)
             friction = slip_equation(w, slip, (slip_now - slip_before) / dt, wheel_speed, mean_torque)
-            if not (isfinite(friction) and abs(friction) <= _LARGEST_FRICTION):
+            if not (isfinite(friction) and abs(friction) <= LARGEST_FRICTION):
                 return Refusal(Reason.BAD_INPUT, f"(8.8) gives mu = {friction:.3g}")
         after_gap, self._interrupted = self._interrupted, False
         return FrictionPoint(sample.time, slip, friction, mean_torque > self._braking_torque, after_gap)

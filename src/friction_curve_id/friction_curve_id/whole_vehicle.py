@@ -16,13 +16,12 @@ samples is divided by 1 + 2 sum of their positive autocorrelation before it beco
 
 from collections import deque
 from dataclasses import replace
-from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.burckhardt_curve import BurckhardtCurve
-from friction_curve_id.fitted_curve import FittedCurve
+from friction_curve_id.fitted_curve import FittedCurve, samples_per_information
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
 from friction_curve_id.vehicle_samples import VehicleParameters, VehiclePoint, VehicleSample, VehicleSamples
 from vehicle_models import burckhardt
@@ -44,7 +43,6 @@ _SAMPLES_BEYOND = 5
 """Samples that must lie beyond the peak before it counts as passed."""
 _FEWEST_SAMPLES = 20
 _WINDOW = 400
-_LAGS = 20
 
 
 class WholeVehicle:
@@ -106,7 +104,7 @@ class WholeVehicle:
             step = np.linalg.solve(information + np.eye(5), gradient)
             step *= min(1.0, _LONGEST_STEP / float(np.max(np.abs(step))) if np.any(step) else 1.0)
             self._unknowns = np.clip(self._unknowns + step * self._prior_stddev, _LOW, _HIGH)
-        information /= _inflation(weights * residuals)
+        information /= samples_per_information(weights * residuals)
         return np.linalg.inv(information + np.eye(5)) * np.outer(self._prior_stddev, self._prior_stddev)
 
     def _linearise(self, slips: Array, shares: Array, frictions: Array) -> tuple[Array, Array]:
@@ -120,16 +118,3 @@ class WholeVehicle:
         curve = np.einsum("nw,nwk->nk", shares, burckhardt.gradient(theta, shifted)) * [theta[0], theta[1], 1.0]
         nuisance = np.einsum("nw,nkw->nk", shares * burckhardt.slope(theta, shifted), slips[:, 1:])
         return residuals, np.column_stack([curve, nuisance]) * self._prior_stddev
-
-
-def _inflation(residuals: Array) -> float:
-    """Samples that carry the information of one: 1 + 2 sum of the positive autocorrelation, up to its first zero."""
-    centred = residuals - np.mean(residuals)
-    power = float(centred @ centred)
-    total = 1.0
-    for lag in range(1, min(_LAGS, len(centred) - 1)):
-        correlation = float(centred[lag:] @ centred[:-lag]) / power if power > 0.0 else 0.0
-        if not (isfinite(correlation) and correlation > 0.0):
-            break
-        total += 2.0 * correlation
-    return total
