@@ -7,8 +7,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from friction_bags.bag_format import BagError
 from friction_bringup import graph
 from friction_bringup.demo import DemoError, DemoOptions, run_demo
+from friction_bringup.recorded_run import parameters_of
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -19,16 +21,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     demo.add_argument("--surface", choices=graph.SURFACES, default="dry", help="road of the plant (default: dry)")
     demo.add_argument("--bag", type=Path, help="replay this bag in place of the plant")
-    demo.add_argument("--params", type=Path, help="parameter file (default: the one shipped for the demo)")
+    demo.add_argument(
+        "--params", type=Path, help="parameter file (default: that of the demo, or the one the bag names)"
+    )
     demo.add_argument("--out", type=Path, default=Path("out"), help="directory for the results (default: out)")
     options = parser.parse_args(arguments)
-    params = options.params or graph.shipped_file("demo")
-    for path in (params, options.bag):
-        if path is not None and not path.exists():
-            parser.error(f"{path} does not exist")
     try:
+        shipped = parameters_of(options.bag) if options.bag else "demo"
+        params = options.params or graph.shipped_file(shipped)
+        if not params.is_file():
+            parser.error(f"parameter file {params} does not exist")
         return run_demo(DemoOptions(options.surface, options.bag, params.absolute(), options.out))
-    except DemoError as error:
+    except (DemoError, BagError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
 

@@ -17,19 +17,21 @@ from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.live import Live
 
-from friction_bags.bag_format import BagError
 from friction_bringup import graph
 from friction_bringup.domain import free_domain_id
 from friction_bringup.live_view import LiveView
 from friction_bringup.plots import write_plots
 from friction_bringup.processes import ProcessGroup
-from friction_bringup.recorded_run import read_run
+from friction_bringup.recorded_run import read_run, wheels_of
 from friction_bringup.summary import print_summary
 
 _STARTUP_LIMIT = 30.0
 """Wall time [s] within which the first sample must come."""
 _QUIET = 0.4
 """Wall time [s] without a new sample after which everything in flight has arrived."""
+_LISTENERS = len(graph.WHEEL_STATES_READERS) + 2
+"""Subscriptions to wheel_states: the nodes, the recorder and the live view."""
+_PLAYER = "player"
 _LINE_PERIOD = 0.25
 _TABLE_RATE = 10.0
 
@@ -58,6 +60,7 @@ def run_demo(options: DemoOptions) -> int:
 
     Raises:
         DemoError: a process of the graph failed, or no sample came.
+        BagError: the bag to be replayed, or the one of this run, cannot be read.
     """
     console = Console()
     what = options.bag.name if options.bag else options.surface
@@ -70,8 +73,8 @@ def run_demo(options: DemoOptions) -> int:
     with ProcessGroup(directory / "log") as processes:
         previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
-            source = _start(processes, options, bag, env)
-            _watch(console, processes, source, what)
+            _start(processes, options, bag, env)
+            _watch(console, processes, options, what, env)
         except KeyboardInterrupt:
             processes.stop()
             console.print(f"\nInterrupted. The bag is closed: {bag}", soft_wrap=True)
@@ -99,37 +102,49 @@ def _environment(directory: Path) -> dict[str, str]:
     )
 
 
-def _start(processes: ProcessGroup, options: DemoOptions, bag: Path, env: dict[str, str]) -> str:
-    """Start recorder, estimators and then the source of samples; return the name of the latter."""
-    python = [sys.executable, "-m"]
-    processes.start("recorder", [*python, "friction_bags", "record", "--out", str(bag), *graph.QUIET_LOG], env)
-    replay = options.bag is not None
-    for node in graph.ESTIMATORS:
-        overrides: dict[str, graph.ParameterValue] = {"shadow": True} if replay and node == "abs_supervisor" else {}
-        files = graph.parameter_files(node, options.params_file)
-        processes.start(node, [*graph.command(node, files, overrides), *graph.QUIET_LOG], env)
-    if options.bag is not None:
-        processes.start("player", [*python, "friction_bags", "play", str(options.bag), *graph.QUIET_LOG], env)
-        return "player"
-    files = graph.parameter_files(graph.PLANT, options.params_file)
-    overrides = {
-        "surfaces": [options.surface],
-        "exit_when_done": True,
-        "wait_for_subscribers": 2,
-    }
-    processes.start(graph.PLANT, [*graph.command(graph.PLANT, files, overrides), *graph.QUIET_LOG], env)
-    return graph.PLANT
+def _start(processes: ProcessGroup, options: DemoOptions, bag: Path, env: dict[str, str]) -> None:
+    """Start recorder, estimators and plant. The plant waits for its listeners by itself."""
+    overrides = _overrides(options)
+    processes.start(
+        "recorder", [sys.executable, "-m", "friction_bags", "record", "--out", str(bag), *graph.QUIET_LOG], env
+    )
+    for node in (*graph.ESTIMATORS, *(() if options.bag else (graph.PLANT,))):
+        command = graph.command(node, graph.parameter_files(node, options.params_file), overrides.get(node, {}))
+        processes.start(node, [*command, *graph.QUIET_LOG], env)
 
 
-def _watch(console: Console, processes: ProcessGroup, source: str, what: str) -> None:
-    """Show the graph until its source ends and all that was sent has arrived."""
+def _start_player(processes: ProcessGroup, bag: Path, env: dict[str, str]) -> None:
+    """Start the replay: at its first sample two listeners of each topic must be there, wheel_slip and the recorder."""
+    play = ["friction_bags", "play", str(bag), "--wait", "10", "--subscribers", "2", "--topics", *graph.INPUTS]
+    processes.start(_PLAYER, [sys.executable, "-m", *play, *graph.QUIET_LOG], env)
+
+
+def _overrides(options: DemoOptions) -> dict[str, dict[str, graph.ParameterValue]]:
+    """Return what this run decides over the parameter files, by node."""
+    if options.bag is None:
+        return {
+            graph.PLANT: {"surfaces": [options.surface], "exit_when_done": True, "wait_for_subscribers": _LISTENERS}
+        }
+    wheels = wheels_of(options.bag)
+    decided: dict[str, dict[str, graph.ParameterValue]] = {node: {"wheels": wheels} for node in graph.ESTIMATORS}
+    decided["abs_supervisor"] = {"wheels": wheels, "shadow": True}
+    return decided
+
+
+def _watch(console: Console, processes: ProcessGroup, options: DemoOptions, what: str, env: dict[str, str]) -> None:
+    """Show the graph until plant or player end and all that was sent has arrived."""
+    source = _PLAYER if options.bag else graph.PLANT
     rclpy.init(args=list(graph.QUIET_LOG), signal_handler_options=SignalHandlerOptions.NO)
     view = LiveView()
     executor = EventsExecutor()
     executor.add_node(view)
     try:
         with console.status("starting the processes and waiting for them to find each other"):
-            _spin_until(executor, lambda: view.samples > 0 or _failed(processes, source), _STARTUP_LIMIT)
+            if options.bag:
+                _spin_until(executor, lambda: view.count_subscribers("wheel_states") >= _LISTENERS, _STARTUP_LIMIT)
+                _check(processes, source)
+                _start_player(processes, options.bag, env)
+            _spin_until(executor, lambda: view.samples > 0 or bool(processes.ended()), _STARTUP_LIMIT)
         _check(processes, source)
         if view.samples == 0:
             raise DemoError(f"no wheel_states within {_STARTUP_LIMIT:.0f} s; logs in {processes.log('').parent}")
@@ -137,6 +152,7 @@ def _watch(console: Console, processes: ProcessGroup, source: str, what: str) ->
             with Live(view.table(what), console=console, refresh_per_second=_TABLE_RATE) as live:
                 _follow(executor, processes, source, 1.0 / _TABLE_RATE, lambda: live.update(view.table(what)))
         else:
+            print(view.header())
             _follow(executor, processes, source, _LINE_PERIOD, lambda: print(view.line(), flush=True))
         samples = -1
         while samples != view.samples:
@@ -162,10 +178,6 @@ def _spin_until(executor: EventsExecutor, done: Callable[[], bool], limit: float
         executor.spin_once(timeout_sec=min(remaining, 0.05))
 
 
-def _failed(processes: ProcessGroup, source: str) -> bool:
-    return any(name != source or code != 0 for name, code in processes.ended().items())
-
-
 def _check(processes: ProcessGroup, source: str) -> None:
     for name, code in processes.ended().items():
         if name != source or code != 0:
@@ -175,10 +187,7 @@ def _check(processes: ProcessGroup, source: str) -> None:
 
 
 def _report(console: Console, bag: Path, directory: Path, what: str) -> None:
-    try:
-        run = read_run(bag)
-    except (BagError, ValueError) as error:
-        raise DemoError(str(error)) from error
+    run = read_run(bag)
     print_summary(console, run)
     for path in write_plots(run, directory, what):
         console.print(f"plot  {path}", soft_wrap=True)

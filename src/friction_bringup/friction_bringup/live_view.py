@@ -33,6 +33,7 @@ _DISCOVERY_PERIOD = 0.1
 """[s]"""
 _BAR_CELLS = 20
 _BAR_FULL_SLIP = 0.4
+_LINE_CELL = 19
 
 
 @dataclass
@@ -131,25 +132,26 @@ class LiveView(Node):
                 Text(sign, style=sign_style),
                 _number(view.slope.indicator if view.slope.valid else nan, ".0f"),
                 Text(state, style=state_style),
-                "silent" if view.command is None else _COMMANDS[view.command.command],
-                _number(1e-5 * view.pressure, ".1f"),
+                _command(view),
+                _bar_pressure(view),
             )
         table.caption = "\n".join(self.reasons()) or None
         return table
 
+    def header(self) -> str:
+        """Name the columns of the lines."""
+        return f"  t [s]  v [m/s]  {'  '.join(f'{wheel:{_LINE_CELL}}' for wheel in self.wheels)}"
+
     def line(self) -> str:
-        """Show the wheels as one line."""
-        parts = [f"t {self.time:6.2f} s  v {_number(self.speed, '5.2f')} m/s"]
-        for wheel, view in self.wheels.items():
-            slip = _number(view.slip.slip if view.slip.valid else nan, ".3f")
+        """Show the wheels as one line: slip, slope's sign, and for a single wheel what the supervisor does."""
+        cells = []
+        for view in self.wheels.values():
+            slip = _number(view.slip.slip if view.slip.valid else nan, "5.3f")
             sign = _SIGNS[view.slope.sign if view.slope.valid else 0][0]
-            text = f"{wheel}: slip {slip} slope {sign}"
-            if len(self.wheels) == 1:
-                command = "silent" if view.command is None else _COMMANDS[view.command.command]
-                state = _STATES[view.supervisor.state][0]
-                text += f"  {state:11}  {command:8}  {_number(1e-5 * view.pressure, '5.1f')} bar"
-            parts.append(text)
-        return "  ".join(parts)
+            cells.append(f"{f'slip {slip:>6} slope {sign}':{_LINE_CELL}}")
+        if len(self.wheels) == 1:
+            cells.append(f"{_STATES[view.supervisor.state][0]:11}  {_command(view):8}  {_bar_pressure(view):>6} bar")
+        return f"{self.time:7.2f}  {_number(self.speed, '7.2f'):>7}  {'  '.join(cells)}"
 
     def reasons(self) -> list[str]:
         """Name what cannot be estimated at this moment, and why."""
@@ -164,6 +166,14 @@ class LiveView(Node):
 
 def _number(value: float, form: str) -> str:
     return f"{value:{form}}" if isfinite(value) else "–"
+
+
+def _command(view: WheelView) -> str:
+    return "silent" if view.command is None else _COMMANDS[view.command.command]
+
+
+def _bar_pressure(view: WheelView) -> str:
+    return _number(1e-5 * view.pressure, ".1f")
 
 
 def _bar(slip: float) -> str:

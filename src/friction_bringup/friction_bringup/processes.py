@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-import ctypes
+import shutil
 import signal
 import subprocess
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-_PR_SET_PDEATHSIG = 1
 _GRACE = 1.2
 """Time [s] between SIGINT and SIGKILL: with it every process is gone within 2 s."""
-
-_libc = ctypes.CDLL(None)
-
-
-def _die_with_parent() -> None:
-    _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGINT)
 
 
 class ProcessGroup:
@@ -40,16 +33,20 @@ class ProcessGroup:
         self.stop()
 
     def start(self, name: str, command: Sequence[str], env: Mapping[str, str]) -> None:
-        """Start a process; call it before this process has threads (rclpy makes some)."""
+        """Start a process.
+
+        ``setpriv`` (util-linux) has the system interrupt it should this process be killed; without that program
+        it starts all the same.
+        """
+        guard = ["setpriv", "--pdeathsig", "INT", "--"] if shutil.which("setpriv", path=env.get("PATH")) else []
         with self.log(name).open("wb") as log:
             self._processes[name] = subprocess.Popen(
-                list(command),
+                [*guard, *command],
                 env=dict(env),
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
-                preexec_fn=_die_with_parent,
             )
 
     def log(self, name: str) -> Path:

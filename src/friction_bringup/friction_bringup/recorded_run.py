@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rclpy.serialization import deserialize_message
 
+from friction_bags.bag_format import BagError
 from friction_bags.bag_reader import BagReader
 from friction_bringup.braking_metrics import CrossingEvent
 from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
@@ -89,21 +90,20 @@ def read_run(bag: Path) -> RecordedRun:
         bag: directory of the bag.
 
     Raises:
-        BagError: the bag cannot be read.
-        ValueError: it holds no wheel_states, without which there is nothing to show.
+        BagError: the bag cannot be read, or holds no wheel_states, without which there is nothing to show.
     """
     rows: dict[str, list[tuple[int, list[float]]]] = {}
     types: dict[str, str] = {}
     reasons: dict[str, Counter[str]] = {}
     wheel_rows: dict[str, list[tuple[int, float]]] = {}
     with BagReader(bag) as reader:
-        wanted = [t for t in reader.counts if t.type in _COLUMNS or t.type == "sensor_msgs/msg/JointState"]
+        wanted = [topic for topic in reader.counts if topic.type in _COLUMNS or topic.name == "/wheel_states"]
         getters = {t: [attrgetter(column) for column in _COLUMNS.get(t.type, ())] for t in wanted}
         for topic, _, data in reader.messages(wanted):
             message = deserialize_message(data, _message_class(topic.type))
             stamp = to_nanoseconds(message.header.stamp)
             name = topic.name.lstrip("/")
-            if topic.type == "sensor_msgs/msg/JointState":
+            if name == "wheel_states":
                 for wheel, speed in zip(message.name, message.velocity, strict=False):
                     wheel_rows.setdefault(wheel, []).append((stamp, speed))
                 continue
@@ -112,7 +112,7 @@ def read_run(bag: Path) -> RecordedRun:
             if not getattr(message, "valid", True):
                 reasons.setdefault(name, Counter())[message.reason_text] += 1
     if not wheel_rows:
-        raise ValueError(f"{bag} holds no wheel_states: nothing to show of it")
+        raise BagError(f"{bag} holds no wheel_states: nothing can be shown of it")
     start = min(stamps[0][0] for stamps in wheel_rows.values())
     series = {
         name: _series(values, start, _COLUMNS[types[name]], reasons.get(name, Counter()))
@@ -123,6 +123,29 @@ def read_run(bag: Path) -> RecordedRun:
         for wheel, values in wheel_rows.items()
     }
     return RecordedRun(tuple(wheel_speed), start, series, wheel_speed)
+
+
+def wheels_of(bag: Path) -> tuple[str, ...]:
+    """Return the wheels that the first wheel_states message of a bag names.
+
+    Raises:
+        BagError: the bag cannot be read, or holds no wheel_states.
+    """
+    with BagReader(bag) as reader:
+        topics = [topic for topic in reader.counts if topic.name == "/wheel_states"]
+        for topic, _, data in reader.messages(topics):
+            return tuple(deserialize_message(data, _message_class(topic.type)).name)
+    raise BagError(f"{bag} holds no wheel_states: nothing can be estimated from it")
+
+
+def parameters_of(bag: Path) -> str:
+    """Return which parameter file of this package a bag asks for in its notes; that of the demo where it asks for none.
+
+    Raises:
+        BagError: the bag cannot be read.
+    """
+    with BagReader(bag) as reader:
+        return reader.custom_data.get("parameters", "demo")
 
 
 def _series(
