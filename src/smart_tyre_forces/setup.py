@@ -21,5 +21,10 @@ setup(
     maintainer_email="developers@friction.example.org",
     description="Vertical and longitudinal tyre force from an in-tyre accelerometer and a wheel encoder.",
     license="Apache-2.0",
-    entry_points={"console_scripts": []},
+    entry_points={
+        "console_scripts": [
+            "smart_tyre_forces_node = smart_tyre_forces.node:main",
+            "calibrate_smart_tyre = smart_tyre_forces.calibration_tool:main",
+        ]
+    },
 )

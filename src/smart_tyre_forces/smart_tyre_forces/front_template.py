@@ -1,8 +1,12 @@
 """Fronts by a matched template, for rough roads: generalised least squares with noise learned from the free belt.
 
-Near a front the signal is z = A s(phi - delta) + B + noise, with s the mean normalised waveform of that front. The noise is
-not white (the road shakes between 150 and 2000 Hz), so residuals are whitened by the autoregressive filter that fits the
-noise on the free belt; two Gauss-Newton steps for (A, B, delta) from the crossing then come close to the Cramer-Rao bound.
+Around the patch the normalised signal is
+
+    z = A s_1(theta - alpha_1) + B + noise  up to the middle of the patch,  z = A s_2(theta - alpha_2) + B + noise  after it,
+
+with s_1 and s_2 the mean waveforms of the two fronts. The noise is not white (the road shakes between 150 and 2000 Hz), so
+residuals are whitened by the autoregressive filter that fits the noise on the free belt. Two Gauss-Newton steps for
+(A, B, alpha_1, alpha_2) from the crossings then come close to the Cramer-Rao bound.
 """
 
 from dataclasses import dataclass, replace
@@ -16,12 +20,14 @@ from smart_tyre_forces.fronts import Fronts
 
 Array = NDArray[np.float64]
 
-GRID = np.radians(np.arange(-24.0, 24.05, 0.1))
+GRID = np.radians(np.arange(-45.0, 45.1, 0.2))
 """Angle after the front at which a template is tabulated [rad]."""
-_OUTER, _INNER = np.radians(10.0), np.radians(6.0)
-"""How far the fit reaches from the front, out of and into the patch [rad]."""
-_ORDER = 20
-"""Of the noise filter."""
+_REACH = np.radians(32.0)
+"""How far the fit reaches out of the patch, before and after it [rad]."""
+_FARTHEST = np.radians(6.0)
+"""A front further from its crossing than this is not believed [rad]."""
+_ORDER = 60
+"""Of the noise filter: 6 ms at 10 kHz, enough to see the quiet band below 150 Hz."""
 _FREE_END = -np.radians(75.0)
 """The bulge is gone before this angle [rad]."""
 _FORGETTING = 0.1
@@ -103,16 +109,11 @@ class TemplateFit:
         whitener = self._whitener(acceleration[: int(np.searchsorted(theta, _FREE_END))])
         if whitener is None:
             return None
-        normalised = (acceleration - fronts.floor) / fronts.step
-        leading = self._fit(0, theta - fronts.alpha_1, normalised, (-_OUTER, _INNER), whitener)
-        trailing = self._fit(1, theta - fronts.alpha_2, normalised, (-_INNER, _OUTER), whitener)
-        if leading is None or trailing is None:
-            return None
-        return replace(fronts, alpha_1=fronts.alpha_1 + leading, alpha_2=fronts.alpha_2 + trailing)
+        return self._fit(fronts, theta, (acceleration - fronts.floor) / fronts.step, whitener)
 
     def _whitener(self, free: Array) -> Array | None:
         """Prediction-error filter of the noise on the free belt, shape (order + 1,)."""
-        if len(free) < 4 * _ORDER:
+        if len(free) < 2 * _ORDER:
             return None
         ramp = np.linspace(-1.0, 1.0, len(free))
         noise = free - np.mean(free) - ramp * (np.dot(ramp, free) / np.dot(ramp, ramp))
@@ -127,22 +128,25 @@ class TemplateFit:
         column[0] *= 1.0 + _RIDGE
         return np.concatenate(((1.0,), -linalg.solve_toeplitz(column, self._covariance[1:])))
 
-    def _fit(self, side: int, phi: Array, z: Array, reach: tuple[float, float], whitener: Array) -> float | None:
-        """Offset delta [rad] of one front against the crossing at phi = 0."""
-        begin, end = np.searchsorted(phi, reach)
+    def _fit(self, fronts: Fronts, theta: Array, z: Array, whitener: Array) -> Fronts | None:
+        """Least squares of the whitened passage, from the crossings."""
+        begin, end = np.searchsorted(theta, (fronts.alpha_1 - _REACH, fronts.alpha_2 + _REACH))
         begin -= _ORDER
-        if begin < 0 or end - begin < 2 * _ORDER:
-            return None
-        phi, z = phi[begin:end], z[begin:end]
-        columns = np.empty((4, len(phi)))
-        delta = 0.0
+        middle = int(np.searchsorted(theta, 0.5 * (fronts.alpha_1 + fronts.alpha_2))) - begin
+        theta = theta[begin:end]
+        columns = np.zeros((5, len(theta)))
+        alphas = np.array((fronts.alpha_1, fronts.alpha_2))
         for _ in range(2):
-            columns[0] = z
-            columns[1] = np.interp(phi - delta, GRID, self._tables[side])
-            columns[2] = 1.0
-            columns[3] = -np.interp(phi - delta, GRID, self._slopes[side])
+            columns[0] = z[begin:end]
+            columns[1] = 1.0
+            for side, part in enumerate((slice(0, middle), slice(middle, None))):
+                phi = theta[part] - alphas[side]
+                columns[2, part] = np.interp(phi, GRID, self._tables[side])
+                columns[3 + side, part] = -np.interp(phi, GRID, self._slopes[side])
             white = signal.lfilter(whitener, (1.0, 0.0), columns)[:, _ORDER:]
-            gram = white[1:] @ white[1:].T
-            amplitude, _, moved = np.linalg.solve(gram, white[1:] @ white[0])
-            delta += float(moved / amplitude)
-        return delta if abs(delta) < reach[1] else None
+            solution = np.linalg.solve(white[1:] @ white[1:].T, white[1:] @ white[0])
+            alphas = alphas + solution[2:] / solution[1]
+        leading, trailing = float(alphas[0]), float(alphas[1])
+        if max(abs(leading - fronts.alpha_1), abs(trailing - fronts.alpha_2)) > _FARTHEST:
+            return None
+        return replace(fronts, alpha_1=leading, alpha_2=trailing)

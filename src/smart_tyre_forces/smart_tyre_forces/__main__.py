@@ -1,0 +1,5 @@
+"""python -m smart_tyre_forces: the node."""
+
+from smart_tyre_forces.node import main
+
+raise SystemExit(main())

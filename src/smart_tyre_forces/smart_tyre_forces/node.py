@@ -1,0 +1,42 @@
+"""Node smart_tyre_forces: one processor per wheel on its topics, and the services that call for a new zero."""
+
+from collections.abc import Callable, Sequence
+
+from std_srvs.srv import Trigger
+
+from friction_runtime.processor import Report
+from friction_runtime.processor_node import ProcessorNode
+from friction_runtime.spin import run
+from smart_tyre_forces.parameters import SmartTyreParameters
+from smart_tyre_forces.processor import TyreProcessor, build
+
+
+class SmartTyreNode(ProcessorNode[SmartTyreParameters]):
+    """The shared node with `~/zero_shift` and `~/zero_length` (std_srvs/Trigger)."""
+
+    def __init__(self) -> None:
+        """Make the node; rclpy is initialised."""
+        self._tyres: list[TyreProcessor] = []
+        super().__init__("smart_tyre_forces", SmartTyreParameters, self._remember)
+        self._serve("zero_shift", TyreProcessor.request_shift_zero)
+        self._serve("zero_length", TyreProcessor.request_length_zero)
+
+    def _remember(self, parameters: SmartTyreParameters, report: Report) -> list[TyreProcessor]:
+        self._tyres = build(parameters, report)
+        return self._tyres
+
+    def _serve(self, name: str, request: Callable[[TyreProcessor], None]) -> None:
+        def on_call(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+            for tyre in self._tyres:
+                request(tyre)
+            response.success = True
+            response.message = f"{name}: at the next stretch of constant speed"
+            self.get_logger().info(response.message)
+            return response
+
+        self.create_service(Trigger, f"~/{name}", on_call)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run until a signal; return the exit code."""
+    return run(SmartTyreNode, args)
