@@ -1,6 +1,8 @@
 """`python -m corner_sim` starts the node."""
 
+import sys
+
 from corner_sim.node import main
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,6 +1,5 @@
 """The plant as a node: it keeps the pace, waits for commands in lock-step, and publishes."""
 
-import sys
 from collections.abc import Sequence
 from enum import Enum
 from functools import partial
@@ -127,8 +126,9 @@ class CornerSimNode(Node):
 
     def _begin(self) -> None:
         self._phase = Phase.RUNNING
-        self._pace = Pace(self._in_force.real_time_factor, monotonic())
         self.get_logger().info(f"running from stamp {self._start_stamp} ns")
+        # after the log: its first line takes 70 ms
+        self._pace = Pace(self._in_force.real_time_factor, monotonic())
 
     def _run_due_samples(self) -> None:
         while self._phase is Phase.RUNNING and self._pace.due(monotonic()):
@@ -235,8 +235,8 @@ class CornerSimNode(Node):
         self._diagnostics.publish(array)
 
 
-def main(args: Sequence[str] | None = None) -> None:
-    """Run the node; leave with 2 for a bad parameter, 1 for a time-out with exit_when_done, else 0."""
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node; return 2 for a bad parameter, 1 for a time-out with exit_when_done, else 0."""
     made: list[CornerSimNode] = []
 
     def make() -> CornerSimNode:
@@ -244,4 +244,4 @@ def main(args: Sequence[str] | None = None) -> None:
         return made[0]
 
     code = run(make, args)
-    sys.exit(code or (made[0].exit_code if made else 0))
+    return code or (made[0].exit_code if made else 0)
