@@ -1,0 +1,80 @@
+"""The latest samples of one braking, and the speed of the vehicle between them.
+
+Eliminating Fx from (2.15) gives m v + (J / r) omega + (1 / r) integral of T_b dt = const. With that constant over m as
+an unknown, the `momentum_speed` u [m/s], the speed at sample k is
+
+    v_k = u - (J / (m r)) omega_k - I_k,   I_k = (1 / (m r)) integral of T_b dt up to sample k.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.interface import WheelParameters
+
+Array = NDArray[np.float64]
+
+
+class BrakingWindow:
+    """Arrays over the samples in the window, oldest first; `count` of them are in use."""
+
+    def __init__(self, wheel: WheelParameters, capacity: int) -> None:
+        """Make an empty window of at most `capacity` samples."""
+        self._per_impulse = 1.0 / (wheel.mass * wheel.radius)
+        self.count = 0
+        self.capacity = capacity
+        self.time = np.zeros(capacity)
+        """[s]"""
+        self.measured_wheel_speed = np.zeros(capacity)
+        """[rad/s]"""
+        self.measured_speed = np.zeros(capacity)
+        """[m/s], 0 where missing."""
+        self.has_speed = np.zeros(capacity)
+        """1 where the speed is measured, else 0."""
+        self.torque = np.zeros(capacity)
+        """[N m]"""
+        self.impulse = np.zeros(capacity)
+        """I_k [m/s]"""
+        self.wheel_speed = np.zeros(capacity)
+        """Estimated omega [rad/s]."""
+        self._arrays = (
+            self.time,
+            self.measured_wheel_speed,
+            self.measured_speed,
+            self.has_speed,
+            self.torque,
+            self.impulse,
+            self.wheel_speed,
+        )
+
+    def impulse_after(self, time: float, torque: float) -> float:
+        """I [m/s] at a sample that would come next, at `time` [s] under `torque` [N m]."""
+        last = self.count - 1
+        if last < 0:
+            return 0.0
+        mean = 0.5 * (self.torque[last] + torque)
+        return float(self.impulse[last] + (time - self.time[last]) * mean * self._per_impulse)
+
+    def append(
+        self, time: float, measured_wheel_speed: float, speed: float | None, torque: float, wheel_speed: float
+    ) -> None:
+        """Add a sample with a first estimate of its wheel speed [rad/s]; the window must not be full."""
+        k = self.count
+        self.impulse[k] = self.impulse_after(time, torque)
+        self.time[k] = time
+        self.measured_wheel_speed[k] = measured_wheel_speed
+        self.measured_speed[k] = 0.0 if speed is None else speed
+        self.has_speed[k] = 0.0 if speed is None else 1.0
+        self.torque[k] = torque
+        self.wheel_speed[k] = wheel_speed
+        self.count = k + 1
+
+    def drop_oldest(self, number: int) -> None:
+        """Forget the oldest `number` samples."""
+        rest = self.count - number
+        for array in self._arrays:
+            array[:rest] = array[number : self.count].copy()
+        self.count = rest
+
+    def clear(self) -> None:
+        """Forget all samples."""
+        self.count = 0

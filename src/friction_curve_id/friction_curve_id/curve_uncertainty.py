@@ -1,0 +1,105 @@
+"""From the fit in logarithmic coordinates to the published estimate, first-order error propagation.
+
+lambda_max, mu_max and theta are positive and their logarithms nearly normal: standard deviations are those of the
+logarithms times the values. The slip is beyond the peak where th2 slip > ln(th1 th2 / th3), both sides of which are
+nearly linear in the unknowns (q, u, omega): the probability is that of this normal variable.
+"""
+
+from dataclasses import dataclass
+from math import erf, isfinite, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id import log_curve
+from friction_curve_id.interface import CurveEstimate, Reason, RestartCause
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ValidityLimits:
+    """When lambda_max and mu_max may be used."""
+
+    min_samples: int = 20
+    max_relative_stddev: float = 0.1
+    """Of lambda_max, > 0."""
+
+    def judge(self, samples: int, largest_slip: float, lambda_max: float, stddev: float) -> tuple[Reason, str]:
+        """Why the peak may not be used, OK if it may.
+
+        Args:
+            samples: in the fit.
+            largest_slip: in the fit [-].
+            lambda_max: estimate [-], NaN for no peak.
+            stddev: its standard deviation [-].
+        """
+        if samples < self.min_samples:
+            return Reason.TOO_FEW_SAMPLES, f"{samples} of {self.min_samples} samples"
+        if not isfinite(lambda_max):
+            return Reason.NO_PEAK, "the fitted curve has no peak in (0, 1)"
+        if largest_slip < lambda_max:
+            text = f"slip has not passed the peak: it reached {largest_slip:.3f}, the peak is expected at {lambda_max:.3f}"
+            return Reason.PEAK_NOT_PASSED, text
+        if stddev > self.max_relative_stddev * lambda_max:
+            return Reason.UNCERTAIN, f"lambda_max {lambda_max:.3f} has a standard deviation of {stddev:.3f}"
+        return Reason.OK, ""
+
+
+@dataclass(frozen=True)
+class PresentSlip:
+    """The newest slip and how it depends on the unknowns."""
+
+    slip: float
+    per_u: float
+    """D slip / d u [s/m]."""
+    per_omega: float
+    """D slip / d omega [s]."""
+
+
+def describe(
+    q: Array,
+    covariance: Array,
+    present: PresentSlip,
+    samples: int,
+    largest_slip: float,
+    limits: ValidityLimits,
+    cause: RestartCause,
+) -> CurveEstimate:
+    """Say what the fit says; `covariance` is that of (q, u, omega), shape (5, 5)."""
+    theta = log_curve.to_theta(q)
+    th1, th2, th3 = (float(value) for value in theta)
+    of_q = covariance[:3, :3]
+    jacobian = log_curve.theta_jacobian(q)
+    peak = log_curve.peak(q)
+    lambda_stddev = peak.lambda_max * sqrt(max(peak.lambda_gradient @ of_q @ peak.lambda_gradient, 0.0))
+    mu_stddev = sqrt(max(peak.mu_gradient @ of_q @ peak.mu_gradient, 0.0))
+    reason, text = limits.judge(samples, largest_slip, peak.lambda_max, lambda_stddev)
+
+    slip = abs(present.slip)
+    steep = th1 * th2 * float(np.exp(-th2 * slip))
+    slope = steep - th3
+    row = np.array([slope, steep * (1.0 - th2 * slip), -th3, 0.0, 0.0])
+    row[3], row[4] = -steep * th2 * present.per_u, -steep * th2 * present.per_omega
+    beyond_row = np.array([0.0, th2 * slip - 1.0, 1.0, th2 * present.per_u, th2 * present.per_omega])
+    beyond = th2 * present.slip - float(q[1] - q[2])
+    spread = sqrt(max(float(beyond_row @ covariance @ beyond_row), 1e-30))
+    return CurveEstimate(
+        samples=samples,
+        slip=present.slip,
+        lambda_max=peak.lambda_max,
+        mu_max=peak.mu_max,
+        lambda_max_stddev=lambda_stddev,
+        mu_max_stddev=mu_stddev,
+        theta=theta,
+        theta_stddev=np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", jacobian, of_q, jacobian), 0.0)),
+        mu=float(np.copysign(th1 - steep / th2, present.slip) - th3 * present.slip),
+        slope=slope,
+        slope_stddev=sqrt(max(float(row @ covariance @ row), 0.0)),
+        probability_beyond_peak=0.5 * (1.0 + erf(beyond / (spread * sqrt(2.0)))),
+        restarted=cause is not RestartCause.NONE,
+        restart_cause=cause,
+        valid=reason is Reason.OK,
+        reason=reason,
+        text=text,
+    )

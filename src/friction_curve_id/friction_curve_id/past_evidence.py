@@ -1,0 +1,72 @@
+"""What samples that have left the window still say, and how it fades.
+
+A quadratic in the unknowns x = (q, u, omega of the oldest sample), shape (5,), about the point at which the samples
+were folded together:  cost = 0.5 d^T information d + gradient^T d,  d = x - reference.
+"""
+
+from dataclasses import dataclass
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+MOMENTUM = 3
+"""Index of u in x."""
+WHEEL_SPEED = 4
+"""Index of omega in x."""
+_FORGOTTEN = 1e-3
+"""Evidence that has faded to this share is dropped."""
+
+
+@dataclass(frozen=True)
+class PastEvidence:
+    """See above; shapes (5, 5), (5,), (5,)."""
+
+    information: Array
+    gradient: Array
+    reference: Array
+
+    def gradient_at(self, x: Array) -> Array:
+        """D cost / d x at `x`, shape (5,)."""
+        return np.asarray(self.gradient + self.information @ (x - self.reference))
+
+    def loosened(self, index: int, variance: float) -> "PastEvidence":
+        """The same when unknown `index` has since moved by a random step of this variance."""
+        column = self.information[:, index]
+        gain = column / (1.0 / variance + column[index])
+        information = self.information - np.outer(gain, column)
+        gradient = self.gradient - gain * self.gradient[index]
+        return PastEvidence(information, gradient, self.reference)
+
+    def aged(self, duration: float, memory: float) -> "PastEvidence":
+        """The same `duration` [s] later: it counts exp(-duration / memory) as much, and nothing once that is tiny."""
+        share = exp(-duration / memory)
+        if share < _FORGOTTEN:
+            return no_evidence()
+        return PastEvidence(share * self.information, share * self.gradient, self.reference)
+
+    def without(self, index: int) -> "PastEvidence":
+        """The same when nothing is known any more of how unknown `index` has moved: it is eliminated."""
+        column = self.information[:, index]
+        if not column[index] > 0.0:
+            return self
+        gain = column / column[index]
+        information = self.information - np.outer(gain, column)
+        information[index] = information[:, index] = 0.0
+        gradient = self.gradient - gain * self.gradient[index]
+        return PastEvidence(information, gradient, self.reference)
+
+
+def no_evidence() -> PastEvidence:
+    """Nothing known."""
+    return PastEvidence(np.zeros((5, 5)), np.zeros(5), np.zeros(5))
+
+
+def momentum_evidence(speed: float, variance: float) -> PastEvidence:
+    """Only u is known, as `speed` [m/s] with this variance."""
+    evidence = no_evidence()
+    evidence.information[MOMENTUM, MOMENTUM] = 1.0 / variance
+    evidence.reference[MOMENTUM] = speed
+    return evidence

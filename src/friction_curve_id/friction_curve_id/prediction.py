@@ -1,0 +1,70 @@
+"""Prediction of the next wheel speed by the wheel equation (2.15), with its standard deviation."""
+
+from dataclasses import dataclass
+from math import copysign, exp, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.banded_normal_equations import MeasurementNoise
+from friction_curve_id.braking_window import BrakingWindow
+from friction_curve_id.interface import WheelParameters
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What the next sample should say."""
+
+    wheel_speed: float
+    """[rad/s]"""
+    stddev: float
+    """Of the next measured wheel speed about it [rad/s]."""
+    speed: float
+    """Vehicle speed [m/s]."""
+
+
+def predict(
+    window: BrakingWindow,
+    q: Array,
+    momentum_speed: float,
+    covariance: Array,
+    wheel: WheelParameters,
+    noise: MeasurementNoise,
+    time: float,
+    torque: float,
+) -> Prediction:
+    """Predict the sample at `time` [s] under `torque` [N m] from the newest of the window.
+
+    One linearly implicit trapezoidal step, stable however steep the curve. `covariance` is that of (q, u, newest
+    omega), shape (5, 5).
+    """
+    last = window.count - 1
+    omega = float(window.wheel_speed[last])
+    interval = time - float(window.time[last])
+    impulse = window.impulse_after(time, torque)
+    lever = wheel.inertia / (wheel.mass * wheel.radius)
+    speed = max(momentum_speed - lever * omega - float(window.impulse[last]), 0.1)
+    slip = 1.0 - wheel.radius * omega / speed
+    th1, th2 = exp(q[0]), exp(q[1])
+    th3 = th1 * exp(q[2])
+    decay = exp(-th2 * abs(slip))
+    mu = copysign(th1 * (1.0 - decay), slip) - th3 * slip
+    slope = th1 * th2 * decay - th3
+    slip_per_u = wheel.radius * omega / speed**2
+    slip_per_omega = -wheel.radius / speed - slip_per_u * lever
+
+    gain = interval * wheel.radius * wheel.vertical_load / wheel.inertia
+    impulse_effect = -slope * slip_per_u * (impulse - float(window.impulse[last]))
+    mean_torque = 0.5 * (float(window.torque[last]) + torque)
+    change = gain * (mu + 0.5 * impulse_effect) - interval / wheel.inertia * mean_torque
+    implicit = 1.0 / max(1.0 - 0.5 * gain * slope * slip_per_omega, 0.1)
+    predicted = omega + implicit * change
+
+    mu_row = np.array([mu, th1 * th2 * slip * decay, -th3 * slip, slope * slip_per_u, slope * slip_per_omega])
+    row = implicit * gain * mu_row
+    row[4] += 1.0
+    process = noise.torque * interval / wheel.inertia
+    variance = float(row @ covariance @ row) + process**2 + noise.wheel_speed**2
+    return Prediction(predicted, sqrt(variance), momentum_speed - lever * predicted - impulse)
