@@ -1,7 +1,7 @@
 """Encoding of messages so that the same message always gives the same bytes.
 
 rclpy's own serialization leaves the padding between fields as it finds it in memory, and appends padding to a message
-that ends with an empty sequence of doubles. Both decode to the same message; here padding is zero, and nothing is added.
+that ends with an empty sequence of doubles. Both decode to the same message. Here padding is zero, nothing is added.
 """
 
 from array import array

@@ -36,7 +36,8 @@ NOTES = {
     "stamps": f"t_s + {STAMP_OFFSET} s",
     "brakes": "no brake pressure was recorded, so there is none here; "
     f"{BRAKE_TORQUE_TOPIC[1:]} is the request for all four wheels together upstream of the ABS, negative in braking",
-    "effective_radius": "not measured; own estimate from coasting: 0.345 m front, 0.3465 m rear (config/bmw_m8.yaml)",
+    "effective_radius": "not measured; own estimate from coasting: 0.345 m front, 0.3465 m rear",
+    "parameters": "bmw_m8",
 }
 
 

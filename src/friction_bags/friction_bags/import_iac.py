@@ -33,7 +33,7 @@ COLUMNS = (
 NOTES = {
     "source": "Indy AV-21 at Putnam, linklab-uva/deep-dynamics at 88c8565 (GPL-3.0), iac_av21_putnam_25hz.csv",
     "stamps": "time(s) of the file",
-    "wheel_speed": f"rim speed in km/h of the file, by a nominal radius of {NOMINAL_RADIUS} m (config/iac_av21.yaml)",
+    "wheel_speed": f"rim speed in km/h of the file, by a nominal radius of {NOMINAL_RADIUS} m",
     "brakes": "no pressure at a wheel was recorded; brake_demand is the commanded line pressure",
 }
 

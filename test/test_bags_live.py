@@ -1,0 +1,302 @@
+"""The recorder and the player as processes, over DDS."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+import rclpy
+from friction_msgs.msg import WheelSlip
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Header, String
+
+from friction_bags.bag_reader import BagReader
+from friction_bags.bag_writer import BagWriter
+from friction_bags.cdr import encode, installed_topic
+from friction_bags.reindex import reindex
+from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+
+DOMAIN = 41
+SECOND = 10**9
+DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[2] / "shared" / "data"))
+FOREIGN = DATA / "foreign_bags"
+
+
+@pytest.fixture
+def node() -> Iterator[Node]:
+    context = Context()
+    rclpy.init(context=context, domain_id=DOMAIN)
+    node = Node("test_bags", context=context, enable_rosout=False, start_parameter_services=False)
+    yield node
+    node.destroy_node()
+    rclpy.shutdown(context=context)
+
+
+class Command:
+    """A friction_bags process of its own."""
+
+    def __init__(self, directory: Path, *arguments: str) -> None:
+        self.log = directory / f"{arguments[0]}.log"
+        environment = {**os.environ, "ROS_DOMAIN_ID": str(DOMAIN)}
+        with self.log.open("w") as log:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "friction_bags", *arguments], stdout=log, stderr=log, env=environment
+            )
+
+    def wait_until_said(self, text: str) -> None:
+        wait_for(lambda: text in self.log.read_text() or self.process.poll() is not None)
+        assert text in self.log.read_text()
+
+    def stop(self, number: int) -> tuple[int, float]:
+        begun = time.monotonic()
+        self.process.send_signal(number)
+        code = self.process.wait(timeout=20.0)
+        return code, time.monotonic() - begun
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Callable[..., Command]]:
+    commands: list[Command] = []
+
+    def begin(*arguments: str) -> Command:
+        commands.append(Command(tmp_path, *arguments))
+        return commands[-1]
+
+    yield begin
+    for command in commands:
+        if command.process.poll() is None:
+            command.process.kill()
+            command.process.wait()
+
+
+def wait_for(condition: Callable[[], bool], timeout: float = 30.0) -> None:
+    end = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.005)
+
+
+def publish_at_200_hz(publishers: list, count: int, first: int = 0) -> None:
+    """Publish `count` samples on each publisher, stamped by their number in milliseconds."""
+    begun = time.monotonic()
+    for index in range(first, first + count):
+        for publisher in publishers:
+            publisher.publish(JointState(name=["a"], velocity=[float(index)], header=header(index)))
+        time.sleep(max(begun + (index - first) / 200.0 - time.monotonic(), 0.0))
+
+
+def header(index: int) -> Header:
+    return Header(stamp=from_nanoseconds((index + 1) * 1_000_000))
+
+
+def recorded(bag: Path) -> dict[str, list[bytes]]:
+    with BagReader(bag) as reader:
+        found: dict[str, list[bytes]] = {topic.name: [] for topic in reader.counts}
+        stamps = []
+        for topic, stamp, data in reader.messages():
+            found[topic.name].append(data)
+            stamps.append(stamp)
+        assert stamps == sorted(stamps)
+        assert reader.problems == []
+    return found
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_every_sample_of_topics_that_appear_is_recorded_and_a_signal_closes_the_bag(
+    node: Node, start: Callable[..., Command], tmp_path: Path, number: int
+) -> None:
+    bag = tmp_path / "bag"
+    recorder = start("record", "--out", str(bag), "--exclude", "unwanted", "parameter_events")
+    best_effort = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+    early = [node.create_publisher(JointState, f"early_{index}", 100) for index in range(5)]
+    wait_for(lambda: all(publisher.get_subscription_count() == 1 for publisher in early))
+    publish_at_200_hz(early, 100)
+    late = [node.create_publisher(JointState, "late", best_effort)]
+    unwanted = node.create_publisher(String, "unwanted", 10)
+    wait_for(lambda: late[0].get_subscription_count() == 1)
+    assert unwanted.get_subscription_count() == 0
+    publish_at_200_hz(early + late, 300, first=100)
+    for publisher in early:
+        publisher.wait_for_all_acked()
+    code, seconds = recorder.stop(number)
+    assert code == 0, recorder.log.read_text()
+    assert seconds < 2.0
+    assert "0 lost; closed" in recorder.log.read_text()
+    found = recorded(bag)
+    assert {name: len(data) for name, data in found.items()} == {
+        **{f"/early_{index}": 400 for index in range(5)},
+        "/late": 300,
+    }
+    with BagReader(bag) as reader:
+        (topic,) = [topic for topic in reader.counts if topic.name == "/late"]
+        assert topic.qos[0].reliability.name == "BEST_EFFORT"
+        assert "float64[] velocity" in topic.definition
+
+
+def test_a_recorder_follows_a_topic_whose_publishers_become_best_effort(
+    node: Node, start: Callable[..., Command], tmp_path: Path
+) -> None:
+    recorder = start("record", "--out", str(tmp_path / "bag"), "--topics", "mixed")
+    reliable = node.create_publisher(JointState, "mixed", 100)
+    wait_for(lambda: reliable.get_subscription_count() == 1)
+    other = node.create_publisher(JointState, "mixed", QoSProfile(depth=9, reliability=ReliabilityPolicy.BEST_EFFORT))
+    wait_for(lambda: other.get_subscription_count() == 1)
+    publish_at_200_hz([other], 20)
+    wait_for(lambda: reliable.get_subscription_count() == 1)
+    recorder.stop(signal.SIGINT)
+    assert len(recorded(tmp_path / "bag")["/mixed"]) == 20
+
+
+def test_a_killed_recorder_leaves_all_but_the_last_second_and_reindex_makes_it_whole(
+    node: Node, start: Callable[..., Command], tmp_path: Path
+) -> None:
+    bag = tmp_path / "bag"
+    recorder = start("record", "--out", str(bag), "--topics", "wheel_states")
+    publisher = node.create_publisher(JointState, "wheel_states", 100)
+    wait_for(lambda: publisher.get_subscription_count() == 1)
+    publish_at_200_hz([publisher], 700)
+    killed_at = time.time_ns()
+    recorder.process.kill()
+    recorder.process.wait()
+    assert not (bag / "metadata.yaml").exists()
+    with BagReader(bag) as reader:
+        messages = list(reader.messages())
+        assert any("reindex" in problem for problem in reader.problems)
+    assert killed_at - messages[-1][1] < SECOND
+    assert len(messages) > 500
+    reindex(bag)
+    assert recorded(bag) == {"/wheel_states": [data for _, _, data in messages]}
+
+
+def test_recording_into_an_existing_directory_is_refused(start: Callable[..., Command], tmp_path: Path) -> None:
+    recorder = start("record", "--out", str(tmp_path))
+    assert recorder.process.wait(timeout=20.0) == 2
+    assert "exists" in recorder.log.read_text()
+
+
+def same(received: list[bytes], sent: list[bytes]) -> bool:
+    """Whether the same bytes came; on the wire a message is padded to a multiple of 4 bytes."""
+    return len(received) == len(sent) and all(
+        after[: len(before)] == before and len(after) - len(before) < 4
+        for before, after in zip(sent, received, strict=True)
+    )
+
+
+@pytest.fixture
+def bag(tmp_path: Path) -> Path:
+    """Two seconds of two topics, recorded at other times than stamped."""
+    path = tmp_path / "original"
+    with BagWriter(path) as writer:
+        slip = writer.add_topic(installed_topic("/front_left/slip", WheelSlip))
+        wheels = writer.add_topic(installed_topic("/wheel_states", JointState))
+        for index in range(400):
+            states = JointState(name=["front_left"], velocity=[float(index)], header=header(index))
+            message = WheelSlip(wheel="front_left", slip=index / 1000.0, header=header(index))
+            writer.write(wheels, SECOND + index * 5_000_000, encode(states))
+            writer.write(slip, SECOND + index * 5_000_000 + 1_000_000, encode(message))
+    return path
+
+
+class Listener:
+    """Takes what arrives on a topic, raw."""
+
+    def __init__(self, node: Node, kind: type, topic: str) -> None:
+        self.subscription = node.create_subscription(kind, topic, lambda _: None, 5000, raw=True)
+        self.kind = kind
+        self.data: list[bytes] = []
+        self.times: list[int] = []
+
+    def take(self) -> int:
+        with self.subscription.handle:
+            while (taken := self.subscription.handle.take_message(self.kind, True)) is not None:
+                self.data.append(taken[0])
+                self.times.append(taken[1]["received_timestamp"])
+        return len(self.data)
+
+
+def test_a_replay_arrives_complete_in_order_and_with_original_stamps(
+    node: Node, start: Callable[..., Command], bag: Path
+) -> None:
+    wheels = Listener(node, JointState, "wheel_states")
+    slip = Listener(node, WheelSlip, "front_left/slip")
+    player = start("play", str(bag), "--rate", "2", "--wait", "20")
+    assert player.process.wait(timeout=40.0) == 0, player.log.read_text()
+    original = recorded(bag)
+    wait_for(lambda: wheels.take() >= 400 and slip.take() >= 400)
+    assert same(wheels.data, original["/wheel_states"])
+    assert same(slip.data, original["/front_left/slip"])
+    assert (wheels.times[-1] - wheels.times[0]) / SECOND == pytest.approx(399 * 0.005 / 2.0, abs=0.1)
+
+
+def test_a_part_of_a_bag_is_replayed_under_another_name_in_a_loop(
+    node: Node, start: Callable[..., Command], bag: Path
+) -> None:
+    wheels = Listener(node, JointState, "other")
+    slip = Listener(node, WheelSlip, "front_left/slip")
+    arguments = ("--start-offset", "0.5", "--duration", "0.25", "--remap", "wheel_states:=/other", "--rate", "10")
+    player = start("play", str(bag), "--topics", "wheel_states", "--loop", *arguments, "--wait", "20")
+    wait_for(lambda: wheels.take() >= 150)
+    code, seconds = player.stop(signal.SIGTERM)
+    assert (code, seconds < 2.0) == (0, True)
+    part = recorded(bag)["/wheel_states"][100:150]
+    assert same(wheels.data[:150], part * 3)
+    assert slip.take() == 0
+
+
+def test_the_clock_of_a_replay_is_the_recording_time(node: Node, start: Callable[..., Command], bag: Path) -> None:
+    clock = Listener(node, Clock, "/clock")
+    player = start("play", str(bag), "--clock", "50", "--topics", "wheel_states", "--wait", "2.5")
+    assert player.process.wait(timeout=40.0) == 0
+    clock.take()
+    times = [to_nanoseconds(deserialize_message(data, Clock).clock) for data in clock.data]
+    assert len(times) > 10
+    assert {after - before for before, after in pairwise(times)} == {SECOND // 50}
+    assert SECOND <= times[0] < times[-1] <= SECOND + 399 * 5_000_000
+
+
+@pytest.mark.skipif(not FOREIGN.is_dir(), reason=f"{FOREIGN} is absent (set FRICTION_DATA)")
+@pytest.mark.parametrize("name", ["talker_mcap", "talker_sqlite3"])
+def test_a_bag_of_rosbag2_is_replayed(node: Node, start: Callable[..., Command], name: str) -> None:
+    listener = Listener(node, String, "topic")
+    player = start("play", str(FOREIGN / name), "--rate", "5", "--topics", "topic", "--wait", "20")
+    assert player.process.wait(timeout=40.0) == 0, player.log.read_text()
+    wait_for(lambda: listener.take() >= 10)
+    assert same(listener.data, recorded(FOREIGN / name)["/topic"])
+
+
+def test_a_truncated_bag_is_replayed_as_far_as_it_goes_and_said_to_be_damaged(
+    node: Node, start: Callable[..., Command], bag: Path
+) -> None:
+    file = bag / "original_0.mcap"
+    original = recorded(bag)["/wheel_states"]
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    listener = Listener(node, JointState, "wheel_states")
+    player = start("play", str(bag), "--rate", "10", "--topics", "wheel_states", "--wait", "20")
+    assert player.process.wait(timeout=40.0) == 1
+    assert "damaged" in player.log.read_text()
+    assert str(file) in player.log.read_text()
+    with BagReader(bag) as reader:
+        count = sum(topic.name == "/wheel_states" for topic, _, _ in reader.messages())
+    wait_for(lambda: listener.take() >= count)
+    assert same(listener.data, original[:count])
+
+
+@pytest.mark.parametrize("arguments", [("nowhere",), ("{bag}", "--start-offset", "9"), ("{bag}", "--topics", "no")])
+def test_nothing_to_replay_is_an_error_with_a_reason(
+    start: Callable[..., Command], bag: Path, arguments: tuple[str, ...]
+) -> None:
+    player = start("play", *(argument.format(bag=bag) for argument in arguments))
+    assert player.process.wait(timeout=20.0) == 2
+    assert player.log.read_text().startswith("error: ")
