@@ -74,8 +74,10 @@ class CornerSimNode(Node):
         self._outputs = {topic: qos.publish(self, kind, topic) for topic, kind in given.items()}
         self._clock_output = qos.publish(self, ClockMessage, "/clock") if p.publish_clock else None
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
-        for wheel in p.wheels:
-            qos.subscribe(self, BrakeCommand, f"{wheel}/brake_command", partial(self._on_command, wheel), qos.ESTIMATE)
+        self._command_inputs = {
+            topic: qos.subscribe(self, BrakeCommand, topic, partial(self._on_command, wheel), qos.ESTIMATE)
+            for wheel, topic in ((wheel, f"{wheel}/brake_command") for wheel in p.wheels)
+        }
         if p.demand_source == "topic":
             qos.subscribe(self, BrakeDemand, "brake_demand", self._on_demand, qos.ESTIMATE)
         self.create_service(Trigger, "~/reset", self._on_reset)
@@ -106,9 +108,11 @@ class CornerSimNode(Node):
     def _missing_peers(self) -> list[str]:
         """Name what must be there before the first sample and is not."""
         p = self._in_force
-        commands = [f"{wheel}/brake_command" for wheel in p.wheels] if p.lock_step else []
-        missing = [f"a publisher of {topic}" for topic in commands if not self.count_publishers(topic)]
-        if (subscribed := self.count_subscribers("wheel_states")) < p.wait_for_subscribers:
+        missing: list[str] = []
+        if p.lock_step:
+            inputs = self._command_inputs.items()
+            missing = [f"a publisher of {topic}" for topic, taken in inputs if not taken.get_publisher_count()]
+        if (subscribed := self._outputs["wheel_states"].get_subscription_count()) < p.wait_for_subscribers:
             missing.append(
                 f"{p.wait_for_subscribers - subscribed} of {p.wait_for_subscribers} wheel_states subscribers"
             )
