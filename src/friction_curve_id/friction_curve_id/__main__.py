@@ -1,0 +1,5 @@
+"""python -m friction_curve_id: the node."""
+
+from friction_curve_id.node import main
+
+raise SystemExit(main())

@@ -1,0 +1,89 @@
+"""What a processor needs to know of the inputs of a method, and how messages are read."""
+
+from collections.abc import Mapping, Sequence
+from math import isfinite, nan
+from typing import Any, Protocol
+
+from friction_msgs.msg import WheelSlip
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from sensor_msgs.msg import JointState
+
+from friction_curve_id.interface import CurveEstimate, Refusal
+from friction_runtime.aligner import AlignedInput, AlignedSample
+
+WHEEL_STATES = "wheel_states"
+VEHICLE_VELOCITY = "vehicle_velocity"
+IMU = "imu/data"
+FASTEST_WHEEL = 1000.0
+"""[rad/s]; what is beyond is garbage, not a measurement."""
+FASTEST_CAR = 200.0
+"""[m/s]"""
+
+
+class CurveInputs(Protocol):
+    """A method with its inputs: one stream that it fires on, others aligned to it."""
+
+    @property
+    def primary(self) -> str:
+        """Topic it fires on."""
+        ...
+
+    @property
+    def sensors(self) -> Mapping[str, type]:
+        """Topics with sensor QoS, the primary among them or not."""
+        ...
+
+    @property
+    def estimates(self) -> Mapping[str, type]:
+        """Topics with reliable QoS."""
+        ...
+
+    @property
+    def aligned(self) -> Sequence[AlignedInput]:
+        """Inputs aligned to the primary."""
+        ...
+
+    def read_primary(self, message: Any) -> Any:
+        """Payload of a message of the primary."""
+        ...
+
+    def read(self, topic: str, message: Any) -> tuple[float, ...] | str:
+        """Values of a message of an aligned input, or why it has none."""
+        ...
+
+    def answer(self, sample: AlignedSample[Any]) -> tuple[CurveEstimate | Refusal, float]:
+        """Answer of the estimator, and the present slip [-] from the inputs (NaN: only the estimate knows it)."""
+        ...
+
+    def reset(self) -> None:
+        """Start the estimator anew."""
+        ...
+
+
+def wheel_speed(message: JointState, wheel: str) -> float:
+    """Speed of a wheel [rad/s], NaN where the message has none that makes sense."""
+    for name, velocity in zip(message.name, message.velocity, strict=False):
+        if name == wheel:
+            return float(velocity) if abs(velocity) <= FASTEST_WHEEL else nan
+    return nan
+
+
+def vehicle_velocity(message: TwistWithCovarianceStamped) -> tuple[float, ...] | str:
+    """Speed [m/s] and 1, or why there is none."""
+    speed = message.twist.twist.linear.x
+    return (float(speed), 1.0) if abs(speed) <= FASTEST_CAR else f"{VEHICLE_VELOCITY}: {speed} is no vehicle speed"
+
+
+def wheel_slip(message: WheelSlip) -> tuple[float, ...]:
+    """Vehicle speed [m/s] and 1 (0 and 0 where unknown), slip [-] and 1 (0 and 0 where not valid)."""
+    known = isfinite(message.vehicle_speed) and abs(message.vehicle_speed) <= FASTEST_CAR
+    valid = message.valid and isfinite(message.slip)
+    speed = (float(message.vehicle_speed), 1.0) if known else (0.0, 0.0)
+    slip = (float(message.slip), 1.0) if valid else (0.0, 0.0)
+    return speed + slip
+
+
+def known_speed(sample: AlignedSample[Any], topic: str) -> float | None:
+    """Vehicle speed [m/s] that `topic` gives at the stamp, None where it is unknown there or around it."""
+    values = sample.values.get(topic)
+    return values[0] if values is not None and values[1] == 1.0 else None

@@ -1,0 +1,18 @@
+"""Node friction_curve_id: the processors on their topics."""
+
+from collections.abc import Sequence
+
+from friction_curve_id.parameters import FrictionCurveParameters
+from friction_curve_id.processor import build
+from friction_runtime.processor_node import ProcessorNode
+from friction_runtime.spin import run
+
+
+def make_node() -> ProcessorNode[FrictionCurveParameters]:
+    """Make the node; rclpy is initialised."""
+    return ProcessorNode("friction_curve_id", FrictionCurveParameters, build)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run until a signal; return the exit code."""
+    return run(make_node, args)

@@ -1,0 +1,49 @@
+"""Inputs of the method that takes the forces of a smart tyre."""
+
+from collections.abc import Mapping
+from math import nan
+from typing import Any
+
+from friction_msgs.msg import TyreForce, WheelSlip
+
+from friction_curve_id.inputs import wheel_slip
+from friction_curve_id.interface import CurveEstimate, Reason, Refusal
+from friction_curve_id.parameters import FrictionCurveParameters
+from friction_curve_id.tyre_force import TyreForceFitting, TyreForceSample
+from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.stamps import NANOSECONDS
+
+
+class TyreForceInputs:
+    """CurveInputs of one wheel: fires on <wheel>/tyre_force."""
+
+    def __init__(self, wheel: str, parameters: FrictionCurveParameters) -> None:
+        """Fit the curve of `wheel`."""
+        self.primary = f"{wheel}/tyre_force"
+        self._slip = f"{wheel}/slip"
+        self.sensors: Mapping[str, type] = {}
+        self.estimates: Mapping[str, type] = {self.primary: TyreForce, self._slip: WheelSlip}
+        self.aligned = [AlignedInput(self._slip)]
+        self._fitting = TyreForceFitting(start=parameters.start())
+
+    def read_primary(self, message: TyreForce) -> TyreForce:
+        """Return the message itself."""
+        return message
+
+    def read(self, topic: str, message: Any) -> tuple[float, ...] | str:
+        """Return what <wheel>/slip holds."""
+        return wheel_slip(message)
+
+    def answer(self, sample: AlignedSample[TyreForce]) -> tuple[CurveEstimate | Refusal, float]:
+        """Answer of the fit, and the slip of <wheel>/slip."""
+        values, force = sample.values.get(self._slip), sample.payload
+        if values is None or values[3] != 1.0:
+            return Refusal(Reason.NO_SLIP, sample.missing.get(self._slip, f"{self._slip}: not valid")), nan
+        slip = values[2]
+        if not force.valid:
+            return Refusal(Reason.BAD_INPUT, f"{self.primary}: {force.reason_text or 'not valid'}"), slip
+        return self._fitting.update(TyreForceSample(sample.stamp / NANOSECONDS, slip, force.fx, force.fz)), slip
+
+    def reset(self) -> None:
+        """Start the fit anew."""
+        self._fitting.reset()

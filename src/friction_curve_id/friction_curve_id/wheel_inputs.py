@@ -1,0 +1,75 @@
+"""Inputs of the methods that take wheel speed, brake torque and vehicle speed."""
+
+from collections.abc import Mapping
+from math import nan
+from typing import Any
+
+from friction_msgs.msg import WheelSlip
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from sensor_msgs.msg import FluidPressure, JointState
+
+from friction_curve_id.inputs import (
+    VEHICLE_VELOCITY,
+    WHEEL_STATES,
+    known_speed,
+    vehicle_velocity,
+    wheel_slip,
+    wheel_speed,
+)
+from friction_curve_id.interface import CurveEstimate, Reason, Refusal, Sample
+from friction_curve_id.parameters import SLIP, FrictionCurveParameters
+from friction_curve_id.parameters import VEHICLE_VELOCITY as SPEED_SENSOR
+from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.stamps import NANOSECONDS
+
+_SPEED_GAP = 0.3
+"""A speed sensor's samples are interpolated up to this distance [s]: GNSS gives ten a second, or five."""
+
+
+class WheelInputs:
+    """CurveInputs of one wheel: fires on wheel_states."""
+
+    def __init__(self, wheel: str, parameters: FrictionCurveParameters) -> None:
+        """Identify the curve of `wheel`."""
+        self.primary = WHEEL_STATES
+        self._wheel = wheel
+        self._estimator = parameters.estimator(wheel)
+        self._gain = parameters.brake_gain(wheel)
+        self._pressure = f"{wheel}/brake_pressure"
+        self._slip = f"{wheel}/slip"
+        self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, self._pressure: FluidPressure}
+        self.estimates: Mapping[str, type] = {}
+        self.aligned = [AlignedInput(self._pressure)]
+        self._speed = ""
+        if parameters.speed_source == SLIP:
+            self._speed = self._slip
+            self.estimates = {self._slip: WheelSlip}
+            self.aligned.append(AlignedInput(self._slip))
+        elif parameters.speed_source == SPEED_SENSOR:
+            self._speed = VEHICLE_VELOCITY
+            self.sensors = {**self.sensors, VEHICLE_VELOCITY: TwistWithCovarianceStamped}
+            self.aligned.append(AlignedInput(VEHICLE_VELOCITY, _SPEED_GAP))
+
+    def read_primary(self, message: JointState) -> float:
+        """Wheel speed [rad/s]."""
+        return wheel_speed(message, self._wheel)
+
+    def read(self, topic: str, message: Any) -> tuple[float, ...] | str:
+        """Brake torque [N m], or what the speed's topic holds."""
+        if topic == self._pressure:
+            return (self._gain * message.fluid_pressure,)
+        return wheel_slip(message) if topic == self._slip else vehicle_velocity(message)
+
+    def answer(self, sample: AlignedSample[float]) -> tuple[CurveEstimate | Refusal, float]:
+        """Answer of the estimator, and the slip of <wheel>/slip."""
+        values = sample.values.get(self._slip)
+        slip = values[2] if values is not None and values[3] == 1.0 else nan
+        torque = sample.values.get(self._pressure)
+        if torque is None:
+            return Refusal(Reason.NO_TORQUE, sample.missing[self._pressure]), slip
+        speed = known_speed(sample, self._speed)
+        return self._estimator.update(Sample(sample.stamp / NANOSECONDS, sample.payload, speed, torque[0])), slip
+
+    def reset(self) -> None:
+        """Start the estimator anew."""
+        self._estimator.reset()
