@@ -1,0 +1,1 @@
+"""Monte Carlo, Cramer-Rao bounds, the chapter's tables and figures, benchmarks."""

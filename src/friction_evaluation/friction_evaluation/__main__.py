@@ -1,0 +1,67 @@
+"""Command line: ``python -m friction_evaluation PART --json FILE``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from friction_evaluation.parts import PARTS, Row, part
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one part, print its table and write its rows."""
+    parser = argparse.ArgumentParser(prog="python -m friction_evaluation", description=__doc__)
+    parser.add_argument("part", choices=PARTS, help="; ".join(f"{name}: {text}" for name, text in PARTS.items()))
+    name = parser.parse_args(list(arguments if arguments is not None else sys.argv[1:])[:1]).part
+    chosen = part(name)
+    own = argparse.ArgumentParser(prog=f"python -m friction_evaluation {name}", description=PARTS[name])
+    own.add_argument("--json", type=Path, help="write the rows to this file")
+    chosen.add_arguments(own)
+    options = own.parse_args(list(arguments if arguments is not None else sys.argv[1:])[1:])
+    rows = list(chosen.run(options))
+    print_rows(PARTS[name], rows)
+    if options.json is not None:
+        options.json.parent.mkdir(parents=True, exist_ok=True)
+        options.json.write_text(json.dumps([_plain(row) for row in rows], indent=1) + "\n", encoding="utf-8")
+    return 0
+
+
+def print_rows(title: str, rows: Sequence[Row]) -> None:
+    """Print flat rows as a table; every row may have its own columns."""
+    columns = list(dict.fromkeys(name for row in rows for name in row))
+    table = Table(title=title)
+    for name in columns:
+        table.add_column(name, overflow="fold")
+    for row in rows:
+        table.add_row(*(_text(row.get(name, "")) for name in columns))
+    # Wide enough that no column is cut where the output goes to a file.
+    console = Console()
+    (console if console.is_terminal else Console(width=240)).print(table)
+
+
+def _text(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _plain(row: Row) -> Row:
+    """JSON has no NaN and no infinity: they are written as null and as the text "inf"."""
+    plain: Row = {}
+    for name, value in row.items():
+        if hasattr(value, "item"):
+            value = value.item()
+        if isinstance(value, float) and not isfinite(value):
+            value = None if value != value else ("inf" if value > 0 else "-inf")
+        plain[name] = value
+    return plain
+
+
+if __name__ == "__main__":
+    sys.exit(main())

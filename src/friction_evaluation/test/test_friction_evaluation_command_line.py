@@ -1,0 +1,49 @@
+"""The command line of the evaluation: parts by name, flat rows to JSON."""
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from friction_evaluation import __main__ as command_line
+from friction_evaluation.parts import PARTS, Row, part
+
+
+def test_rows_are_printed_and_written_as_strict_json(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def add_arguments(parser: argparse.ArgumentParser) -> None:
+        parser.add_argument("--seeds", type=int, default=500)
+
+    def run(options: argparse.Namespace) -> Sequence[Row]:
+        return [
+            {"surface": "dry", "runs": options.seeds, "delay_ms": np.float64(75.0)},
+            {"surface": "snow", "delay_ms": float("inf"), "bias": float("nan")},
+        ]
+
+    monkeypatch.setattr(command_line, "part", lambda _name: SimpleNamespace(add_arguments=add_arguments, run=run))
+    file = tmp_path / "new" / "slope.json"
+    assert command_line.main(["slope", "--seeds", "3", "--json", str(file)]) == 0
+    assert json.loads(file.read_text(), parse_constant=pytest.fail) == [
+        {"surface": "dry", "runs": 3, "delay_ms": 75.0},
+        {"surface": "snow", "delay_ms": "inf", "bias": None},
+    ]
+    assert "delay_ms" in capsys.readouterr().out
+
+
+def test_unknown_part_is_refused_with_the_known_ones(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        command_line.main(["slop"])
+    assert "slope" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_every_part_has_the_shape_the_command_line_needs(name: str) -> None:
+    chosen = part(name)
+    parser = argparse.ArgumentParser()
+    chosen.add_arguments(parser)
+    assert callable(chosen.run)
