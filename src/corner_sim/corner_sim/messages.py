@@ -2,6 +2,7 @@
 
 from array import array
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -13,15 +14,18 @@ from std_msgs.msg import Header
 from corner_sim.plant import SLIP_MIN_SPEED, PlantSample
 from corner_sim.sensors import Measurement
 from corner_sim.slope_truth import SlopeCrossings
-from corner_sim.tyre_signals import SAMPLE_RATE
 from friction_runtime.processor import Output
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import SensorNoise
-from vehicle_models.tyre_signal import TyreBlock
+
+if TYPE_CHECKING:
+    from vehicle_models.tyre_signal import TyreBlock
 
 BASE_FRAME = "base_link"
 NAN = float("nan")
+TYRE_SAMPLE_RATE = 1.0e4
+"""Of the smart tyres [Hz]."""
 
 
 def topics(wheels: Sequence[str], vehicle_velocity: bool, brake_demand: bool, tyre_signals: bool) -> dict[str, type]:
@@ -103,7 +107,7 @@ def sensors(
 
 
 def tyre_signals(
-    stamp_ns: int, wheels: Sequence[str], blocks: Sequence[TyreBlock], inflation_pressure: float
+    stamp_ns: int, wheels: Sequence[str], blocks: Sequence["TyreBlock"], inflation_pressure: float
 ) -> list[Output]:
     """Make the messages of the smart tyres; `stamp_ns` is that of the first sample of the blocks."""
     stamp = from_nanoseconds(stamp_ns)
@@ -113,7 +117,7 @@ def tyre_signals(
             TyreSignals(
                 header=Header(stamp=stamp, frame_id=wheel),
                 wheel=wheel,
-                sample_rate=SAMPLE_RATE,
+                sample_rate=TYRE_SAMPLE_RATE,
                 first_sample=block.first_sample,
                 encoder_voltage=array("f", block.encoder_voltage.tobytes()),
                 radial_acceleration=array("f", block.radial_acceleration.tobytes()),

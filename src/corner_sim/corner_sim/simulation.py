@@ -1,6 +1,7 @@
 """One run of the plant behind its messages: messages in, messages out, no middleware and no clock."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from friction_msgs.msg import BrakeCommand, BrakeDemand
@@ -14,12 +15,14 @@ from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant
 from corner_sim.road import Road
 from corner_sim.sensors import Sensors
 from corner_sim.slope_truth import SlopeCrossings
-from corner_sim.tyre_signals import TyreSensors
 from friction_runtime.parameters import per_wheel
 from friction_runtime.processor import Output
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
-from vehicle_models.tyre_signal import TyreBlock
+
+if TYPE_CHECKING:
+    from corner_sim.tyre_signals import TyreSensors
+    from vehicle_models.tyre_signal import TyreBlock
 
 
 class Simulation:
@@ -72,6 +75,9 @@ class Simulation:
         self._profile_in_force = parameters.demand_source == "profile"
         self._tyre_sensors: TyreSensors | None = None
         if parameters.tyre_signals:
+            # here, because scipy.signal behind it takes a second to load
+            from corner_sim.tyre_signals import TyreSensors
+
             self._tyre_sensors = TyreSensors(
                 len(wheels), parameters.noise != "none", parameters.inflation_pressure, parameters.seed
             )

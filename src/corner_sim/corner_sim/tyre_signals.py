@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from corner_sim.messages import TYRE_SAMPLE_RATE
 from corner_sim.plant import SAMPLE_TIME, PlantSample
 from vehicle_models.encoder import EncoderParameters
 from vehicle_models.tyre_ring import TyreRing
@@ -10,8 +11,6 @@ from vehicle_models.tyre_signal import AccelerometerParameters, TyreBlock, TyreS
 
 Array = NDArray[np.float64]
 
-SAMPLE_RATE = 1.0e4
-"""[Hz]"""
 _SMALLEST_LOAD = 1.0
 """[N] A wheel that lifts off keeps this: the tyre model has no patch without load."""
 
@@ -36,11 +35,11 @@ class TyreSensors:
                 wheel_seed=wheel,
                 noise_seed=seed * 1000 + wheel,
                 pressure=inflation_pressure,
-                sample_rate=SAMPLE_RATE,
+                sample_rate=TYRE_SAMPLE_RATE,
             )
             for wheel in range(count)
         ]
-        self._within = np.arange(round(SAMPLE_TIME * SAMPLE_RATE)) / (SAMPLE_TIME * SAMPLE_RATE)
+        self._within = np.arange(round(SAMPLE_TIME * TYRE_SAMPLE_RATE)) / (SAMPLE_TIME * TYRE_SAMPLE_RATE)
 
     def between(self, before: PlantSample, after: PlantSample) -> list[TyreBlock]:
         """Give the blocks of all wheels from `before` (first sample) to just short of `after`, states run linearly."""
