@@ -16,6 +16,10 @@ from friction_bringup.recorded_run import Array, RecordedRun, Series
 ESTIMATE, TRUTH, PEAK, DEMAND = "tab:blue", "black", "tab:red", "tab:orange"
 STABLE_BAND, UNSTABLE_BAND, UNKNOWN_BAND = "#8fd19e", "#f28b82", "#d9d9d9"
 WHEEL_COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:pink")
+_BRAKING_STEP = 0.1
+"""Time [s] over which deceleration is looked at."""
+_HARD_BRAKING = 3.0
+"""[m/s^2]"""
 STATES = {
     SupervisorState.S0: "S0",
     SupervisorState.S1: "S1",
@@ -48,7 +52,10 @@ def write_plots(run: RecordedRun, directory: Path, title: str) -> list[Path]:
         if len(run.wheels) == 1 or (slope is not None and np.any(slope["valid"] > 0.0)):
             paths.append(_save(wheel_figure(run, wheel, f"{title}, {wheel}"), directory / f"{wheel}.png"))
     if len(run.wheels) > 1:
-        paths.append(_save(all_wheels_figure(run, title), directory / "wheels.png"))
+        paths.append(_save(all_wheels_figure(run, title, None), directory / "wheels.png"))
+        if (braking := hardest_braking(run)) is not None:
+            name = f"{title}, the hardest braking"
+            paths.append(_save(all_wheels_figure(run, name, braking), directory / "wheels_braking.png"))
     return paths
 
 
@@ -66,8 +73,26 @@ def wheel_figure(run: RecordedRun, wheel: str, title: str) -> Figure:
     return figure
 
 
-def all_wheels_figure(run: RecordedRun, title: str) -> Figure:
-    """Draw speeds, slips and what is known of the slope's sign for all wheels over time."""
+def hardest_braking(run: RecordedRun) -> tuple[float, float] | None:
+    """Return begin and end [s] of the braking with the hardest deceleration; None where the car never brakes hard."""
+    slip = run.get(f"{run.wheels[0]}/slip")
+    if slip is None or slip.time.size < 2:
+        return None
+    time = np.arange(slip.time[0], slip.time[-1], _BRAKING_STEP)
+    known = np.isfinite(slip["vehicle_speed"])
+    deceleration = -np.gradient(np.interp(time, slip.time[known], slip["vehicle_speed"][known]), _BRAKING_STEP)
+    hard = deceleration > _HARD_BRAKING
+    peak = int(np.argmax(deceleration))
+    if not hard[peak]:
+        return None
+    before, after = np.flatnonzero(~hard[:peak]), np.flatnonzero(~hard[peak:])
+    begin = time[before[-1]] if before.size else time[0]
+    end = time[peak + after[0]] if after.size else time[-1]
+    return float(begin) - 0.3, float(end) + 0.3
+
+
+def all_wheels_figure(run: RecordedRun, title: str, span: tuple[float, float] | None) -> Figure:
+    """Draw speeds, slips and what is known of the slope's sign for all wheels, over all time or over a span of it."""
     figure = Figure(figsize=(11.0, 9.0), layout="constrained")
     axes: list[Axes] = list(figure.subplots(3, 1, sharex=True, height_ratios=[2.5, 3.0, 1.5]))
     figure.suptitle(title)
@@ -88,6 +113,8 @@ def all_wheels_figure(run: RecordedRun, title: str) -> Figure:
     axes[2].set_ylabel("slope sign")
     _legend_of_bands(axes[2], dict(SIGNS.values()))
     _finish(axes)
+    if span is not None:
+        axes[0].set_xlim(*span)
     return figure
 
 
