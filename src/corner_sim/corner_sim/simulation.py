@@ -73,14 +73,7 @@ class Simulation:
         self._commands = CommandInbox(wheels, parameters.command_timeout)
         self._crossings = SlopeCrossings(len(wheels))
         self._profile_in_force = parameters.demand_source == "profile"
-        self._tyre_sensors: TyreSensors | None = None
-        if parameters.tyre_signals:
-            # here, because scipy.signal behind it takes a second to load
-            from corner_sim.tyre_signals import TyreSensors
-
-            self._tyre_sensors = TyreSensors(
-                len(wheels), parameters.noise != "none", parameters.inflation_pressure, parameters.seed
-            )
+        self._tyre_sensors = _tyre_sensors(parameters)
         self._sample = self._plant.sample()
         self._blocks: list[TyreBlock] = []
         self._crossings.update(self._sample, self.stamp)
@@ -165,3 +158,12 @@ class Simulation:
         if self._tyre_sensors is not None:
             self._blocks = self._tyre_sensors.between(before, self._sample)
         self._crossings.update(self._sample, self.stamp)
+
+
+def _tyre_sensors(p: SimParameters) -> "TyreSensors | None":
+    if not p.tyre_signals:
+        return None
+    # here, because scipy.signal behind it takes a second to load
+    from corner_sim.tyre_signals import TyreSensors
+
+    return TyreSensors(len(p.wheels), p.noise != "none", p.inflation_pressure, p.seed)
