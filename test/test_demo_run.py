@@ -1,0 +1,179 @@
+"""The demo from the outside: a short braking over DDS, its replay, and its end by signals."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from friction_bags.bag_reader import BagReader
+from friction_bringup import graph
+from friction_bringup.recorded_run import read_run
+
+SHORT = {"initial_speed": 12.0, "end_speed": 4.0, "real_time_factor": 0.0}
+"""A braking of about a second, as fast as the commands come."""
+ENDLESS = {"end_speed": -1.0}
+
+
+def parameters(directory: Path, **plant: float | bool | str) -> Path:
+    """Write the demo's parameter file with other values for the plant."""
+    shipped = yaml.safe_load(graph.shipped_file("demo").read_text())
+    shipped["/**/corner_sim"]["ros__parameters"].update(plant)
+    path = directory / "parameters.yaml"
+    path.write_text(yaml.safe_dump(shipped))
+    return path
+
+
+def command(out: Path, *arguments: str) -> list[str]:
+    return [sys.executable, "-m", "friction_bringup", "demo", "--out", str(out), *arguments]
+
+
+def processes_of(out: Path) -> list[str]:
+    """Name the processes that still run and whose logs go below a directory."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if f"ROS_LOG_DIR={out}".encode() in (process / "environ").read_bytes():
+                found.append((process / "cmdline").read_bytes().replace(b"\0", b" ").decode())
+        except OSError:
+            continue
+    return found
+
+
+@dataclass
+class Finished:
+    """A demo that has ended."""
+
+    output: str
+    directory: Path
+    """Of its one run."""
+
+    @property
+    def bag(self) -> Path:
+        return self.directory / "bag"
+
+
+def run(out: Path, *arguments: str) -> Finished:
+    result = subprocess.run(command(out, *arguments), capture_output=True, text=True, check=False, timeout=200)
+    assert result.returncode == 0, result.stdout + result.stderr
+    return Finished(result.stdout, next(out.iterdir()))
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> Finished:
+    directory = tmp_path_factory.mktemp("demo")
+    return run(directory / "out", "--surface", "wet", "--params", str(parameters(directory, **SHORT)))
+
+
+def test_demo_prints_the_summary_and_leaves_plot_and_bag_and_no_process(demo: Finished) -> None:
+    for text in ("crossings of the peak", "ideal distance", "adhesion utilisation", "front_left/friction_slope"):
+        assert text in demo.output
+    assert (demo.directory / "front_left.png").read_bytes().startswith(b"\x89PNG")
+    assert processes_of(demo.directory) == []
+
+
+def test_demo_shows_each_quantity_while_it_runs(demo: Finished) -> None:
+    lines = [line for line in demo.output.splitlines() if re.match(r" +\d+\.\d\d ", line)]
+    assert any(re.search(r"slip +0\.\d{3} slope [+−] .*(S1|S21|S22) .* bar", line) for line in lines), demo.output
+
+
+def test_bag_holds_every_sample_of_every_node(demo: Finished) -> None:
+    with BagReader(demo.bag) as reader:
+        assert reader.problems == []
+        counts = {topic.name: count for topic, count in reader.counts.items()}
+    samples = counts["/wheel_states"]
+    assert samples > 100
+    for topic in ("slip", "friction_slope", "abs_supervisor", "brake_command"):
+        assert counts[f"/front_left/{topic}"] == samples
+        assert counts.get(f"/truth/front_left/{topic}", samples) == samples
+
+
+def test_supervisor_is_in_the_loop(demo: Finished) -> None:
+    """The driver asks for 1.5 times the peak torque: without release the wheel locks."""
+    found = read_run(demo.bag)
+    truth, command = found.series["truth/front_left/slip"], found.series["front_left/brake_command"]
+    assert np.any(command["command"] == 3.0)
+    assert np.max(truth["slip"][truth["valid"] > 0.0]) < 0.95
+
+
+def test_same_seed_gives_the_same_run_and_another_surface_another(demo: Finished, tmp_path: Path) -> None:
+    again = run(tmp_path / "out", "--surface", "wet", "--params", str(parameters(tmp_path, **SHORT)))
+    first, second = (read_run(each.bag).series["truth/front_left/slip"] for each in (demo, again))
+    assert np.array_equal(first["slip"], second["slip"], equal_nan=True)
+
+
+def test_replay_of_the_bag_gives_the_same_estimates_and_no_command(demo: Finished, tmp_path: Path) -> None:
+    replayed = run(tmp_path / "out", "--bag", str(demo.bag))
+    live, again = read_run(demo.bag).series, read_run(replayed.bag).series
+    for topic, column in (("front_left/slip", "slip"), ("front_left/friction_slope", "indicator")):
+        assert np.array_equal(live[topic][column], again[topic][column], equal_nan=True), topic
+    assert "front_left/brake_command" not in again
+    assert np.array_equal(live["front_left/abs_supervisor"]["state"], again["front_left/abs_supervisor"]["state"])
+
+
+@pytest.fixture
+def running(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
+    """Start a demo that does not end by itself; it is under way when the test begins."""
+    out = tmp_path / "out"
+    arguments = ["--params", str(parameters(tmp_path, **ENDLESS))]
+    with subprocess.Popen(command(out, *arguments), stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if re.search(r"slip +0\.\d", line):
+                break
+        yield process, next(out.iterdir())
+        process.kill()
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_signal_ends_every_process_within_two_seconds_and_closes_the_bag(
+    running: tuple[subprocess.Popen[str], Path], how: signal.Signals
+) -> None:
+    process, directory = running
+    began = time.monotonic()
+    process.send_signal(how)
+    assert process.wait(10.0) == 130
+    took = time.monotonic() - began
+    assert processes_of(directory) == []
+    assert took < 2.0
+    with BagReader(directory / "bag") as reader:
+        assert reader.problems == []
+        assert reader.message_count > 100
+
+
+def test_killed_demo_leaves_no_process_behind(running: tuple[subprocess.Popen[str], Path]) -> None:
+    process, directory = running
+    process.kill()
+    deadline = time.monotonic() + 10.0
+    while processes_of(directory):
+        assert time.monotonic() < deadline, processes_of(directory)
+        time.sleep(0.05)
+    assert read_run(directory / "bag").wheels == ("front_left",)
+
+
+def test_bad_parameter_is_named_and_ends_the_demo(tmp_path: Path) -> None:
+    arguments = ["--params", str(parameters(tmp_path, radius=-0.3))]
+    result = subprocess.run(command(tmp_path / "out", *arguments), capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert "corner_sim ended with exit code 2" in result.stderr
+    assert "radius" in result.stderr
+    assert processes_of(tmp_path / "out") == []
+
+
+def test_bag_without_wheels_is_refused_with_what_it_lacks(tmp_path: Path) -> None:
+    (tmp_path / "bag").mkdir()
+    result = subprocess.run(
+        command(tmp_path / "out", "--bag", str(tmp_path / "bag")), capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 1
+    assert str(tmp_path / "bag") in result.stderr
+    assert "Traceback" not in result.stderr
