@@ -69,6 +69,7 @@ class CornerSimNode(Node):
         self._pace = Pace(p.real_time_factor, monotonic())
         self._waiting_since = monotonic()
         self._settled_at = 0.0
+        self._shift_reported = 0.0
         self._phase = Phase.WAITING_FOR_SUBSCRIBERS if p.autostart else Phase.WAITING_FOR_START
         given = messages.topics(p.wheels, p.vehicle_velocity, p.demand_source == "profile", p.tyre_signals)
         self._outputs = {topic: qos.publish(self, kind, topic) for topic, kind in given.items()}
@@ -211,8 +212,9 @@ class CornerSimNode(Node):
         level, text = Level.OK, self._phase.value
         if self._phase is Phase.RUNNING and simulation.stale and not self._in_force.lock_step:
             level, text = Level.WARN, f"brake_command silent, taken as NONE: {', '.join(simulation.stale)}"
-        elif pace.shifted > 0.0:
+        elif pace.shifted > self._shift_reported:
             level, text = Level.WARN, f"{text}; the machine is too slow: {pace.shifted:.3f} s behind the wall clock"
+        self._shift_reported = pace.shifted
         if self._failure is not None:
             level, text = Level.ERROR, self._failure
         values = {
