@@ -4,11 +4,14 @@
 
 and from S1, S21, S22 back to S0 when braking is over, when the inputs fail or at low speed. S22 also returns to S1 when it
 has released for long enough: a slope that stays unmeasurable must not keep the brake open.
+
+The peak is crossed upwards only while slip grows and downwards only while it falls. So S1 is left for indicators that were
+measured with growing slip, and S22 for those with falling slip. Otherwise a wheel that recovers from beyond the peak, to
+which a release time-out has given pressure again, would at once be released anew.
 """
 
 from dataclasses import dataclass
 from enum import IntEnum
-from math import isnan
 
 
 class State(IntEnum):
@@ -84,6 +87,8 @@ class Inputs:
     """Does the driver ask for at least T-bar?"""
     indicator: float
     """H sign(eta) of (8.5) [rad/s^3]; NaN where the sign is not measured."""
+    slip_growing: bool
+    """The sign that entered the indicator: true for sign(eta) > 0."""
     failed: bool = False
     """Inputs stale or invalid."""
     slow: bool = False
@@ -95,7 +100,7 @@ def transition(state: State, inputs: Inputs, time_in_state: float, thresholds: T
 
     Args:
         state: present state.
-        inputs: at this sample. An indicator that is not measured makes no transition.
+        inputs: at this sample. An indicator that is not measured (NaN) makes no transition.
         time_in_state: since the state was entered [s], >= 0.
         thresholds: of the transitions.
     """
@@ -111,12 +116,11 @@ def transition(state: State, inputs: Inputs, time_in_state: float, thresholds: T
         return State.S0, Cause.LOW_SPEED
     if state is State.S21:
         return (State.S22, Cause.WAIT_OVER) if time_in_state >= thresholds.wait else (state, Cause.NONE)
-    measured = not isnan(inputs.indicator)
     if state is State.S1:
-        if measured and inputs.indicator <= thresholds.h_instability:
+        if inputs.slip_growing and inputs.indicator <= thresholds.h_instability:
             return State.S21, Cause.INSTABILITY
         return state, Cause.NONE
-    if measured and inputs.indicator >= thresholds.h_stability:
+    if not inputs.slip_growing and inputs.indicator >= thresholds.h_stability:
         return State.S1, Cause.STABILITY
     if time_in_state >= thresholds.release_timeout:
         return State.S1, Cause.RELEASE_TIMEOUT

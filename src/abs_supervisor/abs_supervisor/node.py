@@ -1,0 +1,18 @@
+"""Node abs_supervisor: one processor a wheel on its topics."""
+
+from collections.abc import Sequence
+
+from friction_runtime.processor_node import ProcessorNode
+from friction_runtime.spin import run
+from abs_supervisor.parameters import AbsSupervisorParameters
+from abs_supervisor.processor import build
+
+
+def make_node() -> ProcessorNode[AbsSupervisorParameters]:
+    """Make the node; rclpy is initialised."""
+    return ProcessorNode("abs_supervisor", AbsSupervisorParameters, build)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run until a signal; return the exit code."""
+    return run(make_node, args)

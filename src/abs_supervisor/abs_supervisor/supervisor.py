@@ -1,0 +1,102 @@
+"""The state machine in message time: how long it has been in its state, why it changed, and what failed for how long."""
+
+from dataclasses import dataclass
+from math import isfinite
+
+from abs_supervisor.fsm import Cause, Inputs, State, Thresholds, transition
+
+_NANOSECOND = 1e-9
+
+
+@dataclass
+class Counts:
+    """Transitions since start or reset."""
+
+    transitions: int = 0
+    instabilities: int = 0
+    recoveries: int = 0
+    release_timeouts: int = 0
+    fail_safes: int = 0
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What is known at one stamp."""
+
+    h: float
+    """H of (8.3) [rad/s^3]; NaN where unknown."""
+    indicator: float
+    """H sign(eta) [rad/s^3]; 0 or NaN where the sign is not measured."""
+    usable: bool
+    """False where the indicator or the driver's demand is missing or not valid."""
+    slow: bool
+    """Below the speed where the ABS ends."""
+    braking: bool
+    """Does the driver brake?"""
+
+
+class Supervisor:
+    """One wheel. `update` makes at most one transition a sample."""
+
+    def __init__(self, thresholds: Thresholds, tolerance: float) -> None:
+        """Start in S0.
+
+        Args:
+            thresholds: of the transitions.
+            tolerance: inputs that are not usable for longer [s] bring the fail-safe; until then the state is kept.
+        """
+        self._thresholds = thresholds
+        self._tolerance_ns = round(tolerance / _NANOSECOND)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.state = State.S0
+        self.previous_state = State.S0
+        self.cause = Cause.NONE
+        """Of the last transition."""
+        self.counts = Counts()
+        self.transition_stamp = 0
+        """Of the last transition [ns]; 0 before the first."""
+        self._unusable_since: int | None = None
+
+    def restart(self, stamp: int) -> bool:
+        """Go to S0 and keep the counts, as after a jump back in time; return whether that was a transition."""
+        self._unusable_since = None
+        return self._enter(State.S0, Cause.RESET, stamp)
+
+    def fail(self, stamp: int) -> bool:
+        """Go to S0 because the inputs have fallen silent; return whether that was a transition."""
+        return self._enter(State.S0, Cause.FAIL_SAFE, stamp)
+
+    def update(self, stamp: int, evidence: Evidence) -> bool:
+        """Take what is known at a stamp [ns], later than the last; return whether there was a transition."""
+        if evidence.usable:
+            self._unusable_since = None
+        elif self._unusable_since is None:
+            self._unusable_since = stamp
+        failed = self._unusable_since is not None and stamp - self._unusable_since >= self._tolerance_ns
+        if not evidence.usable and not failed:
+            return False
+        measured = isfinite(evidence.indicator) and evidence.indicator != 0.0
+        inputs = Inputs(
+            braking=evidence.braking,
+            indicator=evidence.indicator if measured else float("nan"),
+            slip_growing=evidence.indicator * evidence.h > 0.0,
+            failed=failed,
+            slow=evidence.slow,
+        )
+        in_state = (stamp - self.transition_stamp) * _NANOSECOND
+        state, cause = transition(self.state, inputs, in_state, self._thresholds)
+        return self._enter(state, cause, stamp)
+
+    def _enter(self, state: State, cause: Cause, stamp: int) -> bool:
+        if state is self.state:
+            return False
+        self.previous_state, self.state, self.cause, self.transition_stamp = self.state, state, cause, stamp
+        self.counts.transitions += 1
+        self.counts.instabilities += cause is Cause.INSTABILITY
+        self.counts.recoveries += cause is Cause.STABILITY
+        self.counts.release_timeouts += cause is Cause.RELEASE_TIMEOUT
+        self.counts.fail_safes += cause is Cause.FAIL_SAFE
+        return True

@@ -1,0 +1,5 @@
+"""python -m friction_slope: the node."""
+
+from friction_slope.node import main
+
+raise SystemExit(main())

@@ -1,0 +1,52 @@
+"""Sign of the slope from the indicator: two thresholds, and a record of the crossings in both directions."""
+
+from math import nan
+
+
+class CrossingDetector:
+    """Holds the sign between the thresholds: -1 at or below the negative one, +1 at or above the positive one."""
+
+    def __init__(self, h_instability: float, h_stability: float) -> None:
+        """Start with the sign not known.
+
+        Args:
+            h_instability: [rad/s^3], <= 0.
+            h_stability: [rad/s^3], >= 0.
+
+        Raises:
+            ValueError: a threshold has the wrong sign.
+        """
+        if not h_instability <= 0.0 <= h_stability:
+            raise ValueError(f"h_instability ({h_instability}) must be <= 0 and h_stability ({h_stability}) >= 0")
+        self._h_instability, self._h_stability = h_instability, h_stability
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget sign and crossings."""
+        self.sign = 0
+        """+1, -1, or 0 where it is not known (yet)."""
+        self.crossings = 0
+        """Changes of sign."""
+        self.crossing_sign = 0
+        """Sign after the last crossing."""
+        self.slip = nan
+        """Slip at the last crossing [-]."""
+        self.stamp = 0
+        """Time of the last crossing [ns]."""
+
+    def forget_sign(self) -> None:
+        """Make the sign unknown and keep the record."""
+        self.sign = 0
+
+    def update(self, indicator: float, slip: float, stamp: int) -> None:
+        """Take the indicator [rad/s^3] with the slip [-] (NaN if unknown) and the time [ns] it speaks of."""
+        if indicator < 0.0 and indicator <= self._h_instability:
+            sign = -1
+        elif indicator > 0.0 and indicator >= self._h_stability:
+            sign = 1
+        else:
+            return
+        if sign == -self.sign:
+            self.crossings += 1
+            self.crossing_sign, self.slip, self.stamp = sign, slip, stamp
+        self.sign = sign

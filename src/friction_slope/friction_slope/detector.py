@@ -1,0 +1,151 @@
+"""Sign of the slope of the friction curve of one wheel, methods slip (8.4) and no_slip (8.5)."""
+
+from dataclasses import dataclass
+from math import isfinite, isnan, nan
+
+from friction_slope.crossing import CrossingDetector
+from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
+from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign
+from friction_slope.reference_speed import ReferenceSpeed
+from friction_slope.signals import SignalWindow, WheelSignals
+
+_NANOSECONDS = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class DetectorParameters:
+    """Of one wheel; config/friction_slope.yaml says what each is."""
+
+    method: Method
+    radius: float
+    """r [m]"""
+    inertia: float
+    """J [kg m^2]"""
+    vertical_load: float
+    """Fz [N]"""
+    window: int
+    """samples for H"""
+    rate_window: int
+    """samples for slip rate and eta"""
+    lead: float
+    """where H is read, see signals.SignalWindow"""
+    h_instability: float
+    """[rad/s^3], <= 0"""
+    h_stability: float
+    """[rad/s^3], >= 0"""
+    slip_rate_dead_zone: float
+    """[1/s]"""
+    eta_margin: float
+    """[-]"""
+    minimum_torque: float
+    """[N m] below it for a whole window, the wheel is not braked"""
+    minimum_speed: float
+    """[m/s]"""
+    max_deceleration: float
+    """[m/s^2] of the reference speed"""
+    max_gap: float
+    """[s] between samples"""
+
+
+class SlopeDetector:
+    """One wheel. `update` takes all that is known at one stamp."""
+
+    def __init__(self, parameters: DetectorParameters) -> None:
+        """Build from the parameters.
+
+        Raises:
+            ValueError: thresholds or windows make no sense.
+        """
+        self._p = p = parameters
+        self._signals = SignalWindow(p.inertia, p.window, p.rate_window, p.lead)
+        self._reference = ReferenceSpeed(p.radius, p.max_deceleration)
+        self._crossing = CrossingDetector(p.h_instability, p.h_stability)
+        self._memory = max(p.window, p.rate_window)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._crossing.reset()
+        self._stamp: int | None = None
+        self._reference.reset()
+        self._forget_samples()
+        self._had_gap = False
+
+    def update(self, sample: SlopeSample) -> SlopeEstimate:
+        """Take a sample and estimate at its stamp. A sample that is refused leaves the state as it was."""
+        if not isfinite(sample.wheel_speed):
+            return self._estimate(Reason.BAD_INPUT, "wheel speed is missing or not finite")
+        if not isfinite(sample.brake_torque):
+            return self._estimate(Reason.NO_TORQUE, "no brake torque")
+        if self._stamp is not None:
+            gap = (sample.stamp - self._stamp) / _NANOSECONDS
+            if gap <= 0.0:
+                return self._estimate(Reason.BAD_INPUT, "stamp does not advance")
+            if gap > self._p.max_gap:
+                self._forget_samples()
+                self._had_gap = True
+        self._stamp = sample.stamp
+        self._signals.update(sample)
+        self._reference.update(sample)
+        self._since_braking = 0 if sample.brake_torque >= self._p.minimum_torque else self._since_braking + 1
+        if not self._signals.ready:
+            if self._had_gap:
+                return self._estimate(Reason.GAP, f"gap of more than {self._p.max_gap} s, filling the window anew")
+            return self._estimate(Reason.NOT_READY, "filling the window")
+        self._had_gap = False
+        return self._judge(sample, self._signals.read())
+
+    def _judge(self, sample: SlopeSample, signals: WheelSignals) -> SlopeEstimate:
+        p = self._p
+        speed = self._reference.speed
+        if p.method is Method.SLIP and isfinite(sample.vehicle_speed):
+            speed = sample.vehicle_speed
+        if speed < p.minimum_speed:
+            return self._unknown(Reason.LOW_SPEED, f"speed is below {p.minimum_speed} m/s")
+        if self._since_braking >= self._memory:
+            return self._unknown(Reason.NOT_BRAKING, f"brake torque is below {p.minimum_torque} N m", signals)
+        if p.method is Method.SLIP and isnan(signals.slip_rate):
+            return self._unknown(Reason.NO_SLIP, "slip was not valid throughout the window", signals)
+        growing = self._growing(signals)
+        indicator = signals.h * growing
+        self._crossing.update(indicator, signals.slip, sample.stamp - round(signals.delay * _NANOSECONDS))
+        if growing == 0:
+            rate = "slip rate" if p.method is Method.SLIP else "eta"
+            return self._estimate(Reason.NO_EXCITATION, f"{rate} in its dead zone, sign is held", signals, indicator)
+        if self._crossing.sign == 0:
+            return self._estimate(Reason.NOT_READY, "indicator has not passed a threshold yet", signals, indicator)
+        return self._estimate(Reason.OK, "", signals, indicator)
+
+    def _growing(self, signals: WheelSignals) -> int:
+        """Sign of the slip rate by the method, 0 in the dead zone."""
+        p = self._p
+        if p.method is Method.SLIP:
+            return slip_rate_sign(signals.slip_rate, p.slip_rate_dead_zone)
+        friction = signals.friction_moment / (p.radius * p.vertical_load)
+        return eta_sign(normalised_deceleration(signals.wheel_acceleration, p.radius), friction, p.eta_margin)
+
+    def _forget_samples(self) -> None:
+        self._signals.reset()
+        self._crossing.forget_sign()
+        self._since_braking = self._memory
+
+    def _unknown(self, reason: Reason, text: str, signals: WheelSignals | None = None) -> SlopeEstimate:
+        self._crossing.forget_sign()
+        return self._estimate(reason, text, signals)
+
+    def _estimate(
+        self, reason: Reason, text: str, signals: WheelSignals | None = None, indicator: float = nan
+    ) -> SlopeEstimate:
+        crossing = self._crossing
+        return SlopeEstimate(
+            sign=crossing.sign if reason in (Reason.OK, Reason.NO_EXCITATION) else 0,
+            h=nan if signals is None else signals.h,
+            indicator=indicator,
+            delay=nan if signals is None else signals.delay,
+            crossings=crossing.crossings,
+            crossing_sign=crossing.crossing_sign,
+            slip_at_crossing=crossing.slip,
+            crossing_stamp=crossing.stamp,
+            reason=reason,
+            reason_text=text,
+        )

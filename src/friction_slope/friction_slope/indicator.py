@@ -1,0 +1,40 @@
+"""Sign of the slip rate, measured (8.4) or replaced by that of eta (8.5), with dead zones where it is not measured.
+
+eta = -omega_dot r / g takes the place of the slip rate in (8.5). By (8.6),
+
+    slip_rate = (g / v) (eta - (1 - slip) mu)        (all wheels at the friction mu of this one)
+
+so the two signs differ exactly where 0 < eta < (1 - slip) mu. There the sign of eta says nothing of the slip rate. The
+friction in use is known, mu = (J omega_dot + T_b) / (r Fz), so that this interval can be left out as a dead zone.
+"""
+
+GRAVITY = 9.81
+"""As the chapter uses it [m/s^2]."""
+
+
+def normalised_deceleration(wheel_acceleration: float, radius: float) -> float:
+    """Eta = -omega_dot r / g [-], positive in braking; omega_dot [rad/s^2], r [m]."""
+    return -wheel_acceleration * radius / GRAVITY
+
+
+def slip_rate_sign(slip_rate: float, dead_zone: float) -> int:
+    """Sign of the slip rate [1/s]; 0 within the dead zone (>= 0) and for NaN."""
+    if slip_rate > dead_zone:
+        return 1
+    return -1 if slip_rate < -dead_zone else 0
+
+
+def eta_sign(eta: float, friction: float, margin: float) -> int:
+    """Sign of the slip rate as far as eta tells it.
+
+    Args:
+        eta: normalised wheel deceleration [-].
+        friction: friction coefficient in use [-]; its part below zero does not count.
+        margin: by which eta must lie outside the interval (0, friction) [-], >= 0.
+
+    Returns:
+        +1 above the interval, -1 below it, 0 within.
+    """
+    if eta > max(friction, 0.0) + margin:
+        return 1
+    return -1 if eta < -margin else 0

@@ -1,0 +1,18 @@
+"""Node friction_slope: one processor a wheel on its topics."""
+
+from collections.abc import Sequence
+
+from friction_runtime.processor_node import ProcessorNode
+from friction_runtime.spin import run
+from friction_slope.parameters import FrictionSlopeParameters
+from friction_slope.processor import build
+
+
+def make_node() -> ProcessorNode[FrictionSlopeParameters]:
+    """Make the node; rclpy is initialised."""
+    return ProcessorNode("friction_slope", FrictionSlopeParameters, build)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run until a signal; return the exit code."""
+    return run(make_node, args)

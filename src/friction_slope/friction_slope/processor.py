@@ -1,0 +1,170 @@
+"""wheel_states, <wheel>/brake_pressure and <wheel>/slip in, <wheel>/friction_slope out: one processor a wheel."""
+
+from collections.abc import Mapping, Sequence
+from math import isfinite, nan
+from typing import Any
+
+from friction_msgs.msg import FrictionSlope, WheelSlip
+from sensor_msgs.msg import FluidPressure, JointState
+from std_msgs.msg import Header
+
+from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
+from friction_runtime.processor import Health, Level, Output, Report, silent
+from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_slope.detector import SlopeDetector
+from friction_slope.estimate import Reason, SlopeEstimate, SlopeSample
+from friction_slope.parameters import FrictionSlopeParameters
+
+WHEEL_STATES = "wheel_states"
+_SILENT_AFTER = 0.25
+"""[s]"""
+_QUIET = (Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING, Reason.NO_EXCITATION)
+"""Reasons that belong to ordinary driving."""
+_BROKEN = (Reason.NO_TORQUE, Reason.NO_SLIP)
+"""Reasons that no wait cures."""
+_FASTEST_WHEEL = 1000.0
+"""[rad/s] Above it a wheel speed is garbage."""
+_HIGHEST_TORQUE = 1e5
+"""[N m] Above it a brake torque is garbage."""
+
+
+class WheelProcessor:
+    """Layer 2 of friction_slope. Fires for each wheel_states sample, once the other inputs have reached its stamp."""
+
+    def __init__(self, wheel: str, parameters: FrictionSlopeParameters, report: Report = silent) -> None:
+        """Build for one wheel; `report` takes what a person should know."""
+        self._wheel = wheel
+        self._report = report
+        self._gain = parameters.brake_gain(wheel)
+        self._pressure, self._slip = f"{wheel}/brake_pressure", f"{wheel}/slip"
+        self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, self._pressure: FluidPressure}
+        self.estimates: Mapping[str, type] = {self._slip: WheelSlip} if parameters.takes_slip else {}
+        self.outputs: Mapping[str, type] = {f"{wheel}/friction_slope": FrictionSlope}
+        inputs = [AlignedInput(topic, parameters.max_gap) for topic in (self._pressure, *self.estimates)]
+        self._aligner: Aligner[float] = Aligner(WHEEL_STATES, inputs, parameters.deadline)
+        settings = parameters.detector(wheel)
+        self._method = int(settings.method)
+        self._detector = SlopeDetector(settings)
+        self.reset()
+
+    def reset(self) -> None:
+        """Start anew, as after construction."""
+        self._aligner.reset()
+        self._detector.reset()
+        self._last: SlopeEstimate | None = None
+        self._slip_reason = ""
+        self._silent = ""
+
+    def process(self, topic: str, message: Any) -> Sequence[Output]:
+        """Take one message, return what follows from it."""
+        stamp = to_nanoseconds(message.header.stamp)
+        if topic == WHEEL_STATES:
+            self._silent = ""
+            refusal = self._aligner.offer_primary(stamp, self._wheel_speed(message))
+        elif topic == self._pressure:
+            refusal = self._offer_pressure(stamp, message)
+        else:
+            refusal = self._offer_slip(stamp, message)
+        if refusal is not None:
+            self._report("warning", f"{refusal}: sample refused")
+        return [self._fire(sample) for sample in self._aligner.ready()]
+
+    def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
+        """Note silence of wheel_states for diagnostics: without a sample there is no stamp to speak of."""
+        age = ages.get(WHEEL_STATES, 0.0)
+        self._silent = f"{WHEEL_STATES}: no message for {age:.2f} s" if age > _SILENT_AFTER else ""
+        return []
+
+    def health(self) -> Health:
+        """State for diagnostics."""
+        last = self._last
+        if self._silent or last is None:
+            return Health(self._wheel, Level.ERROR, self._silent or f"{WHEEL_STATES}: no sample yet")
+        values = {
+            "sign": str(last.sign),
+            "H [rad/s^3]": f"{last.h:.1f}",
+            "indicator [rad/s^3]": f"{last.indicator:.1f}",
+            "crossings": str(last.crossings),
+            "slip at the last crossing": f"{last.slip_at_crossing:.4f}",
+        }
+        level = Level.OK if last.reason in _QUIET else Level.ERROR if last.reason in _BROKEN else Level.WARN
+        return Health(self._wheel, level, last.reason_text or "ok", values)
+
+    def _wheel_speed(self, message: JointState) -> float:
+        """Speed of our wheel [rad/s], NaN where it is missing or garbage."""
+        speeds = dict(zip(message.name, message.velocity, strict=False))
+        if self._wheel not in speeds:
+            names = ", ".join(message.name)
+            self._report(
+                "error",
+                f"{WHEEL_STATES}: no velocity for wheel '{self._wheel}', names are: {names}; "
+                "check the parameter 'wheels'",
+            )
+            return nan
+        speed = float(speeds[self._wheel])
+        if not abs(speed) <= _FASTEST_WHEEL:
+            self._report("warning", f"{WHEEL_STATES}: velocity of wheel '{self._wheel}' is no wheel speed: {speed}")
+            return nan
+        return speed
+
+    def _offer_pressure(self, stamp: int, message: FluidPressure) -> str | None:
+        torque = self._gain * message.fluid_pressure
+        if not abs(torque) <= _HIGHEST_TORQUE:
+            return f"{self._pressure}: {message.fluid_pressure} Pa is no brake pressure"
+        return self._aligner.offer(self._pressure, stamp, (torque,))
+
+    def _offer_slip(self, stamp: int, message: WheelSlip) -> str | None:
+        # What is not known travels as a flag, so that an interpolation between a known and an unknown slip is unknown.
+        valid = message.valid and isfinite(message.slip) and isfinite(message.slip_rate)
+        if not valid:
+            self._slip_reason = message.reason_text
+        known = isfinite(message.vehicle_speed)
+        values = (message.slip, message.slip_rate) if valid else (0.0, 0.0)
+        speed = message.vehicle_speed if known else 0.0
+        return self._aligner.offer(self._slip, stamp, (*values, float(valid), speed, float(known)))
+
+    def _fire(self, sample: AlignedSample[float]) -> Output:
+        if sample.rewound:
+            self._detector.reset()
+            self._report("info", f"{WHEEL_STATES}: stamps jumped back, started anew")
+        slip, slip_rate, valid, speed, known = sample.values.get(self._slip, (nan, nan, 0.0, nan, 0.0))
+        estimate = self._detector.update(
+            SlopeSample(
+                stamp=sample.stamp,
+                wheel_speed=sample.payload,
+                brake_torque=sample.values[self._pressure][0] if self._pressure in sample.values else nan,
+                slip=slip if valid == 1.0 else nan,
+                slip_rate=slip_rate if valid == 1.0 else nan,
+                vehicle_speed=speed if known == 1.0 else nan,
+            )
+        )
+        self._last = estimate
+        return f"{self._wheel}/friction_slope", self._message(sample, estimate)
+
+    def _message(self, sample: AlignedSample[float], estimate: SlopeEstimate) -> FrictionSlope:
+        text = estimate.reason_text
+        if estimate.reason is Reason.NO_TORQUE:
+            text = sample.missing.get(self._pressure, text)
+        elif estimate.reason is Reason.NO_SLIP:
+            text = sample.missing.get(self._slip, f"{self._slip}: {self._slip_reason or text}")
+        return FrictionSlope(
+            header=Header(stamp=from_nanoseconds(sample.stamp), frame_id=self._wheel),
+            wheel=self._wheel,
+            method=self._method,
+            sign=estimate.sign,
+            h=estimate.h,
+            indicator=estimate.indicator,
+            delay=estimate.delay,
+            crossings=estimate.crossings,
+            crossing_sign=estimate.crossing_sign,
+            slip_at_crossing=estimate.slip_at_crossing,
+            crossing_stamp=from_nanoseconds(estimate.crossing_stamp),
+            valid=estimate.reason is Reason.OK,
+            reason=int(estimate.reason),
+            reason_text=text and f"{self._wheel}: {text}",
+        )
+
+
+def build(parameters: FrictionSlopeParameters, report: Report = silent) -> list[WheelProcessor]:
+    """Make the processors: one a wheel."""
+    return [WheelProcessor(wheel, parameters, report) for wheel in parameters.wheels]

@@ -1,0 +1,89 @@
+"""Wheel signals of (8.3) from the last samples.
+
+    H = omega_ddot + T_b_dot / J = d^2 z / dt^2,    z = omega + (1/J) integral of T_b dt
+
+The two terms of H are thousands of rad/s^3 while the torque changes, and cancel to tens. Taken from z as one second
+derivative they pass the same filter and cancel exactly; derivatives taken apart would leave the difference of two filters.
+"""
+
+from dataclasses import dataclass
+
+from friction_slope.estimate import SlopeSample
+from vehicle_models.derivatives import LocalPolynomial
+
+_NANOSECOND = 1e-9
+_OMEGA, _Z, _SLIP, _SLIP_RATE = range(4)
+
+
+@dataclass(frozen=True)
+class WheelSignals:
+    """What the windows say."""
+
+    delay: float
+    """Of h and slip behind the newest sample [s]; negative where they are predicted."""
+    h: float
+    """H of (8.3) [rad/s^3]."""
+    slip: float
+    """[-]; NaN if it was unknown anywhere in the window."""
+    wheel_acceleration: float
+    """omega_dot [rad/s^2], mean over the rate window, as are the following."""
+    friction_moment: float
+    """r Fx = J z_dot = J omega_dot + T_b [N m], braking positive."""
+    slip_rate: float
+    """[1/s]; NaN if it was unknown anywhere in the rate window."""
+
+
+class SignalWindow:
+    """The last samples of one wheel, and the signals read from them."""
+
+    def __init__(self, inertia: float, window: int, rate_window: int, lead: float) -> None:
+        """Start empty.
+
+        Args:
+            inertia: wheel inertia J [kg m^2], > 0.
+            window: samples N for H, >= 3; >= 4 with a lead.
+            rate_window: samples for the first derivatives, >= 2.
+            lead: where H is read: 0 at the centre of its window (parabola, least noise), 1 at the newest sample, beyond
+                1 ahead of it (cubic).
+        """
+        self._inertia = inertia
+        self._lead = lead
+        self._window = LocalPolynomial(window, degree=2 if lead == 0.0 else 3, signals=4)
+        self._rates = LocalPolynomial(rate_window, degree=1, signals=4)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget every sample."""
+        self._window.reset()
+        self._rates.reset()
+        self._impulse = 0.0
+        self._last: SlopeSample | None = None
+
+    @property
+    def ready(self) -> bool:
+        """Are the windows full?"""
+        return self._window.ready and self._rates.ready
+
+    def update(self, sample: SlopeSample) -> None:
+        """Take a sample, later than the last, with finite wheel speed and torque."""
+        if self._last is not None:
+            dt = (sample.stamp - self._last.stamp) * _NANOSECOND
+            self._impulse += 0.5 * dt * (self._last.brake_torque + sample.brake_torque)
+        self._last = sample
+        values = (sample.wheel_speed, sample.wheel_speed + self._impulse / self._inertia, sample.slip, sample.slip_rate)
+        self._window.update(sample.stamp, values)
+        self._rates.update(sample.stamp, values)
+
+    def read(self) -> WheelSignals:
+        """Read the signals; the windows must be ready."""
+        delay = 0.5 * self._window.span * (1.0 - self._lead)
+        rate_delay = 0.5 * self._rates.span
+        slopes = self._rates.derivative(1, rate_delay)
+        return WheelSignals(
+            delay=delay,
+            h=float(self._window.derivative(2, delay)[_Z]),
+            slip=float(self._window.derivative(0, delay)[_SLIP]),
+            wheel_acceleration=float(slopes[_OMEGA]),
+            friction_moment=self._inertia * float(slopes[_Z]),
+            slip_rate=float(self._rates.derivative(0, rate_delay)[_SLIP_RATE]),
+        )
