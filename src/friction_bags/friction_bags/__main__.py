@@ -4,7 +4,7 @@ import sys
 from argparse import ArgumentParser
 from collections.abc import Sequence
 
-from friction_bags import import_csv, info, play, record, reindex
+from friction_bags import import_csv, info, play, process, record, reindex
 
 _NODES = {
     "record": (record, "record topics to a bag"),
@@ -13,6 +13,7 @@ _NODES = {
 _TOOLS = {
     "info": (info, "say what a bag holds"),
     "reindex": (reindex, "repair a bag whose recorder was killed"),
+    "process": (process, "run the estimators over bags, without middleware"),
     "import": (import_csv, "make a bag from measured data in a CSV file"),
 }
 

@@ -16,6 +16,7 @@ from friction_bags.bag_format import Topic
 from friction_bags.message_definition import message_definition
 
 
+@cache
 def type_name(kind: type) -> str:
     """Name of a message class, e.g. sensor_msgs/msg/JointState."""
     return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
@@ -37,8 +38,9 @@ def encode(message: Any) -> bytes:
     Raises:
         UnknownTypeError: the definition of the message is not installed.
     """
-    name = type_name(type(message))
-    return bytes(_typestore(name).serialize_cdr(_Numpy(message), name))
+    kind = type(message)
+    data = _typestore(kind).serialize_cdr(_Numpy(message) if _has_sequence(kind) else message, type_name(kind))
+    return bytes(data)
 
 
 class _Numpy:
@@ -53,7 +55,12 @@ class _Numpy:
 
 
 @cache
-def _typestore(name: str) -> Typestore:
+def _has_sequence(kind: type) -> bool:
+    return any("sequence<" in field for field in kind.get_fields_and_field_types().values())  # type: ignore[attr-defined]
+
+
+@cache
+def _typestore(kind: type) -> Typestore:
     store = get_typestore(Stores.EMPTY)
-    store.register(get_types_from_msg(message_definition(name).text, name))
+    store.register(get_types_from_msg(message_definition(type_name(kind)).text, type_name(kind)))
     return store

@@ -1,0 +1,44 @@
+"""The wheel processors of several estimators connected without middleware: what the nodes do, in one process."""
+
+from collections import deque
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from friction_runtime.processor import Output, Processor
+
+
+class OfflineGraph:
+    """Passes messages to the processors that take them, and theirs in turn to those behind."""
+
+    def __init__(self, processors: Sequence[Processor]) -> None:
+        """Connect processors by their topics.
+
+        Args:
+            processors: all that take part, in any order.
+        """
+        self.inputs: dict[str, type] = {}
+        self.outputs: dict[str, type] = {}
+        self._readers: dict[str, list[Processor]] = {}
+        for processor in processors:
+            self.outputs.update(processor.outputs)
+            for topics in (processor.sensors, processor.estimates):
+                self._connect(processor, topics)
+
+    def feed(self, topic: str, message: Any) -> list[Output]:
+        """Take one message; return what all processors give because of it, in order."""
+        given: list[Output] = []
+        waiting: deque[Output] = deque([(topic, message)])
+        while waiting:
+            name, each = waiting.popleft()
+            for processor in self._readers.get(name, ()):
+                outputs = processor.process(name, each)
+                given.extend(outputs)
+                waiting.extend(output for output in outputs if output[0] in self._readers)
+        return given
+
+    def _connect(self, processor: Processor, topics: Mapping[str, type]) -> None:
+        for topic, kind in topics.items():
+            self.inputs[topic] = kind
+            readers = self._readers.setdefault(topic, [])
+            if processor not in readers:
+                readers.append(processor)

@@ -1,0 +1,113 @@
+"""`process`: the command that runs the estimators over bags, as fast as the machine allows."""
+
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, wait
+from contextlib import contextmanager
+from functools import partial
+from multiprocessing import get_context
+from os import cpu_count
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+from friction_bags.bag_format import BagError
+from friction_bags.estimators import ESTIMATORS
+from friction_bags.offline_run import ProcessOptions, ProcessResult, process_bag
+from friction_runtime.parameters import ParameterError
+
+_REFRESH_PERIOD = 0.2
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="bags to be processed")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="bag to be made; of several bags: where to make them"
+    )
+    parser.add_argument("--estimators", nargs="+", choices=ESTIMATORS, default=[], help="default: all with inputs")
+    parser.add_argument("--wheels", nargs="+", default=[], help="default: those of the bag")
+    parser.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
+    parser.add_argument("--namespace", default="/", help="of the topics, such as /car")
+    parser.add_argument("--outputs-only", action="store_true", help="leave out the topics of the bag")
+    parser.add_argument("--jobs", type=int, default=cpu_count() or 1, help="bags at once (default: one a core)")
+
+
+def run(args: Namespace) -> int:
+    """Process the bags.
+
+    Returns:
+        Exit code: 0, 1 when a bag is damaged, 2 when one could not be processed.
+    """
+    options = ProcessOptions(
+        tuple(args.estimators),
+        tuple(args.wheels),
+        tuple(args.params_file),
+        args.namespace,
+        args.outputs_only,
+    )
+    outs = [args.out] if len(args.bags) == 1 else [args.out / bag.resolve().name for bag in args.bags]
+    if len(set(outs)) < len(outs):
+        print("error: two bags have the same name", file=sys.stderr)
+        return 2
+    code = 0
+    for result in _process_all(list(zip(args.bags, outs, strict=True)), options, args.jobs):
+        if isinstance(result, Exception):
+            print(f"error: {result}", file=sys.stderr)
+            code = 2
+            continue
+        for problem in result.problems:
+            print(f"damaged: {problem}", file=sys.stderr)
+            code = max(code, 1)
+        print(
+            f"{result.bag}: {result.messages} messages in, {result.outputs} out, {result.duration:.1f} s in "
+            f"{result.seconds:.1f} s ({result.duration / result.seconds:.1f} times real time)",
+            flush=True,
+        )
+    return code
+
+
+def _process_all(
+    pairs: Sequence[tuple[Path, Path]], options: ProcessOptions, jobs: int
+) -> Iterator[ProcessResult | Exception]:
+    """Process bags here, or several at once in processes of their own; yield results in the order of the bags."""
+    if len(pairs) == 1 or jobs == 1:
+        for bag, out in pairs:
+            with _bars([bag]) as show:
+                result = _attempt(bag, out, options, partial(show, 0))
+            yield result
+        return
+    context = get_context("spawn")
+    with context.Manager() as manager, ProcessPoolExecutor(min(jobs, len(pairs)), mp_context=context) as pool:
+        parts = manager.dict({index: 0.0 for index in range(len(pairs))})
+        futures = [
+            pool.submit(_attempt, bag, out, options, partial(parts.__setitem__, index))
+            for index, (bag, out) in enumerate(pairs)
+        ]
+        with _bars([bag for bag, _ in pairs]) as show:
+            while wait(futures, _REFRESH_PERIOD).not_done:
+                for index, part in parts.items():
+                    show(index, part)
+        yield from (future.result() for future in futures)
+
+
+def _attempt(
+    bag: Path, out: Path, options: ProcessOptions, progress: Callable[[float], None]
+) -> ProcessResult | Exception:
+    """Process a bag; return what went wrong instead of raising it, so that the other bags go on."""
+    try:
+        return process_bag(bag, out, options, progress)
+    except (BagError, ParameterError, OSError) as error:
+        return error
+
+
+@contextmanager
+def _bars(bags: Sequence[Path]) -> Iterator[Callable[[int, float], None]]:
+    """Progress bars on a terminal, nothing elsewhere: a function of the bag's index and the part that is done."""
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
+        tasks = [progress.add_task(bag.name, total=1.0) for bag in bags]
+        yield lambda index, part: progress.update(tasks[index], completed=part)
