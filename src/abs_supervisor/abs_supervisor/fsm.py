@@ -2,12 +2,12 @@
 
     S0 --demand >= T-bar--> S1 --indicator <= H_inst--> S21 --n ms--> S22 --indicator >= H_st--> S1
 
-and from S1, S21, S22 back to S0 when braking is over, when the inputs fail or at low speed. S22 also returns to S1 when it
-has released for long enough: a slope that stays unmeasurable must not keep the brake open.
+and from S1, S21, S22 back to S0 when braking is over, when the inputs fail or at low speed. S22 also returns to S1 when
+it has released for long enough: a slope that stays unmeasurable must not keep the brake open.
 
-The peak is crossed upwards only while slip grows and downwards only while it falls. So S1 is left for indicators that were
-measured with growing slip, and S22 for those with falling slip. Otherwise a wheel that recovers from beyond the peak, to
-which a release time-out has given pressure again, would at once be released anew.
+The peak is crossed upwards only while slip grows and downwards only while it falls. So S1 is left for indicators that
+were measured with growing slip, and S22 for those with falling slip. Otherwise a wheel that recovers from beyond the
+peak, to which a release time-out has given pressure again, would at once be released anew.
 """
 
 from dataclasses import dataclass

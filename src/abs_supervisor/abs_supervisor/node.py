@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from friction_runtime.processor_node import ProcessorNode
-from friction_runtime.spin import run
 from abs_supervisor.parameters import AbsSupervisorParameters
 from abs_supervisor.processor import build
+from friction_runtime.processor_node import ProcessorNode
+from friction_runtime.spin import run
 
 
 def make_node() -> ProcessorNode[AbsSupervisorParameters]:

@@ -58,7 +58,8 @@ class AbsSupervisorParameters:
         per_wheel("brake_gains", self.brake_gains, self.wheels)
         if not self.release_torque < self.braking_torque:
             raise ValueError(
-                f"parameter 'release_torque' = {self.release_torque} must be below 'braking_torque' = {self.braking_torque}"
+                f"parameter 'release_torque' = {self.release_torque} must be below "
+                f"'braking_torque' = {self.braking_torque}"
             )
 
     def thresholds(self) -> Thresholds:

@@ -1,4 +1,4 @@
-"""The state machine in message time: how long it has been in its state, why it changed, and what failed for how long."""
+"""The state machine in message time: how long in its state, why it changed, what failed and for how long."""
 
 from dataclasses import dataclass
 from math import isfinite
