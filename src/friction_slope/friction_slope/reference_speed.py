@@ -1,4 +1,4 @@
-"""Vehicle speed for method no_slip, only to know standstill: a wheel that locks must not look like a car that stands."""
+"""Vehicle speed for method no_slip, only to know standstill: a locked wheel must not look like a car that stands."""
 
 from friction_slope.estimate import SlopeSample
 

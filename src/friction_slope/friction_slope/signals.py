@@ -3,7 +3,7 @@
     H = omega_ddot + T_b_dot / J = d^2 z / dt^2,    z = omega + (1/J) integral of T_b dt
 
 The two terms of H are thousands of rad/s^3 while the torque changes, and cancel to tens. Taken from z as one second
-derivative they pass the same filter and cancel exactly; derivatives taken apart would leave the difference of two filters.
+derivative they pass the same filter and cancel exactly; taken apart they would leave the difference of two filters.
 """
 
 from dataclasses import dataclass

@@ -1,12 +1,12 @@
 """Causal derivative estimators: a polynomial fitted to the last samples by least squares.
 
-Over the window the signal is taken as a polynomial of degree d in time; order k of its derivative is read `delay` before
-the newest sample. On a uniform grid these are the Savitzky-Golay filters; the weights follow the stamps, so that jitter
-and lost samples leave the result exact for every polynomial of degree d.
+Over the window the signal is taken as a polynomial of degree d in time; order k of its derivative is read `delay`
+before the newest sample. On a uniform grid these are the Savitzky-Golay filters; the weights follow the stamps, so that
+jitter and lost samples leave the result exact for every polynomial of degree d.
 
 Delay: read at the centre of the window, (N - 1) T / 2 before the newest sample at sample time T, the estimate is a
 weighted mean of the true derivative around that point, with the least variance. Read nearer to the newest sample it is
-younger and noisier; before it (a negative delay) it is a prediction. A fit of degree d = k is the same everywhere in the
+younger and noisier; past it (a negative delay) it is a prediction. A fit of degree d = k is the same everywhere in the
 window, and its delay is that of the centre.
 """
 
