@@ -1,7 +1,7 @@
 """Calibration from recorded drives: tooth tables, speed trends, beta, force maps (section 8.4.4).
 
-Reference forces come from the car's acceleration and load transfer; wheel-force transducers are not needed. Such a reference
-does not see the unevenness of the road: the maps are therefore fitted as angle over force (see `force_map`).
+Reference forces come from the car's acceleration and load transfer; wheel-force transducers are not needed. Such a
+reference does not see the unevenness of the road: the maps are therefore fitted as angle over force (see `force_map`).
 """
 
 from dataclasses import dataclass, replace
@@ -57,9 +57,10 @@ class _Points:
 def quasi_static_trends(
     runs: list[WheelRun], car: CarParameters, parameters: TrackerParameters
 ) -> tuple[Polynomial, Polynomial, Polynomial, dict[str, float]]:
-    """Speed trends of shift [rad] and length [rad], one map for all wheels (Figure 8.21), and the mean Fx [N] they absorb.
+    """Speed trends of shift and length [rad], one map for all wheels (Figure 8.21), and the mean Fx [N] they absorb.
 
-    The zero of the shift differs from wheel to wheel and from drive to drive, so each run has a constant of its own in the fit.
+    The zero of the shift differs from wheel to wheel and from drive to drive, so each run has a constant of its own in
+    the fit.
 
     Raises:
         ValueError: a run has no valid passage, or the speeds do not span 5 m/s.

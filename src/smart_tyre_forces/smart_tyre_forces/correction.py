@@ -3,9 +3,9 @@
     delta phi = (alpha_1 + alpha_2)/2 + Omega_0 - (P(v) - P(v_0)) + beta (Delta phi - Delta phi_0)
     Delta phi = k (alpha_2 - alpha_1) - Q(v) + Delta phi_0
 
-Omega_0 is found at the first stretch of constant low speed v_0 that lasts some seconds, so that delta phi is zero there (the
-chapter says 10 ms, which is less than a revolution). k is 1 until the length is re-zeroed at constant speed, after a change of
-pressure.
+Omega_0 is found at the first stretch of constant low speed v_0 that lasts some seconds, so that delta phi is zero
+there (the chapter says 10 ms, which is less than a revolution). k is 1 until the length is re-zeroed at constant
+speed, after a change of pressure.
 """
 
 from collections import deque

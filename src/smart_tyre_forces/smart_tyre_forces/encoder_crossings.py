@@ -1,8 +1,8 @@
-"""Zero crossings of the encoder's sine, streaming: blocks of any size give the same crossings, bit for bit (section 8.4.4).
+"""Zero crossings of the encoder's sine, streaming: blocks of any size give the same, bit for bit (section 8.4.4).
 
 Every sample of the sine takes part: a short symmetric filter (its delay is a whole number of samples) averages the
-neighbourhood of each crossing before the crossing is interpolated. Hysteresis keeps noise from adding crossings, so they
-alternate between rising and falling and lie 180/teeth degrees apart.
+neighbourhood of each crossing before the crossing is interpolated. Hysteresis keeps noise from adding crossings, so
+they alternate between rising and falling and lie 180/teeth degrees apart.
 """
 
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ class EncoderCrossings:
         self._previous: list[float] = []
 
     def push(self, voltage: Array) -> list[Stretch]:
-        """Take the next samples [V], finite, shape (n,); return the crossings they complete, in stretches without a fault."""
+        """Take the next samples [V], finite, shape (n,); return the crossings they complete, in faultless stretches."""
         smooth, self._state = signal.lfilter(_TAPS, _ONE, voltage, zi=self._state)
         first = self._next - _DELAY
         self._next += len(voltage)

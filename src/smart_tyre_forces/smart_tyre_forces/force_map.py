@@ -1,7 +1,7 @@
 """Static monotone maps between an angle of the contact patch and a force, (8.14) and (8.16).
 
-The map is fitted as angle over force, because the angle carries the noise (and the unevenness of the road, which a reference
-force does not see), and inverted for use.
+The map is fitted as angle over force, because the angle carries the noise (and the unevenness of the road, which a
+reference force does not see), and inverted for use.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-_MARGIN = 0.15
+_MARGIN = 0.3
 """Extrapolation allowed at either end, as a share of the calibrated range."""
 _POINTS = 601
 

@@ -1,12 +1,12 @@
 """Fz and Fx of one wheel from its corrected contact patch, (8.14) and (8.16), with their deviations.
 
-Removing the speed trend removes the steady drag and rolling resistance with it: the shift map alone gives Fx relative to
-constant speed. The part removed is known from the calibration and is added again unless it is switched off:
+Removing the speed trend removes the steady drag and rolling resistance with it: the shift map alone gives Fx relative
+to constant speed. The part removed is known from the calibration and is added again unless it is switched off:
 
     Fx = f_x(delta phi) + Fx_wheel(v_0) + trend(v) - trend(v_0),
 
-with Fx_wheel the force of this wheel at constant speed, where the shift was called zero, and trend the mean of both axles
-that went into the common speed map.
+with Fx_wheel the force of this wheel at constant speed, where the shift was called zero, and trend the mean of both
+axles that went into the common speed map.
 """
 
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ class Forces:
 
 
 def steady_force(tyre: TyreCalibration, wheel: WheelCalibration, speed: float, zero_speed: float) -> float:
-    """Fx [N] that corrected shift zero stands for at `speed`, the shift having been called zero at `zero_speed` [m/s]."""
+    """Fx [N] that zero shift stands for at `speed`, the shift having been called zero at `zero_speed` [m/s]."""
     removed = polynomial(tyre.trend_force, speed) - polynomial(tyre.trend_force, zero_speed)
     return polynomial(wheel.steady_force, zero_speed) + removed
 

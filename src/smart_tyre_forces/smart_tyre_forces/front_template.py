@@ -2,11 +2,12 @@
 
 Around the patch the normalised signal is
 
-    z = A s_1(theta - alpha_1) + B + noise  up to the middle of the patch,  z = A s_2(theta - alpha_2) + B + noise  after it,
+    z = A s_1(theta - alpha_1) + B + noise    up to the middle of the patch,
+    z = A s_2(theta - alpha_2) + B + noise    after it,
 
-with s_1 and s_2 the mean waveforms of the two fronts. The noise is not white (the road shakes between 150 and 2000 Hz), so
-residuals are whitened by the autoregressive filter that fits the noise on the free belt. Two Gauss-Newton steps for
-(A, B, alpha_1, alpha_2) from the crossings then come close to the Cramer-Rao bound.
+with s_1 and s_2 the mean waveforms of the two fronts. The noise is not white (the road shakes between 150 and 2000
+Hz), so residuals are whitened by the autoregressive filter that fits the noise on the free belt. Two Gauss-Newton
+steps for (A, B, alpha_1, alpha_2) from the crossings then come close to the Cramer-Rao bound.
 """
 
 from dataclasses import dataclass, replace
@@ -39,14 +40,13 @@ _RIDGE = 1e-4
 class FrontRefiner(Protocol):
     """What may look at each passage once its fronts have been found by crossing."""
 
-    def refine(self, fronts: Fronts, theta: Array, acceleration: Array, split: int) -> Fronts | None:
+    def refine(self, fronts: Fronts, theta: Array, acceleration: Array) -> Fronts | None:
         """Return better fronts, or None where there are none.
 
         Args:
             fronts: found by crossing.
-            theta: wheel angle of the samples about the expected centre [rad], from the free belt to the end of the window.
+            theta: wheel angle of the samples about the expected centre [rad], from half a revolution before it on.
             acceleration: at those samples [m/s^2].
-            split: first sample of the window with the fronts.
         """
         ...
 
@@ -75,7 +75,7 @@ class TemplateLearner:
         self._sums = np.zeros((2, len(GRID)))
         self._count = 0
 
-    def refine(self, fronts: Fronts, theta: Array, acceleration: Array, split: int) -> Fronts | None:
+    def refine(self, fronts: Fronts, theta: Array, acceleration: Array) -> Fronts | None:
         """Add one passage."""
         normalised = (acceleration - fronts.floor) / fronts.step
         for row, front in enumerate((fronts.alpha_1, fronts.alpha_2)):
@@ -104,7 +104,7 @@ class TemplateFit:
         self._slopes = tuple(np.gradient(table, GRID) for table in self._tables)
         self._covariance: Array | None = None
 
-    def refine(self, fronts: Fronts, theta: Array, acceleration: Array, split: int) -> Fronts | None:
+    def refine(self, fronts: Fronts, theta: Array, acceleration: Array) -> Fronts | None:
         """Fit both fronts of a passage."""
         whitener = self._whitener(acceleration[: int(np.searchsorted(theta, _FREE_END))])
         if whitener is None:

@@ -1,8 +1,8 @@
 """The two fronts of the twin spike by zero crossing of the normalised, detrended signal (section 8.4.4, Figure 8.19).
 
-Both references come from the revolution itself, so neither drift of the sensor's offset nor a change of speed reaches the
-fronts: the mean M on the free belt (angle -180 to -50 degrees before the patch) and the mean P inside the patch. With gravity,
-M = offset + c omega_M^2 + g mean(cos), P = offset + g, and the centripetal step at the patch is
+Both references come from the revolution itself, so neither drift of the sensor's offset nor a change of speed reaches
+the fronts: the mean M on the free belt (angle -180 to -50 degrees before the patch) and the mean P inside the patch.
+With gravity, M = offset + c omega_M^2 + g mean(cos), P = offset + g, and the centripetal step at the patch is
 
     c omega^2 = (M - P + g (1 - mean(cos))) (omega / omega_M)^2.
 

@@ -1,7 +1,7 @@
 """From the two sampled signals to one contact patch per revolution, streaming (section 8.4.4).
 
-Blocks of any size give the same passages, bit for bit: a revolution is worked on only when its last crossing has come, and
-then from samples chosen by angle, never by block.
+Blocks of any size give the same passages, bit for bit: a revolution is worked on only when its last crossing has come,
+and then from samples chosen by angle, never by block.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from smart_tyre_forces.wheel_angle import WheelAngle
 
 Array = NDArray[np.float64]
 
-_ACQUISITION_WIDTH = np.radians(12.0)
+_ACQUISITION_WIDTH = np.radians(20.0)
 """Width of the running mean whose lowest place shows the patch [rad]."""
 _DEEP = 0.4
 """The patch is believed when that mean lies below this share of the median over the revolution."""
@@ -229,7 +229,7 @@ class PatchTracker:
             theta[split:], acceleration[split:], float(np.mean(acceleration[:split])), speed / free_speed
         )
         if fronts is not None and self._refiner is not None:
-            fronts = self._refiner.refine(fronts, theta, acceleration, split)
+            fronts = self._refiner.refine(fronts, theta, acceleration)
         if fronts is None or not _LENGTHS[0] < fronts.alpha_2 - fronts.alpha_1 < _LENGTHS[1]:
             self._failures += 1
             if self._failures >= _FAILURES:

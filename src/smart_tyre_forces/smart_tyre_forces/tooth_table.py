@@ -1,9 +1,9 @@
 """Where the crossings of an encoder really are: the tooth table, and finding one's place in it.
 
-Teeth are not quite equal, the ring is not quite centred, and a second harmonic moves falling against rising crossings: the
-angle of crossing k of a revolution is k pi/teeth + d_k. The d_k are learned from driving. They are also a finger-print: one
-revolution of crossings tells which tooth is which, so the absolute angle survives a restart, a missed tooth or a lost packet.
-Turning backwards does not fit the print.
+Teeth are not quite equal, the ring is not quite centred, and a second harmonic moves falling against rising crossings:
+the angle of crossing k of a revolution is k pi/teeth + d_k. The d_k are learned from driving. They are also a
+finger-print: one revolution of crossings tells which tooth is which, so the absolute angle survives a restart, a
+missed tooth or a lost packet. Turning backwards does not fit the print.
 """
 
 from dataclasses import dataclass
@@ -103,7 +103,7 @@ class ToothTableLearner:
         self._learned = 0
 
     def add(self, times: Array) -> ToothTable | None:
-        """Take the next batch of crossing times [any unit]; return the table, numbered from its first crossing, once learned."""
+        """Take the next batch of crossing times [any unit]; return the table, from its first crossing, once learned."""
         deviations = self._batch(times)
         if deviations is None:
             return None

@@ -41,20 +41,10 @@ def dynamic_drive(car: CarParameters = CarParameters(), *, road_seed: int, uneve
         road_seed: of the unevenness.
         unevenness: deviation of Fz over the static load, 1 to 12 Hz [-].
     """
-    knots = [
-        (0.0, 0.0),
-        (14.0, 0.0),
-        (14.4, 2.8),
-        (19.0, 2.8),
-        (19.4, 0.0),
-        (42.0, 0.0),
-        (42.15, -8.0),
-        (43.75, -8.0),
-        (43.9, 0.0),
-        (60.0, 0.0),
-    ]
+    corners = np.array([0.0, 14.0, 14.4, 19.0, 19.4, 42.0, 42.15, 43.75, 43.9, 60.0])
+    values = np.array([0.0, 0.0, 2.8, 2.8, 0.0, 0.0, -8.0, -8.0, 0.0, 0.0])
     time = np.arange(0.0, 60.0, 1.0 / HISTORY_RATE)
-    acceleration = np.interp(time, *zip(*knots, strict=True))
+    acceleration = np.interp(time, corners, values)
     speed = 8.0 + np.cumsum(acceleration) / HISTORY_RATE
     return _drive(car, time, speed, acceleration, road_seed, unevenness)
 
@@ -62,7 +52,7 @@ def dynamic_drive(car: CarParameters = CarParameters(), *, road_seed: int, uneve
 def quasi_static_drives(
     car: CarParameters = CarParameters(), *, road_seed: int, unevenness: float = 0.03
 ) -> tuple[Drive, Drive]:
-    """Very slow acceleration from 10 to 25 m/s after 8 s at 8 m/s and 2 s in between, and coasting down from 25 to 10 m/s."""
+    """Very slow acceleration from 10 to 25 m/s, after 8 s at 8 m/s, and coasting down from 25 to 10 m/s."""
     time = np.arange(0.0, 110.0, 1.0 / HISTORY_RATE)
     acceleration = np.interp(time, [0.0, 8.0, 8.2, 9.8, 10.0], [0.0, 0.0, 1.0, 1.0, 0.16])
     up = _drive(car, time, 8.0 + np.cumsum(acceleration) / HISTORY_RATE, acceleration, road_seed, unevenness)
@@ -87,7 +77,7 @@ def _drive(
     car: CarParameters, time: Array, speed: Array, acceleration: Array, road_seed: int, unevenness: float
 ) -> Drive:
     smooth = wheel_forces(car, speed, acceleration)
-    band = signal.butter(2, (1.0, 12.0), "bandpass", fs=HISTORY_RATE, output="sos")
+    band = signal.butter(4, (1.0, 12.0), "bandpass", fs=HISTORY_RATE, output="sos")
     lead = round(2.0 * HISTORY_RATE)
     white = np.random.default_rng(road_seed).standard_normal((2, lead + len(time)))
     road = signal.sosfilt(band, white)[:, lead:]

@@ -1,4 +1,4 @@
-"""Forces under the wheels of a car that drives straight on at prescribed speed: load transfer, drag, rolling resistance.
+"""Forces under the wheels of a car on a straight road at prescribed speed: load transfer, drag, rolling resistance.
 
     sum Fx = m a + (1/2) rho c_w A v^2,    a free wheel has Fx = -c_r Fz,    Fz from load_transfer;
 

@@ -5,10 +5,10 @@ In polar coordinates about the hub, theta from the centre of the contact patch, 
     flat patch, |theta| < theta_c:   r = h / cos(theta)
     bulge beside it, u = |theta| - theta_c > 0:   r = R0 - exp(-k u) (w_c cos(k u) + B sin(k u)),
 
-the decaying wave of a ring on an elastic foundation. Depth and slope are continuous at the edge; bending stiffness keeps
-the curvature from jumping there and spreads it over a small angle (a Gaussian of deviation `bending_angle`). A point of
-the belt that turns at omega is accelerated towards the hub by omega^2 (r - r''): about omega^2 R0 on the free belt, more
-on the bulges, nothing on the flat patch. That is the twin spike of Figure 8.16.
+the decaying wave of a ring on an elastic foundation. Depth and slope are continuous at the edge; bending stiffness
+keeps the curvature from jumping there and spreads it over a small angle (a Gaussian of deviation `bending_angle`). A
+point of the belt that turns at omega is accelerated towards the hub by omega^2 (r - r''): about omega^2 R0 on the free
+belt, more on the bulges, nothing on the flat patch. That is the twin spike of Figure 8.16.
 """
 
 from dataclasses import dataclass
@@ -127,15 +127,16 @@ def _margin(bending_angle: float) -> float:
 
 @lru_cache(maxsize=8)
 def _waves(rate: float, bending_angle: float) -> tuple[Array, Array, Array]:
-    """What the free belt and the two waves of the bulge add to r - r'', rounded by bending, over u from -margin to pi."""
+    """What the free belt and the two waves of the bulge add to r - r'', rounded by bending, from -margin to pi."""
     margin = _margin(bending_angle)
     u = np.arange(-margin, np.pi + 2.0 * margin, _STEP)
     decay = np.where(u > 0.0, np.exp(-rate * np.maximum(u, 0.0)), 0.0)
     cosine, sine = np.cos(rate * u), np.sin(rate * u)
     cosine_wave = decay * (-cosine + 2.0 * rate**2 * sine)
     sine_wave = decay * (-sine - 2.0 * rate**2 * cosine)
-    reach = np.arange(-margin, margin + _STEP / 2.0, _STEP)
-    kernel = np.diff(ndtr(np.append(reach - _STEP / 2.0, reach[-1] + _STEP / 2.0) / bending_angle))
+    count = round(margin / _STEP)
+    reach = _STEP * np.arange(-count, count + 2) - 0.5 * _STEP
+    kernel = np.diff(ndtr(reach / bending_angle))
 
     def rounded(wave: Array) -> Array:
         return np.asarray(np.convolve(wave, kernel, mode="same"))

@@ -1,0 +1,170 @@
+"""Simulated drives of one instrumented wheel, its passages, and the calibration made from drives of their own."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smart_tyre_forces.calibrate import WheelRun, calibrate
+from smart_tyre_forces.calibration import Calibration
+from smart_tyre_forces.correction import Patch, PatchCorrection
+from smart_tyre_forces.forces import Forces, forces
+from smart_tyre_forces.front_template import FrontRefiner, TemplateLearner
+from smart_tyre_forces.patch_tracker import Passage, PatchTracker, TrackerParameters
+from smart_tyre_forces.reasons import ForceReason
+from smart_tyre_forces.tooth_table import ToothTable
+from vehicle_models.encoder import EncoderParameters
+from vehicle_models.force_history import Drive, dynamic_drive, quasi_static_drives
+from vehicle_models.tyre_ring import TyreRing
+from vehicle_models.tyre_signal import AccelerometerParameters, TyreBlock, TyreSignalSource
+
+Array = NDArray[np.float64]
+
+TRACKER = TrackerParameters()
+RING = TyreRing()
+NOMINAL, LOW = 2.0e5, 1.6e5
+"""Gauge pressures of the chapter [Pa]."""
+WHEEL_SEEDS = {"front": 1, "rear": 3}
+"""One wheel of each axle, with its own teeth and mounting."""
+_CALIBRATION_SEED = 1_000_000
+"""Far from every seed of the evaluation."""
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """Noise of a case."""
+
+    accelerometer: AccelerometerParameters = AccelerometerParameters()
+    encoder: EncoderParameters = EncoderParameters()
+    unevenness: float = 0.03
+
+
+NOISY = Sensors()
+QUIET = Sensors(AccelerometerParameters.ideal(), EncoderParameters.ideal(), unevenness=0.0)
+QUIET_UNEVEN = replace(QUIET, unevenness=0.03)
+
+
+def simulate(drive: Drive, axle: str, seed: int, sensors: Sensors = NOISY, pressure: float = NOMINAL) -> TyreBlock:
+    """The signals of one wheel over a whole drive."""
+    source = TyreSignalSource(
+        RING,
+        sensors.accelerometer,
+        sensors.encoder,
+        wheel_seed=WHEEL_SEEDS[axle],
+        noise_seed=seed,
+        pressure=pressure,
+        sample_rate=TRACKER.sample_rate,
+    )
+    time = np.arange(0.0, drive.time[-1], 1.0 / TRACKER.sample_rate)
+
+    def sampled(history: Array) -> Array:
+        return np.asarray(np.interp(time, drive.time, history))
+
+    fx, fz = wheel_history(drive, axle)
+    return source.advance(sampled(drive.speed) / RING.radius, sampled(fx), sampled(fz))
+
+
+def wheel_history(drive: Drive, axle: str) -> tuple[Array, Array]:
+    """True Fx and Fz [N] of one wheel over drive.time."""
+    f = drive.forces
+    return (f.fx_front, f.fz_front) if axle == "front" else (f.fx_rear, f.fz_rear)
+
+
+def reference_load(drive: Drive, axle: str) -> Array:
+    """Fz [N] that acceleration and load transfer alone tell."""
+    return drive.smooth.fz_front if axle == "front" else drive.smooth.fz_rear
+
+
+def passages(block: TyreBlock, table: ToothTable | None, refiner: FrontRefiner | None = None) -> list[Passage]:
+    """Passages of a whole drive."""
+    tracker = PatchTracker(TRACKER, table, refiner)
+    return tracker.push(block.first_sample, block.encoder_voltage, block.radial_acceleration)
+
+
+def learned_table(block: TyreBlock) -> ToothTable:
+    """Tooth table learned from a drive.
+
+    Raises:
+        ValueError: the wheel never turned evenly enough.
+    """
+    tracker = PatchTracker(TRACKER)
+    tracker.push(block.first_sample, block.encoder_voltage, block.radial_acceleration)
+    if tracker.wheel.table is None:
+        raise ValueError("tooth table not learned")
+    return tracker.wheel.table
+
+
+def calibration(sensors: Sensors) -> Calibration:
+    """Calibrate with a quasi-static and a dynamic drive of one front and one rear wheel, at nominal pressure."""
+    uneven = sensors.unevenness
+    up, down = quasi_static_drives(road_seed=_CALIBRATION_SEED, unevenness=uneven)
+    dynamic = dynamic_drive(road_seed=_CALIBRATION_SEED + 2, unevenness=uneven)
+    slow_runs, dynamic_runs, tables = [], [], {}
+    learner = TemplateLearner()
+    for axle, wheel_seed in WHEEL_SEEDS.items():
+        seed = _CALIBRATION_SEED + 10 * wheel_seed
+        block = simulate(dynamic, axle, seed, sensors)
+        table = learned_table(block)
+        tables[axle] = table.deviations
+        dynamic_runs.append(_run(axle, dynamic, passages(block, table)))
+        for offset, drive in enumerate((up, down), start=1):
+            found = passages(simulate(drive, axle, seed + offset, sensors), table, learner)
+            slow_runs.append(_run(axle, drive, found))
+    return calibrate(slow_runs, dynamic_runs, tables, parameters=TRACKER, template=learner.template)
+
+
+def _run(axle: str, drive: Drive, found: list[Passage]) -> WheelRun:
+    return WheelRun(axle, axle == "rear", found, drive.time, drive.acceleration)
+
+
+@dataclass(frozen=True)
+class Estimated:
+    """Valid revolutions of one drive, arrays of shape (n,), and the truth at the middle of each passage."""
+
+    time: Array
+    """[s]"""
+    shift: Array
+    """[rad]"""
+    length: Array
+    """[rad]"""
+    fx: Array
+    """[N]"""
+    fz: Array
+    fx_stddev: Array
+    fz_stddev: Array
+    fx_true: Array
+    fz_true: Array
+    fz_reference: Array
+    revolutions: int
+    """Valid or not."""
+
+
+def estimate(
+    found: list[Passage], known: Calibration, drive: Drive, axle: str, *, rezero: bool = False, restore: bool = True
+) -> Estimated:
+    """Forces of a drive; with `rezero` the length is re-zeroed on its first steady stretch."""
+    correction = PatchCorrection(known.tyre, TRACKER.radius, TRACKER.sample_rate)
+    if rezero:
+        correction.request_length_zero()
+    valid: list[tuple[Patch, Forces]] = []
+    for passage in found:
+        patch = correction.update(passage)
+        wheel = known.wheels[axle]
+        force = forces(patch, known.tyre, wheel, correction.zero_speed, restore_steady=restore)
+        if force.reason is ForceReason.OK:
+            valid.append((patch, force))
+    time = np.array([p.passage.time / TRACKER.sample_rate - 0.5 * p.length / p.passage.wheel_speed for p, _ in valid])
+    fx, fz = wheel_history(drive, axle)
+    return Estimated(
+        time=time,
+        shift=np.array([p.shift for p, _ in valid]),
+        length=np.array([p.length for p, _ in valid]),
+        fx=np.array([f.fx for _, f in valid]),
+        fz=np.array([f.fz for _, f in valid]),
+        fx_stddev=np.array([f.fx_stddev for _, f in valid]),
+        fz_stddev=np.array([f.fz_stddev for _, f in valid]),
+        fx_true=np.interp(time, drive.time, fx),
+        fz_true=np.interp(time, drive.time, fz),
+        fz_reference=np.interp(time, drive.time, reference_load(drive, axle)),
+        revolutions=len(found),
+    )
