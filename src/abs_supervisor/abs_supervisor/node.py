@@ -2,15 +2,15 @@
 
 from collections.abc import Sequence
 
-from abs_supervisor.parameters import AbsSupervisorParameters
+from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.processor import build
 from friction_runtime.processor_node import ProcessorNode
 from friction_runtime.spin import run
 
 
-def make_node() -> ProcessorNode[AbsSupervisorParameters]:
+def make_node() -> ProcessorNode[SupervisorParameters]:
     """Make the node; rclpy is initialised."""
-    return ProcessorNode("abs_supervisor", AbsSupervisorParameters, build)
+    return ProcessorNode("abs_supervisor", SupervisorParameters, build)
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -7,7 +7,7 @@ from friction_runtime.parameters import parameter, per_wheel
 
 
 @dataclass(frozen=True)
-class AbsSupervisorParameters:
+class SupervisorParameters:
     """All of them, with unit and range."""
 
     wheels: tuple[str, ...] = parameter(("front_left",), "names of the wheels", read_only=True)

@@ -10,7 +10,7 @@ from std_msgs.msg import Header
 
 from abs_supervisor.braking import TorqueWithHysteresis
 from abs_supervisor.fsm import COMMANDS
-from abs_supervisor.parameters import AbsSupervisorParameters
+from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.supervisor import Evidence, Supervisor
 from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
 from friction_runtime.processor import Health, Level, Output, Report, silent
@@ -25,7 +25,7 @@ _ALIVE = (FrictionSlope.OK, FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATI
 class WheelProcessor:
     """Layer 2 of abs_supervisor. Fires for each friction_slope message, once the demand has reached its stamp."""
 
-    def __init__(self, wheel: str, parameters: AbsSupervisorParameters, report: Report = silent) -> None:
+    def __init__(self, wheel: str, parameters: SupervisorParameters, report: Report = silent) -> None:
         """Build for one wheel; `report` takes what a person should know."""
         self._wheel, self._p, self._report = wheel, parameters, report
         self._gain = parameters.brake_gain(wheel)
@@ -196,6 +196,6 @@ class WheelProcessor:
         return outputs
 
 
-def build(parameters: AbsSupervisorParameters, report: Report = silent) -> list[WheelProcessor]:
+def build(parameters: SupervisorParameters, report: Report = silent) -> list[WheelProcessor]:
     """Make the processors: one a wheel."""
     return [WheelProcessor(wheel, parameters, report) for wheel in parameters.wheels]
