@@ -1,4 +1,4 @@
-"""Command line: ``python -m friction_bringup demo``."""
+"""Command line: ``python -m friction_bringup demo`` and ``monitor``."""
 
 from __future__ import annotations
 
@@ -10,13 +10,16 @@ from pathlib import Path
 from friction_bags.bag_format import BagError
 from friction_bringup import graph
 from friction_bringup.demo import DemoError, DemoOptions, run_demo
+from friction_bringup.monitor import run_monitor
 from friction_bringup.recorded_run import parameters_of
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Parse the command line and run."""
     parser = argparse.ArgumentParser(prog="python -m friction_bringup", description=__doc__)
-    demo = parser.add_subparsers(required=True, metavar="COMMAND").add_parser(
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    commands.add_parser("monitor", help="watch every wheel of a running graph; q ends")
+    demo = commands.add_parser(
         "demo", help="brake from 30 m/s with the supervisor in the loop, or replay a bag, with a live view"
     )
     demo.add_argument("--surface", choices=graph.SURFACES, default="dry", help="road of the plant (default: dry)")
@@ -26,6 +29,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     demo.add_argument("--out", type=Path, default=Path("out"), help="directory for the results (default: out)")
     options = parser.parse_args(arguments)
+    if options.command == "monitor":
+        return run_monitor()
     try:
         shipped = parameters_of(options.bag) if options.bag else "demo"
         params = options.params or graph.shipped_file(shipped)

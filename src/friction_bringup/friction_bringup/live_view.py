@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import partial
 from math import isfinite, nan
+from time import monotonic
 from typing import Any
 
-from friction_msgs.msg import BrakeCommand, FrictionSlope, SupervisorState, WheelSlip
+from friction_msgs.msg import BrakeCommand, FrictionCurve, FrictionSlope, SupervisorState, TyreForce, WheelSlip
 from rclpy.node import Node
 from rich.table import Table
 from rich.text import Text
@@ -16,6 +17,16 @@ from sensor_msgs.msg import FluidPressure, JointState
 from friction_runtime import qos
 from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
 
+TOPICS: dict[str, type] = {
+    "slip": WheelSlip,
+    "friction_slope": FrictionSlope,
+    "friction_curve": FrictionCurve,
+    "abs_supervisor": SupervisorState,
+    "brake_command": BrakeCommand,
+    "brake_pressure": FluidPressure,
+    "tyre_force": TyreForce,
+}
+"""Topics of a wheel, by the name behind the wheel's."""
 _SIGNS = {1: ("+", "green"), 0: ("?", "dim"), -1: ("−", "bold red")}
 _STATES = {
     SupervisorState.S0: ("S0 idle", "dim"),
@@ -38,14 +49,43 @@ _LINE_CELL = 19
 
 @dataclass
 class WheelView:
-    """The last message of each kind of one wheel."""
+    """The last message of each topic of one wheel, and how it reads."""
 
     wheel_speed: float = nan
-    slip: WheelSlip = field(default_factory=WheelSlip)
-    slope: FrictionSlope = field(default_factory=FrictionSlope)
-    supervisor: SupervisorState = field(default_factory=SupervisorState)
-    command: BrakeCommand | None = None
-    pressure: float = nan
+    messages: dict[str, Any] = field(default_factory=dict)
+    arrivals: dict[str, float] = field(default_factory=dict)
+    """Steady clock [s]."""
+
+    def number(self, topic: str, name: str, form: str, scale: float = 1.0) -> str:
+        """Return a field as text: a dash where the topic is silent, says that it is not valid, or is not finite."""
+        message = self.messages.get(topic)
+        usable = message is not None and getattr(message, "valid", True)
+        return number(scale * getattr(message, name), form) if usable else "–"
+
+    @property
+    def sign(self) -> Text:
+        """Sign of the friction curve's slope; a question mark where it is not known."""
+        slope = self.messages.get("friction_slope")
+        text, style = _SIGNS[slope.sign if slope is not None and slope.valid else 0]
+        return Text(text, style=style)
+
+    @property
+    def state(self) -> Text:
+        """State of the supervisor."""
+        supervisor = self.messages.get("abs_supervisor")
+        return Text("–") if supervisor is None else Text.styled(*_STATES[supervisor.state])
+
+    @property
+    def command(self) -> str:
+        """Command to the brake; silent where none comes."""
+        command = self.messages.get("brake_command")
+        return "silent" if command is None else _COMMANDS[command.command]
+
+    @property
+    def reasons(self) -> list[str]:
+        """What cannot be estimated, and why."""
+        invalid = (message for message in self.messages.values() if not getattr(message, "valid", True))
+        return list(dict.fromkeys(message.reason_text for message in invalid if message.reason_text))
 
 
 class LiveView(Node):
@@ -59,6 +99,7 @@ class LiveView(Node):
         """Messages of wheel_states so far."""
         self._first_stamp = 0
         self._last_stamp = 0
+        self._listening: set[str] = set()
         qos.subscribe(self, JointState, "wheel_states", self._on_wheel_states, qos.SENSOR)
         self.create_timer(_DISCOVERY_PERIOD, self._discover)
 
@@ -70,7 +111,8 @@ class LiveView(Node):
     @property
     def speed(self) -> float:
         """Vehicle speed as estimated [m/s]; NaN where it is not known."""
-        return next((view.slip.vehicle_speed for view in self.wheels.values() if view.slip.header.stamp.sec), nan)
+        slips = (view.messages.get("slip") for view in self.wheels.values())
+        return next((slip.vehicle_speed for slip in slips if slip is not None), nan)
 
     def _on_wheel_states(self, message: JointState) -> None:
         stamp = to_nanoseconds(message.header.stamp)
@@ -83,59 +125,43 @@ class LiveView(Node):
                 self.wheels[wheel].wheel_speed = wheel_speed
 
     def _discover(self) -> None:
-        """Subscribe to the wheels that wheel_slip speaks of, before the first sample comes."""
+        """Subscribe to topics of wheels as they appear, before the first sample comes."""
         for topic, _ in self.get_topic_names_and_types():
             wheel, _, name = topic.removeprefix(self.get_namespace()).strip("/").rpartition("/")
-            if name == "slip" and wheel not in self.wheels and not wheel.startswith("truth/"):
-                self._add(wheel)
+            if name in TOPICS and topic not in self._listening and not wheel.startswith("truth/"):
+                self._listening.add(topic)
+                self.wheels.setdefault(wheel, WheelView())
+                self.wheels = dict(sorted(self.wheels.items()))
+                qos.subscribe(self, TOPICS[name], topic, partial(self._on_message, wheel, name), qos.SENSOR)
 
-    def _add(self, wheel: str) -> None:
-        self.wheels[wheel] = WheelView()
-        for kind, topic in (
-            (WheelSlip, "slip"),
-            (FrictionSlope, "friction_slope"),
-            (SupervisorState, "abs_supervisor"),
-            (BrakeCommand, "brake_command"),
-            (FluidPressure, "brake_pressure"),
-        ):
-            qos.subscribe(self, kind, f"{wheel}/{topic}", partial(self._on_message, wheel), qos.SENSOR)
-
-    def _on_message(self, wheel: str, message: Any) -> None:
+    def _on_message(self, wheel: str, name: str, message: Any) -> None:
         view = self.wheels[wheel]
-        if isinstance(message, WheelSlip):
-            view.slip = message
-        elif isinstance(message, FrictionSlope):
-            view.slope = message
-        elif isinstance(message, SupervisorState):
-            view.supervisor = message
-        elif isinstance(message, BrakeCommand):
-            view.command = message
-        else:
-            view.pressure = message.fluid_pressure
+        view.messages[name] = message
+        view.arrivals[name] = monotonic()
 
     def table(self, title: str) -> Table:
         """Show the wheels as a table for a terminal."""
-        table = Table(title=f"{title}   t = {self.time:6.2f} s   v = {_number(self.speed, '5.2f')} m/s", expand=False)
+        table = Table(title=f"{title}   t = {self.time:6.2f} s   v = {number(self.speed, '5.2f')} m/s", expand=False)
         table.add_column("wheel", no_wrap=True)
         for heading in ("speed ω [rad/s]", "slip", "", "slope", "indicator", "state", "command", "pressure [bar]"):
             table.add_column(heading, justify="left" if heading in ("", "state", "command") else "right", no_wrap=True)
         table.columns[3].min_width = _BAR_CELLS
+        table.columns[6].min_width = _LINE_CELL - len("slip ")
         for wheel, view in self.wheels.items():
-            slip = view.slip.slip if view.slip.valid else nan
-            sign, sign_style = _SIGNS[view.slope.sign if view.slope.valid else 0]
-            state, state_style = _STATES[view.supervisor.state]
+            sign = view.sign
             table.add_row(
                 wheel,
-                f"{view.wheel_speed:.1f}",
-                _number(slip, ".3f"),
-                Text(_bar(slip), style="bold red" if sign == "−" else "green"),
-                Text(sign, style=sign_style),
-                _number(view.slope.indicator if view.slope.valid else nan, ".0f"),
-                Text(state, style=state_style),
-                _command(view),
-                _bar_pressure(view),
+                number(view.wheel_speed, ".1f"),
+                view.number("slip", "slip", ".3f"),
+                Text(_bar(view), style="green" if sign.plain != "−" else "bold red"),
+                sign,
+                view.number("friction_slope", "indicator", ".0f"),
+                view.state,
+                f"{view.command:8}",
+                view.number("brake_pressure", "fluid_pressure", ".1f", 1e-5),
             )
-        table.caption = "\n".join(self.reasons()) or None
+        reasons = dict.fromkeys(reason for view in self.wheels.values() for reason in view.reasons)
+        table.caption = "\n".join(reasons) or None
         return table
 
     def header(self) -> str:
@@ -146,36 +172,21 @@ class LiveView(Node):
         """Show the wheels as one line: slip, slope's sign, and for a single wheel what the supervisor does."""
         cells = []
         for view in self.wheels.values():
-            slip = _number(view.slip.slip if view.slip.valid else nan, "5.3f")
-            sign = _SIGNS[view.slope.sign if view.slope.valid else 0][0]
-            cells.append(f"{f'slip {slip:>6} slope {sign}':{_LINE_CELL}}")
+            slip = view.number("slip", "slip", ".3f")
+            cells.append(f"slip {slip:>6} slope {view.sign.plain}".ljust(_LINE_CELL))
         if len(self.wheels) == 1:
-            cells.append(f"{_STATES[view.supervisor.state][0]:11}  {_command(view):8}  {_bar_pressure(view):>6} bar")
-        return f"{self.time:7.2f}  {_number(self.speed, '7.2f'):>7}  {'  '.join(cells)}"
-
-    def reasons(self) -> list[str]:
-        """Name what cannot be estimated at this moment, and why."""
-        texts = (
-            message.reason_text
-            for view in self.wheels.values()
-            for message in (view.slip, view.slope)
-            if not message.valid and message.reason_text
-        )
-        return list(dict.fromkeys(texts))
+            pressure = view.number("brake_pressure", "fluid_pressure", ".1f", 1e-5)
+            cells.append(f"{view.state.plain:11}  {view.command:8}  {pressure:>6} bar")
+        return f"{self.time:7.2f}  {number(self.speed, '7.2f'):>7}  {'  '.join(cells)}"
 
 
-def _number(value: float, form: str) -> str:
+def number(value: float, form: str) -> str:
+    """Return a number as text, a dash where it is not finite."""
     return f"{value:{form}}" if isfinite(value) else "–"
 
 
-def _command(view: WheelView) -> str:
-    return "silent" if view.command is None else _COMMANDS[view.command.command]
-
-
-def _bar_pressure(view: WheelView) -> str:
-    return _number(1e-5 * view.pressure, ".1f")
-
-
-def _bar(slip: float) -> str:
-    filled = round(_BAR_CELLS * min(max(slip, 0.0), _BAR_FULL_SLIP) / _BAR_FULL_SLIP) if isfinite(slip) else 0
-    return "█" * filled
+def _bar(view: WheelView) -> str:
+    slip = view.messages.get("slip")
+    if slip is None or not slip.valid or not isfinite(slip.slip):
+        return ""
+    return "█" * round(_BAR_CELLS * min(max(slip.slip, 0.0), _BAR_FULL_SLIP) / _BAR_FULL_SLIP)

@@ -146,14 +146,15 @@ def _draw_slip(axes: Axes, run: RecordedRun, wheel: str) -> None:
             lw=0.0,
             label="truly beyond the peak",
         )
+    top = 0.3
     if (slip := run.get(f"{wheel}/slip")) is not None:
         axes.plot(slip.time, slip["slip"], color=ESTIMATE, lw=0.9, label="slip, estimated")
     if (truth := run.get(f"truth/{wheel}/slip")) is not None:
         axes.plot(truth.time, truth["slip"], color=TRUTH, lw=0.8, label="slip, true")
-    top = 0.3
+        top = max(top, 1.05 * float(np.nanpercentile(truth["slip"], 99.0)))
     if (curve := run.get(f"truth/{wheel}/friction_curve")) is not None:
         axes.plot(curve.time, curve["lambda_max"], color=PEAK, lw=1.2, ls="--", label="λ_max of the road, true")
-        top = max(top, 3.0 * float(np.nanmax(curve["lambda_max"])))
+        top = max(top, 2.0 * float(np.nanmax(curve["lambda_max"])))
     events = run.crossings(f"{wheel}/friction_slope")
     for sign, marker, label in ((-1, "v", "crossing detected: peak passed"), (1, "^", "crossing detected: regained")):
         chosen = [event for event in events if event.sign == sign]
