@@ -1,0 +1,49 @@
+"""Signals of one simulated wheel, shared by the tests."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from smart_tyre_forces.patch_tracker import PatchTracker
+from smart_tyre_forces.tooth_table import ToothTable
+from vehicle_models.encoder import EncoderParameters
+from vehicle_models.tyre_ring import TyreRing
+from vehicle_models.tyre_signal import AccelerometerParameters, TyreBlock, TyreSignalSource
+
+Simulate = Callable[..., TyreBlock]
+RING = TyreRing()
+
+
+@lru_cache(maxsize=32)
+def _simulate(speeds: tuple[float, ...], seconds: float, ideal: bool, fx: float, load: float, seed: int) -> TyreBlock:
+    accelerometer = AccelerometerParameters.ideal() if ideal else replace(AccelerometerParameters(), edge_jitter=0.0)
+    encoder = EncoderParameters.ideal() if ideal else EncoderParameters()
+    source = TyreSignalSource(RING, accelerometer, encoder, wheel_seed=1, noise_seed=seed)
+    count = round(seconds * 1e4)
+    speed = np.interp(np.linspace(0.0, 1.0, count), np.linspace(0.0, 1.0, len(speeds)), speeds)
+    return source.advance(speed / RING.radius, fx, load * RING.static_load)
+
+
+@pytest.fixture(scope="session")
+def simulate() -> Simulate:
+    """Signals at speeds [m/s] run through evenly within `seconds`, cached."""
+
+    def call(
+        *speeds: float, seconds: float, ideal: bool = False, fx: float = 0.0, load: float = 1.0, seed: int = 0
+    ) -> TyreBlock:
+        return _simulate(speeds, seconds, ideal, fx, load, seed)
+
+    return call
+
+
+@pytest.fixture(scope="session")
+def table(simulate: Simulate) -> ToothTable:
+    """Tooth table of the simulated wheel, learned from a drive of its own."""
+    block = simulate(15.0, seconds=8.0, seed=77)
+    tracker = PatchTracker()
+    tracker.push(0, block.encoder_voltage, block.radial_acceleration)
+    assert tracker.wheel.table is not None
+    return tracker.wheel.table
