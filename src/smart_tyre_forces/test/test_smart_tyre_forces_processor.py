@@ -1,0 +1,193 @@
+from array import array
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from friction_msgs.msg import ContactPatch, TyreForce, TyreSignals
+from std_msgs.msg import Header
+
+from friction_runtime.parameters import ParameterError, from_mapping, load
+from friction_runtime.processor import Level
+from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from smart_tyre_forces.calibration import Calibration, TyreCalibration, WheelCalibration
+from smart_tyre_forces.force_map import ForceMap
+from smart_tyre_forces.parameters import SmartTyreParameters
+from smart_tyre_forces.processor import TyreProcessor, build
+from smart_tyre_forces.tooth_table import ToothTable
+from vehicle_models.tyre_signal import TyreBlock
+
+SHIPPED = Path(__file__).parents[1] / "config" / "smart_tyre_forces.yaml"
+TOPIC = "front_left/tyre_signals"
+
+
+def blocks(block: TyreBlock, size: int = 100, start: int = 5_000_000_000) -> Iterator[TyreSignals]:
+    for first in range(0, len(block.encoder_voltage), size):
+        part = slice(first, first + size)
+        yield TyreSignals(
+            header=Header(stamp=from_nanoseconds(start + first * 100_000), frame_id="front_left_wheel"),
+            wheel="front_left",
+            sample_rate=1e4,
+            first_sample=first,
+            encoder_voltage=array("f", block.encoder_voltage[part].tobytes()),
+            radial_acceleration=array("f", block.radial_acceleration[part].tobytes()),
+            inflation_pressure=2e5,
+        )
+
+
+def feed(processor: TyreProcessor, messages: Iterable[TyreSignals]) -> list[tuple[str, Any]]:
+    return [output for message in messages for output in processor.process(TOPIC, message)]
+
+
+@pytest.fixture
+def calibration_file(table: ToothTable, tmp_path: Path) -> str:
+    tyre = TyreCalibration(
+        shift_trend=(0.0, 9e-4, 2e-6),
+        length_trend=(0.43, -1e-4, -2e-5),
+        nominal_length=0.427,
+        beta=0.08,
+        edge_stddev=2e-3,
+        length_map=ForceMap((0.1, 9.6e-5, -2.1e-9), 2500.0, 4800.0),
+        shift_map=ForceMap((0.0, 1.3e-5), -4000.0, 2200.0),
+        trend_force=(0.0, -0.1, 0.065),
+    )
+    wheel = WheelCalibration(tuple(float(d) for d in table.deviations), (0.0, 0.0, 0.0))
+    Calibration(tyre, {"front_left": wheel}).save(tmp_path / "calibration.yaml")
+    return str(tmp_path / "calibration.yaml")
+
+
+def test_shipped_parameters_are_the_defaults() -> None:
+    assert load(SmartTyreParameters, SHIPPED, "smart_tyre_forces") == SmartTyreParameters()
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"front_method": "guess"}, "front_method"),
+        ({"front_method": "template"}, "calibration_file"),
+        ({"minimum_speed": 20.0, "maximum_speed": 10.0}, "maximum_speed"),
+        ({"sample_rate": -1.0}, "sample_rate"),
+    ],
+)
+def test_bad_parameters_are_refused_by_name(values: dict[str, Any], said: str) -> None:
+    with pytest.raises(ParameterError, match=said):
+        from_mapping(SmartTyreParameters, values)
+
+
+def test_calibration_that_does_not_fit_is_refused(calibration_file: str, tmp_path: Path) -> None:
+    given = SmartTyreParameters(calibration_file=calibration_file)
+    with pytest.raises(ValueError, match="rear_left"):
+        build(replace(given, wheels=("rear_left",)))
+    with pytest.raises(ValueError, match="teeth"):
+        build(replace(given, teeth=60))
+    with pytest.raises(ValueError, match="template"):
+        build(replace(given, front_method="template"))
+    with pytest.raises(ValueError, match="calibration_file"):
+        build(SmartTyreParameters(calibration_file=str(tmp_path / "none.yaml")))
+
+
+def test_one_patch_and_one_force_a_revolution_and_a_wrench_on_request(simulate: Any, calibration_file: str) -> None:
+    given = SmartTyreParameters(calibration_file=calibration_file, publish_wrench=True)
+    block = simulate(8.0, seconds=7.0)
+    outputs = feed(build(given)[0], blocks(block))
+    patches = [m for topic, m in outputs if topic == "front_left/contact_patch"]
+    forces = [m for topic, m in outputs if topic == "front_left/tyre_force"]
+    wrenches = [m for topic, m in outputs if topic == "front_left/tyre_wrench"]
+    revolutions = (block.wheel_angle[-1] - block.wheel_angle[0]) / (2.0 * np.pi)
+    # The patch of the first revolutions may be cut by the start.
+    assert revolutions - 3.0 < len(patches) < revolutions + 1.0
+    assert [p.revolution for p in patches] == list(range(1, len(patches) + 1))
+    assert all(p.reason == ContactPatch.NOT_READY and not p.valid and p.reason_text for p in patches[:10])
+    assert patches[-1].valid and patches[-1].reason == ContactPatch.OK
+    assert patches[-1].length == pytest.approx(patches[-1].alpha_2 - patches[-1].alpha_1, abs=0.02)
+    assert [f.valid for f in forces] == [p.valid for p in patches]
+    assert forces[0].reason == TyreForce.NO_PATCH and np.isnan(forces[0].fx)
+    assert len(wrenches) == sum(f.valid for f in forces) > 0
+    assert wrenches[-1].wrench.force.z == forces[-1].fz
+    assert forces[-1].fz == pytest.approx(3679.0, rel=0.1)
+
+
+def test_stamp_is_that_of_the_trailing_front(simulate: Any) -> None:
+    block = simulate(10.0, seconds=14.0)
+    outputs = feed(build(SmartTyreParameters())[0], blocks(block))
+    patches = [m for topic, m in outputs if topic == "front_left/contact_patch" and m.alpha_2 == m.alpha_2]
+    assert patches
+    level = 0.5 * (10.0 / 0.32) ** 2 * 0.32
+    for patch in patches[-5:]:
+        sample = (to_nanoseconds(patch.header.stamp) - 5_000_000_000) / 1e5
+        around = block.radial_acceleration[int(sample) - 3 : int(sample) + 4]
+        assert around[0] < level < around[-1]
+        assert patch.header.frame_id == "front_left_wheel"
+
+
+@pytest.mark.parametrize("size", [37, 500, 70_000])
+def test_messages_of_any_block_size_give_the_same(simulate: Any, calibration_file: str, size: int) -> None:
+    given = SmartTyreParameters(calibration_file=calibration_file)
+    block = simulate(8.0, seconds=7.0)
+    expected = feed(build(given)[0], blocks(block))
+    assert repr(feed(build(given)[0], blocks(block, size))) == repr(expected)
+
+
+def test_uncalibrated_wheel_gives_raw_patches_and_says_so(simulate: Any) -> None:
+    outputs = feed(build(SmartTyreParameters())[0], blocks(simulate(10.0, seconds=14.0)))
+    last = [m for topic, m in outputs if topic == "front_left/contact_patch"][-1]
+    assert last.reason == ContactPatch.NOT_CALIBRATED and not last.valid
+    assert np.degrees(last.length_raw) == pytest.approx(24.5, abs=1.5)
+    assert np.isnan(last.length_stddev)
+    force = [m for topic, m in outputs if topic == "front_left/tyre_force"][-1]
+    assert force.reason == TyreForce.NOT_CALIBRATED and np.isnan(force.fz)
+
+
+def test_garbage_is_refused_by_topic_and_leaves_the_state_intact(simulate: Any, calibration_file: str) -> None:
+    said: list[str] = []
+    given = SmartTyreParameters(calibration_file=calibration_file)
+    messages = list(blocks(simulate(8.0, seconds=7.0)))
+    expected = feed(build(given)[0], messages)
+    processor = build(given, lambda severity, text: said.append(text))[0]
+    outputs = feed(processor, messages[:300])
+    good = messages[300]
+    wrong_wheel, wrong_rate, uneven, empty = (TyreSignals(**_fields(good)) for _ in range(4))
+    wrong_wheel.wheel = "rear_left"
+    wrong_rate.sample_rate = float("nan")
+    uneven.encoder_voltage = array("f", [0.0])
+    empty.encoder_voltage, empty.radial_acceleration = array("f"), array("f")
+    for bad in (messages[299], wrong_wheel, wrong_rate, uneven, empty):
+        assert processor.process(TOPIC, bad) == []
+    assert repr(outputs + feed(processor, messages[300:])) == repr(expected)
+    assert len(said) == 5 and all(TOPIC in text for text in said)
+
+
+def _fields(message: TyreSignals) -> dict[str, Any]:
+    return {name: getattr(message, name) for name in message.get_fields_and_field_types()}
+
+
+def test_time_that_goes_back_starts_anew(simulate: Any, calibration_file: str) -> None:
+    given = SmartTyreParameters(calibration_file=calibration_file)
+    messages = list(blocks(simulate(8.0, seconds=7.0)))
+    processor = build(given)[0]
+    first, second = feed(processor, messages), feed(processor, messages)
+    assert repr(first) == repr(second)
+
+
+def test_health_says_what_is_missing(simulate: Any, calibration_file: str) -> None:
+    processor = build(SmartTyreParameters(calibration_file=calibration_file))[0]
+    assert processor.health().level is Level.WARN
+    feed(processor, blocks(simulate(8.0, seconds=7.0)))
+    assert processor.health().level is Level.OK
+    processor.watch({TOPIC: 1.0})
+    assert processor.health().level is Level.ERROR
+    processor.watch({TOPIC: 0.0})
+    processor.request_length_zero()
+    feed(processor, blocks(simulate(8.0, seconds=3.0), start=20_000_000_000))
+    assert processor.health().level is Level.WARN
+
+
+def test_pressure_change_is_reported_once(simulate: Any, calibration_file: str) -> None:
+    said: list[str] = []
+    given = SmartTyreParameters(calibration_file=calibration_file)
+    processor = build(given, lambda severity, text: said.append(text))[0]
+    # A tenth more load lengthens the patch by 7 %, as 1.6 bar does.
+    feed(processor, blocks(simulate(8.0, seconds=14.0, load=1.1)))
+    assert len([text for text in said if "pressure" in text]) == 1
