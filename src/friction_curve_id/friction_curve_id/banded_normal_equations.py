@@ -23,7 +23,7 @@ from friction_curve_id import log_curve
 from friction_curve_id.braking_window import BrakingWindow
 from friction_curve_id.interface import WheelParameters
 from friction_curve_id.past_evidence import PastEvidence
-from friction_curve_id.robust_weights import NEWEST, robust_weights
+from friction_curve_id.robust_weights import robust_weights
 
 Array = NDArray[np.float64]
 
@@ -50,10 +50,9 @@ class MeasurementNoise:
 class OutlierThresholds:
     """Residuals beyond these, in standard deviations, weigh less."""
 
-    wheel_speed: float = 3.0
-    speed: float = 3.0
-    wheel_equation: float = 5.0
-    """Above that of the wheel speed, so that a few outlying wheel speeds never bend the motion of the wheel."""
+    wheel_speed: float = 3.5
+    speed: float = 3.5
+    wheel_equation: float = 3.5
 
 
 @dataclass(frozen=True)
@@ -68,6 +67,8 @@ class NormalEquations:
     """Rows omega_k; columns q, u, and last the gradient; shape (n, 5)."""
     corner: Array
     """Of (q, u), bordered by the gradient in the last column, shape (5, 5)."""
+    wheel_equation_error: Array
+    """Residuals of the wheel equations [standard deviations of the torque], shape (n - 1,)."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,6 @@ def assemble(
         oldest: only the residuals of the oldest so many samples, up to the wheel equation that leads to the next one.
     """
     n = window.count if oldest is None else oldest + 1
-    newest = NEWEST if oldest is None else 0
     omega = window.wheel_speed[:n]
     speed = np.maximum(momentum_speed - wheel.inertia / (wheel.mass * wheel.radius) * omega - window.impulse[:n], 0.1)
     speed_per_omega = -wheel.inertia / (wheel.mass * wheel.radius)
@@ -128,16 +128,17 @@ def assemble(
     )
     before = -scale - half_gain * mu_per_omega[:-1]
     after = scale - half_gain * mu_per_omega[1:]
-    root = np.sqrt(robust_weights(equation[:, 4] ** 2, thresholds.wheel_equation, newest))
+    error = equation[:, 4].copy()
+    root = np.sqrt(robust_weights(error**2, thresholds.wheel_equation) * window.equation_trust[1:n])
     equation *= root[:, np.newaxis]
     before *= root
     after *= root
 
     omega_error = omega - window.measured_wheel_speed[:n]
-    omega_weight = robust_weights((omega_error / noise.wheel_speed) ** 2, thresholds.wheel_speed, newest)
-    omega_weight *= 1.0 / noise.wheel_speed**2
+    omega_weight = robust_weights((omega_error / noise.wheel_speed) ** 2, thresholds.wheel_speed)
+    omega_weight *= window.wheel_speed_trust[:n] / noise.wheel_speed**2
     speed_error = speed - window.measured_speed[:n]
-    speed_weight = robust_weights((speed_error / noise.speed) ** 2, thresholds.speed, newest)
+    speed_weight = robust_weights((speed_error / noise.speed) ** 2, thresholds.speed)
     speed_weight *= window.has_speed[:n] / noise.speed**2
     if oldest is not None:
         omega_weight[-1] = speed_weight[-1] = 0.0
@@ -160,24 +161,21 @@ def assemble(
     border[0, :4] += past.information[4, :4]
     border[0, 4] += gradient[4]
     diagonal[0] += past.information[4, 4]
-    return NormalEquations(diagonal, before * after, border, corner)
+    return NormalEquations(diagonal, before * after, border, corner, error)
 
 
 def solve(equations: NormalEquations) -> Solution:
     """Newton step and covariance.
 
     Raises:
-        ArithmeticError: the matrix is not positive definite (or not finite).
+        np.linalg.LinAlgError: the matrix is not positive definite (or not finite).
     """
     pivots, factors, info = dpttrf(equations.diagonal, equations.off_diagonal)
     if info != 0:
-        raise ArithmeticError("the wheel speeds are not determined")
+        raise np.linalg.LinAlgError("the wheel speeds are not determined")
     eliminated, _ = dpttrs(pivots, factors, equations.border)
     reduced = equations.corner - equations.border.T @ eliminated
-    try:
-        inverse = np.linalg.inv(reduced[:4, :4])
-    except np.linalg.LinAlgError as error:
-        raise ArithmeticError("the curve is not determined") from error
+    inverse = np.linalg.inv(reduced[:4, :4])
     step = -inverse @ reduced[:4, 4]
     wheel_speed_step = -eliminated[:, 4] - eliminated[:, :4] @ step
     newest = eliminated[-1, :4]
@@ -186,7 +184,7 @@ def solve(equations: NormalEquations) -> Solution:
     covariance[4, :4] = covariance[:4, 4] = -(inverse @ newest)
     covariance[4, 4] = 1.0 / pivots[-1] + newest @ inverse @ newest
     if not (np.isfinite(wheel_speed_step).all() and np.isfinite(covariance).all() and np.diag(covariance).min() > 0.0):
-        raise ArithmeticError("the fit is not finite")
+        raise np.linalg.LinAlgError("the fit is not finite")
     return Solution(wheel_speed_step, step, covariance)
 
 
@@ -207,7 +205,7 @@ def fold(equations: NormalEquations, number: int, x: Array) -> PastEvidence:
     corner[4, 5] = corner[5, 4] = equations.border[number, 4]
     pivots, factors, info = dpttrf(equations.diagonal[:number], equations.off_diagonal[: number - 1])
     if info != 0:
-        raise ArithmeticError("the wheel speeds are not determined")
+        raise np.linalg.LinAlgError("the wheel speeds are not determined")
     eliminated, _ = dpttrs(pivots, factors, border)
     reduced = corner - border.T @ eliminated
     return PastEvidence(reduced[:5, :5], reduced[:5, 5], x.copy())

@@ -13,6 +13,9 @@ from friction_curve_id.interface import WheelParameters
 
 Array = NDArray[np.float64]
 
+SET_ASIDE = 1e-6
+"""Weight of what is set aside: nothing, but it keeps the matrix regular."""
+
 
 class BrakingWindow:
     """Arrays over the samples in the window, oldest first; `count` of them are in use."""
@@ -36,6 +39,10 @@ class BrakingWindow:
         """I_k [m/s]"""
         self.wheel_speed = np.zeros(capacity)
         """Estimated omega [rad/s]."""
+        self.wheel_speed_trust = np.zeros(capacity)
+        """Weight of the measured wheel speed, 1 or (set aside) nearly 0."""
+        self.equation_trust = np.zeros(capacity)
+        """Weight of the wheel equation that leads to this sample, 1 or (set aside) nearly 0."""
         self._arrays = (
             self.time,
             self.measured_wheel_speed,
@@ -44,6 +51,8 @@ class BrakingWindow:
             self.torque,
             self.impulse,
             self.wheel_speed,
+            self.wheel_speed_trust,
+            self.equation_trust,
         )
 
     def impulse_after(self, time: float, torque: float) -> float:
@@ -66,7 +75,19 @@ class BrakingWindow:
         self.has_speed[k] = 0.0 if speed is None else 1.0
         self.torque[k] = torque
         self.wheel_speed[k] = wheel_speed
+        self.wheel_speed_trust[k] = self.equation_trust[k] = 1.0
         self.count = k + 1
+
+    def replace_newest_torques(self, torques: list[float]) -> None:
+        """Put other torques [N m] in place of the newest ones, and their impulse."""
+        first = self.count - len(torques)
+        self.torque[first : self.count] = torques
+        before = max(first - 1, 0)
+        part = slice(before, self.count)
+        mean = 0.5 * (self.torque[part][1:] + self.torque[part][:-1])
+        self.impulse[before + 1 : self.count] = self.impulse[before] + self._per_impulse * np.cumsum(
+            np.diff(self.time[part]) * mean
+        )
 
     def drop_oldest(self, number: int) -> None:
         """Forget the oldest `number` samples."""

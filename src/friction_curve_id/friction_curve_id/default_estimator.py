@@ -19,7 +19,7 @@ from friction_curve_id.banded_normal_equations import (
     fold,
     solve,
 )
-from friction_curve_id.braking_window import BrakingWindow
+from friction_curve_id.braking_window import SET_ASIDE, BrakingWindow
 from friction_curve_id.curve_prior import CurvePrior
 from friction_curve_id.curve_uncertainty import PresentSlip, ValidityLimits, describe
 from friction_curve_id.excitation import is_excited
@@ -27,7 +27,8 @@ from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartC
 from friction_curve_id.past_evidence import MOMENTUM, WHEEL_SPEED, momentum_evidence, no_evidence
 from friction_curve_id.prediction import predict
 from friction_curve_id.sample_gate import Admission, GateParameters, SampleGate
-from friction_curve_id.surface_change import SurfaceChangeMonitor
+from friction_curve_id.surface_change import LONGEST_OUTLIER, SurfaceChangeMonitor
+from friction_curve_id.torque_watch import TorqueWatch
 
 Array = NDArray[np.float64]
 
@@ -42,6 +43,10 @@ _SETTLED = 0.1
 """A step of q below this needs no further iteration."""
 _FARTHEST = 8.0
 """q stays within so many prior standard deviations of the prior mean."""
+_CONFIRMATION = 6
+"""Samples after which the wheel has confirmed or refuted a suspect torque."""
+_CONFIRMED_ERROR = 4.0
+"""Largest mean error of confirmed wheel equations [standard deviations of the torque]."""
 _START_SPEED_DOUBT = 0.1
 """Added to the standard deviation of u at a change of surface [m/s]."""
 _START_SPEED_STDDEV = 10.0
@@ -80,6 +85,7 @@ class DefaultEstimator:
         self._gate = SampleGate(parameters.wheel.radius, parameters.gate)
         self._window = BrakingWindow(parameters.wheel, parameters.window)
         self._monitor = SurfaceChangeMonitor()
+        self._torque_watch = TorqueWatch(parameters.noise.torque)
         self._prior_mean = parameters.prior.mean
         self._prior_information = parameters.prior.information
         self._prior_reach = _FARTHEST * np.sqrt(np.diag(np.linalg.inv(self._prior_information)))
@@ -100,13 +106,15 @@ class DefaultEstimator:
         assert sample.brake_torque is not None
         try:
             return self._take(sample, sample.brake_torque, admission)
-        except ArithmeticError as error:
+        except np.linalg.LinAlgError as error:
             self._forget()
             return Refusal(Reason.BAD_INPUT, f"the fit failed and begins anew: {error}")
 
     def _forget(self) -> None:
         self._window.clear()
         self._monitor.reset()
+        self._torque_watch.reset()
+        self._suspect = False
         self._fitting = False
         self._q = self._prior_mean.copy()
         self._momentum_speed = 0.0
@@ -135,6 +143,8 @@ class DefaultEstimator:
             self._past = no_evidence()
         self._window.clear()
         self._monitor.reset()
+        self._torque_watch.reset()
+        self._suspect = False
         self._samples = 0
 
     def _summarise(self) -> None:
@@ -197,8 +207,13 @@ class DefaultEstimator:
 
     def _follow(self, sample: Sample, torque: float) -> CurveEstimate | Refusal:
         window, p = self._window, self._p
+        verdict = self._torque_watch.judge(sample.time, torque)
+        suspect_before, self._suspect, torque = self._suspect, verdict.suspect, verdict.torque
+        if verdict.rehabilitated:
+            window.replace_newest_torques(verdict.rehabilitated[-window.count :])
+        trust = SET_ASIDE if suspect_before or self._suspect else 1.0
         prediction = predict(
-            window, self._q, self._momentum_speed, self._covariance, p.wheel, p.noise, sample.time, torque
+            window, self._q, self._momentum_speed, self._covariance, p.wheel, p.noise, sample.time, torque, trust
         )
         if prediction.speed < p.gate.min_speed:
             return Refusal(Reason.LOW_SPEED, f"vehicle speed {prediction.speed:.2f} m/s is too low")
@@ -208,7 +223,8 @@ class DefaultEstimator:
             sample.time, sample.wheel_speed, sample.vehicle_speed, torque, max(prediction.wheel_speed, 0.0)
         )
         self._samples += 1
-        if self._monitor.changed((sample.wheel_speed - prediction.wheel_speed) / prediction.stddev):
+        self._set_aside(trust, (sample.wheel_speed - prediction.wheel_speed) / prediction.stddev)
+        if self._monitor.changed:
             self._begin_on_new_surface()
         else:
             self._iterate(at_most=3)
@@ -216,6 +232,35 @@ class DefaultEstimator:
             self._summarise()
             return Refusal(Reason.NO_EXCITATION, "torque and slip have been constant: a further sample says nothing new")
         return self._publish()
+
+    def _set_aside(self, equation_trust: float, innovation: float) -> None:
+        """Set aside what should not bend the curve: a surprising wheel speed, the equations of a suspect torque.
+
+        After a run of surprises too long for outliers the wheel speed counts again, and how the wheel came there not.
+        """
+        window = self._window
+        newest = window.count - 1
+        surprising = self._monitor.take(innovation)
+        if self._monitor.run > LONGEST_OUTLIER:
+            equation_trust = SET_ASIDE
+            window.wheel_speed[newest] = window.measured_wheel_speed[newest]
+        elif surprising:
+            window.wheel_speed_trust[newest] = SET_ASIDE
+        window.equation_trust[newest] = equation_trust
+        self._confirm_torques()
+
+    def _confirm_torques(self) -> None:
+        """Take back the equations of suspect torques that the wheel has confirmed since."""
+        trust = self._window.equation_trust[1 : self._window.count]
+        if len(trust) <= _CONFIRMATION or trust[-_CONFIRMATION] < 1.0 or trust[-_CONFIRMATION - 1] == 1.0:
+            return
+        end = len(trust) - _CONFIRMATION
+        first = end
+        while first > 0 and trust[first - 1] < 1.0:
+            first -= 1
+        errors = self._equations().wheel_equation_error[first:end]
+        if abs(float(errors.mean())) < _CONFIRMED_ERROR and trust[-_CONFIRMATION:].min() == 1.0:
+            trust[first:end] = 1.0
 
     def _fold_oldest(self, number: int) -> None:
         window, p = self._window, self._p
@@ -231,6 +276,7 @@ class DefaultEstimator:
         keep = self._monitor.since
         window.drop_oldest(window.count - keep)
         window.wheel_speed[:keep] = window.measured_wheel_speed[:keep]
+        window.wheel_speed_trust[:keep] = window.equation_trust[:keep] = 1.0
         variance = float(self._covariance[MOMENTUM, MOMENTUM]) + _START_SPEED_DOUBT**2
         self._past = momentum_evidence(self._momentum_speed, variance)
         self._q = self._prior_mean.copy()

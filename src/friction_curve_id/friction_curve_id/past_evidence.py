@@ -35,7 +35,7 @@ class PastEvidence:
     def loosened(self, index: int, variance: float) -> "PastEvidence":
         """The same when unknown `index` has since moved by a random step of this variance."""
         column = self.information[:, index]
-        gain = column / (1.0 / variance + column[index])
+        gain = column * (variance / (1.0 + variance * column[index]))
         information = self.information - np.outer(gain, column)
         gradient = self.gradient - gain * self.gradient[index]
         return PastEvidence(information, gradient, self.reference)

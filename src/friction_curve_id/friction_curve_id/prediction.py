@@ -34,11 +34,12 @@ def predict(
     noise: MeasurementNoise,
     time: float,
     torque: float,
+    equation_trust: float,
 ) -> Prediction:
     """Predict the sample at `time` [s] under `torque` [N m] from the newest of the window.
 
     One linearly implicit trapezoidal step, stable however steep the curve. `covariance` is that of (q, u, newest
-    omega), shape (5, 5).
+    omega), shape (5, 5); `equation_trust` the weight of the wheel equation in the window.
     """
     last = window.count - 1
     omega = float(window.wheel_speed[last])
@@ -66,5 +67,5 @@ def predict(
     row = implicit * gain * mu_row
     row[4] += 1.0
     process = noise.torque * interval / wheel.inertia
-    variance = float(row @ covariance @ row) + process**2 + noise.wheel_speed**2
+    variance = float(row @ covariance @ row) + process**2 / equation_trust + noise.wheel_speed**2
     return Prediction(predicted, sqrt(variance), momentum_speed - lever * predicted - impulse)

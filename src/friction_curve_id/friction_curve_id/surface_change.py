@@ -1,32 +1,44 @@
-"""Detection of a change of the road, from how well each new wheel speed is predicted."""
+"""Detection of a change of the road, from how many of the latest wheel speeds were a surprise to their prediction."""
 
 from collections import deque
 
+LONGEST_OUTLIER = 5
+"""So many surprises in a row may be outliers."""
+
+
+_SURPRISE, _FURTHER_SURPRISE = 4.0, 2.5
+"""Innovations beyond these are surprises, the second within a run: outliers come in bursts."""
+
 
 class SurfaceChangeMonitor:
-    """Counts surprises among the latest predictions.
+    """Counts surprises among the latest predictions; most of them mean that the road has changed."""
 
-    The road has changed when most of the latest wheel speeds are far from their predictions. `needed` exceeds the
-    longest run of outliers (5) that must not count as a change.
-    """
-
-    def __init__(self, threshold: float = 5.0, needed: int = 8, among: int = 10) -> None:
-        """Set the surprise threshold [standard deviations], and how many of the latest `among` must exceed it."""
-        self._threshold = threshold
+    def __init__(self, needed: int = 8, among: int = 10) -> None:
+        """Set how many of the latest `among` predictions must be surprises, `needed` > LONGEST_OUTLIER."""
         self._needed = needed
         self._latest: deque[bool] = deque(maxlen=among)
+        self.run = 0
+        """Surprises in a row, the newest included."""
 
     def reset(self) -> None:
         """Forget the latest predictions."""
         self._latest.clear()
+        self.run = 0
 
-    def changed(self, innovation: float) -> bool:
-        """Take the next innovation, in standard deviations of the prediction."""
-        self._latest.append(abs(innovation) > self._threshold)
+    def take(self, innovation: float) -> bool:
+        """Take the next innovation [standard deviations of the prediction]; say whether it is a surprise."""
+        surprising = abs(innovation) > (_FURTHER_SURPRISE if self.run else _SURPRISE)
+        self._latest.append(surprising)
+        self.run = self.run + 1 if surprising else 0
+        return surprising
+
+    @property
+    def changed(self) -> bool:
+        """Has the road changed?"""
         return sum(self._latest) >= self._needed
 
     @property
     def since(self) -> int:
-        """Samples since the first surprise among the latest, that one included."""
-        flags = list(self._latest)
-        return len(flags) - flags.index(True) if True in flags else 0
+        """Samples since the first surprise among the latest, that one included; 0 without any."""
+        latest = list(self._latest)
+        return len(latest) - latest.index(True) if True in latest else 0

@@ -1,0 +1,64 @@
+"""Torque samples that leave the trend of those before them.
+
+A wheel answers a torque through its inertia: for some samples a wrong torque looks like a different road. So the wheel
+equations of a torque that leaves the trend are set aside first, and taken back when the wheel has confirmed it. Five in
+a row may be wrong; a sixth means that the torque has changed its trend.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+_TREND = 6
+"""Samples of the trend."""
+_LONGEST = 5
+"""Suspect samples in a row; more are the new trend."""
+
+
+@dataclass(frozen=True)
+class TorqueVerdict:
+    """What to make of a torque."""
+
+    suspect: bool
+    torque: float
+    """What to use [N m]: the measured, or the trend's in place of a suspect one."""
+    rehabilitated: list[float]
+    """The torques before this one [N m] that were suspect and are the new trend."""
+
+
+class TorqueWatch:
+    """Compares each torque with the straight line through the latest trusted ones."""
+
+    def __init__(self, noise: float, threshold: float = 6.5) -> None:
+        """Set the standard deviation of the torque [N m] and how many of them off the trend are suspect."""
+        self._limit = threshold * noise
+        self._trusted: deque[tuple[float, float]] = deque(maxlen=_TREND)
+        self._suspects: list[tuple[float, float]] = []
+
+    def reset(self) -> None:
+        """Forget the trend."""
+        self._trusted.clear()
+        self._suspects.clear()
+
+    def judge(self, time: float, torque: float) -> TorqueVerdict:
+        """Take the next sample [s], [N m]."""
+        expected = self._expected(time) if len(self._trusted) == _TREND else torque
+        suspect = abs(torque - expected) > self._limit
+        rehabilitated: list[float] = []
+        if suspect and len(self._suspects) < _LONGEST:
+            self._suspects.append((time, torque))
+            return TorqueVerdict(True, expected, rehabilitated)
+        if suspect:
+            rehabilitated = [value for _, value in self._suspects]
+            self._trusted.clear()
+            self._trusted.extend(self._suspects)
+        self._trusted.append((time, torque))
+        self._suspects.clear()
+        return TorqueVerdict(False, torque, rehabilitated)
+
+    def _expected(self, time: float) -> float:
+        times, torques = np.array(self._trusted).T
+        centred = times - times.mean()
+        rate = (centred @ torques) / (centred @ centred)
+        return float(torques.mean() + rate * (time - times.mean()))
