@@ -17,7 +17,7 @@ from friction_bags.message_definition import message_definition
 
 
 @cache
-def type_name(kind: type) -> str:
+def type_name(kind: Any) -> str:
     """Name of a message class, e.g. sensor_msgs/msg/JointState."""
     return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
 
@@ -55,12 +55,12 @@ class _Numpy:
 
 
 @cache
-def _has_sequence(kind: type) -> bool:
-    return any("sequence<" in field for field in kind.get_fields_and_field_types().values())  # type: ignore[attr-defined]
+def _has_sequence(kind: Any) -> bool:
+    return any("sequence<" in field for field in kind.get_fields_and_field_types().values())
 
 
 @cache
-def _typestore(kind: type) -> Typestore:
+def _typestore(kind: Any) -> Typestore:
     store = get_typestore(Stores.EMPTY)
     store.register(get_types_from_msg(message_definition(type_name(kind)).text, type_name(kind)))
     return store

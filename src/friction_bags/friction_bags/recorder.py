@@ -109,8 +109,7 @@ class Recorder:
             self._write(taken)
 
     def _write(self, taken: _Taken) -> None:
-        sequence = taken.sequence & 0xFFFFFFFF
-        self._writer.write(taken.channel, taken.received, taken.data, sent=taken.sent, sequence=sequence)
+        self._writer.write(taken.channel, taken.received, taken.data, taken.sent, taken.sequence)
 
     def _drain(self, recorded: RecordedTopic, arrived: list[_Taken]) -> None:
         handle = recorded.subscription.handle

@@ -11,7 +11,8 @@ from rosbags.typesys import Stores, get_typestore
 from friction_bags.__main__ import main
 from friction_bags.bag_format import BagError, Topic
 from friction_bags.bag_reader import BagReader
-from friction_bags.bag_writer import BagWriter, Compression
+from friction_bags.bag_writer import BagWriter
+from friction_bags.mcap_writer import Compression
 from friction_bags.reindex import reindex
 
 COUNT = 400

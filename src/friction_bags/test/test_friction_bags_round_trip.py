@@ -11,6 +11,9 @@ from friction_msgs.msg import TyreSignals, WheelSlip
 from geometry_msgs.msg import Vector3
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mcap.reader import make_reader
+from mcap.records import Header, Message
+from mcap.stream_reader import StreamReader
 from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
@@ -108,6 +111,30 @@ def test_encoding_is_decoded_to_the_same_message_and_is_always_the_same(message:
     store = get_typestore(Stores.EMPTY)
     store.register(get_types_from_msg(message_definition(connection_type).text, connection_type))
     assert bytes(store.serialize_cdr(store.deserialize_cdr(data, connection_type), connection_type)) == data
+
+
+@pytest.mark.parametrize("compression", ["zstd", "lz4", "none"])
+def test_the_strict_reader_of_the_mcap_package_accepts_index_and_checksums(tmp_path: Path, compression: str) -> None:
+    with BagWriter(tmp_path / "bag", compression=compression, chunk_size=500) as writer:  # type: ignore[arg-type]
+        for stamp in range(1, 200):
+            writer.write(writer.add_topic(TOPICS[stamp % 2]), stamp, bytes(stamp), sent=stamp + 7, sequence=stamp + 9)
+    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:
+        summary = make_reader(stream, validate_crcs=True).get_summary()
+        indexed = [
+            (message.log_time, message.publish_time, message.sequence, message.data)
+            for _, _, message in make_reader(stream, validate_crcs=True).iter_messages()
+        ]
+        stream.seek(0)
+        records = list(StreamReader(stream, validate_crcs=True).records)
+    assert indexed == [(stamp, stamp + 7, stamp + 9, bytes(stamp)) for stamp in range(1, 200)]
+    assert summary is not None
+    assert summary.statistics is not None
+    assert summary.statistics.message_count == 199
+    assert len(summary.chunk_indexes) == summary.statistics.chunk_count > 10
+    assert sum(isinstance(record, Message) for record in records) == 199
+    header = records[0]
+    assert isinstance(header, Header)
+    assert header.profile == "ros2"
 
 
 def test_custom_definitions_are_embedded_with_all_they_refer_to() -> None:
