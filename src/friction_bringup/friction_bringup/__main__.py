@@ -9,7 +9,8 @@ from pathlib import Path
 
 from friction_bags.bag_format import BagError
 from friction_bringup import graph
-from friction_bringup.demo import DemoError, DemoOptions, run_demo
+from friction_bringup.demo import run_demo
+from friction_bringup.demo_graph import DemoError, DemoOptions
 from friction_bringup.monitor import run_monitor
 from friction_bringup.recorded_run import parameters_of
 

@@ -13,7 +13,10 @@ PLANT = "corner_sim"
 ESTIMATORS = ("wheel_slip", "friction_slope", "abs_supervisor")
 """In the order in which data flows. Package, module, node and parameter file of a node have one name."""
 NODES = (PLANT, *ESTIMATORS)
-WHEEL_STATES_READERS = ("wheel_slip", "friction_slope", "abs_supervisor")
+ESTIMATES = ("slip", "friction_slope", "abs_supervisor")
+"""What the estimators publish below each wheel."""
+COMMAND = "brake_command"
+"""What the supervisor publishes below each wheel unless it is in shadow mode."""
 INPUTS = ("wheel_states", "imu/data", "vehicle_velocity", "brake_demand", "*/brake_pressure", "truth/*")
 """What is replayed from a bag; the estimates in it are made anew."""
 SURFACES = ("dry", "wet", "cobblestone", "snow")

@@ -14,7 +14,7 @@ _GRACE = 1.2
 
 
 class ProcessGroup:
-    """A set of processes with a log file each. Leaving the context ends them all.
+    """A set of processes with a log file each.
 
     They do not belong to the terminal's foreground group, so that Ctrl-C reaches this process alone, which then ends
     them in order; were this process killed, the system would interrupt them.
@@ -25,12 +25,6 @@ class ProcessGroup:
         log_directory.mkdir(parents=True, exist_ok=True)
         self._log_directory = log_directory
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
-
-    def __enter__(self) -> ProcessGroup:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.stop()
 
     def start(self, name: str, command: Sequence[str], env: Mapping[str, str]) -> None:
         """Start a process.

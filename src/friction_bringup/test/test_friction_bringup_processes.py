@@ -10,8 +10,6 @@ import sys
 import time
 from pathlib import Path
 
-import pytest
-
 from friction_bringup import domain
 from friction_bringup.processes import ProcessGroup
 
@@ -40,14 +38,6 @@ def test_stop_interrupts_and_kills_who_does_not_listen(tmp_path: Path) -> None:
     assert group.ended() == {"polite": 0, "stubborn": -signal.SIGKILL}
     assert "bye" in group.log("polite").read_text()
     assert group.stop() == []
-
-
-def test_leaving_the_context_by_an_error_ends_the_processes(tmp_path: Path) -> None:
-    with pytest.raises(RuntimeError), ProcessGroup(tmp_path) as group:
-        group.start("polite", [sys.executable, "-c", POLITE], os.environ)
-        wait_for(group, "polite", "ready")
-        raise RuntimeError
-    assert group.ended() == {"polite": 0}
 
 
 def test_processes_do_not_outlive_a_killed_parent(tmp_path: Path) -> None:

@@ -1,0 +1,138 @@
+"""The processes of the demo: what is started, when all of them hear each other, and whether one has failed."""
+
+from __future__ import annotations
+
+import os
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from friction_bringup import graph
+from friction_bringup.domain import free_domain_id
+from friction_bringup.processes import ProcessGroup
+from friction_bringup.recorded_run import wheels_of
+
+_RECORDER = "recorder"
+_PLAYER = "player"
+
+
+class DemoError(RuntimeError):
+    """The demo cannot go on; the text says what failed and where its log is."""
+
+
+@dataclass(frozen=True)
+class DemoOptions:
+    """What the command line asks for."""
+
+    surface: str
+    bag: Path | None
+    """Bag to be replayed in place of the plant."""
+    params_file: Path
+    out: Path
+    """Directory that gets a directory for each run."""
+
+
+class DemoGraph:
+    """Recorder, estimators and the source of samples, each a process of its own on a domain of their own."""
+
+    def __init__(self, options: DemoOptions, directory: Path) -> None:
+        """Choose the domain; nothing is started.
+
+        Args:
+            options: of the command line.
+            directory: of this run.
+        """
+        self._options = options
+        self._processes = ProcessGroup(directory / "log")
+        self.bag = directory / "bag"
+        """The bag that is recorded."""
+        self.source = graph.PLANT if options.bag is None else _PLAYER
+        """The process whose end is the end of the run."""
+        self.environment = {
+            "ROS_DOMAIN_ID": str(free_domain_id()),
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+            # Over loopback only: discovery in 50 ms instead of up to 2 s, and nothing is left in /dev/shm.
+            "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
+            "ROS_LOG_DIR": str(directory / "log"),
+            "RCUTILS_COLORIZED_OUTPUT": "0",
+            "PYTHONUNBUFFERED": "1",
+            "OMP_NUM_THREADS": "1",
+        }
+
+    def start(self) -> None:
+        """Start recorder, estimators, and the plant, which waits for `begin`.
+
+        Raises:
+            BagError: the bag to be replayed cannot be read.
+        """
+        overrides = self._overrides()
+        self._run(_RECORDER, [sys.executable, "-m", "friction_bags", "record", "--out", str(self.bag)])
+        for node in (*graph.ESTIMATORS, *([graph.PLANT] if self._options.bag is None else [])):
+            files = graph.parameter_files(node, self._options.params_file)
+            self._run(node, graph.command(node, files, overrides.get(node, {})))
+
+    def _overrides(self) -> dict[str, dict[str, graph.ParameterValue]]:
+        """Return what this run decides over the parameter files, by node."""
+        if self._options.bag is None:
+            return {graph.PLANT: {"surfaces": [self._options.surface], "exit_when_done": True, "autostart": False}}
+        wheels = wheels_of(self._options.bag)
+        decided: dict[str, dict[str, graph.ParameterValue]] = {node: {"wheels": wheels} for node in graph.ESTIMATORS}
+        decided["abs_supervisor"] = {"wheels": wheels, "shadow": True}
+        return decided
+
+    def _run(self, name: str, command: list[str]) -> None:
+        self._processes.start(name, [*command, *graph.QUIET_LOG], os.environ | self.environment)
+
+    def missing(self, observer: Node) -> list[str]:
+        """Name what must be there before the first sample, so that nobody misses one, and is not there yet."""
+        replay = self._options.bag is not None
+        nodes = set(observer.get_node_names())
+        missing = [node for node in (_RECORDER, *(graph.ESTIMATORS if replay else graph.NODES)) if node not in nodes]
+        topics = [name for name, _ in observer.get_topic_names_and_types()]
+        for suffix in graph.ESTIMATES if replay else (*graph.ESTIMATES, graph.COMMAND):
+            estimates = [topic for topic in topics if topic.endswith(f"/{suffix}") and "/truth/" not in topic]
+            unheard = [topic for topic in estimates if not _hears(observer, _RECORDER, topic)]
+            missing += [f"the recorder on {topic}" for topic in (unheard if estimates else [f"WHEEL/{suffix}"])]
+        return missing
+
+    def begin(self, observer: Node) -> None:
+        """Let the first sample come: start the plant's run, or the player.
+
+        The player waits for two listeners of each topic, the node it is for and the recorder.
+        """
+        if self._options.bag is None:
+            observer.create_client(Trigger, f"{graph.PLANT}/start").call_async(Trigger.Request())
+            return
+        play = ["friction_bags", "play", str(self._options.bag), "--wait", "10", "--subscribers", "2"]
+        self._run(_PLAYER, [sys.executable, "-m", *play, "--topics", *graph.INPUTS])
+
+    @property
+    def ended(self) -> bool:
+        """Has any process ended?"""
+        return bool(self._processes.ended())
+
+    @property
+    def done(self) -> bool:
+        """Has the source of samples ended as it should?
+
+        Raises:
+            DemoError: another process has ended, or one has failed.
+        """
+        ended = self._processes.ended()
+        for name, code in ended.items():
+            if name != self.source or code != 0:
+                log = self._processes.log(name)
+                tail = "\n".join(log.read_text(errors="replace").splitlines()[-15:])
+                raise DemoError(f"{name} ended with exit code {code}; the end of {log}:\n{tail}")
+        return self.source in ended
+
+    def stop(self) -> list[str]:
+        """End every process within two seconds and return the names of those that had to be killed."""
+        return self._processes.stop()
+
+
+def _hears(observer: Node, name: str, topic: str) -> bool:
+    return any(info.node_name == name for info in observer.get_subscriptions_info_by_topic(topic))
