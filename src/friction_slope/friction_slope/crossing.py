@@ -38,15 +38,27 @@ class CrossingDetector:
         """Make the sign unknown and keep the record."""
         self.sign = 0
 
-    def update(self, indicator: float, slip: float, stamp: int) -> None:
-        """Take the indicator [rad/s^3] with the slip [-] (NaN if unknown) and the time [ns] it speaks of."""
+    def update(self, indicator: float, growing: int, slip: float, stamp: int) -> None:
+        """Take the indicator at the time it speaks of.
+
+        The peak is crossed upwards only while slip grows and downwards only while it falls: what says otherwise is
+        noise and does not change a known sign.
+
+        Args:
+            indicator: [rad/s^3].
+            growing: sign of the slip rate: +1, -1, or 0 where it is not measured.
+            slip: [-], NaN if unknown.
+            stamp: [ns].
+        """
         if indicator < 0.0 and indicator <= self._h_instability:
             sign = -1
         elif indicator > 0.0 and indicator >= self._h_stability:
             sign = 1
         else:
             return
-        if sign == -self.sign:
+        if self.sign == 0:
+            self.sign = sign
+        elif sign == -self.sign and growing == -sign:
+            self.sign = sign
             self.crossings += 1
             self.crossing_sign, self.slip, self.stamp = sign, slip, stamp
-        self.sign = sign

@@ -38,7 +38,9 @@ class DetectorParameters:
     eta_margin: float
     """[-]"""
     minimum_torque: float
-    """[N m] below it for a whole window, the wheel is not braked"""
+    """[N m] below it the wheel is not braked ..."""
+    braking_hold: float
+    """... but for this long [s]: it may still be on its way back"""
     minimum_speed: float
     """[m/s]"""
     max_deceleration: float
@@ -60,13 +62,13 @@ class SlopeDetector:
         self._signals = SignalWindow(p.inertia, p.window, p.rate_window, p.lead)
         self._reference = ReferenceSpeed(p.radius, p.max_deceleration)
         self._crossing = CrossingDetector(p.h_instability, p.h_stability)
-        self._memory = max(p.window, p.rate_window)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
         self._crossing.reset()
         self._stamp: int | None = None
+        self._braked: int | None = None
         self._reference.reset()
         self._forget_samples()
         self._had_gap = False
@@ -87,7 +89,8 @@ class SlopeDetector:
         self._stamp = sample.stamp
         self._signals.update(sample)
         self._reference.update(sample)
-        self._since_braking = 0 if sample.brake_torque >= self._p.minimum_torque else self._since_braking + 1
+        if sample.brake_torque >= self._p.minimum_torque:
+            self._braked = sample.stamp
         if not self._signals.ready:
             if self._had_gap:
                 return self._estimate(Reason.GAP, f"gap of more than {self._p.max_gap} s, filling the window anew")
@@ -102,13 +105,14 @@ class SlopeDetector:
             speed = sample.vehicle_speed
         if speed < p.minimum_speed:
             return self._unknown(Reason.LOW_SPEED, f"speed is below {p.minimum_speed} m/s")
-        if self._since_braking >= self._memory:
+        if self._braked is None or sample.stamp - self._braked > p.braking_hold * _NANOSECONDS:
             return self._unknown(Reason.NOT_BRAKING, f"brake torque is below {p.minimum_torque} N m", signals)
         if p.method is Method.SLIP and isnan(signals.slip_rate):
             return self._unknown(Reason.NO_SLIP, "slip was not valid throughout the window", signals)
         growing = self._growing(signals)
         indicator = signals.h * growing
-        self._crossing.update(indicator, signals.slip, sample.stamp - round(signals.delay * _NANOSECONDS))
+        read_at = sample.stamp - round(signals.delay * _NANOSECONDS)
+        self._crossing.update(indicator, growing, signals.slip, read_at)
         if growing == 0:
             rate = "slip rate" if p.method is Method.SLIP else "eta"
             return self._estimate(Reason.NO_EXCITATION, f"{rate} in its dead zone, sign is held", signals, indicator)
@@ -127,7 +131,7 @@ class SlopeDetector:
     def _forget_samples(self) -> None:
         self._signals.reset()
         self._crossing.forget_sign()
-        self._since_braking = self._memory
+        self._braked = None
 
     def _unknown(self, reason: Reason, text: str, signals: WheelSignals | None = None) -> SlopeEstimate:
         self._crossing.forget_sign()

@@ -56,7 +56,10 @@ class FrictionSlopeParameters:
         maximum=100.0,
     )
     minimum_torque: float = parameter(
-        30.0, "brake torque below which the wheel is not braked", unit="N m", minimum=0.1, maximum=1e4
+        30.0, "brake torque below which the wheel is not braked ...", unit="N m", minimum=0.1, maximum=1e4
+    )
+    braking_hold: float = parameter(
+        0.3, "... when it has been so for this long: a released wheel takes time", unit="s", minimum=0.0, maximum=10.0
     )
     minimum_speed: float = parameter(1.5, "no estimate below this vehicle speed", unit="m/s", minimum=0.1, maximum=20.0)
     max_deceleration: float = parameter(
@@ -106,6 +109,7 @@ class FrictionSlopeParameters:
             slip_rate_dead_zone=self.slip_rate_dead_zone,
             eta_margin=self.eta_margin,
             minimum_torque=self.minimum_torque,
+            braking_hold=self.braking_hold,
             minimum_speed=self.minimum_speed,
             max_deceleration=self.max_deceleration,
             max_gap=self.max_gap,
