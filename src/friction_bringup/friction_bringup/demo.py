@@ -78,10 +78,10 @@ def _watch(console: Console, demo: DemoGraph, what: str) -> None:
             _bring_up(demo, view, executor)
         if console.is_terminal:
             with Live(view.table(what), console=console, auto_refresh=False) as live:
-                _follow(demo, executor, _TABLE_PERIOD, lambda: live.update(view.table(what), refresh=True))
+                _follow(demo, view, executor, _TABLE_PERIOD, lambda: live.update(view.table(what), refresh=True))
         else:
             print(view.header())
-            _follow(demo, executor, _LINE_PERIOD, lambda: print(view.line(), flush=True))
+            _follow(demo, view, executor, _LINE_PERIOD, lambda: print(view.line(), flush=True))
         samples = -1
         while samples != view.samples:
             samples = view.samples
@@ -103,10 +103,13 @@ def _bring_up(demo: DemoGraph, view: LiveView, executor: EventsExecutor) -> None
         raise DemoError(f"no wheel_states within {_STARTUP_LIMIT:.0f} s from {demo.source}")
 
 
-def _follow(demo: DemoGraph, executor: EventsExecutor, period: float, show: Callable[[], None]) -> None:
+def _follow(demo: DemoGraph, view: LiveView, executor: EventsExecutor, period: float, show: Callable[[], None]) -> None:
+    shown = 0
     while not demo.done:
         _spin_until(executor, lambda: False, period)
-        show()
+        if view.samples != shown:
+            shown = view.samples
+            show()
 
 
 def _spin_until(executor: EventsExecutor, done: Callable[[], bool], limit: float) -> None:

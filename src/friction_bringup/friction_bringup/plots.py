@@ -20,6 +20,8 @@ _BRAKING_STEP = 0.1
 """Time [s] over which deceleration is looked at."""
 _HARD_BRAKING = 3.0
 """[m/s^2]"""
+_SLIP_SHOWN_FROM = 5.0
+"""Speed [m/s] from which the axis of the slip holds all of it; slower wheels lock with little harm."""
 STATES = {
     SupervisorState.S0: "S0",
     SupervisorState.S1: "S1",
@@ -151,7 +153,8 @@ def _draw_slip(axes: Axes, run: RecordedRun, wheel: str) -> None:
         axes.plot(slip.time, slip["slip"], color=ESTIMATE, lw=0.9, label="slip, estimated")
     if (truth := run.get(f"truth/{wheel}/slip")) is not None:
         axes.plot(truth.time, truth["slip"], color=TRUTH, lw=0.8, label="slip, true")
-        top = max(top, 1.05 * float(np.nanpercentile(truth["slip"], 99.0)))
+        shown = truth["slip"][truth["vehicle_speed"] > _SLIP_SHOWN_FROM]
+        top = max(top, 1.05 * float(np.max(shown, initial=0.0)))
     if (curve := run.get(f"truth/{wheel}/friction_curve")) is not None:
         axes.plot(curve.time, curve["lambda_max"], color=PEAK, lw=1.2, ls="--", label="λ_max of the road, true")
         top = max(top, 2.0 * float(np.nanmax(curve["lambda_max"])))
