@@ -43,15 +43,21 @@ class WheelRun:
 
 
 @dataclass(frozen=True)
-class _Points:
-    """Passages of one drive as arrays."""
+class Points:
+    """Valid passages of one drive and their reference forces, arrays of shape (n,)."""
 
     speed: Array
+    """[m/s]"""
     acceleration: Array
+    """Of the car [m/s^2]."""
     shift: Array
+    """[rad]"""
     length: Array
+    """[rad]"""
     fx: Array
+    """[N]"""
     fz: Array
+    """[N]"""
 
 
 def quasi_static_trends(
@@ -65,7 +71,7 @@ def quasi_static_trends(
     Raises:
         ValueError: a run has no valid passage, or the speeds do not span 5 m/s.
     """
-    points = [_raw_points(run, car, parameters) for run in runs]
+    points = [raw_points(run, car, parameters) for run in runs]
     speed = np.concatenate([p.speed for p in points])
     if np.ptp(speed) < 5.0:
         raise ValueError(f"quasi-static runs: speeds span {np.ptp(speed):.1f} m/s, at least 5 are needed")
@@ -129,10 +135,10 @@ def calibrate(
     )
     # Beta needs to know how much of the front's shift is force, the force map needs beta: they settle in a few rounds.
     for _ in range(4):
-        points = [_corrected_points(run, tyre, wheels[run.wheel], car, parameters, zero) for run in dynamic]
+        points = [corrected_points(run, tyre, wheels[run.wheel], car, parameters, zero) for run in dynamic]
         tyre = _fit_maps(tyre, points)
         tyre = replace(tyre, beta=tyre.beta + _beta_step(tyre, dynamic, points))
-    points = [_corrected_points(run, tyre, wheels[run.wheel], car, parameters, zero) for run in dynamic]
+    points = [corrected_points(run, tyre, wheels[run.wheel], car, parameters, zero) for run in dynamic]
     tyre = _fit_maps(tyre, points)
     shift_left = [p.shift - tyre.shift_map.angle(p.fx) for p in points]
     length_left = [p.length - tyre.length_map.angle(p.fz) for p in points]
@@ -144,13 +150,13 @@ def calibrate(
     return Calibration(tyre, wheels, template)
 
 
-def _fit_maps(tyre: TyreCalibration, points: list[_Points]) -> TyreCalibration:
+def _fit_maps(tyre: TyreCalibration, points: list[Points]) -> TyreCalibration:
     fx, shift = np.concatenate([p.fx for p in points]), np.concatenate([p.shift for p in points])
     fz, length = np.concatenate([p.fz for p in points]), np.concatenate([p.length for p in points])
     return replace(tyre, shift_map=ForceMap.fit(fx, shift, (1, 2, 3)), length_map=ForceMap.fit(fz, length, (0, 1, 2)))
 
 
-def _beta_step(tyre: TyreCalibration, runs: list[WheelRun], points: list[_Points]) -> float:
+def _beta_step(tyre: TyreCalibration, runs: list[WheelRun], points: list[Points]) -> float:
     """Change of beta that leaves no shift on the accelerating front tyre beyond what its small force explains."""
     longer, left = [], []
     for run, p in zip(runs, points, strict=True):
@@ -163,7 +169,12 @@ def _beta_step(tyre: TyreCalibration, runs: list[WheelRun], points: list[_Points
     return -float(x @ y / (x @ x))
 
 
-def _raw_points(run: WheelRun, car: CarParameters, parameters: TrackerParameters) -> _Points:
+def raw_points(run: WheelRun, car: CarParameters, parameters: TrackerParameters) -> Points:
+    """Passages without any correction; the zero of the shift is that of the tooth table.
+
+    Raises:
+        ValueError: fewer than 10 passages are valid.
+    """
     valid = [p for p in run.passages if p.reason is PatchReason.OK]
     if len(valid) < 10:
         raise ValueError(f"{run.wheel}: only {len(valid)} valid passages in a quasi-static run")
@@ -173,15 +184,19 @@ def _raw_points(run: WheelRun, car: CarParameters, parameters: TrackerParameters
     return _points(run, valid, shift, length, car, parameters)
 
 
-def _corrected_points(
+def corrected_points(
     run: WheelRun,
     tyre: TyreCalibration,
     wheel: WheelCalibration,
     car: CarParameters,
     parameters: TrackerParameters,
     zero: ZeroParameters,
-) -> _Points:
-    """Corrected passages; Fx relative to what zero shift stands for."""
+) -> Points:
+    """Corrected passages; Fx relative to what zero shift stands for.
+
+    Raises:
+        ValueError: fewer than 10 passages are valid.
+    """
     correction = PatchCorrection(tyre, parameters.radius, parameters.sample_rate, zero)
     patches: list[Patch] = [correction.update(passage) for passage in run.passages]
     valid = [patch for patch in patches if patch.reason is PatchReason.OK]
@@ -195,7 +210,7 @@ def _corrected_points(
 
 def _points(
     run: WheelRun, valid: list[Passage], shift: Array, length: Array, car: CarParameters, parameters: TrackerParameters
-) -> _Points:
+) -> Points:
     wheel_speed = np.array([p.wheel_speed for p in valid])
     # The fronts are seen half a patch before and after its centre.
     time = np.array([p.time for p in valid]) / parameters.sample_rate - 0.5 * length / wheel_speed
@@ -203,7 +218,7 @@ def _points(
     speed = wheel_speed * parameters.radius
     reference = wheel_forces(car, speed, acceleration)
     fx, fz = (reference.fx_rear, reference.fz_rear) if run.rear else (reference.fx_front, reference.fz_front)
-    return _Points(speed, acceleration, shift, length, fx, fz)
+    return Points(speed, acceleration, shift, length, fx, fz)
 
 
 def _second_order(speed: Array, value: Array) -> tuple[Polynomial, Array]:

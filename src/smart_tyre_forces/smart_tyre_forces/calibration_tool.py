@@ -1,0 +1,100 @@
+"""calibrate_smart_tyre: bags in, a calibration file and its plots out."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from friction_runtime.parameters import ParameterError, load
+from smart_tyre_forces import calibration_bags, calibration_plots
+from smart_tyre_forces.calibrate import calibrate, corrected_points, raw_points
+from smart_tyre_forces.calibration import Calibration
+from smart_tyre_forces.front_template import TemplateLearner
+from smart_tyre_forces.parameters import SmartTyreParameters
+from vehicle_models.two_axle import CarParameters
+
+_CAR = ("mass", "wheelbase", "height", "front_share", "front_braking", "drag_area", "air_density", "rolling_resistance")
+"""What the reference forces need of the car."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Calibrate; return the exit code: 0, or 2 where the bags do not allow it."""
+    options = _parser().parse_args(arguments)
+    try:
+        parameters = SmartTyreParameters()
+        if options.parameters is not None:
+            parameters = load(SmartTyreParameters, options.parameters, "smart_tyre_forces")
+        _calibrate(options, parameters)
+    except (ParameterError, ValueError, OSError) as problem:
+        print(f"error: {problem}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="calibrate_smart_tyre", description=__doc__)
+    parser.add_argument(
+        "--quasi-static", type=Path, nargs="+", required=True, help="bags of very slow acceleration and coasting down"
+    )
+    parser.add_argument(
+        "--dynamic",
+        type=Path,
+        nargs="+",
+        required=True,
+        help="bags that begin at constant low speed, then accelerate and brake hard",
+    )
+    parser.add_argument("--out", type=Path, required=True, help="calibration file to write")
+    parser.add_argument("--plots", type=Path, help="directory for the plots")
+    parser.add_argument("--parameters", type=Path, help="parameter file of smart_tyre_forces")
+    parser.add_argument("--imu-topic", default="imu/data")
+    defaults = {f.name: f.default for f in fields(CarParameters)}
+    for name in _CAR:
+        parser.add_argument(f"--{name.replace('_', '-')}", type=float, default=defaults[name], help="of the car, SI")
+    return parser
+
+
+def _calibrate(options: argparse.Namespace, parameters: SmartTyreParameters) -> None:
+    tracker, zero = parameters.tracker(), parameters.zero()
+    car = replace(CarParameters(), **{name: getattr(options, name) for name in _CAR})
+    slow = [calibration_bags.read(bag, options.imu_topic) for bag in options.quasi_static]
+    fast = [calibration_bags.read(bag, options.imu_topic) for bag in options.dynamic]
+    tables = {wheel: bag.table(wheel, tracker) for bag in reversed(fast) for wheel in bag.tyres}
+    missing = sorted({wheel for bag in slow for wheel in bag.tyres} - set(tables))
+    if missing:
+        raise ValueError(f"wheels without a dynamic bag: {', '.join(missing)}")
+    learner = TemplateLearner()
+    slow_runs = [bag.run(w, "rear" in w, tables[w], tracker, learner) for bag in slow for w in bag.tyres]
+    fast_runs = [bag.run(w, "rear" in w, tables[w], tracker) for bag in fast for w in bag.tyres]
+    deviations = {wheel: table.deviations for wheel, table in tables.items()}
+    known = calibrate(slow_runs, fast_runs, deviations, car, tracker, zero, learner.template)
+    known.save(options.out)
+    _show(known, options.out)
+    if options.plots is not None:
+        options.plots.mkdir(parents=True, exist_ok=True)
+        slow_points = {f"{r.wheel}, run {k}": raw_points(r, car, tracker) for k, r in enumerate(slow_runs)}
+        fast_points = {
+            f"{r.wheel}, run {k}": corrected_points(r, known.tyre, known.wheels[r.wheel], car, tracker, zero)
+            for k, r in enumerate(fast_runs)
+        }
+        calibration_plots.quasi_static_maps(slow_points, known.tyre, options.plots / "quasi_static_maps.png")
+        calibration_plots.force_maps(fast_points, known.tyre, options.plots / "force_maps.png")
+
+
+def _show(known: Calibration, file: Path) -> None:
+    table = Table(title=str(file))
+    table.add_column("quantity")
+    table.add_column("value")
+    table.add_row("wheels", ", ".join(known.wheels))
+    table.add_row("beta [-]", f"{known.tyre.beta:.4f}")
+    table.add_row("scatter of a front [rad]", f"{known.tyre.edge_stddev:.5f}")
+    for name, value in known.tyre.residuals.items():
+        table.add_row(f"residual {name}", f"{value:.5f}")
+    Console().print(table)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
