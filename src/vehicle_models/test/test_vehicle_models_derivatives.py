@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import savgol_coeffs
+
 from vehicle_models.derivatives import LocalPolynomial, polynomial_weights
 
 DT = 0.005
