@@ -17,8 +17,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from friction_bags.bag_format import BagError
 from friction_bags.bag_reader import BagReader
 from friction_bags.player import Player, Span
-from friction_bags.stopping import stop_on_signals
 from friction_bags.topic_selection import add_selection_arguments, selection_of
+from friction_runtime.spin import stop_on_signals
 
 _NANOSECONDS = 1_000_000_000
 _PROGRESS_PERIOD = 0.1

@@ -16,8 +16,8 @@ from rich.table import Table
 from friction_bags.bag_format import BagError
 from friction_bags.bag_writer import BagWriter
 from friction_bags.recorder import Recorder
-from friction_bags.stopping import stop_on_signals
 from friction_bags.topic_selection import add_selection_arguments, selection_of
+from friction_runtime.spin import stop_on_signals
 
 _TAKE_PERIOD = 0.02
 _DISCOVER_PERIOD = 0.1
