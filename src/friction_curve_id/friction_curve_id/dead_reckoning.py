@@ -7,7 +7,7 @@ Eliminating Fx from (2.15) gives m v_dot = -(J omega_dot + T_b) / r, hence
 The noise of omega enters scaled by J / (m r), some 0.015 m per rad, and that of T_b integrated: a thousandth of
 what a speed sensor with 0.5 m/s gives. What remains is the anchor v0 and the model: an error of m, J or of the
 torque's gain, a slope of the road or the drag of the air makes the speed drift. The anchor is omega r while the
-wheel rolls freely (no brake torque since the start, or for a while: a wheel just released still slips), and a
+wheel rolls freely (no brake torque at the start, or none for a while: a wheel just released still slips), and a
 measured speed, where there is one, weighted by its variance.
 """
 
@@ -23,8 +23,8 @@ _RECOVERY_TIME = 0.2
 class DeadReckoningParameters:
     """How much the sources of the speed are trusted."""
 
-    free_rolling_torque: float = 5.0
-    """Below this brake torque [N m] the wheel rolls freely: v = omega r."""
+    free_rolling_torque: float = 15.0
+    """Below this brake torque [N m], five times its noise, the wheel rolls freely: v = omega r."""
     wheel_speed_variance: float = 0.005
     """[rad^2/s^2]"""
     speed_variance: float = 0.25
@@ -58,8 +58,7 @@ class DeadReckonedSpeed:
         free = abs(torque) <= self._parameters.free_rolling_torque
         if not free and measured is None:
             return Refusal(Reason.NO_SLIP, "no vehicle speed: none is measured, and no sample of free rolling came yet")
-        self._released_for = _RECOVERY_TIME if free else 0.0
-        return self._correct(0.0, float("inf"), wheel_speed, measured)
+        return self._correct(0.0, float("inf"), wheel_speed, measured, free)
 
     def advance(
         self, duration: float, wheel_speed_change: float, mean_torque: float, wheel_speed: float, measured: float | None
@@ -76,11 +75,11 @@ class DeadReckonedSpeed:
         variance = self._variance + (self._parameters.acceleration_error * duration) ** 2
         released = abs(mean_torque) <= self._parameters.free_rolling_torque
         self._released_for = self._released_for + duration if released else 0.0
-        return self._correct(predicted, variance, wheel_speed, measured)
+        return self._correct(predicted, variance, wheel_speed, measured, self._released_for >= _RECOVERY_TIME)
 
-    def _correct(self, speed: float, variance: float, wheel_speed: float, measured: float | None) -> float:
+    def _correct(self, speed: float, variance: float, wheel_speed: float, measured: float | None, free: bool) -> float:
         p, radius = self._parameters, self._wheel.radius
-        if self._released_for >= _RECOVERY_TIME:
+        if free:
             speed, variance = _weigh(speed, variance, wheel_speed * radius, p.wheel_speed_variance * radius**2)
         if measured is not None:
             speed, variance = _weigh(speed, variance, measured, p.speed_variance)

@@ -174,6 +174,6 @@ def samples_per_information(residuals: Array) -> float:
 
 def gram_inverse(gram: Array) -> Array:
     """Inverse of X^T X, shape (n, n), scaled diagonal floored by 1e-12: blind directions come out huge."""
-    scale = np.sqrt(np.maximum(np.diag(gram), np.finfo(np.float64).tiny))
+    scale = np.sqrt(np.maximum(np.diag(gram), 1e-18))
     scaled = gram / np.outer(scale, scale) + 1e-12 * np.eye(len(gram))
     return np.asarray(np.linalg.inv(scaled) / np.outer(scale, scale))

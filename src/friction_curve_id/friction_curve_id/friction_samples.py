@@ -26,6 +26,10 @@ from friction_curve_id.dead_reckoning import DeadReckonedSpeed, DeadReckoningPar
 from friction_curve_id.interface import Reason, Refusal, Sample, WheelParameters
 from friction_curve_id.sample_gate import Admission, GateParameters, SampleGate
 
+_FASTEST_WHEEL = 1000.0
+"""[rad/s]"""
+_LARGEST_TORQUE = 1e5
+"""[N m]"""
 _GATE, _DEAD_RECKONING = GateParameters(), DeadReckoningParameters()
 LARGEST_FRICTION = 10.0
 """|mu| above this is no friction, whatever the noise: racing tyres reach 2, (8.8) with noisy v scatters by 2."""
@@ -91,6 +95,10 @@ class FrictionSamples:
 
     def update(self, sample: Sample) -> FrictionPoint | Refusal:
         """Return the point between the last sample and this one, or why there is none."""
+        if sample.wheel_speed > _FASTEST_WHEEL or (sample.brake_torque or 0.0) > _LARGEST_TORQUE:
+            return Refusal(
+                Reason.BAD_INPUT, f"wheel speed {sample.wheel_speed} or torque {sample.brake_torque} is none"
+            )
         admission = self._gate.admit(sample)
         if isinstance(admission, Refusal):
             return admission

@@ -30,7 +30,7 @@ _USUAL_STEEPNESS, _STEEPNESS_SPREAD = 30.0, 6.0
 _FRICTION_NOISE = 0.02
 """Noise of mu that weighs the line above against the samples [-]."""
 _MAX_ITERATIONS = 60
-_MAX_DAMPING = 1e8
+_MIN_DAMPING, _MAX_DAMPING = 1e-10, 1e8
 _CONVERGED = 1e-9
 
 
@@ -83,7 +83,7 @@ def fit(slips: Array, frictions: Array, theta_0: Array) -> BatchFit:
     while iterations < _MAX_ITERATIONS and damping < _MAX_DAMPING:
         iterations += 1
         gram = rows.T @ rows
-        diagonal = np.diag(gram) + 1e-15
+        diagonal = np.maximum(np.diag(gram), 1e-9)
         step = np.linalg.solve(gram + np.diag(damping * diagonal), rows.T @ residuals)
         trial = np.clip(theta + step, THETA_LOW, THETA_HIGH)
         trial_residuals = frictions - burckhardt.friction(trial, slips)
@@ -92,7 +92,7 @@ def fit(slips: Array, frictions: Array, theta_0: Array) -> BatchFit:
             damping *= 10.0
             continue
         gained = cost - trial_cost
-        theta, residuals, cost, damping = trial, trial_residuals, trial_cost, damping / 10.0
+        theta, residuals, cost, damping = trial, trial_residuals, trial_cost, max(damping / 10.0, _MIN_DAMPING)
         rows = burckhardt.gradient(theta, slips)
         if gained <= _CONVERGED * cost:
             break

@@ -86,7 +86,7 @@ class RecursiveML:
         longer = (self._extra_gain - 1.0) * step[1:]
         step[1:] += longer
         step[0] -= self._root[0, 1:] @ longer / self._root[0, 0]
-        step *= min(1.0, _LONGEST_STEP / float(np.max(np.abs(step))))
+        step /= max(1.0, float(np.max(np.abs(step))) / _LONGEST_STEP)
         self._unknowns = np.clip(self._unknowns + step * _PRIOR_STDDEV, _LOW, _HIGH)
         after = friction - float(burckhardt.friction(_theta(self._unknowns), slip))
         self._squares += abs(error * after)

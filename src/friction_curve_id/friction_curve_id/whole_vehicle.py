@@ -102,7 +102,7 @@ class WholeVehicle:
             pull = (_PRIOR_MEAN - self._unknowns) / self._prior_stddev
             gradient = rows.T @ (weights * residuals) / noise**2 + pull
             step = np.linalg.solve(information + np.eye(5), gradient)
-            step *= min(1.0, _LONGEST_STEP / float(np.max(np.abs(step))) if np.any(step) else 1.0)
+            step /= max(1.0, float(np.max(np.abs(step))) / _LONGEST_STEP)
             self._unknowns = np.clip(self._unknowns + step * self._prior_stddev, _LOW, _HIGH)
         information /= samples_per_information(weights * residuals)
         return np.linalg.inv(information + np.eye(5)) * np.outer(self._prior_stddev, self._prior_stddev)
