@@ -1,0 +1,295 @@
+"""The supervisor behind its messages: message time, fail-safe, shadow mode, counts, hostile input."""
+
+from dataclasses import replace
+from math import inf, nan
+from pathlib import Path
+from typing import Any
+
+import pytest
+from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
+from hypothesis import given
+from hypothesis import strategies as st
+from sensor_msgs.msg import FluidPressure
+from std_msgs.msg import Header
+
+from abs_supervisor.parameters import SupervisorParameters
+from abs_supervisor.processor import WheelProcessor, build
+from friction_runtime.parameters import ParameterError, from_mapping, load
+from friction_runtime.processor import Level
+from friction_runtime.stamps import from_nanoseconds
+
+CONFIG = Path(__file__).parents[1] / "config" / "abs_supervisor.yaml"
+STEP = 5_000_000
+SLOPE = "front_left/friction_slope"
+P = SupervisorParameters(
+    shadow=False, h_instability=-100.0, h_stability=1000.0, wait=0.04, release_timeout=0.08, tolerance=0.02
+)
+K = 1e-4
+
+
+def demand(stamp: int, torque: float, wheel: str = "") -> BrakeDemand:
+    return BrakeDemand(header=Header(stamp=from_nanoseconds(stamp)), wheel=wheel, pressure=torque / K)
+
+
+def slope(stamp: int, indicator: float, growing: int = 1, reason: int = FrictionSlope.OK) -> FrictionSlope:
+    h = indicator if growing > 0 else -indicator
+    return FrictionSlope(
+        header=Header(stamp=from_nanoseconds(stamp)),
+        wheel="front_left",
+        h=h,
+        indicator=indicator,
+        reason=reason,
+        valid=reason == FrictionSlope.OK,
+        reason_text="" if reason == FrictionSlope.OK else "why",
+    )
+
+
+class Bench:
+    """A processor, fed sample by sample; keeps what it said."""
+
+    def __init__(self, parameters: SupervisorParameters = P) -> None:
+        self.said: list[tuple[str, str]] = []
+        self.processor = WheelProcessor(
+            "front_left", parameters, lambda severity, text: self.said.append((severity, text))
+        )
+        self.stamp = 0
+        self.state = SupervisorState()
+        self.command: int | None = None
+
+    def take(self, outputs: Any) -> None:
+        self.command = None
+        for topic, message in outputs:
+            if topic.endswith("abs_supervisor"):
+                self.state = message
+            else:
+                self.command = message.command
+                assert message.header.stamp == self.state.header.stamp
+
+    def sample(self, indicator: float, torque: float = 500.0, growing: int = 1, reason: int = FrictionSlope.OK) -> str:
+        self.stamp += STEP
+        assert self.processor.process("brake_demand", demand(self.stamp, torque)) == []
+        self.take(self.processor.process(SLOPE, slope(self.stamp, indicator, growing, reason)))
+        return self.name
+
+    @property
+    def name(self) -> str:
+        return ("S0", "S1", "S21", "S22")[self.state.state]
+
+    def brake_into_s22(self) -> None:
+        self.sample(500.0)
+        self.sample(-200.0)
+        while self.sample(-200.0) != "S22":
+            pass
+
+
+def test_a_cycle_is_commanded_counted_and_logged_with_its_causes() -> None:
+    bench = Bench()
+    assert bench.sample(0.0, torque=0.0) == "S0"
+    assert bench.command == BrakeCommand.NONE
+    assert bench.sample(500.0) == "S1"
+    assert bench.command == BrakeCommand.INCREASE
+    assert bench.sample(-100.0) == "S21"
+    assert bench.command == BrakeCommand.DECREASE
+    began = bench.stamp
+    while bench.sample(2000.0, growing=-1) == "S21":
+        pass
+    assert bench.name == "S22"
+    assert (bench.stamp - began) * 1e-9 == pytest.approx(P.wait)
+    assert bench.sample(2000.0, growing=-1) == "S1"
+    assert bench.sample(0.0, torque=0.0) == "S0"
+    state = bench.state
+    assert (state.transitions, state.instabilities, state.recoveries, state.fail_safes) == (5, 1, 1, 0)
+    causes = [text.split("cause ")[1] for _, text in bench.said]
+    assert causes == ["braking", "instability", "wait_over", "stability", "braking_over"]
+    values = bench.processor.health().values
+    assert values["transitions"] == "5"
+    assert values["recoveries"] == "1"
+
+
+def test_release_time_out_is_measured_from_the_entry_into_s22() -> None:
+    bench = Bench()
+    bench.brake_into_s22()
+    entered = bench.stamp
+    while bench.sample(-200.0) == "S22":
+        pass
+    assert bench.name == "S1"
+    assert (bench.stamp - entered) * 1e-9 == pytest.approx(P.release_timeout)
+    assert bench.state.release_timeouts == 1
+
+
+@pytest.mark.parametrize(
+    "reason", [FrictionSlope.NO_TORQUE, FrictionSlope.BAD_INPUT, FrictionSlope.GAP, FrictionSlope.NO_SLIP]
+)
+def test_invalid_slope_brings_the_fail_safe_within_the_stated_time(reason: int) -> None:
+    bench = Bench()
+    bench.brake_into_s22()
+    first = bench.stamp + STEP
+    while bench.sample(nan, reason=reason) == "S22":
+        assert bench.state.reason == SupervisorState.INVALID_SLOPE
+    assert bench.name == "S0"
+    assert bench.command == BrakeCommand.NONE
+    assert (bench.stamp - first) * 1e-9 == pytest.approx(P.tolerance)
+    assert bench.state.cause == SupervisorState.CAUSE_FAIL_SAFE
+    assert bench.said[-1][0] == "error"
+
+
+def test_one_bad_sample_does_not_end_a_release() -> None:
+    bench = Bench()
+    bench.brake_into_s22()
+    assert bench.sample(nan, reason=FrictionSlope.BAD_INPUT) == "S22"
+    assert bench.command == BrakeCommand.DECREASE
+    assert bench.sample(-200.0) == "S22"
+
+
+@pytest.mark.parametrize("reason", [FrictionSlope.NO_EXCITATION, FrictionSlope.NOT_BRAKING])
+def test_slope_that_is_merely_not_measurable_keeps_the_state(reason: int) -> None:
+    bench = Bench()
+    bench.sample(500.0)
+    for _ in range(100):
+        assert bench.sample(nan if reason == FrictionSlope.NOT_BRAKING else 0.0, reason=reason) == "S1"
+    assert bench.state.valid
+
+
+def test_low_speed_ends_the_intervention() -> None:
+    bench = Bench()
+    bench.brake_into_s22()
+    assert bench.sample(nan, reason=FrictionSlope.LOW_SPEED) == "S0"
+    assert bench.state.cause == SupervisorState.CAUSE_LOW_SPEED
+    assert bench.state.reason == SupervisorState.LOW_SPEED
+
+
+def test_silence_brings_the_fail_safe_by_the_clock_of_the_node() -> None:
+    bench = Bench()
+    bench.brake_into_s22()
+    ages = {SLOPE: 0.02, "brake_demand": 0.02}
+    assert bench.processor.watch(ages) == []
+    bench.take(bench.processor.watch(ages | {SLOPE: P.stale_after + 0.01}))
+    assert bench.name == "S0"
+    assert bench.command == BrakeCommand.NONE
+    assert bench.state.reason == SupervisorState.NO_SLOPE
+    assert bench.processor.watch(ages | {SLOPE: 1.0}) == []
+    assert bench.processor.health().level is Level.ERROR
+    bench.sample(500.0)
+    assert bench.name == "S1"
+
+
+def test_silent_demand_is_held_for_a_while_and_then_fails_safe() -> None:
+    bench = Bench()
+    bench.sample(500.0)
+    last = bench.stamp
+    outputs: list[Any] = []
+    while bench.name != "S0":
+        bench.stamp += STEP
+        outputs = list(bench.processor.process(SLOPE, slope(bench.stamp, 500.0)))
+        if outputs:
+            bench.take(outputs)
+    answered = bench.state.header.stamp.sec * 10**9 + bench.state.header.stamp.nanosec
+    assert bench.state.reason == SupervisorState.NO_DEMAND
+    assert (answered - last) * 1e-9 == pytest.approx(P.demand_timeout + P.tolerance, abs=0.0051)
+
+
+def test_every_slope_message_is_answered_once_with_its_stamp() -> None:
+    bench = Bench()
+    for k in range(50):
+        bench.sample(nan, reason=FrictionSlope.NOT_READY if k < 20 else FrictionSlope.OK)
+        assert bench.command is not None
+        assert bench.state.header.stamp == from_nanoseconds(bench.stamp)
+
+
+def test_in_shadow_mode_there_is_no_command_topic_at_all() -> None:
+    bench = Bench(replace(P, shadow=True))
+    assert list(bench.processor.outputs) == ["front_left/abs_supervisor"]
+    bench.brake_into_s22()
+    assert bench.command is None
+    assert bench.state.shadow
+
+
+def test_jump_back_in_time_returns_to_s0_and_goes_on() -> None:
+    bench = Bench()
+    for _ in range(40):
+        bench.sample(500.0)
+    bench.brake_into_s22()
+    bench.stamp = 0
+    bench.sample(500.0, torque=0.0)
+    assert bench.name == "S0"
+    assert bench.state.cause == SupervisorState.CAUSE_RESET
+    assert bench.sample(500.0) == "S1"
+
+
+def test_demand_of_another_wheel_does_not_count() -> None:
+    bench = Bench()
+    for k in range(1, 40):
+        bench.processor.process("brake_demand", demand(k * STEP, 500.0, wheel="rear_left"))
+        bench.take(bench.processor.process(SLOPE, slope(k * STEP, 500.0)))
+    assert bench.name == "S0"
+    assert bench.state.reason == SupervisorState.NO_DEMAND
+
+
+def pressed(processor: WheelProcessor, stamp: int, torque: float) -> str:
+    pressure = FluidPressure(header=Header(stamp=from_nanoseconds(stamp)), fluid_pressure=torque / K)
+    processor.process("front_left/brake_pressure", pressure)
+    outputs = processor.process(SLOPE, slope(stamp, nan, reason=FrictionSlope.NO_EXCITATION))
+    return ("S0", "S1", "S21", "S22")[outputs[0][1].state]
+
+
+def test_without_a_demand_topic_braking_follows_the_torque_with_hysteresis() -> None:
+    processor = WheelProcessor("front_left", replace(P, braking_source="pressure"))
+    assert "front_left/brake_pressure" in processor.sensors
+    stamps = iter(range(STEP, 10**12, STEP))
+    assert [pressed(processor, next(stamps), torque) for torque in (0.0, 49.0, 50.0, 21.0)] == ["S0", "S0", "S1", "S1"]
+    held = [pressed(processor, next(stamps), 0.0) for _ in range(60)]
+    assert held.index("S0") * STEP * 1e-9 == pytest.approx(P.release_hold, abs=0.0051)
+
+
+def test_reset_starts_anew() -> None:
+    bench = Bench()
+    bench.brake_into_s22()
+    bench.processor.reset()
+    bench.stamp = 0
+    assert bench.sample(500.0, torque=0.0) == "S0"
+    assert bench.state.transitions == 0
+
+
+NUMBERS = st.one_of(st.floats(allow_nan=True, allow_infinity=True), st.sampled_from([0.0, nan, inf, -inf, 1e300]))
+MESSAGES = st.tuples(st.booleans(), st.integers(-2, 20), NUMBERS, NUMBERS, st.integers(0, 20))
+
+
+@given(st.lists(MESSAGES, max_size=60))
+def test_hostile_streams_give_known_states_and_commands_and_no_exception(stream: list[Any]) -> None:
+    processor = WheelProcessor("front_left", P)
+    for is_slope, step, a, b, reason in stream:
+        stamp = from_nanoseconds(max(step, 0) * STEP)
+        if is_slope:
+            message: Any = FrictionSlope(header=Header(stamp=stamp), h=a, indicator=b, reason=reason)
+            outputs = processor.process(SLOPE, message)
+        else:
+            outputs = processor.process("brake_demand", BrakeDemand(header=Header(stamp=stamp), pressure=a))
+        for topic, answer in outputs:
+            if topic.endswith("brake_command"):
+                assert answer.command in (BrakeCommand.NONE, BrakeCommand.INCREASE, BrakeCommand.DECREASE)
+            else:
+                assert answer.state in range(4)
+                assert answer.valid == (answer.reason == SupervisorState.OK)
+
+
+def test_shipped_parameter_file_loads_and_builds() -> None:
+    parameters = load(SupervisorParameters, CONFIG, "abs_supervisor")
+    assert [processor.outputs for processor in build(parameters)] == [
+        {"front_left/abs_supervisor": SupervisorState, "front_left/brake_command": BrakeCommand}
+    ]
+
+
+@pytest.mark.parametrize(
+    ("values", "named"),
+    [
+        ({"h_instability": 1.0}, "h_instability"),
+        ({"h_stability": -1.0}, "h_stability"),
+        ({"wheels": ["a", "a"]}, "wheels"),
+        ({"release_torque": 60.0}, "release_torque"),
+        ({"braking_source": "pedal"}, "braking_source"),
+        ({"brake_gains": [1e-4, 1e-4]}, "brake_gains"),
+    ],
+)
+def test_bad_parameters_are_refused_by_name(values: dict[str, Any], named: str) -> None:
+    with pytest.raises(ParameterError, match=named):
+        from_mapping(SupervisorParameters, values)
