@@ -11,7 +11,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from friction_bringup import graph
-from friction_bringup.domain import free_domain_id
+from friction_bringup.domain import free_domain_id, local_discovery
 from friction_bringup.processes import ProcessGroup
 from friction_bringup.recorded_run import wheels_of
 
@@ -53,9 +53,7 @@ class DemoGraph:
         """The process whose end is the end of the run."""
         self.environment = {
             "ROS_DOMAIN_ID": str(free_domain_id()),
-            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-            # Over loopback only: discovery in 50 ms instead of up to 2 s, and nothing is left in /dev/shm.
-            "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
+            **local_discovery(),
             "ROS_LOG_DIR": str(directory / "log"),
             "RCUTILS_COLORIZED_OUTPUT": "0",
             "PYTHONUNBUFFERED": "1",

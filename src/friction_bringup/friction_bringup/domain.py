@@ -4,9 +4,26 @@ from __future__ import annotations
 
 import os
 import socket
+from pathlib import Path
+
+from ament_index_python.packages import get_package_share_directory
 
 _LAST_DOMAIN = 101
 """Above it the ports of DDS lie in the range that Linux gives to any program."""
+
+
+def local_discovery() -> dict[str, str]:
+    """Environment variables for a graph on this machine alone, whose processes find each other at once.
+
+    Over loopback only, so that nothing is left in /dev/shm; with the shipped Fast DDS profile, because by default one
+    start in two waits 2 to 3.5 s for the last pair of processes.
+    """
+    profile = Path(get_package_share_directory("friction_bringup")) / "config" / "discovery.xml"
+    return {
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
+        "FASTRTPS_DEFAULT_PROFILES_FILE": str(profile),
+    }
 
 
 def is_free(domain: int) -> bool:
