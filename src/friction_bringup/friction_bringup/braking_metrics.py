@@ -15,6 +15,11 @@ GRAVITY = 9.81
 BUILD_UP = 0.4
 """Time [s] after brake onset in which the torque builds up; utilisation is also given without it."""
 
+_BRAKING_STEP = 0.1
+"""Time [s] over which the deceleration of hardest_braking is taken."""
+_HARD_BRAKING = 3.0
+"""[m/s^2]"""
+
 
 @dataclass(frozen=True)
 class Braking:
@@ -73,6 +78,31 @@ def measure_braking(
         utilisation=float(np.mean(ratio)),
         utilisation_built_up=float(np.mean(ratio[built_up])) if np.any(built_up) else float("nan"),
     )
+
+
+def hardest_braking(time: Array, speed: Array) -> tuple[float, float] | None:
+    """Find the braking with the hardest deceleration.
+
+    Args:
+        time: of the samples [s], shape (n,), increasing; gaps are bridged.
+        speed: vehicle speed [m/s], shape (n,); NaN where unknown.
+
+    Returns:
+        Begin and end [s] of the time around it in which the deceleration is above 3 m/s^2, or None where it never is.
+    """
+    known = np.isfinite(speed)
+    if np.count_nonzero(known) < 2 or time[-1] - time[0] <= 2.0 * _BRAKING_STEP:
+        return None
+    grid = np.arange(time[0], time[-1], _BRAKING_STEP)
+    deceleration = -np.gradient(np.interp(grid, time[known], speed[known]), _BRAKING_STEP)
+    hard = deceleration > _HARD_BRAKING
+    peak = int(np.argmax(deceleration))
+    if not hard[peak]:
+        return None
+    before, after = np.flatnonzero(~hard[:peak]), np.flatnonzero(~hard[peak:])
+    begin = grid[before[-1]] if before.size else grid[0]
+    end = grid[peak + after[0]] if after.size else grid[-1]
+    return float(begin), float(end)
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ _SETTLE = 0.3
 """Wall time [s] from hearing that all are there until each of them knows it too."""
 _QUIET = 0.4
 """Wall time [s] without a new sample after which everything in flight has arrived."""
+_FILE_WIDTH = 120
 _LINE_PERIOD = 0.25
 _TABLE_PERIOD = 0.1
 
@@ -43,6 +44,8 @@ def run_demo(options: DemoOptions) -> int:
         BagError: the bag to be replayed, or the one of this run, cannot be read.
     """
     console = Console()
+    if not console.is_terminal:
+        console = Console(width=_FILE_WIDTH)
     what = options.bag.name if options.bag else options.surface
     directory = (options.out / f"{what}_{datetime.now():%Y%m%d_%H%M%S}").absolute()
     demo = DemoGraph(options, directory)

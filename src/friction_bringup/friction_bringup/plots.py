@@ -16,10 +16,8 @@ from friction_bringup.recorded_run import Array, RecordedRun, Series
 ESTIMATE, TRUTH, PEAK, DEMAND = "tab:blue", "black", "tab:red", "tab:orange"
 STABLE_BAND, UNSTABLE_BAND, UNKNOWN_BAND = "#8fd19e", "#f28b82", "#d9d9d9"
 WHEEL_COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:pink")
-_BRAKING_STEP = 0.1
-"""Time [s] over which deceleration is looked at."""
-_HARD_BRAKING = 3.0
-"""[m/s^2]"""
+_MARGIN = 0.3
+"""Time [s] shown before and behind a braking."""
 _SLIP_SHOWN_FROM = 5.0
 """Speed [m/s] from which the axis of the slip holds all of it; slower wheels lock with little harm."""
 STATES = {
@@ -55,7 +53,7 @@ def write_plots(run: RecordedRun, directory: Path, title: str) -> list[Path]:
             paths.append(_save(wheel_figure(run, wheel, f"{title}, {wheel}"), directory / f"{wheel}.png"))
     if len(run.wheels) > 1:
         paths.append(_save(all_wheels_figure(run, title, None), directory / "wheels.png"))
-        if (braking := hardest_braking(run)) is not None:
+        if (braking := run.hardest_braking()) is not None:
             name = f"{title}, the hardest braking"
             paths.append(_save(all_wheels_figure(run, name, braking), directory / "wheels_braking.png"))
     return paths
@@ -75,24 +73,6 @@ def wheel_figure(run: RecordedRun, wheel: str, title: str) -> Figure:
     return figure
 
 
-def hardest_braking(run: RecordedRun) -> tuple[float, float] | None:
-    """Return begin and end [s] of the braking with the hardest deceleration; None where the car never brakes hard."""
-    slip = run.get(f"{run.wheels[0]}/slip")
-    if slip is None or slip.time.size < 2:
-        return None
-    time = np.arange(slip.time[0], slip.time[-1], _BRAKING_STEP)
-    known = np.isfinite(slip["vehicle_speed"])
-    deceleration = -np.gradient(np.interp(time, slip.time[known], slip["vehicle_speed"][known]), _BRAKING_STEP)
-    hard = deceleration > _HARD_BRAKING
-    peak = int(np.argmax(deceleration))
-    if not hard[peak]:
-        return None
-    before, after = np.flatnonzero(~hard[:peak]), np.flatnonzero(~hard[peak:])
-    begin = time[before[-1]] if before.size else time[0]
-    end = time[peak + after[0]] if after.size else time[-1]
-    return float(begin) - 0.3, float(end) + 0.3
-
-
 def all_wheels_figure(run: RecordedRun, title: str, span: tuple[float, float] | None) -> Figure:
     """Draw speeds, slips and what is known of the slope's sign for all wheels, over all time or over a span of it."""
     figure = Figure(figsize=(11.0, 9.0), layout="constrained")
@@ -110,13 +90,16 @@ def all_wheels_figure(run: RecordedRun, title: str, span: tuple[float, float] | 
         if slope is not None:
             sign = np.where(slope["valid"] > 0.0, slope["sign"], 0.0)
             _strip(axes[2], slope.time, sign, {k: c for k, (_, c) in SIGNS.items()}, (row - 0.4, row + 0.4))
+            if not np.any(slope["valid"] > 0.0):
+                why = f"never valid: {slope.reasons.most_common(1)[0][0]}"
+                axes[2].text(0.5, row, why, transform=axes[2].get_yaxis_transform(), ha="center", va="center")
     axes[2].set_yticks(range(len(labels)), labels)
     axes[2].set_ylim(len(labels) - 0.5, -0.5)
     axes[2].set_ylabel("slope sign")
     _legend_of_bands(axes[2], dict(SIGNS.values()))
     _finish(axes)
     if span is not None:
-        axes[0].set_xlim(*span)
+        axes[0].set_xlim(span[0] - _MARGIN, span[1] + _MARGIN)
     return figure
 
 

@@ -16,7 +16,7 @@ from rclpy.serialization import deserialize_message
 
 from friction_bags.bag_format import BagError
 from friction_bags.bag_reader import BagReader
-from friction_bringup.braking_metrics import CrossingEvent
+from friction_bringup.braking_metrics import CrossingEvent, hardest_braking
 from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
 
 Array = NDArray[np.float64]
@@ -67,6 +67,11 @@ class RecordedRun:
     def get(self, topic: str) -> Series | None:
         """Return the series of a topic, None where the bag has no message of it."""
         return self.series.get(topic)
+
+    def hardest_braking(self) -> tuple[float, float] | None:
+        """Return begin and end [s] of the hardest braking by the estimated speed; None where there is none."""
+        slip = self.get(f"{self.wheels[0]}/slip")
+        return None if slip is None else hardest_braking(slip.time, slip["vehicle_speed"])
 
     def crossings(self, topic: str) -> list[CrossingEvent]:
         """Return the slope crossings that a friction_slope topic tells of; times as the truth or as first known."""

@@ -24,6 +24,8 @@ def print_summary(console: Console, run: RecordedRun) -> None:
         console.print(braking_table(braking))
     else:
         console.print(f"Stopping distance and utilisation: {braking}.")
+    if len(run.wheels) > 1 and (span := run.hardest_braking()) is not None:
+        console.print(slip_table(run, span))
     console.print(validity_table(run))
 
 
@@ -95,6 +97,28 @@ def braking_table(braking: Braking) -> Table:
     return table
 
 
+def slip_table(run: RecordedRun, span: tuple[float, float]) -> Table:
+    """Show the slip of all wheels through one braking.
+
+    Args:
+        run: the run.
+        span: begin and end of the braking [s].
+    """
+    table = Table(title=f"Slip from t = {span[0]:.2f} to {span[1]:.2f} s, the hardest braking", title_justify="left")
+    table.add_column("wheel")
+    for heading in ("median", "95 % below", "largest", "valid"):
+        table.add_column(heading, justify="right")
+    for wheel in run.wheels:
+        series = run.get(f"{wheel}/slip")
+        if series is None:
+            continue
+        inside = (series.time >= span[0]) & (series.time <= span[1])
+        valid = inside & (series["valid"] > 0.0)
+        figures = np.percentile(series["slip"][valid], [50.0, 95.0, 100.0]) if np.any(valid) else np.full(3, np.nan)
+        table.add_row(wheel, *(f"{figure:.3f}" for figure in figures), f"{np.sum(valid) / np.sum(inside):.0%}")
+    return table
+
+
 def validity_table(run: RecordedRun) -> Table:
     """Show for each estimate how much of it was valid, and why the rest was not."""
     table = Table(title="What was estimated, and what could not be", title_justify="left")
@@ -105,6 +129,9 @@ def validity_table(run: RecordedRun) -> Table:
     for topic, series in sorted(run.series.items()):
         if topic.startswith("truth/") or "valid" not in series.columns:
             continue
-        reasons = [f"{text} ({count})" for text, count in series.reasons.most_common(_SHOWN_REASONS)]
+        wheel = topic.split("/")[0]
+        reasons = [
+            f"{text.removeprefix(f'{wheel}: ')} ({count})" for text, count in series.reasons.most_common(_SHOWN_REASONS)
+        ]
         table.add_row(topic, str(series.time.size), f"{np.mean(series['valid']):.1%}", "\n".join(reasons))
     return table

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from friction_bringup.braking_metrics import GRAVITY, CrossingEvent, judge_crossings, measure_braking
+from friction_bringup.braking_metrics import GRAVITY, CrossingEvent, hardest_braking, judge_crossings, measure_braking
 
 TIME = np.arange(0.0, 12.0, 0.005)
 
@@ -70,3 +70,16 @@ def test_crossing_is_judged_by_the_last_true_one_of_its_sign_and_each_is_claimed
     assert np.isnan(false_alarm.delay)
     assert last.delay == pytest.approx(0.05)
     assert last.lambda_max == 0.03
+
+
+def test_hardest_braking_is_found_among_gentle_ones_and_through_gaps() -> None:
+    speed = np.interp(TIME, [0.0, 2.0, 3.0, 5.0, 6.0, 8.0, 12.0], [20.0, 20.0, 18.0, 18.0, 8.0, 8.0, 0.0])
+    speed[(TIME > 5.2) & (TIME < 5.4)] = np.nan
+    begin, end = hardest_braking(TIME, speed) or (np.nan, np.nan)
+    assert begin == pytest.approx(5.0, abs=0.2)
+    assert end == pytest.approx(6.0, abs=0.2)
+
+
+def test_gentle_drive_has_no_hardest_braking() -> None:
+    assert hardest_braking(TIME, 20.0 - TIME) is None
+    assert hardest_braking(TIME, np.full_like(TIME, np.nan)) is None
