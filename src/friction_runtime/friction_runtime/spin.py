@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from threading import Event
 
 import rclpy
+from rclpy.executors import ExternalShutdownException
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -31,6 +32,8 @@ def run(make_node: Callable[[], Node], args: Sequence[str] | None = None) -> int
         executor.add_node(node)
         while rclpy.ok() and not stop.is_set():
             executor.spin_once(timeout_sec=_WAKE_PERIOD)
+    except ExternalShutdownException:
+        pass  # the node has called try_shutdown()
     except ParameterError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
