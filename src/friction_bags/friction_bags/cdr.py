@@ -38,7 +38,7 @@ def encode(message: Any) -> bytes:
     Raises:
         UnknownTypeError: the definition of the message is not installed.
     """
-    kind = type(message)
+    kind: Any = type(message)
     data = _typestore(kind).serialize_cdr(_Numpy(message) if _has_sequence(kind) else message, type_name(kind))
     return bytes(data)
 

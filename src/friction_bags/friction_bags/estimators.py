@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import yaml
 from ament_index_python.packages import get_package_share_directory
@@ -11,15 +11,9 @@ from ament_index_python.packages import get_package_share_directory
 from friction_runtime.parameters import ParameterError, from_mapping
 from friction_runtime.processor import Processor, Report
 
-_PARAMETER_CLASSES = {
-    "wheel_slip": "WheelSlipParameters",
-    "friction_slope": "FrictionSlopeParameters",
-    "friction_curve_id": "FrictionCurveParameters",
-    "abs_supervisor": "AbsSupervisorParameters",
-    "smart_tyre_forces": "SmartTyreParameters",
-}
-"""By node, in the order in which data flows. Package, node and parameter file have one name."""
-ESTIMATORS = tuple(_PARAMETER_CLASSES)
+ESTIMATORS = ("wheel_slip", "friction_slope", "friction_curve_id", "abs_supervisor", "smart_tyre_forces")
+"""In the order in which data flows. Package, node and parameter file have one name; `build` of the module `processor`
+makes the processors from the parameters."""
 SMART_TYRE = "smart_tyre_forces"
 WHEEL_ESTIMATORS = tuple(name for name in ESTIMATORS if name != SMART_TYRE)
 """Those that live on wheel_states."""
@@ -48,9 +42,9 @@ def build_processors(
             values.update(_section(file, name))
         values["wheels"] = list(wheels)
         values.pop("use_sim_time", None)
+        build = import_module(f"{name}.processor").build
         try:
-            parameters = from_mapping(getattr(import_module(f"{name}.parameters"), _PARAMETER_CLASSES[name]), values)
-            processors.extend(import_module(f"{name}.processor").build(parameters, report))
+            processors.extend(build(from_mapping(get_type_hints(build)["parameters"], values), report))
         except ValueError as error:
             raise ParameterError(f"{name}: {error}") from error
     return processors

@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from friction_runtime.processor import Output, Processor
@@ -42,3 +43,38 @@ class OfflineGraph:
             readers = self._readers.setdefault(topic, [])
             if processor not in readers:
                 readers.append(processor)
+
+
+@dataclass(frozen=True)
+class GraphPart:
+    """Processors that can run without the others."""
+
+    processors: tuple[Processor, ...]
+    outputs: frozenset[str]
+    """Topics of which it is the one to give the messages."""
+
+
+def independent_parts(processors: Sequence[Processor], most: int) -> list[GraphPart]:
+    """Divide processors by wheel into at most so many parts that need nothing of each other.
+
+    A processor with outputs for several wheels (wheel_slip) runs in every part. What cannot be divided is one part.
+    """
+    outputs = {topic for processor in processors for topic in processor.outputs}
+    whole = [GraphPart(tuple(processors), frozenset(outputs))]
+    wheels_of = [{_wheel(topic) for topic in processor.outputs} for processor in processors]
+    wheels = list(dict.fromkeys(wheel for each in wheels_of if len(each) == 1 for wheel in each))
+    parts = []
+    for first in range(min(most, len(wheels))):
+        others = set(wheels) - set(wheels[first::most])
+        chosen = [each for each, names in zip(processors, wheels_of, strict=True) if not names <= others]
+        needed = {topic for each in chosen for topics in (each.sensors, each.estimates) for topic in topics}
+        made = {topic for each in chosen for topic in each.outputs}
+        if (needed & outputs) - made:
+            return whole
+        given = {topic for topic in made if _wheel(topic) not in others}
+        parts.append(GraphPart(tuple(chosen), frozenset(given)))
+    return parts if frozenset().union(*(part.outputs for part in parts)) == outputs else whole
+
+
+def _wheel(topic: str) -> str:
+    return topic.split("/", 1)[0]

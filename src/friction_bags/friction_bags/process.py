@@ -15,7 +15,8 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 
 from friction_bags.bag_format import BagError
 from friction_bags.estimators import ESTIMATORS
-from friction_bags.offline_run import ProcessOptions, ProcessResult, process_bag
+from friction_bags.offline_part import ProcessOptions
+from friction_bags.offline_run import ProcessResult, process_bag
 from friction_runtime.parameters import ParameterError
 
 _REFRESH_PERIOD = 0.2
@@ -32,7 +33,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
     parser.add_argument("--namespace", default="/", help="of the topics, such as /car")
     parser.add_argument("--outputs-only", action="store_true", help="leave out the topics of the bag")
-    parser.add_argument("--jobs", type=int, default=cpu_count() or 1, help="bags at once (default: one a core)")
+    parser.add_argument("--jobs", type=int, default=cpu_count() or 1, help="processes at once (default: one a core)")
 
 
 def run(args: Namespace) -> int:
@@ -72,18 +73,18 @@ def run(args: Namespace) -> int:
 def _process_all(
     pairs: Sequence[tuple[Path, Path]], options: ProcessOptions, jobs: int
 ) -> Iterator[ProcessResult | Exception]:
-    """Process bags here, or several at once in processes of their own; yield results in the order of the bags."""
+    """Process a bag by wheels in several processes, or several bags at once; yield results in the order of the bags."""
     if len(pairs) == 1 or jobs == 1:
         for bag, out in pairs:
             with _bars([bag]) as show:
-                result = _attempt(bag, out, options, partial(show, 0))
+                result = _attempt(bag, out, options, jobs, partial(show, 0))
             yield result
         return
     context = get_context("spawn")
     with context.Manager() as manager, ProcessPoolExecutor(min(jobs, len(pairs)), mp_context=context) as pool:
         parts = manager.dict({index: 0.0 for index in range(len(pairs))})
         futures = [
-            pool.submit(_attempt, bag, out, options, partial(parts.__setitem__, index))
+            pool.submit(_attempt, bag, out, options, 1, partial(parts.__setitem__, index))
             for index, (bag, out) in enumerate(pairs)
         ]
         with _bars([bag for bag, _ in pairs]) as show:
@@ -94,11 +95,11 @@ def _process_all(
 
 
 def _attempt(
-    bag: Path, out: Path, options: ProcessOptions, progress: Callable[[float], None]
+    bag: Path, out: Path, options: ProcessOptions, processes: int, progress: Callable[[float], None]
 ) -> ProcessResult | Exception:
     """Process a bag; return what went wrong instead of raising it, so that the other bags go on."""
     try:
-        return process_bag(bag, out, options, progress)
+        return process_bag(bag, out, options, processes, progress)
     except (BagError, ParameterError, OSError) as error:
         return error
 

@@ -107,7 +107,8 @@ def test_encoding_is_decoded_to_the_same_message_and_is_always_the_same(message:
     decoded = deserialize_message(data, type(message))
     assert repr(decoded) == repr(message)
     assert encode(decoded) == data
-    connection_type = type_name(type(message))
+    kind: Any = type(message)
+    connection_type = type_name(kind)
     store = get_typestore(Stores.EMPTY)
     store.register(get_types_from_msg(message_definition(connection_type).text, connection_type))
     assert bytes(store.serialize_cdr(store.deserialize_cdr(data, connection_type), connection_type)) == data
