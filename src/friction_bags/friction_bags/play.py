@@ -4,6 +4,7 @@ import sys
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import inf
 from pathlib import Path
 from threading import Event
 from time import monotonic
@@ -16,8 +17,9 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from friction_bags.bag_format import BagError
 from friction_bags.bag_reader import BagReader
+from friction_bags.flow_control import FlowControl
 from friction_bags.player import Player, Span
-from friction_bags.topic_selection import add_selection_arguments, selection_of
+from friction_bags.topic_selection import TopicSelection, add_selection_arguments, selection_of
 from friction_runtime.spin import stop_on_signals
 
 _NANOSECONDS = 1_000_000_000
@@ -29,6 +31,16 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("bag", type=Path, help="directory of a bag, or an .mcap or .db3 file")
     add_selection_arguments(parser)
     parser.add_argument("--rate", type=_positive, default=1.0, help="seconds of the bag in a second (default 1)")
+    parser.add_argument(
+        "--as-fast-as-possible", action="store_true", help="do not pace by recording times; best with --follow"
+    )
+    parser.add_argument(
+        "--follow",
+        nargs="+",
+        default=[],
+        metavar="TOPIC",
+        help="flow control: publish the next stamp when these have answered the last, such as '*/abs_supervisor'",
+    )
     parser.add_argument("--loop", action="store_true", help="begin again at the end")
     parser.add_argument("--start-offset", type=_not_negative, default=0.0, metavar="S", help="begin S into the bag")
     parser.add_argument("--duration", type=_positive, metavar="S", help="replay only S seconds of the bag")
@@ -87,21 +99,41 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
         return 2
     for name in player.wait_for_subscribers(args.subscribers, args.wait, stop):
         print(f"{name}: less than {args.subscribers} subscribers after {args.wait} s", file=sys.stderr)
+    rate = inf if args.as_fast_as_possible else args.rate
+    flow = _flow_control(args, node, stop) if args.follow else None
+    if flow is not None and not flow.topics:
+        print(f"error: nobody publishes {' '.join(args.follow)}: start the nodes first", file=sys.stderr)
+        return 2
+    begun = monotonic()
     with _progress((span.stop - span.start) / _NANOSECONDS) as progress:
-        player.play(span, args.rate, stop, progress)
+        player.play(span, rate, stop, progress, flow)
         while args.loop and not stop.is_set():
-            player.play(span, args.rate, stop, progress)
+            player.play(span, rate, stop, progress, flow)
     delivered = stop.is_set() or player.wait_for_delivery()
     for problem in reader.problems:
         print(f"damaged: {problem}", file=sys.stderr)
     if not delivered:
         print("some subscribers have not acknowledged everything", file=sys.stderr)
+    late = "" if rate == inf else f", at most {player.latest * 1e3:.1f} ms late"
     print(
-        f"{args.bag}: {player.published} messages on {len(player.topics)} topics replayed, "
-        f"at most {player.late * 1e3:.1f} ms late",
+        f"{args.bag}: {player.published} messages on {len(player.topics)} topics replayed "
+        f"in {monotonic() - begun:.1f} s{late}",
         flush=True,
     )
     return 0 if delivered and not reader.problems else 1
+
+
+def _flow_control(args: Namespace, node: Node, stop: Event) -> FlowControl:
+    """Follow what appears within the time that discovery may take."""
+    flow = FlowControl(node)
+    selection = TopicSelection(args.follow, (), node.get_namespace())
+    end = monotonic() + args.wait
+    while monotonic() < end and not stop.is_set():
+        flow.follow(selection)
+        stop.wait(_PROGRESS_PERIOD)
+    while not flow.is_connected() and not stop.is_set() and monotonic() < end + args.wait:
+        stop.wait(_PROGRESS_PERIOD)
+    return flow
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 from threading import Event
 from time import monotonic
 
@@ -13,11 +14,14 @@ from rosgraph_msgs.msg import Clock
 from friction_bags import qos_profiles
 from friction_bags.bag_format import Topic
 from friction_bags.bag_reader import BagReader
+from friction_bags.flow_control import FlowControl, has_header, header_stamp
 from friction_bags.message_definition import UnknownTypeError, message_class
 
 _NANOSECONDS = 1_000_000_000
 _POLL_PERIOD = 0.005
 _ACKNOWLEDGE_TIMEOUT = 5.0
+_ACKNOWLEDGE_EVERY = 50
+"""Messages after which a replay as fast as possible without flow control waits for reliable subscribers."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +53,7 @@ class Player:
         self._clock_period = 0.0
         self.skipped: dict[str, str] = {}
         self.published = 0
-        self.late = 0.0
+        self.latest = 0.0
         for topic in topics:
             try:
                 kind = message_class(topic.type)
@@ -78,15 +82,19 @@ class Player:
                 return alone
             stop.wait(_POLL_PERIOD)
 
-    def play(self, span: Span, rate: float, stop: Event, progress: Callable[[float], None]) -> None:
+    def play(
+        self, span: Span, rate: float, stop: Event, progress: Callable[[float], None], flow: FlowControl | None = None
+    ) -> None:
         """Replay once.
 
         Args:
             span: part of the bag.
-            rate: seconds of the bag in a second.
+            rate: seconds of the bag in a second; inf: as fast as possible.
             stop: ends the replay when set.
             progress: is told the time [s] into the span after each message.
+            flow: holds the replay until the nodes have answered.
         """
+        stamped = {topic for topic in self._publishers if has_header(message_class(topic.type))}
         begun = monotonic()
         next_clock = 0.0
         for topic, stamp, data in self._reader.messages(self._publishers, span.start, span.stop):
@@ -96,11 +104,17 @@ class Player:
                 self._tell_time(span.start + round(next_clock * _NANOSECONDS))
                 next_clock += self._clock_period
             self._sleep_until(begun + offset / rate, stop)
+            if flow is not None and topic in stamped:
+                flow.wait_for_turn(header_stamp(data), stop)
+            elif flow is None and rate == inf and self.published % _ACKNOWLEDGE_EVERY == 0:
+                self.wait_for_delivery()
             if stop.is_set():
                 return
             self._publishers[topic].publish(data)
             self.published += 1
             progress(offset)
+        if flow is not None:
+            flow.wait_for_last(stop)
 
     def wait_for_delivery(self) -> bool:
         """Wait until reliable subscribers have acknowledged everything; return whether they have."""
@@ -115,7 +129,7 @@ class Player:
         if ahead > 0.0:
             stop.wait(ahead)
         else:
-            self.late = max(self.late, -ahead)
+            self.latest = max(self.latest, -ahead)
 
     def _tell_time(self, now: int) -> None:
         assert self._clock is not None

@@ -1,0 +1,118 @@
+"""Flow control of a replay: the next samples go out when the nodes have answered those before."""
+
+import struct
+from collections import deque
+from threading import Event
+from time import monotonic
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.subscription import Subscription
+
+from friction_bags import qos_profiles
+from friction_bags.message_definition import UnknownTypeError, message_class
+from friction_bags.topic_selection import TopicSelection
+
+_POLL_PERIOD = 0.0002
+_PATIENCE = 1.0
+"""[s] Silence after which one more stamp is let through: some answers need a later sample of another topic."""
+_MOST_AHEAD = 100
+_LITTLE = struct.Struct("<iI")
+_BIG = struct.Struct(">iI")
+
+
+class FlowControl:
+    """Holds the replay until every followed topic has a message stamped like the sample before, or later.
+
+    Where the answers to a stamp need later samples, it finds out: after a second of silence it lets one stamp more be
+    under way. So it never blocks, and is slow once.
+    """
+
+    def __init__(self, node: Node) -> None:
+        """Follow nothing yet."""
+        self._node = node
+        self._followed: dict[str, tuple[Subscription, Any]] = {}
+        self._reached: dict[str, int] = {}
+        self._under_way: deque[int] = deque()
+        self._last = 0
+        self.ahead = 1
+        """Stamps that may be under way."""
+
+    @property
+    def topics(self) -> list[str]:
+        """Topics that are followed."""
+        return list(self._followed)
+
+    def follow(self, selection: TopicSelection) -> None:
+        """Follow the selected topics that have publishers now and messages with a header."""
+        for name, types in self._node.get_topic_names_and_types():
+            if name in self._followed or not selection.wants(name) or not self._node.count_publishers(name):
+                continue
+            try:
+                kind: Any = message_class(types[0])
+            except UnknownTypeError:
+                continue
+            if has_header(kind):
+                profile = qos_profiles.matching(self._node.get_publishers_info_by_topic(name))
+                subscription = self._node.create_subscription(kind, name, _never_called, profile, raw=True)
+                self._followed[name] = (subscription, kind)
+                self._reached[name] = 0
+
+    def is_connected(self) -> bool:
+        """Whether every followed topic has found its publisher."""
+        return all(subscription.get_publisher_count() for subscription, _ in self._followed.values())
+
+    def wait_for_turn(self, stamp: int, stop: Event) -> None:
+        """Return when a sample with this header stamp [ns] may be published."""
+        if stamp < self._last:
+            self._under_way.clear()
+            self._reached = dict.fromkeys(self._reached, 0)
+        elif stamp == self._last or not self._followed:
+            return
+        since = monotonic()
+        while not stop.is_set():
+            self._take()
+            while self._under_way and self._under_way[0] <= min(self._reached.values()):
+                self._under_way.popleft()
+                since = monotonic()
+            if len(self._under_way) < self.ahead:
+                break
+            if monotonic() - since > _PATIENCE and self.ahead < _MOST_AHEAD:
+                self.ahead += 1
+            stop.wait(_POLL_PERIOD)
+        self._under_way.append(stamp)
+        self._last = stamp
+
+    def wait_for_last(self, stop: Event) -> None:
+        """Return when the last sample was answered, or after a second of silence."""
+        since = monotonic()
+        while self._under_way and not stop.is_set() and monotonic() - since < _PATIENCE:
+            if self._take():
+                since = monotonic()
+            while self._under_way and self._under_way[0] <= min(self._reached.values()):
+                self._under_way.popleft()
+            stop.wait(_POLL_PERIOD)
+
+    def _take(self) -> int:
+        count = 0
+        for name, (subscription, kind) in self._followed.items():
+            with subscription.handle:
+                while (message := subscription.handle.take_message(kind, True)) is not None:
+                    self._reached[name] = header_stamp(message[0])
+                    count += 1
+        return count
+
+
+def has_header(kind: Any) -> bool:
+    """Whether messages of a class begin with a header."""
+    return next(iter(kind.get_fields_and_field_types().values()), "") == "std_msgs/Header"
+
+
+def header_stamp(data: bytes) -> int:
+    """Stamp [ns] of the header a CDR message begins with."""
+    seconds, nanoseconds = (_LITTLE if data[1] & 1 else _BIG).unpack_from(data, 4)
+    return int(seconds) * 1_000_000_000 + int(nanoseconds)
+
+
+def _never_called(_: bytes) -> None:
+    """Callback of subscriptions that are drained by hand."""
