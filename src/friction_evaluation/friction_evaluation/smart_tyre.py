@@ -28,7 +28,7 @@ from friction_evaluation.smart_tyre_runs import (
     WHEEL_SEEDS,
     Estimated,
     Sensors,
-    calibration,
+    calibration_runs,
     estimate,
     passages,
     simulate,
@@ -65,26 +65,27 @@ _FRONT_SPEEDS = (8.0, 15.0, 22.0)
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
-    parser.add_argument("--tyre-seeds", type=int, default=30, help="noise seeds")
-    parser.add_argument("--tyre-figures", type=Path, help="directory for Figures 8.16 and 8.18 to 8.28")
-    parser.add_argument("--tyre-live", action="store_true", help="measure the live node over DDS as well (20 s)")
+    parser.add_argument("--seeds", type=int, default=30, help="noise seeds")
+    parser.add_argument("--figures", type=Path, help="directory for Figures 8.16 and 8.18 to 8.28")
+    parser.add_argument("--no-live", action="store_true", help="leave out the cost of the live node over DDS (20 s)")
 
 
 def run(args: argparse.Namespace) -> list[Row]:
     """Evaluate; return flat rows of case, axle, quantity, value, limit."""
+    runs = calibration_runs(NOISY)
+    known, ideal = runs.calibrate(), calibration_runs(QUIET).calibrate()
     with Progress(transient=True) as progress:
-        rows = list(evaluate(range(args.tyre_seeds), progress))
-    rows += [_row("cost", "all", quantity, value) for quantity, value in smart_tyre_cost.algorithm()]
-    if args.tyre_live:
+        rows = list(evaluate(range(args.seeds), known, ideal, progress))
+    rows += [_row("cost", "all", quantity, value) for quantity, value in smart_tyre_cost.algorithm(known)]
+    if not args.no_live:
         rows += [_row("cost", "all", quantity, value) for quantity, value in smart_tyre_cost.live_node()]
-    if args.tyre_figures is not None:
-        smart_tyre_figures.draw(args.tyre_figures)
+    if args.figures is not None:
+        smart_tyre_figures.draw(args.figures, runs)
     return rows
 
 
-def evaluate(seeds: range, progress: Progress) -> Iterator[Row]:
-    """Everything but the cost."""
-    known, ideal = calibration(NOISY), calibration(QUIET)
+def evaluate(seeds: range, known: Calibration, ideal: Calibration, progress: Progress) -> Iterator[Row]:
+    """Everything but the cost, with the calibration `known` of a noisy car and `ideal` of one without noise."""
     for axle in WHEEL_SEEDS:
         yield from _fronts(axle, seeds, known, progress)
         task = progress.add_task(f"dynamic drives, {axle}", total=len(seeds))

@@ -12,9 +12,10 @@ from friction_msgs.msg import TyreSignals
 from rclpy.node import Node
 from std_msgs.msg import Header
 
-from friction_evaluation.smart_tyre_runs import NOISY, TRACKER, WHEEL_SEEDS, calibration, simulate
+from friction_evaluation.smart_tyre_runs import TRACKER, WHEEL_SEEDS, simulate
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
+from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.correction import PatchCorrection
 from smart_tyre_forces.forces import forces
 from smart_tyre_forces.patch_tracker import PatchTracker
@@ -31,9 +32,8 @@ _CRUISE = 250_000
 _DOMAIN = "70"
 
 
-def algorithm() -> list[tuple[str, float]]:
+def algorithm(known: Calibration) -> list[tuple[str, float]]:
     """CPU of four wheels in 10 ms blocks over the dynamic drive, in % of a core."""
-    known = calibration(NOISY)
     drive = dynamic_drive(road_seed=0)
     blocks = {axle: simulate(drive, axle, 0) for axle in WHEEL_SEEDS}
     spent, sampled = 0.0, 0.0

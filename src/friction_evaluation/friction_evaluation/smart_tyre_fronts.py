@@ -13,6 +13,7 @@ from scipy import linalg, signal
 
 from friction_evaluation.smart_tyre_runs import NOISY, QUIET, RING, TRACKER, Sensors, passages, simulate
 from smart_tyre_forces.front_template import FrontRefiner
+from smart_tyre_forces.fronts import LEVEL
 from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.force_history import steady_drive
@@ -63,7 +64,7 @@ class Waveform:
         self._angle = grid - np.pi
         self._wave = np.roll(wave, len(wave) // 2 - int(np.argmin(mean)) - width // 2)
         self._covariance = noise_covariance(sensors.accelerometer, speed, round(2.0 * _HALF_WINDOW / self._step) + 2)
-        level = 0.5 * (speed / RING.radius) ** 2 * RING.radius
+        level = LEVEL * (speed / RING.radius) ** 2 * RING.radius
         above = self._wave > level
         self._fronts = (
             float(self._angle[np.flatnonzero(above[:-1] & ~above[1:])[0]]),

@@ -9,7 +9,7 @@ from smart_tyre_forces.calibrate import WheelRun, calibrate
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.correction import Patch, PatchCorrection
 from smart_tyre_forces.forces import Forces, forces
-from smart_tyre_forces.front_template import FrontRefiner, TemplateLearner
+from smart_tyre_forces.front_template import FrontRefiner, FrontTemplate, TemplateLearner
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker, TrackerParameters
 from smart_tyre_forces.reasons import ForceReason
 from smart_tyre_forces.tooth_table import ToothTable
@@ -94,8 +94,22 @@ def learned_table(block: TyreBlock) -> ToothTable:
     return tracker.wheel.table
 
 
-def calibration(sensors: Sensors) -> Calibration:
-    """Calibrate with a quasi-static and a dynamic drive of one front and one rear wheel, at nominal pressure."""
+@dataclass(frozen=True)
+class CalibrationRuns:
+    """Drives of one front and one rear wheel at nominal pressure, none of them used for evaluation."""
+
+    quasi_static: list[WheelRun]
+    dynamic: list[WheelRun]
+    tables: dict[str, Array]
+    template: FrontTemplate
+
+    def calibrate(self) -> Calibration:
+        """What the calibration tool makes of such drives."""
+        return calibrate(self.quasi_static, self.dynamic, self.tables, parameters=TRACKER, template=self.template)
+
+
+def calibration_runs(sensors: Sensors) -> CalibrationRuns:
+    """Two quasi-static drives and a dynamic one."""
     uneven = sensors.unevenness
     up, down = quasi_static_drives(road_seed=_CALIBRATION_SEED, unevenness=uneven)
     dynamic = dynamic_drive(road_seed=_CALIBRATION_SEED + 2, unevenness=uneven)
@@ -110,7 +124,7 @@ def calibration(sensors: Sensors) -> Calibration:
         for offset, drive in enumerate((up, down), start=1):
             found = passages(simulate(drive, axle, seed + offset, sensors), table, learner)
             slow_runs.append(_run(axle, drive, found))
-    return calibrate(slow_runs, dynamic_runs, tables, parameters=TRACKER, template=learner.template)
+    return CalibrationRuns(slow_runs, dynamic_runs, tables, learner.template)
 
 
 def _run(axle: str, drive: Drive, found: list[Passage]) -> WheelRun:

@@ -21,8 +21,6 @@ from vehicle_models.two_axle import CarParameters
 
 Array = NDArray[np.float64]
 
-_REFERENCE_SPEED = 10.0
-"""Speed at which the nominal length is read off the length trend [m/s]."""
 _ACCELERATING = 1.0
 """Acceleration above which the front tyre shows the cross-talk [m/s^2]."""
 _STEADY = 0.05
@@ -126,7 +124,7 @@ def calibrate(
     tyre = TyreCalibration(
         shift_trend=shift_trend,
         length_trend=length_trend,
-        nominal_length=length_trend[0] + _REFERENCE_SPEED * (length_trend[1] + _REFERENCE_SPEED * length_trend[2]),
+        nominal_length=length_trend[0],
         beta=0.0,
         edge_stddev=0.0,
         length_map=identity,

@@ -38,7 +38,7 @@ class TyreCalibration:
     length_trend: Polynomial
     """Speed trend of the contact patch length [rad], Figure 8.21b."""
     nominal_length: float
-    """Length at static load, to which every constant speed is brought [rad]."""
+    """Length at static load and rest (the trend at speed 0), to which every constant speed is brought [rad]."""
     beta: float
     """Cross-talk of (8.19) [-]."""
     edge_stddev: float

@@ -6,7 +6,7 @@ to constant speed. The part removed is known from the calibration and is added a
     Fx = f_x(delta phi) + Fx_wheel(v_0) + trend(v) - trend(v_0),
 
 with Fx_wheel the force of this wheel at constant speed, where the shift was called zero, and trend the mean of both
-axles that went into the common speed map.
+axles and of driving and coasting (when the tyres feel no drag) that went into the common speed map.
 """
 
 from dataclasses import dataclass

@@ -6,7 +6,7 @@ With gravity, M = offset + c omega_M^2 + g mean(cos), P = offset + g, and the ce
 
     c omega^2 = (M - P + g (1 - mean(cos))) (omega / omega_M)^2.
 
-The normalised signal is (a - P) / (c omega^2); the fronts are where it crosses 1/2, interpolated between samples.
+The normalised signal is (a - P) / (c omega^2); the fronts are where it crosses 0.6, interpolated between samples.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,8 @@ WINDOW_END = float(np.radians(50.0))
 """End of the window searched for fronts [rad]; it begins at FREE_END."""
 _CORE = np.radians(4.0)
 """Half width about the expected centre that lies in the patch [rad]."""
-_LEVEL = 0.5
+LEVEL = 0.6
+"""Share of the centripetal step at a front: there the signal is steepest, at the very edge of the patch."""
 _MEAN_COSINE = (np.sin(FREE_END) - np.sin(FREE_BEGIN)) / (FREE_END - FREE_BEGIN)
 
 
@@ -68,7 +69,7 @@ def _cross(theta: Array, acceleration: Array, floor: float, free_level: float, s
     step = (free_level - floor + GRAVITY * (1.0 - _MEAN_COSINE)) * speed_ratio**2
     if not step > 0.0:
         return None
-    normalised = (acceleration - floor) / step - _LEVEL
+    normalised = (acceleration - floor) / step - LEVEL
     centre = int(np.searchsorted(theta, 0.0))
     outside = normalised > 0.0
     before, after = np.flatnonzero(outside[:centre]), np.flatnonzero(outside[centre:])

@@ -15,7 +15,7 @@ class SmartTyreParameters:
     wheels: tuple[str, ...] = parameter(("front_left",), "names of the wheels", read_only=True)
     calibration_file: str = parameter("", "calibration made by the calibration tool; empty: raw contact patches only")
     front_method: str = parameter(
-        "crossing", "crossing of the half level, or template of the calibration", choices=("crossing", "template")
+        "crossing", "crossing of a level, or matched template of the calibration", choices=("crossing", "template")
     )
     restore_steady_force: bool = parameter(
         True, "add to fx the steady drag and rolling part that the speed trend removes"
