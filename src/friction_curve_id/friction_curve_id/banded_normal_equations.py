@@ -23,7 +23,7 @@ from friction_curve_id import log_curve
 from friction_curve_id.braking_window import BrakingWindow
 from friction_curve_id.interface import WheelParameters
 from friction_curve_id.past_evidence import PastEvidence
-from friction_curve_id.robust_weights import robust_weights
+from friction_curve_id.robust_weights import robust_cost, robust_weights
 
 Array = NDArray[np.float64]
 
@@ -69,6 +69,8 @@ class NormalEquations:
     """Of (q, u), bordered by the gradient in the last column, shape (5, 5)."""
     wheel_equation_error: Array
     """Residuals of the wheel equations [standard deviations of the torque], shape (n - 1,)."""
+    cost: float
+    """At the present unknowns."""
 
 
 @dataclass(frozen=True)
@@ -129,17 +131,21 @@ def assemble(
     before = -scale - half_gain * mu_per_omega[:-1]
     after = scale - half_gain * mu_per_omega[1:]
     error = equation[:, 4].copy()
-    root = np.sqrt(robust_weights(error**2, thresholds.wheel_equation) * window.equation_trust[1:n])
+    squared, trust = error * error, window.equation_trust[1:n]
+    cost = robust_cost(squared, thresholds.wheel_equation) @ trust
+    root = np.sqrt(robust_weights(squared, thresholds.wheel_equation) * trust)
     equation *= root[:, np.newaxis]
     before *= root
     after *= root
 
     omega_error = omega - window.measured_wheel_speed[:n]
-    omega_weight = robust_weights((omega_error / noise.wheel_speed) ** 2, thresholds.wheel_speed)
-    omega_weight *= window.wheel_speed_trust[:n] / noise.wheel_speed**2
+    squared, trust = (omega_error / noise.wheel_speed) ** 2, window.wheel_speed_trust[:n]
+    cost += robust_cost(squared, thresholds.wheel_speed) @ trust
+    omega_weight = robust_weights(squared, thresholds.wheel_speed) * trust / noise.wheel_speed**2
     speed_error = speed - window.measured_speed[:n]
-    speed_weight = robust_weights((speed_error / noise.speed) ** 2, thresholds.speed)
-    speed_weight *= window.has_speed[:n] / noise.speed**2
+    squared, trust = (speed_error / noise.speed) ** 2, window.has_speed[:n]
+    cost += robust_cost(squared, thresholds.speed) @ trust
+    speed_weight = robust_weights(squared, thresholds.speed) * trust / noise.speed**2
     if oldest is not None:
         omega_weight[-1] = speed_weight[-1] = 0.0
 
@@ -155,13 +161,15 @@ def assemble(
     corner[3, 3] += speed_weight.sum()
     corner[3, 4] += speed_weight @ speed_error
 
-    gradient = past.gradient_at(np.array([*q, momentum_speed, omega[0]]))
+    x = np.array([*q, momentum_speed, omega[0]])
+    cost += past.cost_at(x)
+    gradient = past.gradient_at(x)
     corner[:4, :4] += past.information[:4, :4]
     corner[:4, 4] += gradient[:4]
     border[0, :4] += past.information[4, :4]
     border[0, 4] += gradient[4]
     diagonal[0] += past.information[4, 4]
-    return NormalEquations(diagonal, before * after, border, corner, error)
+    return NormalEquations(diagonal, before * after, border, corner, error, float(cost))
 
 
 def solve(equations: NormalEquations) -> Solution:

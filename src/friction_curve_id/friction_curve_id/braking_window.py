@@ -78,16 +78,16 @@ class BrakingWindow:
         self.wheel_speed_trust[k] = self.equation_trust[k] = 1.0
         self.count = k + 1
 
-    def replace_newest_torques(self, torques: list[float]) -> None:
-        """Put other torques [N m] in place of the newest ones, and their impulse."""
+    def rehabilitate_newest_torques(self, torques: list[float]) -> None:
+        """Put the measured torques [N m] of the newest samples in place and trust their wheel equations."""
         first = self.count - len(torques)
         self.torque[first : self.count] = torques
+        self.equation_trust[first : self.count] = 1.0
         before = max(first - 1, 0)
         part = slice(before, self.count)
         mean = 0.5 * (self.torque[part][1:] + self.torque[part][:-1])
-        self.impulse[before + 1 : self.count] = self.impulse[before] + self._per_impulse * np.cumsum(
-            np.diff(self.time[part]) * mean
-        )
+        gained = self._per_impulse * np.cumsum(np.diff(self.time[part]) * mean)
+        self.impulse[before + 1 : self.count] = self.impulse[before] + gained
 
     def drop_oldest(self, number: int) -> None:
         """Forget the oldest `number` samples."""

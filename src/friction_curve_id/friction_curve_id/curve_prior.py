@@ -30,7 +30,7 @@ class CurvePrior:
     """> 0"""
     ratio: float = 0.4
     """Median of th3 / th1 at the median th2 [-], > 0."""
-    ratio_log_stddev: float = 0.2
+    ratio_log_stddev: float = 0.18
     """Of th3 / th1 at a given th2, > 0."""
     ratio_log_slope: float = -0.05
     """D ln(th3 / th1) / d ln th2 [-]."""

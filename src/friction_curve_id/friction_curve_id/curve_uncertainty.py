@@ -25,12 +25,14 @@ class ValidityLimits:
     max_relative_stddev: float = 0.1
     """Of lambda_max, > 0."""
 
-    def judge(self, samples: int, largest_slip: float, lambda_max: float, stddev: float) -> tuple[Reason, str]:
+    def judge(
+        self, samples: int, slip_span: tuple[float, float], lambda_max: float, stddev: float
+    ) -> tuple[Reason, str]:
         """Why the peak may not be used, OK if it may.
 
         Args:
             samples: in the fit.
-            largest_slip: in the fit [-].
+            slip_span: smallest and largest slip in the fit [-].
             lambda_max: estimate [-], NaN for no peak.
             stddev: its standard deviation [-].
         """
@@ -38,9 +40,12 @@ class ValidityLimits:
             return Reason.TOO_FEW_SAMPLES, f"{samples} of {self.min_samples} samples"
         if not isfinite(lambda_max):
             return Reason.NO_PEAK, "the fitted curve has no peak in (0, 1)"
-        if largest_slip < lambda_max:
-            text = f"slip has not passed the peak: it reached {largest_slip:.3f}, the peak is expected at {lambda_max:.3f}"
+        smallest, largest = slip_span
+        if largest < lambda_max:
+            text = f"slip has not passed the peak: it reached {largest:.3f}, the peak is expected at {lambda_max:.3f}"
             return Reason.PEAK_NOT_PASSED, text
+        if smallest > lambda_max:
+            return Reason.UNCERTAIN, f"all slips lie beyond the peak, from {smallest:.3f} on"
         if stddev > self.max_relative_stddev * lambda_max:
             return Reason.UNCERTAIN, f"lambda_max {lambda_max:.3f} has a standard deviation of {stddev:.3f}"
         return Reason.OK, ""
@@ -62,7 +67,7 @@ def describe(
     covariance: Array,
     present: PresentSlip,
     samples: int,
-    largest_slip: float,
+    slip_span: tuple[float, float],
     limits: ValidityLimits,
     cause: RestartCause,
 ) -> CurveEstimate:
@@ -74,7 +79,7 @@ def describe(
     peak = log_curve.peak(q)
     lambda_stddev = peak.lambda_max * sqrt(max(peak.lambda_gradient @ of_q @ peak.lambda_gradient, 0.0))
     mu_stddev = sqrt(max(peak.mu_gradient @ of_q @ peak.mu_gradient, 0.0))
-    reason, text = limits.judge(samples, largest_slip, peak.lambda_max, lambda_stddev)
+    reason, text = limits.judge(samples, slip_span, peak.lambda_max, lambda_stddev)
 
     slip = abs(present.slip)
     steep = th1 * th2 * float(np.exp(-th2 * slip))

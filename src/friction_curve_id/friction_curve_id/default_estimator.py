@@ -39,14 +39,13 @@ _QUIET = 40
 _QUIET_SLIP_SPAN = 0.002
 _LONGEST_STEP = 0.7
 """Of any coordinate of q in one iteration: a factor two."""
+_HALVINGS = 4
+"""Of a step that raises the cost."""
 _SETTLED = 0.1
 """A step of q below this needs no further iteration."""
 _FARTHEST = 8.0
 """q stays within so many prior standard deviations of the prior mean."""
-_CONFIRMATION = 6
-"""Samples after which the wheel has confirmed or refuted a suspect torque."""
-_CONFIRMED_ERROR = 4.0
-"""Largest mean error of confirmed wheel equations [standard deviations of the torque]."""
+_NO_OUTLIERS = OutlierThresholds(1e6, 1e6, 1e6)
 _START_SPEED_DOUBT = 0.1
 """Added to the standard deviation of u at a change of surface [m/s]."""
 _START_SPEED_STDDEV = 10.0
@@ -122,7 +121,7 @@ class DefaultEstimator:
         self._past = no_evidence()
         self._folded_at = 0.0
         self._samples = 0
-        self._largest_slip = 0.0
+        self._smallest_slip, self._largest_slip = 1.0, 0.0
 
     def _take(self, sample: Sample, torque: float, admission: Admission) -> CurveEstimate | Refusal:
         since = sample.time - self._window.time[self._window.count - 1] if self._window.count else 0.0
@@ -182,7 +181,8 @@ class DefaultEstimator:
             if self._samples:
                 self._cause = RestartCause.GAP
             self._q = self._prior_mean.copy()
-            self._samples, self._largest_slip = 0, 0.0
+            self._samples = 0
+            self._smallest_slip, self._largest_slip = 1.0, 0.0
         if self._past.information[MOMENTUM, MOMENTUM] < _START_SPEED_STDDEV**-2:
             self._guess_momentum()
         self._samples += n
@@ -210,7 +210,8 @@ class DefaultEstimator:
         verdict = self._torque_watch.judge(sample.time, torque)
         suspect_before, self._suspect, torque = self._suspect, verdict.suspect, verdict.torque
         if verdict.rehabilitated:
-            window.replace_newest_torques(verdict.rehabilitated[-window.count :])
+            window.rehabilitate_newest_torques(verdict.rehabilitated[-window.count :])
+            suspect_before = False
         trust = SET_ASIDE if suspect_before or self._suspect else 1.0
         prediction = predict(
             window, self._q, self._momentum_speed, self._covariance, p.wheel, p.noise, sample.time, torque, trust
@@ -237,30 +238,17 @@ class DefaultEstimator:
         """Set aside what should not bend the curve: a surprising wheel speed, the equations of a suspect torque.
 
         After a run of surprises too long for outliers the wheel speed counts again, and how the wheel came there not.
+        A curve of few samples may be wrong itself: it judges nothing.
         """
         window = self._window
         newest = window.count - 1
-        surprising = self._monitor.take(innovation)
+        surprising = self._is_settled and equation_trust == 1.0 and self._monitor.take(innovation)
         if self._monitor.run > LONGEST_OUTLIER:
             equation_trust = SET_ASIDE
             window.wheel_speed[newest] = window.measured_wheel_speed[newest]
         elif surprising:
             window.wheel_speed_trust[newest] = SET_ASIDE
         window.equation_trust[newest] = equation_trust
-        self._confirm_torques()
-
-    def _confirm_torques(self) -> None:
-        """Take back the equations of suspect torques that the wheel has confirmed since."""
-        trust = self._window.equation_trust[1 : self._window.count]
-        if len(trust) <= _CONFIRMATION or trust[-_CONFIRMATION] < 1.0 or trust[-_CONFIRMATION - 1] == 1.0:
-            return
-        end = len(trust) - _CONFIRMATION
-        first = end
-        while first > 0 and trust[first - 1] < 1.0:
-            first -= 1
-        errors = self._equations().wheel_equation_error[first:end]
-        if abs(float(errors.mean())) < _CONFIRMED_ERROR and trust[-_CONFIRMATION:].min() == 1.0:
-            trust[first:end] = 1.0
 
     def _fold_oldest(self, number: int) -> None:
         window, p = self._window, self._p
@@ -280,7 +268,8 @@ class DefaultEstimator:
         variance = float(self._covariance[MOMENTUM, MOMENTUM]) + _START_SPEED_DOUBT**2
         self._past = momentum_evidence(self._momentum_speed, variance)
         self._q = self._prior_mean.copy()
-        self._samples, self._largest_slip = keep, 0.0
+        self._samples = keep
+        self._smallest_slip, self._largest_slip = 1.0, 0.0
         self._cause = RestartCause.SURFACE
         self._monitor.reset()
         self._iterate(at_most=6)
@@ -300,27 +289,61 @@ class DefaultEstimator:
 
     def _equations(self, oldest: int | None = None) -> NormalEquations:
         p = self._p
-        return assemble(self._window, self._q, self._momentum_speed, p.wheel, p.noise, p.thresholds, self._past, oldest)
+        thresholds = p.thresholds if self._is_settled else _NO_OUTLIERS
+        return assemble(self._window, self._q, self._momentum_speed, p.wheel, p.noise, thresholds, self._past, oldest)
 
-    def _solve(self) -> Solution:
+    @property
+    def _is_settled(self) -> bool:
+        return self._samples >= self._p.limits.min_samples
+
+    def _posterior(self) -> tuple[NormalEquations, float]:
+        """Normal equations with the prior, and the cost at the present unknowns."""
         equations = self._equations()
+        offset = self._q - self._prior_mean
+        gradient = self._prior_information @ offset
         equations.corner[:3, :3] += self._prior_information
-        equations.corner[:3, 4] += self._prior_information @ (self._q - self._prior_mean)
-        return solve(equations)
+        equations.corner[:3, 4] += gradient
+        return equations, equations.cost + 0.5 * float(gradient @ offset)
 
     def _iterate(self, at_most: int) -> None:
-        window = self._window
+        """Gauss-Newton steps; a long one that raises the cost is taken back by halves."""
+        equations, cost = self._posterior()
         for _ in range(at_most):
-            solution = self._solve()
+            solution = solve(equations)
             longest = float(np.abs(solution.step[:3]).max())
             share = min(1.0, _LONGEST_STEP / max(longest, 1e-12))
-            window.wheel_speed[: window.count] += share * solution.wheel_speed_step
-            self._momentum_speed += share * float(solution.step[MOMENTUM])
-            q = self._q + share * solution.step[:3]
-            self._q = np.clip(q, self._prior_mean - self._prior_reach, self._prior_mean + self._prior_reach)
+            self._move(solution, share)
             self._covariance = solution.covariance
             if longest < _SETTLED:
-                break
+                return
+            equations, new_cost = self._posterior()
+            for _ in range(_HALVINGS):
+                if new_cost <= cost:
+                    break
+                share *= 0.5
+                self._move(solution, -share)
+                equations, new_cost = self._posterior()
+            cost = new_cost
+
+    def _move(self, solution: Solution, share: float) -> None:
+        window = self._window
+        window.wheel_speed[: window.count] += share * solution.wheel_speed_step
+        self._momentum_speed += share * float(solution.step[MOMENTUM])
+        q = self._q + share * solution.step[:3]
+        self._q = np.clip(q, self._prior_mean - self._prior_reach, self._prior_mean + self._prior_reach)
+
+    def _blind_covariance(self) -> Array:
+        """Covariance of (q, u, omega), honest where all slips lie beyond the peak.
+
+        There th2 has no effect on the data any more, and the quadratic about the fit does not see the long tail of
+        steeper curves: th2 is then as uncertain as the prior says.
+        """
+        peak = float(self._q[1] - self._q[2]) / float(np.exp(self._q[1]))
+        if self._smallest_slip <= peak:
+            return self._covariance
+        covariance = self._covariance.copy()
+        covariance[1, 1] += self._p.prior.theta_2_log_stddev**2
+        return covariance
 
     def _publish(self) -> CurveEstimate:
         window, wheel = self._window, self._p.wheel
@@ -330,9 +353,9 @@ class DefaultEstimator:
         speed = max(self._momentum_speed - lever * omega - float(window.impulse[last]), 0.1)
         slip_per_u = wheel.radius * omega / speed**2
         slip = 1.0 - wheel.radius * omega / speed
+        self._smallest_slip = min(self._smallest_slip, slip)
         self._largest_slip = max(self._largest_slip, slip)
         present = PresentSlip(slip, slip_per_u, -slip_per_u * lever - wheel.radius / speed)
         cause, self._cause = self._cause, RestartCause.NONE
-        return describe(
-            self._q, self._covariance, present, self._samples, self._largest_slip, self._p.limits, cause
-        )
+        span = (self._smallest_slip, self._largest_slip)
+        return describe(self._q, self._blind_covariance(), present, self._samples, span, self._p.limits, cause)

@@ -32,6 +32,11 @@ class PastEvidence:
         """D cost / d x at `x`, shape (5,)."""
         return np.asarray(self.gradient + self.information @ (x - self.reference))
 
+    def cost_at(self, x: Array) -> float:
+        """Cost at `x`, shape (5,)."""
+        d = x - self.reference
+        return float(d @ (0.5 * (self.information @ d) + self.gradient))
+
     def loosened(self, index: int, variance: float) -> "PastEvidence":
         """The same when unknown `index` has since moved by a random step of this variance."""
         column = self.information[:, index]

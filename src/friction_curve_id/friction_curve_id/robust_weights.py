@@ -10,3 +10,9 @@ def robust_weights(squared: Array, threshold: float) -> Array:
     """Weights min(1, threshold / |residual|)^4, shape (n,), of squared residuals [standard deviations squared]."""
     ratio = np.minimum(threshold**2 / np.maximum(squared, 1e-30), 1.0)
     return np.asarray(ratio * ratio)
+
+
+def robust_cost(squared: Array, threshold: float) -> Array:
+    """The cost whose derivative these weights are, shape (n,): squared / 2, at most threshold^2."""
+    ratio = np.minimum(threshold**2 / np.maximum(squared, 1e-30), 1.0)
+    return np.asarray(np.where(ratio < 1.0, threshold**2 * (1.0 - 0.5 * ratio), 0.5 * squared))

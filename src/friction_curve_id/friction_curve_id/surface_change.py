@@ -7,7 +7,7 @@ LONGEST_OUTLIER = 5
 
 
 _SURPRISE, _FURTHER_SURPRISE = 4.0, 2.5
-"""Innovations beyond these are surprises, the second within a run: outliers come in bursts."""
+"""Innovations beyond these are surprises, the second within a burst of outliers."""
 
 
 class SurfaceChangeMonitor:
@@ -27,7 +27,8 @@ class SurfaceChangeMonitor:
 
     def take(self, innovation: float) -> bool:
         """Take the next innovation [standard deviations of the prediction]; say whether it is a surprise."""
-        surprising = abs(innovation) > (_FURTHER_SURPRISE if self.run else _SURPRISE)
+        in_burst = 0 < self.run < LONGEST_OUTLIER
+        surprising = abs(innovation) > (_FURTHER_SURPRISE if in_burst else _SURPRISE)
         self._latest.append(surprising)
         self.run = self.run + 1 if surprising else 0
         return surprising
@@ -39,6 +40,6 @@ class SurfaceChangeMonitor:
 
     @property
     def since(self) -> int:
-        """Samples since the first surprise among the latest, that one included; 0 without any."""
+        """The latest samples that hold the needed surprises: those on the new road."""
         latest = list(self._latest)
-        return len(latest) - latest.index(True) if True in latest else 0
+        return next((n for n in range(1, len(latest) + 1) if sum(latest[-n:]) >= self._needed), len(latest))

@@ -1,8 +1,8 @@
 """Torque samples that leave the trend of those before them.
 
-A wheel answers a torque through its inertia: for some samples a wrong torque looks like a different road. So the wheel
-equations of a torque that leaves the trend are set aside first, and taken back when the wheel has confirmed it. Five in
-a row may be wrong; a sixth means that the torque has changed its trend.
+A wheel answers a torque through its inertia: for some samples a wrong torque looks like a different road. So a torque
+that leaves the trend is suspect, and its wheel equations are set aside. Five in a row may be wrong; a sixth means that
+the torque has changed its trend, and all six count.
 """
 
 from collections import deque
