@@ -130,7 +130,7 @@ def _fronts(block: TyreBlock, table: ToothTable, file: Path) -> None:
     centre = 0.5 * (first.alpha_1 + first.alpha_2)
     turns = np.round((float(wheel.at(np.array([first.time]))[0]) - centre) / (2.0 * np.pi))
     begin, end = (wheel.time_of(centre + 2.0 * np.pi * turns + a) for a in (-np.pi, np.pi))
-    samples = np.arange(np.ceil(begin), np.floor(end))
+    samples: Array = np.arange(np.ceil(begin), np.floor(end)).astype(np.float64)
     theta = wheel.at(samples) - centre - 2.0 * np.pi * turns
     signal = block.radial_acceleration[samples.astype(np.int64)].astype(np.float64)
     found = find_fronts(theta, signal, float(np.mean(signal[theta < -np.radians(50.0)])), 1.0)

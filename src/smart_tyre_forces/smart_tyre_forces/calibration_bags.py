@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,7 +86,7 @@ def read(bag: Path, imu_topic: str = "imu/data") -> BagRun:
         with AnyReader([bag]) as reader:
             wanted = [c for c in reader.connections if c.topic.endswith(("/tyre_signals", imu_topic))]
             for connection, _, data in reader.messages(connections=wanted):
-                message = reader.deserialize(data, connection.msgtype)
+                message: Any = reader.deserialize(data, connection.msgtype)
                 stamp = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
                 if connection.topic.endswith("/tyre_signals"):
                     signals = (message.encoder_voltage, message.radial_acceleration)
