@@ -177,7 +177,7 @@ def test_missing_and_not_finite_wheels_are_invalid_and_named_while_others_go_on(
     processor = CarProcessor(p, lambda _severity, text: said.append(text))
     rolling = 20.0 / 0.3
     outputs: list[tuple[str, WheelSlip]] = []
-    for k in range(1, 40):
+    for k in range(1, 100):
         processor.process(*imu(k * PERIOD, 0.0))
         states = wheel_states(k * PERIOD, [rolling, nan, rolling], ("front_left", "front_right", "rear_left"))
         outputs = list(processor.process(*states))

@@ -3,25 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite, nan, sqrt
-from statistics import median
 
-from friction_runtime.stamps import NANOSECONDS
 from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
 from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
-from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
+from wheel_slip.vehicle_speed import SpeedSample, VehicleSpeed, VehicleSpeedParameters
 from wheel_slip.wheel_speed_filter import WheelSpeedFilter
-
-
-@dataclass(frozen=True)
-class SpeedSample:
-    """A measured vehicle speed."""
-
-    stamp: int
-    """When it was measured [ns]."""
-    speed: float
-    """[m/s], forward positive"""
-    variance: float
-    """[m^2/s^2], > 0"""
 
 
 @dataclass(frozen=True)
@@ -30,7 +16,9 @@ class EstimatorParameters:
 
     radii: tuple[float, ...]
     """Effective rolling radius of each wheel [m]."""
-    speed_filter: SpeedFilterParameters
+    driven: tuple[bool, ...]
+    """Which wheels the engine drives; none, where that is not known or all are."""
+    vehicle_speed: VehicleSpeedParameters
     wheel_speed_stddev: float = 0.07
     """Noise of a wheel speed [rad/s]."""
     wheel_jerk_density: float = 3e3
@@ -39,8 +27,6 @@ class EstimatorParameters:
     """No slip below this vehicle speed [m/s]."""
     max_gap: float = 0.1
     """Longer gaps of wheel speeds [s] start the wheel's filter anew."""
-    speed_timeout: float = 0.5
-    """A speed sensor that is silent for longer [s] has dropped out: the wheels take over."""
     max_slip_stddev: float = 0.05
     """No slip where its standard deviation is larger [-]."""
 
@@ -57,10 +43,7 @@ class SlipEstimator:
         """Forget everything."""
         p = self._p
         self._wheels = [WheelSpeedFilter(p.wheel_speed_stddev**2, p.wheel_jerk_density, p.max_gap) for _ in p.radii]
-        self.speed_filter = SpeedFilter(p.speed_filter)
-        self.source = SpeedSource.NONE
-        """Where the vehicle speed comes from at the last sample."""
-        self._sensor_stamp: int | None = None
+        self.vehicle = VehicleSpeed(p.vehicle_speed, p.driven)
 
     def update(
         self,
@@ -80,36 +63,31 @@ class SlipEstimator:
         Returns:
             One estimate a wheel.
         """
-        self.speed_filter.predict(stamp, acceleration)
+        radii = self._p.radii
         for wheel, measured in zip(self._wheels, wheel_speeds, strict=True):
             if isfinite(measured):
                 wheel.update(stamp, measured)
-        self._correct(stamp, wheel_speeds, measured_speeds)
+        self.vehicle.update(
+            stamp,
+            [speed * radius for speed, radius in zip(wheel_speeds, radii, strict=True)],
+            [
+                wheel.speed * radius if isfinite(speed) else nan
+                for wheel, speed, radius in zip(self._wheels, wheel_speeds, radii, strict=True)
+            ],
+            [wheel.acceleration * radius for wheel, radius in zip(self._wheels, radii, strict=True)],
+            acceleration,
+            measured_speeds,
+        )
         return [self._estimate(index, measured) for index, measured in enumerate(wheel_speeds)]
 
-    def _correct(self, stamp: int, wheel_speeds: Sequence[float], measured_speeds: Sequence[SpeedSample]) -> None:
-        for sample in measured_speeds:
-            # Before the filter runs there is no past to go back to: the sample starts it.
-            if self.speed_filter.correct(sample.speed, sample.variance, sample.stamp) or (
-                self.source is SpeedSource.NONE and self.speed_filter.correct(sample.speed, sample.variance)
-            ):
-                self._sensor_stamp = sample.stamp
-                self.source = SpeedSource.SENSOR
-        if self._sensor_stamp is not None and stamp - self._sensor_stamp <= self._p.speed_timeout * NANOSECONDS:
-            return
-        rolling = [w * r for w, r in zip(wheel_speeds, self._p.radii, strict=True) if isfinite(w)]
-        if rolling:
-            self.speed_filter.correct(median(rolling), (self._p.wheel_speed_stddev * self._p.radii[0]) ** 2)
-            self.source = SpeedSource.WHEELS
-
     def _estimate(self, index: int, measured: float) -> WheelEstimate:
-        wheel, speed = self._wheels[index], self.speed_filter
-        known = self.source is not SpeedSource.NONE
+        wheel, speed = self._wheels[index], self.vehicle.filter
+        known = self.vehicle.source is not SpeedSource.NONE
         base = WheelEstimate(
             vehicle_speed=speed.speed if known else nan,
             vehicle_speed_variance=speed.speed_variance if known else nan,
             wheel_speed=wheel.speed,
-            source=self.source,
+            source=self.vehicle.source,
         )
         reason, text = self._refusal(index, measured)
         if reason is not Reason.OK:
@@ -142,8 +120,8 @@ class SlipEstimator:
             if wheel.restarted_by_gap:
                 return Reason.GAP, "wheel speed had a gap"
             return Reason.NOT_READY, "too few samples since start"
-        if self.source is SpeedSource.NONE:
+        if self.vehicle.source is SpeedSource.NONE:
             return Reason.NO_SPEED, "no vehicle speed"
-        if self.speed_filter.speed < self._p.minimum_speed:
+        if self.vehicle.filter.speed < self._p.minimum_speed:
             return Reason.LOW_SPEED, f"vehicle speed is below {self._p.minimum_speed} m/s"
         return Reason.OK, ""

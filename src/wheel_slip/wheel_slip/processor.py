@@ -12,9 +12,10 @@ from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
 from friction_runtime.processor import Health, Level, Output, Report, silent
 from friction_runtime.stamps import NANOSECONDS, from_nanoseconds, to_nanoseconds
 from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
-from wheel_slip.estimator import SlipEstimator, SpeedSample
+from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.speed_queue import SpeedQueue
+from wheel_slip.vehicle_speed import SpeedSample
 
 WHEEL_STATES = "wheel_states"
 IMU = "imu/data"
@@ -77,9 +78,10 @@ class CarProcessor:
 
     def health(self) -> Health:
         """State for diagnostics."""
-        speed = self._estimator.speed_filter
+        car = self._estimator.vehicle
+        speed = car.filter
         values = {
-            "speed source": self._estimator.source.name.lower(),
+            "speed source": car.source.name.lower(),
             "vehicle speed [m/s]": f"{speed.speed:.3f}",
             "vehicle speed standard deviation [m/s]": f"{sqrt(speed.speed_variance):.3f}",
             "accelerometer offset [m/s^2]": f"{speed.offset:.3f}",
@@ -92,7 +94,7 @@ class CarProcessor:
                 bad.append(f"{wheel}: {estimate.reason_text}")
         if self._silent or not self._last:
             return Health("car", Level.ERROR, self._silent or f"{WHEEL_STATES}: no sample yet", values)
-        if self._estimator.source is SpeedSource.NONE:
+        if car.source is SpeedSource.NONE:
             return Health("car", Level.ERROR, "no vehicle speed", values)
         said = "; ".join([*bad, *([self._missing] if self._missing else [])])
         return Health("car", Level.WARN if said else Level.OK, said or "ok", values)

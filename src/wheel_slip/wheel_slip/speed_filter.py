@@ -2,7 +2,7 @@
 
     v_dot = a_m - b + n_a,    b_dot = n_b
 
-a_m is the measured acceleration, b its offset: sensor bias and road slope together (g sin(slope)), which a speed
+An accelerometer is low-passed before it is sampled: a sample speaks for the interval it ends. a_m is that, b its offset: sensor bias and road slope together (g sin(slope)), which a speed
 measurement separates from a_m and nothing else can. Without an accelerometer a_m is 0, b is minus the acceleration of
 the car, and n_b is as strong as the changes of acceleration of a braking car.
 
@@ -34,8 +34,10 @@ class SpeedFilterParameters:
     """Noise of one sample [m/s^2]."""
     offset_stddev: float = 0.4
     """What the offset may be before anything is learned [m/s^2]: bias 0.35 and a slope of 2 %."""
-    offset_walk: float = 0.03
-    """Change of offset, by the road, [m/s^2] in the square root of a second."""
+    offset_walk: float = 0.003
+    """Change of offset [m/s^2] in the square root of a second while it is observed: how long the learning averages."""
+    blind_offset_walk: float = 0.06
+    """The same while nothing observes it: how fast the road may change its slope, unseen."""
 
 
 class SpeedFilter:
@@ -73,17 +75,30 @@ class SpeedFilter:
         noise = self._parameters.acceleration_stddev**2 if self._measured is not None else 0.0
         return self.offset_variance + noise
 
-    def predict(self, stamp: int, measured: float | None) -> None:
-        """Go to `stamp` [ns], later than the last, with the acceleration measured there [m/s^2] or None."""
+    def start(self, speed: float, variance: float) -> None:
+        """Start at the last stamp with a speed [m/s] and its variance [m^2/s^2]; what is known of the offset stays."""
+        self.speed, self.speed_variance, self._covariance = speed, variance, 0.0
+
+    def predict(self, stamp: int, measured: float | None, *, observed: bool = True) -> None:
+        """Go to `stamp` [ns], later than the last.
+
+        Args:
+            stamp: [ns].
+            measured: acceleration measured there [m/s^2], None if there is none.
+            observed: whether speed measurements watch the offset at present.
+        """
         before = self._measured
         if (before is None) != (measured is None):
             self._change_of_input(measured)
             before = self._measured
         if self._history:
             dt = (stamp - self._history[-1][0]) / NANOSECONDS
-            walk = self._parameters.offset_walk**2 if measured is not None else _ACCELERATION_WALK
+            p = self._parameters
+            walk = (p.offset_walk if observed else p.blind_offset_walk) ** 2
+            if measured is None:
+                walk = _ACCELERATION_WALK
             noise = self._parameters.acceleration_stddev if measured is not None else 0.0
-            change = 0.5 * dt * ((before or 0.0) + (measured or 0.0))
+            change = dt * (measured or 0.0)
             pv, pc, pb = self.speed_variance, self._covariance, self.offset_variance
             self.speed += change - dt * self.offset
             self.speed_variance = pv + dt * (dt * (pb + noise**2 + walk * dt / 3.0) - 2.0 * pc)

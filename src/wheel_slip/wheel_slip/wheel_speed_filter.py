@@ -2,14 +2,27 @@
 
     d/dt [omega, omega_dot] = [omega_dot, w],    z = omega + n
 
-The density q of w and the variance of n set the bandwidth, (q / (variance T))^(1/4) [rad/s] at sample time T. Any
-sample time from 1 to 40 ms and bursts of near-equal stamps are handled by the exact discretisation.
+The density q of w and the variance R of n set the bandwidth, (q / (R T))^(1/4) [rad/s] at sample time T. Sample times
+from 1 to 40 ms and bursts of near-equal stamps are handled by the exact discretisation.
+
+A rolling wheel is quiet, one in an ABS cycle has a hundred times its jerk. So q adapts: with m the mean of the squared
+innovation over the last samples, in units of what it is for a quiet wheel,
+
+    q = q_0 max(1, m / 2)^2
+
+Noise alone hardly reaches m = 2, so that the smoothing of a quiet wheel stays what q_0 makes it.
 """
 
 from friction_runtime.stamps import NANOSECONDS
 
 _FIRST_ACCELERATION_VARIANCE = 100.0**2
 """Of a wheel nothing is known of [rad^2/s^4]: ten times the acceleration of a wheel that rolls in a hard stop."""
+_MEMORY = 0.3
+"""Share of the newest sample in the mean squared innovation."""
+_KNEE = 2.0
+"""Mean squared innovation above which the wheel is no longer quiet."""
+_LARGEST_GAIN = 1e4
+"""Of the density q."""
 _SAMPLES_TO_SETTLE = 5
 """From there on the acceleration is measured, not assumed."""
 
@@ -22,7 +35,7 @@ class WheelSpeedFilter:
 
         Args:
             variance: of the measured wheel speed [rad^2/s^2], > 0.
-            jerk_density: power spectral density of the wheel's jerk [rad^2/s^5], > 0.
+            jerk_density: power spectral density q_0 of the jerk of a quiet wheel [rad^2/s^5], > 0.
             max_gap: longer gaps [s] start the filter anew.
         """
         self._variance = variance
@@ -43,6 +56,7 @@ class WheelSpeedFilter:
         self.restarted_by_gap = False
         """Whether a gap was the last reason to start anew."""
         self._covariance = 0.0
+        self._unrest = 1.0
         self._stamp: int | None = None
         self._samples = 0
 
@@ -60,13 +74,14 @@ class WheelSpeedFilter:
             self.restarted_by_gap = gap
             self.speed = measured
         else:
-            self._predict(dt)
+            self._predict(dt, self._jerk_density * min(max(1.0, self._unrest / _KNEE) ** 2, _LARGEST_GAIN))
+            quiet = 1.6 * self._variance + 1.5 * self._jerk_density * dt**3
+            self._unrest += _MEMORY * ((measured - self.speed) ** 2 / quiet - self._unrest)
             self._correct(measured)
         self._stamp = stamp
         self._samples += 1
 
-    def _predict(self, dt: float) -> None:
-        q = self._jerk_density
+    def _predict(self, dt: float, q: float) -> None:
         p11, p12, p22 = self.speed_variance, self._covariance, self.acceleration_variance
         self.speed += dt * self.acceleration
         self.speed_variance = p11 + dt * (2.0 * p12 + dt * (p22 + q * dt / 3.0))

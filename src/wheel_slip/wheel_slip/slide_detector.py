@@ -1,0 +1,153 @@
+"""Do the wheels roll, or does the accelerometer have to bridge a slide?
+
+Over a short window each wheel's change of rim speed r omega is compared with the integrated corrected acceleration:
+
+    D_i = [r_i omega_i](t) - [r_i omega_i](t - T) - integral of a over T
+
+A wheel rolls while |D_i| is small and its rim speed is that of the others. This sees a slide on snow, where the car
+hardly decelerates, and does not use the integrated speed. The car slides when more than one wheel does not roll, or when
+it accelerates so strongly that every wheel must have slip. It rolls again when the wheels have rolled for a while and
+either agree with the integrated speed, or the car hardly accelerates: then they are right, whatever that speed says.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import exp, isfinite, nan
+
+from friction_runtime.stamps import NANOSECONDS
+
+_LAG = 0.015
+"""Time constant [s] that gives the acceleration the lag of the wheel filter."""
+_SPREAD = 0.03
+_SPREAD_AT_REST = 0.3
+"""Rim speeds may differ by this share, and this speed [m/s]: radii, curves, quantisation."""
+_CALM = 1.0
+"""Below this acceleration [m/s^2] wheels that agree are believed against the integrated speed, after `_PATIENCE`."""
+_PATIENCE = 1.0
+"""[s]"""
+_STRONGEST = 14.0
+"""Without an accelerometer a wheel that changes faster [m/s^2] does not roll."""
+
+
+@dataclass(frozen=True)
+class SlideParameters:
+    """When a wheel, and the car, count as rolling."""
+
+    window: float = 0.2
+    """T [s]."""
+    threshold: float = 0.15
+    """Largest |D| of a rolling wheel [m/s]."""
+    slide_above: float = 3.0
+    """Acceleration [m/s^2] above which the wheels are not believed."""
+    roll_below: float = 2.5
+    """Acceleration [m/s^2] below which they may be believed again."""
+    settle: float = 0.3
+    """Time [s] they have to roll before they are."""
+
+
+class SlideDetector:
+    """Mode of the car, and the wheels that roll."""
+
+    def __init__(self, parameters: SlideParameters, driven: Sequence[bool]) -> None:
+        """Start sliding: nothing is believed before it has shown to roll. `driven`: which wheels the engine drives."""
+        self._p = parameters
+        self._free = [index for index, by_engine in enumerate(driven) if not by_engine]
+        self._all = list(range(len(driven)))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.sliding = True
+        """Whether the wheels are not to be believed."""
+        self.rolling = [False] * len(self._all)
+        """Which wheels roll."""
+        self.since: int | None = None
+        """Stamp [ns] of the last change of mode."""
+        self.acceleration: float | None = None
+        """Acceleration [m/s^2] with the lag of the wheel filters."""
+        self.spread = nan
+        """Largest difference between rim speeds [m/s]."""
+        self._history: deque[tuple[int, float, Sequence[float]]] = deque()
+        self._rolled_since: int | None = None
+        self._travelled = 0.0
+
+    def update(
+        self,
+        stamp: int,
+        rim_speeds: Sequence[float],
+        rim_accelerations: Sequence[float],
+        acceleration: float | None,
+        integrated: tuple[float, float] | None,
+    ) -> None:
+        """Judge one sample.
+
+        Args:
+            stamp: [ns].
+            rim_speeds: r omega of each wheel [m/s], NaN where unknown.
+            rim_accelerations: their rates [m/s^2].
+            acceleration: of the car, corrected for offset [m/s^2]; None without an accelerometer.
+            integrated: integrated speed [m/s] and its standard deviation [m/s]; None if there is none.
+        """
+        self._integrate(stamp, acceleration)
+        known = sorted(speed for speed in rim_speeds if isfinite(speed))
+        self.spread = known[-1] - known[0] if known else nan
+        self._history.append((stamp, self._travelled, rim_speeds))
+        while len(self._history) > 2 and self._history[1][0] <= stamp - self._p.window * NANOSECONDS:
+            self._history.popleft()
+        middle = 0.5 * (known[(len(known) - 1) // 2] + known[len(known) // 2]) if known else nan
+        self.rolling = [
+            self._rolls(index, speed, rate, middle)
+            for index, (speed, rate) in enumerate(zip(rim_speeds, rim_accelerations, strict=True))
+        ]
+        self._change_mode(stamp, rim_speeds, middle, integrated)
+
+    def believed(self) -> list[int]:
+        """Wheels to take the speed from: those that roll, without the driven ones if a free one is left."""
+        free = [index for index in self._free if self.rolling[index]]
+        return free or [index for index in self._all if self.rolling[index]]
+
+    def _integrate(self, stamp: int, acceleration: float | None) -> None:
+        if acceleration is None:
+            self.acceleration = None
+            return
+        before = self.acceleration
+        if before is None or not self._history:
+            self.acceleration = acceleration
+            return
+        dt = (stamp - self._history[-1][0]) / NANOSECONDS
+        self.acceleration = before + (1.0 - exp(-dt / _LAG)) * (acceleration - before)
+        self._travelled += 0.5 * dt * (before + self.acceleration)
+
+    def _rolls(self, index: int, speed: float, rate: float, middle: float) -> bool:
+        if not abs(speed - middle) <= _SPREAD_AT_REST + _SPREAD * abs(middle):
+            return False
+        if self.acceleration is None:
+            return abs(rate) < _STRONGEST
+        _, travelled, speeds = self._history[0]
+        return abs(speed - speeds[index] - (self._travelled - travelled)) <= self._p.threshold
+
+    def _change_mode(
+        self, stamp: int, rim_speeds: Sequence[float], middle: float, integrated: tuple[float, float] | None
+    ) -> None:
+        a = self.acceleration or 0.0
+        # Free wheels roll while the engine pulls, however strongly.
+        pulled = len(self._free) < len(self._all) and bool(self._free) and a > -0.5
+        judged = [index for index in (self._free if pulled else self._all) if isfinite(rim_speeds[index])]
+        allowed = 1 if len(judged) >= 3 else 0
+        wheels_roll = bool(judged) and sum(not self.rolling[index] for index in judged) <= allowed
+        strength = 0.0 if pulled else abs(a)
+        if not self.sliding:
+            if strength > self._p.slide_above or not wheels_roll:
+                self.sliding, self.since, self._rolled_since = True, stamp, None
+            return
+        if strength > self._p.roll_below or not wheels_roll:
+            self._rolled_since = None
+            return
+        if self._rolled_since is None:
+            self._rolled_since = stamp
+        rolled = (stamp - self._rolled_since) / NANOSECONDS
+        agree = integrated is None or abs(middle - integrated[0]) <= 3.0 * integrated[1] + 0.02 * abs(middle) + 0.1
+        calm = abs(a) < _CALM and rolled >= _PATIENCE
+        if rolled >= self._p.settle and (agree or calm):
+            self.sliding, self.since = False, stamp

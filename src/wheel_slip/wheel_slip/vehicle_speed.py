@@ -1,0 +1,163 @@
+"""Vehicle speed from wheels, accelerometer and speed sensor: which of them is believed when.
+
+- While the car rolls, the wheels correct the speed and teach the accelerometer's offset. A wheel sample is believed
+  only `_BELIEF_LAG` after its stamp, at its own time, when nothing has shown that a slide had begun.
+- While it slides, the corrected acceleration is integrated; the wheels are bounds: braked wheels are no faster than the
+  car, driven ones no slower. The offset is no longer observed, so its uncertainty, and the speed's, grow with the road.
+- A speed sensor corrects in either mode, at its own time, and starts the estimate at once.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite, sqrt
+
+from friction_runtime.stamps import NANOSECONDS
+from wheel_slip.estimate import SpeedSource
+from wheel_slip.slide_detector import SlideDetector, SlideParameters
+from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
+
+_BELIEF_LAG = round(0.1 * NANOSECONDS)
+_SLIP_CORRELATION = 0.1
+"""Time [s] over which the slip of a rolling wheel counts as one error, not many."""
+_BLIND_SPEED = 0.6
+_BLIND_STDDEV = 0.1
+"""Encoders read zero below about this rim speed [m/s]; what that says of the speed [m/s]."""
+_AT_REST = 1.0
+"""A car that stands cannot seem to accelerate by more [m/s^2]."""
+_BOUND_MARGIN = 0.02
+"""Share of the speed by which wheels may pass the bound: radii and torsional vibration."""
+_BOUND_LATENCY = 0.03
+"""Time [s] by which wheel speeds may be older than the acceleration."""
+
+
+@dataclass(frozen=True)
+class SpeedSample:
+    """A measured vehicle speed."""
+
+    stamp: int
+    """When it was measured [ns]."""
+    speed: float
+    """[m/s], forward positive"""
+    variance: float
+    """[m^2/s^2], > 0"""
+
+
+@dataclass(frozen=True)
+class VehicleSpeedParameters:
+    """Of one car."""
+
+    speed_filter: SpeedFilterParameters
+    slide: SlideParameters
+    rim_speed_variance: float
+    """Noise of a rim speed r omega [m^2/s^2]."""
+    slip_per_acceleration: float = 0.004
+    """Uncertainty of the slip of a rolling wheel per acceleration of the car [s^2/m]."""
+    sensor_timeout: float = 0.5
+    """Silence [s] after which the speed sensor counts as gone."""
+
+
+class VehicleSpeed:
+    """Speed of one car. `speed`, `variance` and so on mean something unless `source` is NONE."""
+
+    def __init__(self, parameters: VehicleSpeedParameters, driven: Sequence[bool]) -> None:
+        """Start anew; `driven`: which wheels the engine drives (none, if that is not known)."""
+        self._p = parameters
+        self.filter = SpeedFilter(parameters.speed_filter)
+        self.slide = SlideDetector(parameters.slide, driven)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.filter.reset()
+        self.slide.reset()
+        self.source = SpeedSource.NONE
+        """Where the speed comes from at the last sample."""
+        self._sensor_stamp: int | None = None
+        self._not_yet_believed: deque[tuple[int, float, float]] = deque()
+        self._last: int | None = None
+
+    def update(
+        self,
+        stamp: int,
+        rim_speeds: Sequence[float],
+        smooth_rim_speeds: Sequence[float],
+        rim_accelerations: Sequence[float],
+        acceleration: float | None,
+        measured: Sequence[SpeedSample],
+    ) -> None:
+        """Take one sample.
+
+        Args:
+            stamp: [ns], later than the last.
+            rim_speeds: r omega of each wheel as measured [m/s], NaN where missing.
+            smooth_rim_speeds: filtered [m/s], NaN where unknown.
+            rim_accelerations: filtered [m/s^2].
+            acceleration: accelerometer [m/s^2], None if there is none.
+            measured: samples of the speed sensor.
+        """
+        started = self.source is not SpeedSource.NONE
+        self.filter.predict(stamp, acceleration, observed=not (started and self.slide.sliding))
+        integrated = (self.filter.speed, sqrt(self.filter.speed_variance)) if started else None
+        corrected = None if acceleration is None else acceleration - self.filter.offset
+        self.slide.update(stamp, smooth_rim_speeds, rim_accelerations, corrected, integrated)
+        for sample in measured:
+            self._use_sensor(sample)
+        # Without an accelerometer only a speed sensor can tell a slide from braking.
+        if self.slide.sliding or (acceleration is None and self._sensor_is_fresh(stamp)):
+            self._not_yet_believed.clear()
+            if self.source is not SpeedSource.NONE:
+                self._bound(rim_speeds)
+        else:
+            self._use_wheels(stamp, rim_speeds)
+        self._last = stamp
+        if self.source is not SpeedSource.NONE:
+            without_sensor = SpeedSource.INTEGRATED if self.slide.sliding else SpeedSource.WHEELS
+            self.source = SpeedSource.SENSOR if self._sensor_is_fresh(stamp) else without_sensor
+
+    def _sensor_is_fresh(self, stamp: int) -> bool:
+        timeout = self._p.sensor_timeout * NANOSECONDS
+        return self._sensor_stamp is not None and stamp - self._sensor_stamp <= timeout
+
+    def _use_sensor(self, sample: SpeedSample) -> None:
+        if self.source is SpeedSource.NONE:
+            self.filter.start(sample.speed, sample.variance)
+        else:
+            self.filter.correct(sample.speed, sample.variance, sample.stamp)
+        self._sensor_stamp = sample.stamp
+        self.source = SpeedSource.SENSOR
+
+    def _use_wheels(self, stamp: int, rim_speeds: Sequence[float]) -> None:
+        believed = [rim_speeds[index] for index in self.slide.believed() if isfinite(rim_speeds[index])]
+        if believed:
+            speed = sum(believed) / len(believed)
+            a = self.slide.acceleration or 0.0
+            blind = abs(speed) < _BLIND_SPEED
+            if not blind or abs(a) < _AT_REST:
+                dt = (stamp - self._last) / NANOSECONDS if self._last is not None else _SLIP_CORRELATION
+                slip = self._p.slip_per_acceleration * speed * a
+                many = max(_SLIP_CORRELATION / dt, 1.0)
+                noise = _BLIND_STDDEV**2 * many if blind else self._p.rim_speed_variance / len(believed)
+                variance = noise + slip**2 * many
+                self._not_yet_believed.append((stamp, speed, variance))
+        if self.source is SpeedSource.NONE and self._not_yet_believed:
+            self.filter.start(*self._not_yet_believed.pop()[1:])
+            self._not_yet_believed.clear()
+            self.source = SpeedSource.WHEELS
+        while self._not_yet_believed and self._not_yet_believed[0][0] <= stamp - _BELIEF_LAG:
+            when, speed, variance = self._not_yet_believed.popleft()
+            self.filter.correct(speed, variance, when)
+
+    def _bound(self, rim_speeds: Sequence[float]) -> None:
+        """Keep the speed above braked and below driven wheels; two of them must say so, for one may vibrate or fail."""
+        a = self.slide.acceleration
+        known = sorted(speed for speed in rim_speeds if abs(speed) > _BLIND_SPEED)
+        if a is None or not known:
+            return
+        noise = 3.0 * sqrt(self._p.rim_speed_variance)
+        margin = _BOUND_MARGIN * abs(self.filter.speed) + _BOUND_LATENCY * abs(a) + noise
+        second = min(1, len(known) - 1)
+        if a < -1.0 and self.filter.speed < known[-1 - second] - margin:
+            self.filter.correct(known[-1 - second] - margin, margin**2)
+        elif a > 1.0 and self.filter.speed > known[second] + margin:
+            self.filter.correct(known[second] + margin, margin**2)
