@@ -126,7 +126,8 @@ class SlopeDetector:
         if p.method is Method.SLIP:
             return slip_rate_sign(signals.slip_rate, p.slip_rate_dead_zone)
         friction = signals.friction_moment / (p.radius * p.vertical_load)
-        return eta_sign(normalised_deceleration(signals.wheel_acceleration, p.radius), friction, p.eta_margin)
+        eta = normalised_deceleration(signals.wheel_acceleration, p.radius)
+        return eta_sign(eta, friction, p.eta_margin, p.slip_rate_dead_zone, self._reference.speed)
 
     def _forget_samples(self) -> None:
         self._signals.reset()

@@ -5,7 +5,8 @@ eta = -omega_dot r / g takes the place of the slip rate in (8.5). By (8.6),
     slip_rate = (g / v) (eta - (1 - slip) mu)        (all wheels at the friction mu of this one)
 
 so the two signs differ exactly where 0 < eta < (1 - slip) mu. There the sign of eta says nothing of the slip rate. The
-friction in use is known, mu = (J omega_dot + T_b) / (r Fz), so that this interval can be left out as a dead zone.
+friction in use is known, mu = (J omega_dot + T_b) / (r Fz), so that this interval can be left out as a dead zone. Above
+it, eta stands for a slip rate of at least (g / v)(eta - mu): the dead zone of the slip rate adds v / g times itself.
 """
 
 GRAVITY = 9.81
@@ -24,17 +25,19 @@ def slip_rate_sign(slip_rate: float, dead_zone: float) -> int:
     return -1 if slip_rate < -dead_zone else 0
 
 
-def eta_sign(eta: float, friction: float, margin: float) -> int:
+def eta_sign(eta: float, friction: float, margin: float, dead_zone: float, speed: float) -> int:
     """Sign of the slip rate as far as eta tells it.
 
     Args:
         eta: normalised wheel deceleration [-].
         friction: friction coefficient in use [-]; its part below zero does not count.
-        margin: by which eta must lie outside the interval (0, friction) [-], >= 0.
+        margin: by which eta must lie outside the interval (0, friction) [-], >= 0, for its noise.
+        dead_zone: slip rates up to it [1/s], >= 0, do not count as growing.
+        speed: of the vehicle [m/s], or no less than it.
 
     Returns:
         +1 above the interval, -1 below it, 0 within.
     """
-    if eta > max(friction, 0.0) + margin:
+    if eta > max(friction, 0.0) + margin + dead_zone * speed / GRAVITY:
         return 1
     return -1 if eta < -margin else 0

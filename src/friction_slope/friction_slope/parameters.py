@@ -47,7 +47,7 @@ class FrictionSlopeParameters:
         100.0, "indicator at or above it: stability is regained", unit="rad/s^3", minimum=0.0, maximum=1e5
     )
     slip_rate_dead_zone: float = parameter(
-        0.15, "slip rates up to it have no measurable sign (slip)", unit="1/s", minimum=0.0, maximum=100.0
+        0.15, "slip rates up to it have no measurable sign", unit="1/s", minimum=0.0, maximum=100.0
     )
     eta_margin: float = parameter(
         0.2,

@@ -1,0 +1,203 @@
+"""The detector on simulated braking: both directions, both methods, and what it refuses."""
+
+from dataclasses import replace
+from itertools import pairwise
+from math import inf, nan
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from friction_slope.detector import DetectorParameters, SlopeDetector
+from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
+from vehicle_models import burckhardt
+from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.surfaces import TABLE_8_1, surface
+
+DT = 0.005
+STEP = 5_000_000
+CORNER = CornerParameters()
+EXACT = DetectorParameters(
+    method=Method.SLIP,
+    radius=CORNER.radius,
+    inertia=CORNER.inertia,
+    vertical_load=CORNER.vertical_load,
+    window=3,
+    rate_window=3,
+    lead=0.0,
+    h_instability=0.0,
+    h_stability=0.0,
+    slip_rate_dead_zone=0.0,
+    eta_margin=0.0,
+    minimum_torque=30.0,
+    braking_hold=0.3,
+    minimum_speed=1.5,
+    max_deceleration=12.0,
+    max_gap=0.03,
+)
+
+
+def through_the_peak(name: str) -> tuple[list[SlopeSample], np.ndarray]:
+    """Noise-free samples of a ramp past the peak and a release back through it, and the true signs of the slope."""
+    theta = surface(name)
+    peak = float(burckhardt.peak(theta)[0])
+    corner = SingleCorner(CORNER, [30.0])
+    torque, hold, released = 0.0, 1.08 * float(CORNER.peak_torque(theta)), False
+    samples, signs = [], []
+    for k in range(400):
+        slip, speed, omega = float(corner.slip[0]), float(corner.speed[0]), float(corner.wheel_speed[0])
+        omega_dot = float(corner.wheel_acceleration(theta, torque)[0])
+        rate = ((1.0 - slip) * float(corner.acceleration(theta)[0]) - CORNER.radius * omega_dot) / speed
+        samples.append(SlopeSample((k + 1) * STEP, omega, torque, slip, rate, speed))
+        signs.append(1 if slip <= peak else -1)
+        released = released or slip > 2.0 * peak
+        after = max(torque - 25.0, 0.0) if released else min(torque + hold / 50.0, hold) if k >= 20 else 0.0
+        corner.step(torque, after, theta, DT)
+        torque = after
+        if released and slip < 0.5 * peak:
+            break
+    return samples, np.array(signs)
+
+
+def run(parameters: DetectorParameters, samples: list[SlopeSample]) -> list[SlopeEstimate]:
+    detector = SlopeDetector(parameters)
+    return [detector.update(sample) for sample in samples]
+
+
+@pytest.mark.parametrize("name", TABLE_8_1)
+@pytest.mark.parametrize("method", Method)
+def test_sign_follows_both_crossings_within_the_documented_delay_and_one_sample(name: str, method: Method) -> None:
+    samples, truth = through_the_peak(name)
+    found = run(replace(EXACT, method=method), samples)
+    signs = np.array([estimate.sign for estimate in found])
+    for change in (-1, 1):
+        true = int(np.flatnonzero(np.diff(truth) == 2 * change)[0]) + 1
+        detected = int(np.flatnonzero((signs[1:] == change) & (signs[:-1] == -change))[0]) + 1
+        delay = found[detected].delay
+        assert delay == pytest.approx(DT)
+        # The crossing lies between the samples true - 1 and true: delay and one sample from it end before true + 2.
+        assert 0 <= detected - true <= 1
+    assert found[-1].crossings == 2
+
+
+@pytest.mark.parametrize("name", TABLE_8_1)
+def test_slip_at_the_crossing_is_lambda_max(name: str) -> None:
+    samples, _ = through_the_peak(name)
+    peak = float(burckhardt.peak(surface(name))[0])
+    lost = next(estimate for estimate in run(EXACT, samples) if estimate.crossing_sign == -1)
+    one_sample = max(abs(b.slip - a.slip) for a, b in pairwise(samples) if b.slip < 2 * peak)
+    assert lost.slip_at_crossing == pytest.approx(peak, abs=one_sample)
+    at = next(sample for sample in samples if sample.stamp == lost.crossing_stamp)
+    assert lost.slip_at_crossing == pytest.approx(at.slip, rel=1e-2)
+
+
+def test_sign_is_not_known_before_braking_and_says_so() -> None:
+    samples, _ = through_the_peak("dry")
+    found = run(EXACT, samples)
+    assert [estimate.reason for estimate in found[:4]] == [Reason.NOT_READY] * 2 + [Reason.NOT_BRAKING] * 2
+    assert all(estimate.sign == 0 and np.isnan(estimate.indicator) for estimate in found[:20])
+
+
+def test_released_wheel_is_still_seen_and_then_is_no_longer_braked() -> None:
+    detector = SlopeDetector(EXACT)
+    for k in range(40):
+        detector.update(SlopeSample((k + 1) * STEP, 90.0, 400.0, 0.05, 0.0, 30.0))
+    reasons = [detector.update(SlopeSample((k + 41) * STEP, 90.0, 0.0, 0.05, 0.0, 30.0)).reason for k in range(80)]
+    assert reasons.index(Reason.NOT_BRAKING) * DT == pytest.approx(EXACT.braking_hold, abs=DT)
+
+
+def test_locked_wheel_is_no_standstill_without_a_speed_sensor() -> None:
+    detector = SlopeDetector(replace(EXACT, method=Method.NO_SLIP))
+    for k in range(20):
+        detector.update(SlopeSample((k + 1) * STEP, 100.0, 500.0))
+    reasons = [detector.update(SlopeSample((k + 21) * STEP, 0.0, 500.0)).reason for k in range(600)]
+    standing = (30.0 - EXACT.minimum_speed) / EXACT.max_deceleration
+    assert reasons.index(Reason.LOW_SPEED) * DT == pytest.approx(standing, abs=2 * DT)
+
+
+def test_method_slip_stops_below_the_minimum_vehicle_speed() -> None:
+    detector = SlopeDetector(EXACT)
+    for k in range(20):
+        estimate = detector.update(SlopeSample((k + 1) * STEP, 40.0, 500.0, 0.1, 0.5, 1.4))
+    assert estimate.reason is Reason.LOW_SPEED
+    assert np.isnan(estimate.h)
+
+
+def test_method_slip_without_slip_says_so_and_no_slip_goes_on() -> None:
+    samples, _ = through_the_peak("wet")
+    blind = [replace(sample, slip=nan, slip_rate=nan) for sample in samples]
+    assert {estimate.reason for estimate in run(EXACT, blind)[30:]} == {Reason.NO_SLIP}
+    found = run(replace(EXACT, method=Method.NO_SLIP), blind)
+    assert found[-1].crossings == 2
+    assert np.isnan(found[-1].slip_at_crossing)
+
+
+def test_slip_rate_in_the_dead_zone_holds_the_sign() -> None:
+    samples, _ = through_the_peak("dry")
+    found = run(replace(EXACT, slip_rate_dead_zone=1e3), samples)
+    braked = [estimate for estimate in found if estimate.reason is Reason.NO_EXCITATION]
+    assert len(braked) > 50
+    assert all(estimate.indicator == 0.0 and estimate.sign == 0 for estimate in braked)
+
+
+def test_gap_fills_the_window_anew_and_says_so() -> None:
+    samples, _ = through_the_peak("dry")
+    late = samples[:60] + [replace(s, stamp=s.stamp + 100_000_000) for s in samples[60:]]
+    found = run(EXACT, late)
+    assert [estimate.reason for estimate in found[60:63]] == [Reason.GAP, Reason.GAP, Reason.OK]
+    assert found[62].h == pytest.approx(run(EXACT, samples)[62].h)
+
+
+@pytest.mark.parametrize(
+    ("bad", "reason"),
+    [
+        (dict(wheel_speed=nan), Reason.BAD_INPUT),
+        (dict(wheel_speed=inf), Reason.BAD_INPUT),
+        (dict(brake_torque=nan), Reason.NO_TORQUE),
+        (dict(stamp=STEP), Reason.BAD_INPUT),
+    ],
+)
+def test_garbage_is_refused_and_leaves_no_trace(bad: dict[str, float], reason: Reason) -> None:
+    samples, _ = through_the_peak("dry")
+    clean = run(EXACT, samples)
+    detector = SlopeDetector(EXACT)
+    for k, sample in enumerate(samples):
+        if k == 50:
+            garbage = replace(sample, stamp=sample.stamp - STEP // 2)
+            refused = detector.update(replace(garbage, **bad))  # type: ignore[arg-type]
+            assert refused.reason is reason
+            assert np.isnan(refused.indicator)
+        assert detector.update(sample) == clean[k] or np.isnan(clean[k].indicator)
+
+
+def test_reset_is_a_new_detector() -> None:
+    samples, _ = through_the_peak("snow")
+    detector = SlopeDetector(EXACT)
+    for sample in samples:
+        detector.update(sample)
+    detector.reset()
+    again = [detector.update(sample) for sample in samples]
+    assert repr(again) == repr(run(EXACT, samples))
+
+
+NUMBERS = st.one_of(st.floats(), st.sampled_from([0.0, nan, inf, -inf, 100.0]))
+
+
+@given(
+    st.lists(st.tuples(st.integers(-2, 12), NUMBERS, NUMBERS, NUMBERS, NUMBERS, NUMBERS), max_size=80),
+    st.sampled_from(Method),
+)
+def test_hostile_samples_give_known_signs_and_no_exception(stream: list[tuple[float, ...]], method: Method) -> None:
+    detector = SlopeDetector(replace(EXACT, method=method))
+    stamp = STEP
+    for step, *values in stream:
+        stamp += int(step) * STEP
+        with np.errstate(all="ignore"):
+            estimate = detector.update(SlopeSample(stamp, *values))
+        assert estimate.sign in (-1, 0, 1)
+        if estimate.reason is Reason.OK:
+            assert estimate.sign != 0
+            assert estimate.indicator != 0.0
+        elif estimate.reason is not Reason.NO_EXCITATION:
+            assert estimate.sign == 0
