@@ -101,7 +101,8 @@ def load(cls: type[Parameters], path: str | Path, node_name: str) -> Parameters:
         OSError: the file cannot be read.
     """
     sections = yaml.safe_load(Path(path).read_text(encoding="utf-8")) or {}
-    wanted = [sections[key]["ros__parameters"] for key in ("/**", node_name, f"/{node_name}") if key in sections]
+    keys = ("/**", f"/**/{node_name}", node_name, f"/{node_name}")
+    wanted = [sections[key]["ros__parameters"] for key in keys if key in sections]
     if not wanted:
         raise ParameterError(f"{path}: no section '{node_name}' and no section '/**'")
     merged: dict[str, Any] = {}

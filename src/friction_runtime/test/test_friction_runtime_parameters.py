@@ -48,11 +48,12 @@ def test_bad_value_is_refused_with_the_name_of_the_parameter(values: dict[str, A
         from_mapping(ExampleParameters, values)
 
 
-def test_file_section_of_the_node_overrides_the_general_one(tmp_path: Path) -> None:
+@pytest.mark.parametrize("section", ["example", "/example", "/**/example"])
+def test_file_section_of_the_node_overrides_the_general_one(tmp_path: Path, section: str) -> None:
     file = tmp_path / "p.yaml"
     file.write_text(
         "/**:\n  ros__parameters: {deadline: 0.1, samples: 7, use_sim_time: true}\n"
-        "example:\n  ros__parameters: {deadline: 0.2}\n",
+        f"{section}:\n  ros__parameters: {{deadline: 0.2}}\n",
         encoding="utf-8",
     )
     made = load(ExampleParameters, file, "example")
