@@ -1,0 +1,322 @@
+"""Messages in, messages out: the same whatever the order of arrival, refused with a reason, marked at ABS
+activation."""
+
+import math
+import random
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from friction_msgs.msg import FrictionCurve, TyreForce, WheelSlip
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from sensor_msgs.msg import FluidPressure, Imu, JointState
+from std_msgs.msg import Header
+
+from friction_curve_id.activation import ActivationMark
+from friction_curve_id.interface import Reason, RestartCause
+from friction_curve_id.parameters import FrictionCurveParameters
+from friction_curve_id.processor import CurveProcessor, build
+from friction_runtime.parameters import ParameterError, from_mapping, load
+from friction_runtime.processor import Level
+from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
+
+Brake = Callable[..., Any]
+Stream = list[tuple[str, Any]]
+GAIN = 1e-4
+START = 1_000 * NANOSECONDS
+
+
+def header(time: float, start: int = START) -> Header:
+    return Header(stamp=from_nanoseconds(start + round(time * NANOSECONDS)))
+
+
+def braking(clean: Brake, name: str = "dry", start: int = START, wheel: str = "front_left", count: int = 100) -> Stream:
+    """Messages of manoeuvre B in the order of their stamps."""
+    stream: Stream = []
+    for sample in clean(name, count).samples:
+        at = header(sample.time, start)
+        slip = 1.0 - sample.wheel_speed * 0.3 / sample.vehicle_speed
+        stream += [
+            ("wheel_states", JointState(header=at, name=["other", wheel], velocity=[1.0, sample.wheel_speed])),
+            (f"{wheel}/brake_pressure", FluidPressure(header=at, fluid_pressure=sample.brake_torque / GAIN)),
+            (
+                f"{wheel}/slip",
+                WheelSlip(header=at, wheel=wheel, slip=slip, vehicle_speed=sample.vehicle_speed, valid=True),
+            ),
+        ]
+        speed = TwistWithCovarianceStamped(header=at)
+        speed.twist.twist.linear.x = sample.vehicle_speed
+        stream.append(("vehicle_velocity", speed))
+    return stream
+
+
+def processor(**values: Any) -> CurveProcessor:
+    return build(from_mapping(FrictionCurveParameters, {"method": "rls"} | values))[0]
+
+
+def drive(made: CurveProcessor, stream: Stream) -> list[FrictionCurve]:
+    topics = {**made.sensors, **made.estimates}
+    return [output for topic, message in stream if topic in topics for _, output in made.process(topic, message)]
+
+
+METHODS = ("default", "ml", "rml", "rml_ml", "ls", "rls")
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("speed_source", ["slip", "vehicle_velocity", "none"])
+def test_every_method_finds_the_peak_from_every_source_of_speed(clean: Brake, method: str, speed_source: str) -> None:
+    last = drive(processor(method=method, speed_source=speed_source), braking(clean))[-1]
+    assert last.valid, last.reason_text
+    assert last.method == method
+    assert last.wheel == "front_left"
+    assert last.lambda_max == pytest.approx(0.17, rel=0.05)
+    assert last.slip == pytest.approx(0.25, abs=0.02)
+    assert math.isnan(last.theta_1) == (method in ("ls", "rls"))
+
+
+def test_order_of_arrival_does_not_change_a_bit(clean: Brake) -> None:
+    stream = braking(clean)
+    expected = drive(processor(), stream)
+    generator = random.Random(3)
+    for _ in range(5):
+        # Every topic keeps its order, the topics run up to some samples ahead of one another.
+        queues: dict[str, Stream] = {}
+        for entry in stream:
+            queues.setdefault(entry[0], []).append(entry)
+        shuffled: Stream = []
+        while any(queues.values()):
+            ready = [queue for queue in queues.values() if queue]
+            behind = min(ready, key=lambda queue: message_time(queue[0][1]))
+            chosen = generator.choice(ready)
+            if message_time(chosen[0][1]) - message_time(behind[0][1]) > 0.03:
+                chosen = behind
+            shuffled.append(chosen.pop(0))
+        found = drive(processor(), shuffled)
+        assert len(found) == len(expected)
+        assert str(found) == str(expected)
+
+
+def message_time(message: Any) -> float:
+    return message.header.stamp.sec + message.header.stamp.nanosec / NANOSECONDS
+
+
+def test_a_looped_bag_gives_the_same_again_and_says_that_it_began_anew(clean: Brake) -> None:
+    made, stream = processor(), braking(clean)
+    first = drive(made, stream)
+    second = drive(made, stream)
+    for old, new in zip(first[-20:], second[-20:], strict=True):
+        assert new.lambda_max == old.lambda_max
+        assert new.header.stamp == old.header.stamp
+    restarts = [message for message in second if message.restarted]
+    assert len(restarts) == 1
+    assert restarts[0].restart_cause == FrictionCurve.RESTART_GAP
+    assert second[-1].restarts == 1
+
+
+def test_reset_begins_anew_and_says_that_it_was_asked_to(clean: Brake) -> None:
+    made = processor()
+    drive(made, braking(clean, "wet"))
+    made.reset()
+    after = drive(made, braking(clean, "dry", start=START + 60 * NANOSECONDS))
+    assert [message.restart_cause for message in after if message.restarted] == [FrictionCurve.RESTART_REQUEST]
+    assert after[-1].mu_max == pytest.approx(1.17, rel=0.02)
+
+
+def without(stream: Stream, topic: str) -> Stream:
+    return [entry for entry in stream if entry[0] != topic]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_missing_brake_pressure_is_said_not_guessed(clean: Brake, method: str) -> None:
+    made = processor(method=method)
+    found = drive(made, without(braking(clean), "front_left/brake_pressure"))
+    assert len(found) > 80
+    assert {message.reason for message in found} == {FrictionCurve.NO_TORQUE}
+    assert not any(message.valid for message in found)
+    assert "front_left/brake_pressure" in found[-1].reason_text
+    assert made.health().level is Level.ERROR
+
+
+def test_missing_slip_does_not_stop_what_can_do_without(clean: Brake) -> None:
+    found = drive(processor(), without(braking(clean), "front_left/slip"))
+    assert found[-1].valid
+    needs_it = drive(processor(friction_source="wheel_equation"), without(braking(clean), "front_left/slip"))
+    assert {message.reason for message in needs_it} == {FrictionCurve.NO_SLIP}
+
+
+def test_garbage_on_every_topic_costs_samples_and_never_the_estimate(clean: Brake) -> None:
+    stream, generator = braking(clean), random.Random(7)
+    bad: Stream = []
+    for topic, message in stream:
+        bad.append((topic, message))
+        if generator.random() < 0.1:
+            wrong = header(generator.choice([-1000.0, message_time(message) - START / NANOSECONDS + 0.001]))
+            bad += [
+                ("wheel_states", JointState(header=wrong, name=["front_left"], velocity=[math.nan])),
+                ("wheel_states", JointState(header=message.header, name=["front_left"], velocity=[])),
+                ("front_left/brake_pressure", FluidPressure(header=message.header, fluid_pressure=math.inf)),
+                ("front_left/slip", WheelSlip(header=Header(), slip=math.nan, vehicle_speed=math.nan)),
+            ]
+    reports: list[str] = []
+    made = build(FrictionCurveParameters(method="rls"), lambda severity, text: reports.append(text))[0]
+    found = drive(made, bad)
+    assert found
+    assert any("refused" in text for text in reports)
+    for message in found:
+        assert message.valid == (message.reason == FrictionCurve.OK)
+        assert math.isnan(message.lambda_max) or 0.0 < message.lambda_max < 1.0
+
+
+def test_activation_of_the_abs_is_marked_once_with_the_estimate_at_that_sample(clean: Brake) -> None:
+    found = drive(processor(method="ml", abs_activation_slip=0.19), braking(clean))
+    marked = [message for message in found if message.at_activation]
+    assert len(marked) == 1
+    place = found.index(marked[0])
+    assert found[place].slip > 0.19 >= found[place - 1].slip
+    assert marked[0].lambda_max_at_activation == marked[0].lambda_max
+    assert all(message.lambda_max_at_activation == marked[0].lambda_max for message in found[place:])
+    assert all(message.abs_active for message in found[place:])
+    assert all(math.isnan(message.lambda_max_at_activation) for message in found[:place])
+
+
+def test_an_activation_ends_with_the_braking() -> None:
+    mark = ActivationMark(0.15)
+    for k, slip in enumerate([0.1, 0.16, 0.2, 0.01, 0.18]):
+        mark.update(0.1 * k, slip, 0.17)
+        assert mark.active == (k >= 1)
+        assert mark.at_activation == (k == 1)
+    for k in range(8):
+        mark.update(1.0 + 0.1 * k, 0.0, 0.17)
+    assert not mark.active
+    mark.update(2.0, 0.2, 0.1)
+    assert mark.at_activation
+    assert mark.lambda_max == 0.1
+
+
+def test_wheels_have_parameters_of_their_own(clean: Brake) -> None:
+    both = build(
+        from_mapping(
+            FrictionCurveParameters,
+            {"wheels": ["front_left", "rear_left"], "method": "ml", "brake_gains": [GAIN, 2 * GAIN]},
+        )
+    )
+    left = drive(both[0], braking(clean, wheel="front_left"))[-1]
+    rear = drive(both[1], braking(clean, wheel="rear_left"))[-1]
+    assert left.valid
+    assert rear.mu > 1.5 * left.mu
+
+
+def tyre_forces(clean: Brake) -> Stream:
+    stream: Stream = []
+    braked = clean("dry")
+    for k, (friction, slip) in enumerate(zip(braked.friction, braked.slip, strict=True)):
+        at = header(0.05 * k)
+        stream += [
+            ("front_left/slip", WheelSlip(header=at, slip=float(slip), vehicle_speed=20.0, valid=True)),
+            ("front_left/tyre_force", TyreForce(header=at, fx=-3000.0 * float(friction), fz=3000.0, valid=k != 50)),
+        ]
+    return stream
+
+
+def test_tyre_forces_give_a_curve_and_invalid_ones_do_not(clean: Brake) -> None:
+    found = drive(processor(method="tyre_force"), tyre_forces(clean))
+    assert found[-1].lambda_max == pytest.approx(0.17, rel=0.02)
+    assert found[-1].valid
+    assert [message.reason for message in found].count(FrictionCurve.BAD_INPUT) == 1
+
+
+def vehicle_stream(clean: Brake, accelerometer: bool = True) -> Stream:
+    """One corner four times over: a car whose wheels do the same."""
+    stream: Stream = []
+    braked = clean("dry")
+    for sample, friction in zip(braked.samples, braked.friction, strict=True):
+        at = header(sample.time)
+        names = ["front_left", "front_right", "rear_left", "rear_right"]
+        stream.append(("wheel_states", JointState(header=at, name=names, velocity=[sample.wheel_speed] * 4)))
+        speed = TwistWithCovarianceStamped(header=at)
+        speed.twist.twist.linear.x = sample.vehicle_speed
+        stream.append(("vehicle_velocity", speed))
+        if accelerometer:
+            imu = Imu(header=at)
+            imu.linear_acceleration.y = 9.81 * float(friction)
+            stream.append(("imu/data", imu))
+    return stream
+
+
+VEHICLE = {
+    "method": "vehicle",
+    "wheels": ["front_left", "front_right", "rear_left", "rear_right"],
+    "speed_source": "vehicle_velocity",
+    "imu_axis": "y",
+    "imu_sign": -1.0,
+    "rolling_resistance": 0.0,
+    "drag_per_speed_squared": 0.0,
+    "relaxation_length": 0.001,
+}
+
+
+def test_the_vehicle_has_one_curve_for_all_wheels(clean: Brake) -> None:
+    made = build(from_mapping(FrictionCurveParameters, VEHICLE))
+    assert len(made) == 1
+    found = drive(made[0], vehicle_stream(clean))
+    assert found[-1].wheel == "vehicle"
+    assert found[-1].mu_max == pytest.approx(1.17, rel=0.03)
+    assert abs(found[-1].lambda_max - 0.17) < 2.0 * found[-1].lambda_max_stddev
+
+
+def test_the_vehicle_without_accelerometer_says_so(clean: Brake) -> None:
+    found = drive(build(from_mapping(FrictionCurveParameters, VEHICLE))[0], vehicle_stream(clean, accelerometer=False))
+    assert {message.reason for message in found} == {FrictionCurve.NO_ACCELERATION}
+    assert "imu/data" in found[0].reason_text
+
+
+@pytest.mark.parametrize(
+    ("values", "named"),
+    [
+        ({"method": "magic"}, "method"),
+        ({"radii": [0.3, 0.3, 0.3]}, "radii"),
+        ({"radii": [0.0]}, "radii"),
+        ({"wheels": []}, "wheels"),
+        ({"wheels": ["a", "a"]}, "wheels"),
+        ({"imu_sign": 0.5}, "imu_sign"),
+        ({"method": "vehicle", "speed_source": "none"}, "speed_source"),
+        ({"brake_gains": [math.nan]}, "brake_gains"),
+        ({"initial_samples": 2}, "initial_samples"),
+    ],
+)
+def test_a_bad_parameter_is_refused_by_name(values: dict[str, Any], named: str) -> None:
+    with pytest.raises(ParameterError, match=named):
+        from_mapping(FrictionCurveParameters, values)
+
+
+def test_the_shipped_parameter_file_holds_the_defaults() -> None:
+    shipped = Path(__file__).parents[1] / "config" / "friction_curve_id.yaml"
+    assert load(FrictionCurveParameters, shipped, "friction_curve_id") == FrictionCurveParameters()
+
+
+def test_enumerations_are_those_of_the_message() -> None:
+    for reason in Reason:
+        assert getattr(FrictionCurve, reason.name) == reason
+    for cause in RestartCause:
+        assert getattr(FrictionCurve, f"RESTART_{cause.name}") == cause
+
+
+def test_silence_is_an_error_in_the_diagnostics(clean: Brake) -> None:
+    made = processor()
+    assert made.health().level is Level.ERROR
+    drive(made, braking(clean))
+    assert made.health().level is Level.OK
+    made.watch({"wheel_states": 1.0})
+    assert made.health().level is Level.ERROR
+    assert "wheel_states" in made.health().message
+
+
+def test_a_changed_parameter_makes_processors_on_the_same_topics() -> None:
+    parameters = FrictionCurveParameters()
+
+    def topics(values: FrictionCurveParameters) -> Sequence[set[str]]:
+        return [{*each.sensors, *each.estimates, *each.outputs} for each in build(values)]
+
+    assert topics(parameters) == topics(replace(parameters, friction_source="slip_equation", lambda_init=0.07))
