@@ -12,7 +12,6 @@ from diagnostic_msgs.msg import DiagnosticArray
 from friction_msgs.msg import BrakeCommand
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue, SetParametersResult
 from rcl_interfaces.srv import SetParameters
-from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
@@ -21,6 +20,7 @@ from corner_sim import messages
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
 from dds_client import DdsClient, dds_client, stop
+from friction_bags.cdr import encode
 from friction_runtime import qos
 from friction_runtime.stamps import to_nanoseconds
 
@@ -100,7 +100,7 @@ def test_what_goes_over_dds_is_the_simulation_bit_for_bit(client: DdsClient) -> 
     simulation = Simulation(SimParameters(seed=5, demand_start=0.2), START)
     for k in range(201):
         for topic, message in simulation.messages():
-            assert serialize_message(found[topic][k]) == serialize_message(message), (topic, k)
+            assert encode(found[topic][k]) == encode(message), (topic, k)
         simulation.advance()
 
 
@@ -126,7 +126,7 @@ def test_a_lock_step_closed_loop_over_dds_repeats_bit_for_bit() -> None:
     assert process.returncode == 0
     for topic in RECORDED:
         assert len(first[topic]) == 301
-        assert list(map(serialize_message, first[topic])) == list(map(serialize_message, second[topic])), topic
+        assert list(map(encode, first[topic])) == list(map(encode, second[topic])), topic
     slips = [message.slip for message in first["truth/front_left/slip"]]
     assert max(slips) > 0.3
     assert slips[-1] < max(slips)  # the commands were obeyed

@@ -1,0 +1,144 @@
+"""The real nodes as processes on a DDS domain of their own, and an observer that notes what they say and when."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from std_srvs.srv import Trigger
+
+from friction_bringup import graph
+from friction_bringup.domain import free_domain_id, local_discovery
+from friction_bringup.processes import ProcessGroup
+from friction_runtime.stamps import to_nanoseconds
+
+Overrides = Mapping[str, Mapping[str, graph.ParameterValue]]
+_WAKE_PERIOD = 0.05
+_SETTLE = 2.0
+"""Wall time [s] before the start in which the other nodes find each other."""
+_QUIET = 1.0
+"""Wall time [s] after the end of the plant in which what is under way arrives."""
+
+
+class LiveRunError(RuntimeError):
+    """A process of the graph failed; the text holds the end of its log."""
+
+
+@dataclass
+class Observation:
+    """What came on one topic, in order of arrival."""
+
+    messages: list[Any] = field(default_factory=list)
+    published: list[int] = field(default_factory=list)
+    """Wall clock of publication [ns]."""
+
+    @property
+    def stamps(self) -> list[int]:
+        """Message stamps [ns]."""
+        return [to_nanoseconds(message.header.stamp) for message in self.messages]
+
+
+def run_graph(
+    topics: Mapping[str, type], overrides: Overrides, timeout: float, progress: Callable[[int], None]
+) -> dict[str, Observation]:
+    """Run plant, estimators and supervisor with their shipped parameter files until the plant ends its run.
+
+    Args:
+        topics: what to observe, with types; "wheel_states" among them.
+        overrides: parameters that decide over the shipped files, by node.
+        timeout: longest wall time of the run [s].
+        progress: called with the number of samples seen.
+
+    Raises:
+        LiveRunError: a process failed, or the run took too long.
+    """
+    os.environ.update(local_discovery())
+    domain = free_domain_id()
+    env = os.environ | {"ROS_DOMAIN_ID": str(domain), "OMP_NUM_THREADS": "1"}
+    with tempfile.TemporaryDirectory(prefix="friction_live_") as logs:
+        processes = ProcessGroup(Path(logs))
+        try:
+            for node in (*graph.ESTIMATORS, graph.PLANT):
+                shipped = graph.parameter_files(node, Path())[:1]
+                chosen = dict(overrides.get(node, {}))
+                if node == graph.PLANT:
+                    chosen.update(autostart=False, exit_when_done=True)
+                processes.start(node, graph.command(node, shipped, chosen), env)
+            return _observe(topics, domain, processes, timeout, progress)
+        finally:
+            processes.stop()
+
+
+def _observe(
+    topics: Mapping[str, type],
+    domain: int,
+    processes: ProcessGroup,
+    timeout: float,
+    progress: Callable[[int], None],
+) -> dict[str, Observation]:
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=domain)
+    try:
+        node = rclpy.create_node("live_observer", context=context)
+        executor = SingleThreadedExecutor(context=context)  # EventsExecutor cannot pass the message info
+        executor.add_node(node)
+        found = {topic: Observation() for topic in topics}
+
+        def note(topic: str, message: Any, info: Mapping[str, int]) -> None:
+            found[topic].messages.append(message)
+            found[topic].published.append(info["source_timestamp"])
+
+        profile = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE)
+        subscriptions = [
+            node.create_subscription(kind, topic, _with_info(partial(note, topic)), profile)
+            for topic, kind in topics.items()
+        ]
+        deadline = time.monotonic() + timeout
+
+        def spin_until(condition: Callable[[], bool]) -> None:
+            while not condition():
+                executor.spin_once(timeout_sec=_WAKE_PERIOD)
+                _check(processes, deadline)
+                progress(len(found["wheel_states"].messages))
+
+        def spin_for(seconds: float) -> None:
+            until = time.monotonic() + seconds
+            spin_until(lambda: time.monotonic() > until)
+
+        start = node.create_client(Trigger, f"/{graph.PLANT}/start")
+        spin_until(lambda: all(taken.get_publisher_count() for taken in subscriptions) and start.service_is_ready())
+        spin_for(_SETTLE)
+        spin_until(start.call_async(Trigger.Request()).done)
+        spin_until(lambda: graph.PLANT in processes.ended())
+        spin_for(_QUIET)
+        node.destroy_node()
+        return found
+    finally:
+        rclpy.try_shutdown(context=context)
+
+
+def _with_info(note: Callable[[Any, Mapping[str, int]], None]) -> Callable[[Any, Mapping[str, int]], None]:
+    """Give rclpy a callback whose two parameters it can count: it then passes the message info."""
+
+    def callback(message: Any, info: Mapping[str, int]) -> None:
+        note(message, info)
+
+    return callback
+
+
+def _check(processes: ProcessGroup, deadline: float) -> None:
+    for name, code in processes.ended().items():
+        if code != 0 or name != graph.PLANT:
+            text = "\n".join(processes.log(name).read_text(errors="replace").splitlines()[-15:])
+            raise LiveRunError(f"{name} ended with code {code}:\n{text}")
+    if time.monotonic() > deadline:
+        raise LiveRunError("the plant did not come to the end of its run in time")

@@ -1,0 +1,202 @@
+"""Bad input to the real graph over DDS: named, marked invalid, survived; and the reset of everything."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import time
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from typing import Any
+
+import pytest
+from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState, WheelSlip
+from sensor_msgs.msg import FluidPressure, Imu, JointState
+from std_msgs.msg import Header
+from std_srvs.srv import Trigger
+
+from dds_client import DdsClient, dds_client
+from friction_bags.cdr import encode
+from friction_bringup import graph
+from friction_runtime import qos
+from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+
+WHEEL = "front_left"
+OUTPUTS: Mapping[str, type] = {
+    f"{WHEEL}/slip": WheelSlip,
+    f"{WHEEL}/friction_slope": FrictionSlope,
+    f"{WHEEL}/abs_supervisor": SupervisorState,
+    f"{WHEEL}/brake_command": BrakeCommand,
+}
+START = 1_000_000_000
+PERIOD = 5_000_000
+
+
+@pytest.fixture
+def client() -> Iterator[DdsClient]:
+    with dds_client(14) as made:
+        yield made
+
+
+def start(client: DdsClient, node: str, *extra: str, **parameters: graph.ParameterValue) -> subprocess.Popen[str]:
+    """Start a node with its shipped parameter file, some parameters and further ROS arguments."""
+    command = graph.command(node, graph.parameter_files(node, graph.shipped_file("demo"))[:1], parameters)
+    return client.start(*command[1:], *extra)
+
+
+def start_estimators(client: DdsClient) -> list[subprocess.Popen[str]]:
+    return [start(client, node, **({"shadow": False} if node == "abs_supervisor" else {})) for node in graph.ESTIMATORS]
+
+
+def record(client: DdsClient) -> dict[str, list[Any]]:
+    found: dict[str, list[Any]] = {topic: [] for topic in OUTPUTS}
+    for topic, kind in OUTPUTS.items():
+        qos.subscribe(client.node, kind, topic, found[topic].append, qos.ESTIMATE)
+    return found
+
+
+def assert_in_order(found: Mapping[str, list[Any]]) -> None:
+    """No estimate repeats a stamp; the supervisor does when it acts on silence between two samples."""
+    for topic, received in found.items():
+        stamps = [to_nanoseconds(message.header.stamp) for message in received]
+        estimate = topic.endswith(("/slip", "/friction_slope"))
+        assert all(a < b if estimate else a <= b for a, b in pairwise(stamps)), topic
+
+
+class Car:
+    """A car that the test drives at a steady 20 m/s, brake pressed, with what it likes in the place of a value."""
+
+    def __init__(self, client: DdsClient) -> None:
+        node = client.node
+        self._client = client
+        self._wheel_states = qos.publish(node, JointState, "wheel_states")
+        self._pressure = qos.publish(node, FluidPressure, f"{WHEEL}/brake_pressure")
+        self._imu = qos.publish(node, Imu, "imu/data")
+        self._demand = qos.publish(node, BrakeDemand, "brake_demand")
+        self.sample = 0
+        client.until(lambda: node.count_subscribers("wheel_states") >= 2)
+        client.until(lambda: self._pressure.get_subscription_count() >= 1)
+        client.until(lambda: all(node.count_publishers(topic) == 1 for topic in OUTPUTS))
+
+    def drive(
+        self, samples: int, wheel_speed: float = 20.0 / 0.3, pressure: float = 4e6, repeat_stamp: bool = False
+    ) -> None:
+        for _ in range(samples):
+            if not repeat_stamp:
+                self.sample += 1
+            header = Header(stamp=from_nanoseconds(START + self.sample * PERIOD))
+            self._demand.publish(BrakeDemand(header=header, pressure=4e6))
+            self._imu.publish(Imu(header=header))
+            self._pressure.publish(FluidPressure(header=header, fluid_pressure=pressure))
+            self._wheel_states.publish(JointState(header=header, name=[WHEEL], velocity=[wheel_speed]))
+            until = time.monotonic() + 0.005
+            while (left := until - time.monotonic()) > 0.0:
+                self._client.executor.spin_once(timeout_sec=left)
+
+    def drive_until_answered(self, received: list[Any]) -> None:
+        """Drive on until the newest sample is answered: best-effort samples may be lost, this one is not."""
+
+        def answered() -> bool:
+            self.drive(1)
+            return bool(received) and to_nanoseconds(received[-1].header.stamp) == self.stamp
+
+        self._client.until(answered)
+
+    @property
+    def stamp(self) -> int:
+        return START + self.sample * PERIOD
+
+
+def test_a_dead_pressure_topic_is_named_and_nothing_is_commanded(client: DdsClient) -> None:
+    processes = start_estimators(client)
+    found = record(client)
+    start(
+        client, "corner_sim", "-r", f"{WHEEL}/brake_pressure:=nowhere",
+        wait_for_subscribers=2, demand_start=0.0, end_speed=-1.0,
+    )  # fmt: skip
+    slopes, states, commands = (
+        found[f"{WHEEL}/{name}"] for name in ("friction_slope", "abs_supervisor", "brake_command")
+    )
+    client.until(lambda: len(slopes) > 100 and len(commands) > 100)
+    slope = slopes[-1]
+    assert not any(message.valid for message in slopes)
+    assert slope.reason == FrictionSlope.NO_TORQUE
+    assert f"{WHEEL}/brake_pressure" in slope.reason_text
+    assert {message.command for message in commands} == {BrakeCommand.NONE}
+    assert {message.state for message in states} == {SupervisorState.S0}
+    assert not states[-1].valid
+    assert states[-1].reason == SupervisorState.INVALID_SLOPE
+    assert all(process.poll() is None for process in processes)
+
+
+@pytest.mark.parametrize("speed", [math.nan, math.inf])
+def test_a_wheel_speed_that_is_no_number_is_named_and_survived(client: DdsClient, speed: float) -> None:
+    processes = start_estimators(client)
+    found = record(client)
+    car = Car(client)
+    slips, commands = found[f"{WHEEL}/slip"], found[f"{WHEEL}/brake_command"]
+
+    def answered() -> bool:
+        return bool(slips) and to_nanoseconds(slips[-1].header.stamp) >= car.stamp - 20 * PERIOD
+
+    car.drive(200)
+    client.until(answered)
+    assert slips[-1].valid, slips[-1].reason_text
+    car.drive(60, wheel_speed=speed)
+    client.until(answered)
+    assert not slips[-1].valid
+    assert slips[-1].reason != WheelSlip.OK
+    assert WHEEL in slips[-1].reason_text
+    assert math.isnan(slips[-1].slip)
+    client.until(lambda: to_nanoseconds(commands[-1].header.stamp) >= car.stamp - 20 * PERIOD)
+    assert commands[-1].command == BrakeCommand.NONE
+    car.drive(200)
+    client.until(lambda: answered() and slips[-1].valid)
+    assert all(process.poll() is None for process in processes)
+    assert_in_order(found)
+
+
+def test_stamps_that_repeat_give_no_output_and_leave_the_state_alone(client: DdsClient) -> None:
+    processes = start_estimators(client)
+    found = record(client)
+    car = Car(client)
+    slips = found[f"{WHEEL}/slip"]
+    car.drive(150)
+    car.drive_until_answered(slips)
+    car.drive(50, wheel_speed=10.0, pressure=0.0, repeat_stamp=True)
+    car.drive(50)
+    client.until(lambda: bool(slips) and to_nanoseconds(slips[-1].header.stamp) >= car.stamp - 20 * PERIOD)
+    assert_in_order(found)
+    assert all(len(received) > 100 for received in found.values())
+    speeds = [message.wheel_speed for message in slips if math.isfinite(message.wheel_speed)]
+    assert min(speeds[10:]) > 60.0  # the 10 rad/s of the repeated stamps went nowhere
+    assert all(process.poll() is None for process in processes)
+
+
+def test_resetting_the_plant_resets_the_whole_graph(client: DdsClient) -> None:
+    start_estimators(client)
+    found = record(client)
+    start(
+        client, "corner_sim", lock_step=True, real_time_factor=0.0, start_stamp=START, wait_for_subscribers=2,
+        demand_start=0.1, lock_step_timeout=30.0,
+    )  # fmt: skip
+    commands = found[f"{WHEEL}/brake_command"]
+    client.until(lambda: len(commands) > 200, timeout=90.0)
+    assert client.call(Trigger, "/corner_sim/reset", Trigger.Request()).success
+
+    def epochs(received: list[Any]) -> tuple[list[Any], list[Any]]:
+        stamps = [to_nanoseconds(message.header.stamp) for message in received]
+        jump = stamps.index(START, 1) if START in stamps[1:] else len(stamps)
+        return received[:jump], received[jump:]
+
+    client.until(lambda: all(len(epochs(received)[1]) > 150 for received in found.values()), timeout=90.0)
+    for topic, received in found.items():
+        before, after = epochs(received)
+        assert len(before) > 150
+        for k, (first, again) in enumerate(zip(before[:150], after[:150], strict=True)):
+            if isinstance(first, SupervisorState):  # its counts and its cause tell of the reset
+                assert (first.state, first.reason) == (again.state, again.reason), k
+            else:
+                assert encode(first) == encode(again), (topic, k)
+    states = epochs(found[f"{WHEEL}/abs_supervisor"])[0]
+    assert any(message.state != SupervisorState.S0 for message in states[:150])
