@@ -3,33 +3,36 @@
 import sys
 from argparse import ArgumentParser
 from collections.abc import Sequence
-
-from friction_bags import import_csv, info, play, process, record, reindex
+from importlib import import_module
 
 _NODES = {
-    "record": (record, "record topics to a bag"),
-    "play": (play, "replay a bag onto its topics"),
+    "record": ("record", "record topics to a bag"),
+    "play": ("play", "replay a bag onto its topics"),
 }
 _TOOLS = {
-    "info": (info, "say what a bag holds"),
-    "reindex": (reindex, "repair a bag whose recorder was killed"),
-    "process": (process, "run the estimators over bags, without middleware"),
-    "import": (import_csv, "make a bag from measured data in a CSV file"),
+    "info": ("info", "say what a bag holds"),
+    "reindex": ("reindex", "repair a bag whose recorder was killed"),
+    "process": ("process", "run the estimators over bags, without middleware"),
+    "import": ("import_csv", "make a bag from measured data in a CSV file"),
+    "library": ("library", "make the recorded experiments of bags/ anew"),
 }
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command; return its exit code."""
-    given = list(sys.argv[1:] if argv is None else argv)
+    """Run a command; return its exit code. Only its own module is loaded: some of them take a second."""
+    ours, ros_args = _split(list(sys.argv[1:] if argv is None else argv))
     parser = ArgumentParser(prog="friction_bags", description="Record, replay, repair, import and process bags.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name, (module, text) in {**_NODES, **_TOOLS}.items():
-        module.add_arguments(commands.add_parser(name, help=text, description=text))
-    ours, ros_args = _split(given)
+    module = None
+    for name, (module_name, text) in {**_NODES, **_TOOLS}.items():
+        command = commands.add_parser(name, help=text, description=text)
+        if ours[:1] == [name]:
+            module = import_module(f"friction_bags.{module_name}")
+            module.add_arguments(command)
     args = parser.parse_args(ours)
-    if args.command in _NODES:
-        return _NODES[args.command][0].run(args, ros_args)
-    return _TOOLS[args.command][0].run(args)
+    assert module is not None, "argparse has refused everything but a command in the first place"
+    exit_code: int = module.run(args, ros_args) if args.command in _NODES else module.run(args)
+    return exit_code
 
 
 def _split(given: list[str]) -> tuple[list[str], list[str]]:

@@ -1,0 +1,184 @@
+"""`library`: makes the recorded experiments of bags/ anew, from fixed seeds."""
+
+import shutil
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import Progress
+
+from corner_sim.parameters import SimParameters
+from corner_sim.simulation import Simulation
+from friction_bags import library_tyres
+from friction_bags.bag_format import METADATA_NAME, BagError
+from friction_bags.estimators import build_processors
+from friction_bags.import_csv import write_bag
+from friction_bags.offline_graph import OfflineGraph
+from friction_runtime.parameters import from_mapping
+from friction_runtime.processor import Output, silent
+
+START_STAMP = 1_000_000_000_000
+"""[ns] Stamp of the first sample of every experiment: 1000 s."""
+_LOOP = ("wheel_slip", "friction_slope", "abs_supervisor")
+_CAR = ("front_left", "front_right", "rear_left", "rear_right")
+_README = "README.md"
+_README_BEGIN = """\
+# bags
+
+Recorded experiments, made by `make bags` (`python -m friction_bags library`) with fixed seeds; that command writes this
+file too. `python -m friction_bags play bags/NAME` and `ros2 bag play bags/NAME` play them; `make demo BAG=bags/NAME`
+runs the graph on them. The recording stamp of a message is its header stamp; the experiments begin at 1000 s. Sensor
+noise is that of section 8.3.2 of the chapter. `truth/...` is what the plant knows.
+
+| bag | what it is |
+|---|---|
+"""
+_README_END = """
+
+The smart-tyre bags in the repository are short cuts: `python -m friction_bags library --full --out DIR` makes whole
+runs. The measured bags are not in the repository: `python -m friction_bags import bmw|iac FILE.csv --out DIR`.
+"""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A run of corner_sim."""
+
+    note: str
+    """What it is."""
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    """Of corner_sim, over its defaults."""
+    closed_loop: bool = False
+    """Whether wheel_slip, friction_slope and abs_supervisor are in the loop, and recorded."""
+
+
+def _ramp_and_hold(surface: str, torque: float) -> Experiment:
+    return Experiment(
+        f"{surface}: torque ramp over 0.25 s to {torque:.0f} N m, held for 0.3 s, released; one corner, open loop",
+        {
+            "surfaces": [surface],
+            "demand_unit": "torque",
+            "demand_level": torque,
+            "demand_rise": 0.25,
+            "demand_hold": 0.3,
+            "end_time": 2.0,
+        },
+    )
+
+
+def _drivers_stop(surface: str, level: float) -> Experiment:
+    return Experiment(
+        f"{surface}: stop of a car by the driver's brake as in 8.2.3, load transfer to the front axle; four wheels",
+        {
+            "wheels": list(_CAR),
+            "model": "two_axle",
+            "surfaces": [surface],
+            "brake_gain": [1.6e-4, 1.6e-4, 0.6e-4, 0.6e-4],
+            "demand_level": level,
+            "demand_rise": 0.4,
+            "demand_hold": 0.35,
+            "demand_release": 0.1,
+            "initial_speed": 25.0,
+            "end_time": 2.5,
+        },
+    )
+
+
+EXPERIMENTS: dict[str, Experiment] = {
+    "dry": _ramp_and_hold("dry", 857.0),
+    "wet": _ramp_and_hold("wet", 598.0),
+    "cobblestone": _ramp_and_hold("cobblestone", 805.0),
+    "snow": _ramp_and_hold("snow", 153.0),
+    "high_grip_stop": _drivers_stop("high_grip", 1.28),
+    "low_grip_stop": _drivers_stop("off_road", 1.03),
+    "dry_to_snow": Experiment(
+        "dry, from 40 m on snow: panic braking with the supervisor in the loop, 30 to 20 m/s; one corner",
+        {"surfaces": ["dry", "snow"], "surface_distances": [0.0, 40.0], "end_speed": 20.0, "end_time": 6.0},
+        closed_loop=True,
+    ),
+    "abs_stop": Experiment(
+        "dry: panic braking with the supervisor in the loop, 30 to 5 m/s; one corner",
+        {"surfaces": ["dry"], "end_speed": 5.0, "end_time": 8.0},
+        closed_loop=True,
+    ),
+}
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.add_argument("--out", type=Path, default=Path("bags"), metavar="DIR", help="where (default: bags)")
+    parser.add_argument("--full", action="store_true", help="the smart-tyre runs at full length instead of short cuts")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="only these")
+
+
+def run(args: Namespace) -> int:
+    """Make the bags; those of the same name are replaced.
+
+    Returns:
+        Exit code: 0, 2 when one cannot be made.
+    """
+    known = (*EXPERIMENTS, *library_tyres.RUNS)
+    unknown = [name for name in args.names if name not in known]
+    if unknown:
+        print(f"error: no experiment {', '.join(unknown)}; there are {', '.join(known)}", file=sys.stderr)
+        return 2
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        for name in progress.track(args.names or known, description="bags"):
+            try:
+                _replace(args.out / name)
+                notes = {"note": _note(name, args.full), "made_by": f"python -m friction_bags library {name}"}
+                count = write_bag(args.out / name, _messages(name, args.full), notes)
+            except (BagError, OSError) as error:
+                print(f"error: {error}", file=sys.stderr)
+                return 2
+            print(f"{args.out / name}: {count} messages", flush=True)
+    if not args.names:
+        (args.out / _README).write_text(_readme(args.full), encoding="utf-8")
+    return 0
+
+
+def simulate(experiment: Experiment, seed: int = 0) -> Iterator[Output]:
+    """Yield absolute topics and messages of a run, those of the plant and of the estimators in its loop."""
+    parameters = from_mapping(SimParameters, {**experiment.parameters, "seed": seed})
+    simulation = Simulation(parameters, START_STAMP)
+    graph = OfflineGraph(build_processors(_LOOP if experiment.closed_loop else (), parameters.wheels, (), silent))
+    while True:
+        for topic, message in simulation.messages():
+            yield f"/{topic}", message
+            for made, answer in graph.feed(topic, message):
+                yield f"/{made}", answer
+                if made.endswith("/brake_command"):
+                    simulation.take_command(answer.wheel, answer)
+        if simulation.end is not None:
+            return
+        simulation.advance()
+
+
+def _messages(name: str, full: bool) -> Iterator[Output]:
+    if name in EXPERIMENTS:
+        return simulate(EXPERIMENTS[name])
+    return library_tyres.simulate(library_tyres.RUNS[name], START_STAMP, full)
+
+
+def _note(name: str, full: bool) -> str:
+    if name in EXPERIMENTS:
+        return EXPERIMENTS[name].note
+    tyre_run = library_tyres.RUNS[name]
+    return tyre_run.note if full else f"{tyre_run.note}; {tyre_run.cut[0]:.1f} to {tyre_run.cut[1]:.1f} s of it"
+
+
+def _replace(bag: Path) -> None:
+    """Remove a bag that is to be made anew; nothing else."""
+    if (bag / METADATA_NAME).is_file():
+        shutil.rmtree(bag)
+    bag.parent.mkdir(parents=True, exist_ok=True)
+
+
+def _readme(full: bool) -> str:
+    """Text of the list of bags."""
+    rows = [f"| `{name}` | {_note(name, full)} |" for name in (*EXPERIMENTS, *library_tyres.RUNS)]
+    return _README_BEGIN + "\n".join(rows) + _README_END
