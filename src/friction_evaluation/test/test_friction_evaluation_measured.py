@@ -1,0 +1,56 @@
+"""The whole-vehicle fit and the curve fit on measured data; skipped where the data are not beside the repository."""
+
+import argparse
+from pathlib import Path
+
+import pytest
+
+from friction_evaluation import measured
+from friction_evaluation.measured_tyre_rig import tyre_rig_rows
+from friction_evaluation.parts import Row
+
+DATA = measured.data_directory()
+needs_data = pytest.mark.skipif(
+    not (DATA / measured.BMW).is_file(), reason=f"measured data are absent: {DATA} (set FRICTION_DATA)"
+)
+
+
+@needs_data
+def test_the_bmw_stop_gives_a_peak_with_an_honest_interval() -> None:
+    row = measured.vehicle_row("bmw", measured.bmw_samples(DATA / measured.BMW), measured.BMW_M8)
+    assert row["valid"]
+    assert 1.1 <= row["mu_max"] <= 1.3
+    assert row["lambda_low"] <= 0.066 <= row["lambda_high"]
+    assert row["lambda_high"] - row["lambda_low"] < 0.06
+
+
+@needs_data
+def test_laps_without_strong_braking_give_no_peak() -> None:
+    row = measured.vehicle_row("iac", measured.iac_samples(DATA / measured.IAC), measured.INDY_AV21)
+    assert row["valid_estimates"] == 0
+    assert not row["valid"]
+
+
+@pytest.fixture(scope="module")
+def rig() -> dict[str, Row]:
+    return {str(row["case"]): row for row in tyre_rig_rows(DATA / measured.TYRE_RIG)}
+
+
+@needs_data
+@pytest.mark.parametrize("load", ["0.55-0.8 kN", "1.4-1.7 kN", "2-3.2 kN"])
+def test_tyre_rig_sweeps_fit_the_curve_and_their_halves_agree(rig: dict[str, Row], load: str) -> None:
+    row = rig[f"{load}, 83 kPa"]
+    assert row["residual_rms"] <= 0.05
+    assert row["halves_overlap"]
+
+
+@needs_data
+def test_sweeps_that_end_before_the_peak_claim_none(rig: dict[str, Row]) -> None:
+    ending_early = [row for row in rig.values() if not row["lambda_max"] < 0.155]
+    assert len(ending_early) >= 3
+    assert not any(row["valid"] for row in ending_early)
+
+
+def test_absent_data_are_named(tmp_path: Path) -> None:
+    with pytest.raises(SystemExit, match=measured.BMW):
+        measured.run(argparse.Namespace(data=tmp_path))
