@@ -27,7 +27,7 @@ class EstimatorParameters:
     """No slip below this vehicle speed [m/s]."""
     max_gap: float = 0.1
     """Longer gaps of wheel speeds [s] start the wheel's filter anew."""
-    max_slip_stddev: float = 0.05
+    max_slip_stddev: float = 0.07
     """No slip where its standard deviation is larger [-]."""
 
 
@@ -85,7 +85,7 @@ class SlipEstimator:
         known = self.vehicle.source is not SpeedSource.NONE
         base = WheelEstimate(
             vehicle_speed=speed.speed if known else nan,
-            vehicle_speed_variance=speed.speed_variance if known else nan,
+            vehicle_speed_variance=self.vehicle.variance if known else nan,
             wheel_speed=wheel.speed,
             source=self.vehicle.source,
         )
@@ -93,7 +93,7 @@ class SlipEstimator:
         if reason is not Reason.OK:
             return replace(base, reason=reason, reason_text=text)
         radius = self._p.radii[index]
-        variance = slip_variance(speed.speed, speed.speed_variance, wheel.speed, wheel.speed_variance, radius)
+        variance = slip_variance(speed.speed, self.vehicle.variance, wheel.speed, wheel.speed_variance, radius)
         if variance > self._p.max_slip_stddev**2:
             text = f"standard deviation of the slip is {sqrt(variance):.3f}"
             return replace(base, reason=Reason.UNCERTAIN, reason_text=text)
@@ -103,7 +103,7 @@ class SlipEstimator:
             slip_rate=slip_rate(speed.speed, speed.acceleration, wheel.speed, wheel.acceleration, radius),
             slip_variance=variance,
             slip_rate_variance=slip_rate_variance(
-                (speed.speed, speed.speed_variance),
+                (speed.speed, self.vehicle.variance),
                 (speed.acceleration, speed.acceleration_variance),
                 (wheel.speed, wheel.speed_variance),
                 (wheel.acceleration, wheel.acceleration_variance),

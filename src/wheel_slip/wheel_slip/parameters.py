@@ -65,6 +65,9 @@ class WheelSlipParameters:
     slip_per_acceleration: float = parameter(
         0.004, "uncertainty of a rolling wheel's slip per acceleration", unit="s^2/m", minimum=0.0, maximum=0.1
     )
+    radius_uncertainty: float = parameter(
+        0.002, "uncertainty of all radii together, as a share", minimum=0.0, maximum=0.1
+    )
     speed_stddev: float = parameter(
         0.5, "noise of vehicle_velocity where the message gives no covariance", unit="m/s", minimum=1e-3, maximum=50.0
     )
@@ -83,7 +86,7 @@ class WheelSlipParameters:
     )
     minimum_speed: float = parameter(1.0, "no slip below this vehicle speed", unit="m/s", minimum=0.1, maximum=20.0)
     max_slip_stddev: float = parameter(
-        0.05, "no slip where its standard deviation is larger", minimum=1e-3, maximum=1.0
+        0.07, "no slip where its standard deviation is larger", minimum=1e-3, maximum=1.0
     )
     max_gap: float = parameter(
         0.1, "longer gaps in wheel_states or imu/data are not bridged", unit="s", minimum=0.001, maximum=1.0
@@ -123,6 +126,7 @@ class WheelSlipParameters:
                 ),
                 rim_speed_variance=(self.wheel_speed_stddev * max(radii.values())) ** 2,
                 slip_per_acceleration=self.slip_per_acceleration,
+                radius_uncertainty=self.radius_uncertainty,
                 sensor_timeout=self.speed_timeout,
             ),
             wheel_speed_stddev=self.wheel_speed_stddev,

@@ -2,8 +2,9 @@
 
     v_dot = a_m - b + n_a,    b_dot = n_b
 
-An accelerometer is low-passed before it is sampled: a sample speaks for the interval it ends. a_m is that, b its offset: sensor bias and road slope together (g sin(slope)), which a speed
-measurement separates from a_m and nothing else can. Without an accelerometer a_m is 0, b is minus the acceleration of
+a_m is the measured acceleration, b its offset: sensor bias and road slope together (g sin(slope)), which a speed
+measurement separates from a_m and nothing else can. An accelerometer is low-passed before it is sampled, so a sample is
+taken to speak for the whole interval it ends. Without an accelerometer a_m is 0, b is minus the acceleration of
 the car, and n_b is as strong as the changes of acceleration of a braking car.
 
 A measurement z of the speed at an earlier time t_m is used as it is: v(t_m) = v - A + b (t - t_m), where A is the
@@ -34,7 +35,7 @@ class SpeedFilterParameters:
     """Noise of one sample [m/s^2]."""
     offset_stddev: float = 0.4
     """What the offset may be before anything is learned [m/s^2]: bias 0.35 and a slope of 2 %."""
-    offset_walk: float = 0.003
+    offset_walk: float = 0.002
     """Change of offset [m/s^2] in the square root of a second while it is observed: how long the learning averages."""
     blind_offset_walk: float = 0.06
     """The same while nothing observes it: how fast the road may change its slope, unseen."""
@@ -136,6 +137,11 @@ class SpeedFilter:
         self._covariance = pc - gain_v * hb
         self.offset_variance = pb - gain_b * hb
         return True
+
+    def limit(self, variance: float) -> None:
+        """Take it that the speed is known to `variance` [m^2/s^2], without moving it: as a measurement that agrees."""
+        if self.speed_variance > variance:
+            self.correct(self.speed, self.speed_variance * variance / (self.speed_variance - variance))
 
     def _travelled_at(self, stamp: int) -> float | None:
         """Integral of the measured acceleration up to `stamp` [m/s]."""

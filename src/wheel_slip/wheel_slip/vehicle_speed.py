@@ -4,6 +4,7 @@
   only `_BELIEF_LAG` after its stamp, at its own time, when nothing has shown that a slide had begun.
 - While it slides, the corrected acceleration is integrated; the wheels are bounds: braked wheels are no faster than the
   car, driven ones no slower. The offset is no longer observed, so its uncertainty, and the speed's, grow with the road.
+  A braked wheel that comes close to the integrated speed confirms it, and limits that uncertainty without moving it.
 - A speed sensor corrects in either mode, at its own time, and starts the estimate at once.
 """
 
@@ -27,6 +28,8 @@ _AT_REST = 1.0
 """A car that stands cannot seem to accelerate by more [m/s^2]."""
 _BOUND_MARGIN = 0.02
 """Share of the speed by which wheels may pass the bound: radii and torsional vibration."""
+_CLOSE = 0.1
+"""A wheel of less slip confirms the integrated speed, to half of that share."""
 _BOUND_LATENCY = 0.03
 """Time [s] by which wheel speeds may be older than the acceleration."""
 
@@ -53,6 +56,8 @@ class VehicleSpeedParameters:
     """Noise of a rim speed r omega [m^2/s^2]."""
     slip_per_acceleration: float = 0.004
     """Uncertainty of the slip of a rolling wheel per acceleration of the car [s^2/m]."""
+    radius_uncertainty: float = 0.002
+    """Of the radii all together, as a share: speed from the wheels is no better [-]."""
     sensor_timeout: float = 0.5
     """Silence [s] after which the speed sensor counts as gone."""
 
@@ -76,6 +81,11 @@ class VehicleSpeed:
         self._sensor_stamp: int | None = None
         self._not_yet_believed: deque[tuple[int, float, float]] = deque()
         self._last: int | None = None
+
+    @property
+    def variance(self) -> float:
+        """Of the speed [m^2/s^2], with that of the radii: they scale every speed learned from wheels."""
+        return self.filter.speed_variance + (self._p.radius_uncertainty * self.filter.speed) ** 2
 
     def update(
         self,
@@ -157,7 +167,10 @@ class VehicleSpeed:
         noise = 3.0 * sqrt(self._p.rim_speed_variance)
         margin = _BOUND_MARGIN * abs(self.filter.speed) + _BOUND_LATENCY * abs(a) + noise
         second = min(1, len(known) - 1)
-        if a < -1.0 and self.filter.speed < known[-1 - second] - margin:
-            self.filter.correct(known[-1 - second] - margin, margin**2)
+        if a < -1.0:
+            if self.filter.speed < known[-1 - second] - margin:
+                self.filter.correct(known[-1 - second] - margin, margin**2)
+            if known[-1 - second] > (1.0 - _CLOSE) * self.filter.speed:
+                self.filter.limit((0.5 * _CLOSE * self.filter.speed) ** 2 + margin**2)
         elif a > 1.0 and self.filter.speed > known[second] + margin:
             self.filter.correct(known[second] + margin, margin**2)
