@@ -28,6 +28,8 @@ _SETTLE = 0.3
 """Wall time [s] from hearing that all are there until each of them knows it too."""
 _QUIET = 0.4
 """Wall time [s] without a new sample after which everything in flight has arrived."""
+_INTERRUPTED = 130
+"""Exit code."""
 _FILE_WIDTH = 120
 _LINE_PERIOD = 0.25
 _TABLE_PERIOD = 0.1
@@ -50,22 +52,24 @@ def run_demo(options: DemoOptions) -> int:
     directory = (options.out / f"{what}_{datetime.now():%Y%m%d_%H%M%S}").absolute()
     demo = DemoGraph(options, directory)
     domain = demo.environment["ROS_DOMAIN_ID"]
-    console.print(f"Friction graph on ROS_DOMAIN_ID={domain}, this machine only; everything of this run goes to")
-    console.print(f"{directory}. Ctrl-C ends it.", soft_wrap=True)
+    console.print(f"Friction graph on this machine alone, ROS_DOMAIN_ID={domain}. Ctrl-C ends it.")
+    console.print(f"run   {directory}", soft_wrap=True)
     os.environ.update(demo.environment)
-    previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         demo.start()
         _watch(console, demo, what)
     except KeyboardInterrupt:
         demo.stop()
-        console.print(f"\nInterrupted. The bag is closed: {demo.bag}", soft_wrap=True)
-        return 130
+        console.print(f"\nInterrupted. The bag is closed.\nbag   {demo.bag}", soft_wrap=True)
+        return _INTERRUPTED
     finally:
         killed = demo.stop()
-        signal.signal(signal.SIGTERM, previous)
     if killed:
         raise DemoError(f"{', '.join(killed)} did not end in time and was killed; logs in {directory / 'log'}")
+    for number in (signal.SIGINT, signal.SIGTERM):
+        # Nothing is left to be ended; an exception in the middle of drawing would surface as any error.
+        signal.signal(number, lambda *_: os._exit(_INTERRUPTED))
     _report(console, demo.bag, directory, what)
     return 0
 

@@ -10,6 +10,8 @@ from typing import Any
 
 from friction_msgs.msg import BrakeCommand, FrictionCurve, FrictionSlope, SupervisorState, TyreForce, WheelSlip
 from rclpy.node import Node
+from rich.box import SIMPLE_HEAD
+from rich.console import JustifyMethod
 from rich.table import Table
 from rich.text import Text
 from sensor_msgs.msg import FluidPressure, JointState
@@ -42,9 +44,18 @@ _COMMANDS = {
 }
 _DISCOVERY_PERIOD = 0.1
 """[s]"""
-_BAR_CELLS = 20
+_BAR_CELLS = 8
 _BAR_FULL_SLIP = 0.4
 _LINE_CELL = 19
+_TABLE_COLUMNS: tuple[tuple[str, int, JustifyMethod], ...] = (
+    ("wheel", 11, "left"),
+    ("slip", 5, "right"),
+    ("", _BAR_CELLS, "left"),
+    ("sign", 4, "center"),
+    ("state", 11, "left"),
+    ("command", 8, "left"),
+    ("p [bar]", 7, "right"),
+)
 
 
 @dataclass
@@ -140,28 +151,25 @@ class LiveView(Node):
         view.arrivals[name] = monotonic()
 
     def table(self, title: str) -> Table:
-        """Show the wheels as a table for a terminal."""
-        table = Table(title=f"{title}   t = {self.time:6.2f} s   v = {number(self.speed, '5.2f')} m/s", expand=False)
-        table.add_column("wheel", no_wrap=True)
-        for heading in ("speed ω [rad/s]", "slip", "", "slope", "indicator", "state", "command", "pressure [bar]"):
-            table.add_column(heading, justify="left" if heading in ("", "state", "command") else "right", no_wrap=True)
-        table.columns[3].min_width = _BAR_CELLS
-        table.columns[6].min_width = _LINE_CELL - len("slip ")
+        """Show the wheels as a table for a terminal of 80 columns."""
+        heading = f"{title}   t = {self.time:6.2f} s   v = {number(self.speed, '5.2f')} m/s"
+        table = Table(title=heading, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+        for name, width, justify in _TABLE_COLUMNS:
+            table.add_column(name, min_width=width, justify=justify, no_wrap=True)
         for wheel, view in self.wheels.items():
             sign = view.sign
             table.add_row(
                 wheel,
-                number(view.wheel_speed, ".1f"),
                 view.number("slip", "slip", ".3f"),
                 Text(_bar(view), style="green" if sign.plain != "−" else "bold red"),
                 sign,
-                view.number("friction_slope", "indicator", ".0f"),
                 view.state,
-                f"{view.command:8}",
+                view.command,
                 view.number("brake_pressure", "fluid_pressure", ".1f", 1e-5),
             )
         reasons = dict.fromkeys(reason for view in self.wheels.values() for reason in view.reasons)
-        table.caption = "\n".join(reasons) or None
+        table.caption = "\n".join(reasons) or " "
+        table.caption_justify = "left"
         return table
 
     def header(self) -> str:

@@ -1,0 +1,62 @@
+"""What the monitor and the live view say of messages, ages and reasons."""
+
+from __future__ import annotations
+
+from math import nan
+
+import pytest
+from friction_msgs.msg import BrakeCommand, FrictionCurve, FrictionSlope, SupervisorState, TyreForce, WheelSlip
+from rich.console import Console
+
+from friction_bringup.live_view import WheelView
+from friction_bringup.monitor import wheels_table
+
+
+def shown(view: WheelView, now: float) -> str:
+    """Return the monitor's table as plain text."""
+    console = Console(width=220, color_system=None)
+    with console.capture() as capture:
+        console.print(wheels_table({"rear_left": view}, now))
+    return capture.get()
+
+
+@pytest.fixture
+def view() -> WheelView:
+    """Make a wheel that has said everything at t = 10 s."""
+    messages = {
+        "slip": WheelSlip(slip=0.1234, vehicle_speed=21.5, valid=True),
+        "friction_slope": FrictionSlope(sign=-1, valid=True),
+        "friction_curve": FrictionCurve(lambda_max=0.17, lambda_max_stddev=0.02, mu_max=1.17, valid=True),
+        "abs_supervisor": SupervisorState(state=SupervisorState.S21, valid=True),
+        "brake_command": BrakeCommand(command=BrakeCommand.DECREASE),
+        "tyre_force": TyreForce(fx=-2500.0, fz=4000.0, fx_stddev=nan, valid=True),
+    }
+    return WheelView(messages=messages, arrivals=dict.fromkeys(messages, 10.0))
+
+
+def test_every_estimate_is_shown_with_its_deviation(view: WheelView) -> None:
+    text = shown(view, 10.1)
+    for part in ("rear_left", "21.50", "0.123", "−", "S21", "decrease", "0.170 ± 0.020", "-2.50 ± –", "0.10"):
+        assert part in text
+    assert "silent for" not in text
+
+
+def test_topic_that_falls_silent_is_named_with_its_age(view: WheelView) -> None:
+    view.arrivals["friction_slope"] = 8.0
+    text = shown(view, 10.1)
+    assert "friction_slope silent for 2.1 s" in text
+    assert "slip silent" not in text
+
+
+def test_invalid_estimate_is_no_number_but_a_reason(view: WheelView) -> None:
+    view.messages["slip"] = WheelSlip(slip=0.5, vehicle_speed=0.3, valid=False, reason_text="too slow")
+    text = shown(view, 10.1)
+    assert "0.500" not in text
+    assert "too slow" in text
+
+
+def test_graph_without_wheels_says_what_is_waited_for() -> None:
+    console = Console(width=120)
+    with console.capture() as capture:
+        console.print(wheels_table({}, 0.0))
+    assert "no wheel yet" in capture.get()
