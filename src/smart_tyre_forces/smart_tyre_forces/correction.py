@@ -17,6 +17,11 @@ from smart_tyre_forces.calibration import TyreCalibration, polynomial
 from smart_tyre_forces.patch_tracker import Passage
 from smart_tyre_forces.reasons import PatchReason
 
+_UNSTEADY = (PatchReason.SPEED_RANGE, PatchReason.REVERSAL)
+"""What ends a stretch of constant speed; a revolution lost for another reason is only missing from it."""
+_FEWEST = 8
+"""Revolutions a stretch must hold."""
+
 
 @dataclass(frozen=True)
 class ZeroParameters:
@@ -102,7 +107,8 @@ class PatchCorrection:
         """Correct one passage."""
         speed = passage.wheel_speed * self._radius
         if passage.reason is not PatchReason.OK:
-            self._stretch.clear()
+            if passage.reason in _UNSTEADY:
+                self._stretch.clear()
             return Patch(passage, passage.reason, speed)
         if passage.reference != self._reference:
             self._reference, self._omega_0 = passage.reference, None
@@ -138,9 +144,9 @@ class PatchCorrection:
 
     def _learn_from_stretch(self) -> None:
         stretch, p = self._stretch, self._parameters
-        while len(stretch) > 2 and stretch[-1].time - stretch[1].time >= p.duration:
+        while len(stretch) > _FEWEST and stretch[-1].time - stretch[1].time >= p.duration:
             stretch.popleft()
-        if stretch[-1].time - stretch[0].time < p.duration:
+        if len(stretch) < _FEWEST or stretch[-1].time - stretch[0].time < p.duration:
             return
         speeds = [entry.speed for entry in stretch]
         if max(speeds) > (1.0 + p.speed_spread) * min(speeds):

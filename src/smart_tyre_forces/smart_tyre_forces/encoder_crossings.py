@@ -1,8 +1,8 @@
 """Zero crossings of the encoder's sine, streaming: blocks of any size give the same, bit for bit (section 8.4.4).
 
 Every sample of the sine takes part: a short symmetric filter (its delay is a whole number of samples) averages the
-neighbourhood of each crossing before the crossing is interpolated. Hysteresis keeps noise from adding crossings, so
-they alternate between rising and falling and lie 180/teeth degrees apart.
+neighbourhood of each crossing before the crossing is interpolated, on a sine. Hysteresis keeps noise from adding
+crossings, so they alternate between rising and falling and lie 180/teeth degrees apart.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from smart_tyre_forces.reasons import PatchReason
 
 Array = NDArray[np.float64]
 
-_TAPS = signal.windows.hann(11)[1:-1] / np.sum(signal.windows.hann(11))
+_TAPS = signal.windows.hann(7)[1:-1] / np.sum(signal.windows.hann(7))
 _DELAY = (len(_TAPS) - 1) // 2
 # A two-term denominator keeps scipy on its sample-by-sample recursion; its shortcut for pure FIR sums in another order.
 _ONE = np.array([1.0, 0.0])
@@ -58,6 +58,7 @@ class EncoderCrossings:
         self._blind = len(_TAPS) - 1
         self._armed: tuple[float, float] | None = None
         self._previous: list[float] = []
+        self._last_chord = np.nan
 
     def push(self, voltage: Array) -> list[Stretch]:
         """Take the next samples [V], finite, shape (n,); return the crossings they complete, in faultless stretches."""
@@ -80,10 +81,21 @@ class EncoderCrossings:
         change = np.flatnonzero(positive[1:] != positive[:-1])
         if len(change) == 0:
             return []
-        before, after = values[change], values[change + 1]
-        begin = places[change]
-        times = begin + (places[change + 1] - begin) * (before / (before - after))
-        return self._checked(times)
+        return self._checked(self._between(places[change], places[change + 1], values[change], values[change + 1]))
+
+    def _between(self, begin: Array, end: Array, before: Array, after: Array) -> Array:
+        """Times of the zeros between samples of opposite sign: first on the chord, then on the sine.
+
+        The last half wave tells the phase delta between the two samples, and A sin(x) = |before|, A sin(delta - x) =
+        |after| the phase x at which the zero lies, whatever the amplitude A.
+        """
+        before, after = np.abs(before), np.abs(after)
+        chord = begin + (end - begin) * (before / (before + after))
+        last = np.concatenate(((self._last_chord,), chord[:-1]))
+        self._last_chord = float(chord[-1])
+        delta = np.minimum(np.pi * (end - begin) / (chord - last), 2.0)
+        phase = np.arctan2(before * np.sin(delta), after + before * np.cos(delta))
+        return np.where(np.isfinite(delta), begin + (end - begin) * phase / delta, chord)
 
     def _checked(self, times: Array) -> list[Stretch]:
         known = np.concatenate((self._previous, times))

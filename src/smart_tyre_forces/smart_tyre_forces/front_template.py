@@ -146,7 +146,6 @@ class TemplateFit:
             white = signal.lfilter(whitener, (1.0, 0.0), columns)[:, _ORDER:]
             solution = np.linalg.solve(white[1:] @ white[1:].T, white[1:] @ white[0])
             alphas = alphas + solution[2:] / solution[1]
-        leading, trailing = float(alphas[0]), float(alphas[1])
-        if max(abs(leading - fronts.alpha_1), abs(trailing - fronts.alpha_2)) > _FARTHEST:
+        if not np.all(np.abs(alphas - (fronts.alpha_1, fronts.alpha_2)) < _FARTHEST):
             return None
-        return replace(fronts, alpha_1=leading, alpha_2=trailing)
+        return replace(fronts, alpha_1=float(alphas[0]), alpha_2=float(alphas[1]))

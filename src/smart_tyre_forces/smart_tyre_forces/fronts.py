@@ -23,6 +23,8 @@ WINDOW_END = float(np.radians(50.0))
 """End of the window searched for fronts [rad]; it begins at FREE_END."""
 _CORE = np.radians(4.0)
 """Half width about the expected centre that lies in the patch [rad]."""
+_SMOOTHING = np.radians(3.0)
+"""Width of the running mean of the first look, and how far from it the crossing may lie [rad]."""
 LEVEL = 0.6
 """Share of the centripetal step at a front: there the signal is steepest, at the very edge of the patch."""
 _MEAN_COSINE = (np.sin(FREE_END) - np.sin(FREE_BEGIN)) / (FREE_END - FREE_BEGIN)
@@ -51,39 +53,53 @@ def find_fronts(theta: Array, acceleration: Array, free_level: float, speed_rati
         free_level: M, mean on the free belt [m/s^2].
         speed_ratio: omega over the window / omega over the free belt.
     """
-    begin, end = np.searchsorted(theta, (-_CORE, _CORE))
-    if end - begin < 2:
-        return None
-    # First with the expected core of the patch, then with the inner half of the patch found.
-    rough = _cross(theta, acceleration, float(np.mean(acceleration[begin:end])), free_level, speed_ratio)
+    # First with the expected core of the patch, on a smoothed signal that a rough road does not mislead.
+    width = max(int(len(theta) * _SMOOTHING / (theta[-1] - theta[0])), 2)
+    total = np.concatenate(((0.0,), np.cumsum(acceleration)))
+    smooth, places = (total[width:] - total[:-width]) / width, 0.5 * (theta[width - 1 :] + theta[: 1 - width])
+    floor = _mean_between(theta, acceleration, -_CORE, _CORE)
+    rough = _crossings(places, smooth, floor, free_level, speed_ratio)
     if rough is None:
         return None
-    quarter = 0.25 * (rough.alpha_2 - rough.alpha_1)
-    begin, end = np.searchsorted(theta, (rough.alpha_1 + quarter, rough.alpha_2 - quarter))
-    if end - begin < 2:
+    falling, rising, _ = rough
+    before, after = falling[falling < 0.0], rising[rising > 0.0]
+    if len(before) == 0 or len(after) == 0:
         return None
-    return _cross(theta, acceleration, float(np.mean(acceleration[begin:end])), free_level, speed_ratio)
+    entry, exit_ = float(before[-1]), float(after[0])
+    # Then with the inner half of the patch found, the crossings nearest to those.
+    quarter = 0.25 * (exit_ - entry)
+    floor = _mean_between(theta, acceleration, entry + quarter, exit_ - quarter)
+    fine = _crossings(theta, acceleration, floor, free_level, speed_ratio)
+    if fine is None:
+        return None
+    falling, rising, step = fine
+    alpha_1, alpha_2 = _nearest(falling, entry), _nearest(rising, exit_)
+    if not max(abs(alpha_1 - entry), abs(alpha_2 - exit_)) < _SMOOTHING:
+        return None
+    return Fronts(alpha_1, alpha_2, floor, step)
 
 
-def _cross(theta: Array, acceleration: Array, floor: float, free_level: float, speed_ratio: float) -> Fronts | None:
+def _mean_between(theta: Array, values: Array, begin: float, end: float) -> float:
+    """Mean over a range of angles; NaN where it holds no sample."""
+    first, last = np.searchsorted(theta, (begin, end))
+    return float(np.mean(values[first:last])) if last > first else np.nan
+
+
+def _nearest(places: Array, wanted: float) -> float:
+    return float(places[np.argmin(np.abs(places - wanted))]) if len(places) else np.inf
+
+
+def _crossings(
+    theta: Array, acceleration: Array, floor: float, free_level: float, speed_ratio: float
+) -> tuple[Array, Array, float] | None:
+    """Angles of falling and of rising crossings, and the centripetal step; None where the step is not positive."""
     step = (free_level - floor + GRAVITY * (1.0 - _MEAN_COSINE)) * speed_ratio**2
     if not step > 0.0:
         return None
     normalised = (acceleration - floor) / step - LEVEL
-    centre = int(np.searchsorted(theta, 0.0))
     outside = normalised > 0.0
-    before, after = np.flatnonzero(outside[:centre]), np.flatnonzero(outside[centre:])
-    if len(before) == 0 or len(after) == 0 or after[0] == 0 or before[-1] == centre - 1:
-        return None
-    return Fronts(
-        alpha_1=_zero(theta, normalised, int(before[-1])),
-        alpha_2=_zero(theta, normalised, centre + int(after[0]) - 1),
-        floor=floor,
-        step=step,
-    )
-
-
-def _zero(theta: Array, normalised: Array, k: int) -> float:
-    """Angle of the zero between samples k and k + 1."""
-    share = normalised[k] / (normalised[k] - normalised[k + 1])
-    return float(theta[k] + share * (theta[k + 1] - theta[k]))
+    change = np.flatnonzero(outside[1:] != outside[:-1])
+    before, after = normalised[change], normalised[change + 1]
+    angles = theta[change] + before / (before - after) * (theta[change + 1] - theta[change])
+    rises = after > 0.0
+    return angles[~rises], angles[rises], step

@@ -228,9 +228,11 @@ class PatchTracker:
         fronts = find_fronts(
             theta[split:], acceleration[split:], float(np.mean(acceleration[:split])), speed / free_speed
         )
+        if fronts is not None and not _LENGTHS[0] < fronts.alpha_2 - fronts.alpha_1 < _LENGTHS[1]:
+            fronts = None
         if fronts is not None and self._refiner is not None:
             fronts = self._refiner.refine(fronts, theta, acceleration)
-        if fronts is None or not _LENGTHS[0] < fronts.alpha_2 - fronts.alpha_1 < _LENGTHS[1]:
+        if fronts is None:
             self._failures += 1
             if self._failures >= _FAILURES:
                 self._centre = None

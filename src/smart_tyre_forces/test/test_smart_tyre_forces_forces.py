@@ -121,14 +121,24 @@ def test_a_new_convention_of_zero_angle_needs_a_new_zero() -> None:
     assert patches[-1].reason is PatchReason.OK and patches[-1].shift == pytest.approx(0.0, abs=1e-12)
 
 
-def test_invalid_passages_keep_the_zero_and_break_the_stretch() -> None:
-    bad = Passage(9, 22_500.0, np.nan, np.nan, 25.0, PatchReason.SATURATED, 0)
-    _, patches = corrected([*(passage(k, 8.0, 3.0, 0.43) for k in range(9)), bad])
-    assert patches[-1].reason is PatchReason.SATURATED and np.isnan(patches[-1].shift)
-    _, patches = corrected(
-        [*(passage(k, 8.0, 3.0, 0.43) for k in range(9)), bad, *(passage(k, 8.0, 3.0, 0.43) for k in range(10, 24))]
-    )
-    assert patches[-1].reason is PatchReason.NOT_READY
+@pytest.mark.parametrize(
+    ("reason", "found"),
+    [(PatchReason.LOST_PACKETS, True), (PatchReason.SATURATED, True), (PatchReason.SPEED_RANGE, False)],
+)
+def test_lost_revolutions_do_not_end_a_steady_stretch_but_a_change_of_speed_does(
+    reason: PatchReason, found: bool
+) -> None:
+    bad = Passage(9, 22_500.0, np.nan, np.nan, 25.0, reason, 0)
+    drive = [*(passage(k, 8.0, 3.0, 0.43) for k in range(9)), bad, *(passage(k, 8.0, 3.0, 0.43) for k in range(10, 20))]
+    _, patches = corrected(drive)
+    assert patches[9].reason is reason and np.isnan(patches[9].shift)
+    assert (patches[-1].reason is PatchReason.OK) == found
+
+
+def test_a_zero_once_found_survives_invalid_revolutions() -> None:
+    bad = Passage(20, 50_000.0, np.nan, np.nan, 5.0, PatchReason.SPEED_RANGE, 0)
+    _, patches = corrected([*(passage(k, 8.0, 3.0, 0.43) for k in range(20)), bad, passage(21, 15.0, 3.0, 0.43)])
+    assert patches[-1].reason is PatchReason.OK
 
 
 def test_change_of_pressure_is_noticed_and_length_is_re_zeroed_on_request() -> None:
