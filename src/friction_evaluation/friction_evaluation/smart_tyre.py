@@ -25,6 +25,7 @@ from friction_evaluation.smart_tyre_runs import (
     QUIET,
     QUIET_UNEVEN,
     RING,
+    ROUGH,
     WHEEL_SEEDS,
     Estimated,
     Sensors,
@@ -35,7 +36,7 @@ from friction_evaluation.smart_tyre_runs import (
 )
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.encoder_crossings import EncoderCrossings
-from smart_tyre_forces.front_template import TemplateFit
+from smart_tyre_forces.front_template import FrontTemplate, TemplateFit
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.wheel_angle import WheelAngle
 from vehicle_models.force_history import dynamic_drive
@@ -106,6 +107,9 @@ def evaluate(seeds: range, known: Calibration, ideal: Calibration, progress: Pro
         few = seeds[:3]
         for case, sensors in (("noise off", QUIET), ("noise off, uneven road", QUIET_UNEVEN)):
             yield from _forces(case, axle, [_drive(s, axle, ideal, sensors)[1](False, True) for s in few])
+        yield from _forces("rough road, crossing", axle, [_drive(s, axle, known, ROUGH)[1](False, True) for s in few])
+        matched = [_drive(s, axle, known, ROUGH, template=known.template)[1](False, True) for s in few]
+        yield from _forces("rough road, template", axle, matched)
 
 
 def angle_rms(block: TyreBlock, table: ToothTable) -> float:
@@ -119,11 +123,17 @@ def angle_rms(block: TyreBlock, table: ToothTable) -> float:
 
 
 def _drive(
-    seed: int, axle: str, known: Calibration, sensors: Sensors, pressure: float = NOMINAL
+    seed: int,
+    axle: str,
+    known: Calibration,
+    sensors: Sensors,
+    pressure: float = NOMINAL,
+    template: FrontTemplate | None = None,
 ) -> tuple[TyreBlock, Callable[[bool, bool], Estimated]]:
     drive = dynamic_drive(road_seed=seed, unevenness=sensors.unevenness)
     block = simulate(drive, axle, seed, sensors, pressure)
-    found = passages(block, ToothTable(np.asarray(known.wheels[axle].tooth_table)))
+    refiner = TemplateFit(template) if template is not None else None
+    found = passages(block, ToothTable(np.asarray(known.wheels[axle].tooth_table)), refiner)
     return block, lambda rezero, restore: estimate(found, known, drive, axle, rezero=rezero, restore=restore)
 
 

@@ -42,6 +42,10 @@ class Sensors:
 NOISY = Sensors()
 QUIET = Sensors(AccelerometerParameters.ideal(), EncoderParameters.ideal(), unevenness=0.0)
 QUIET_UNEVEN = replace(QUIET, unevenness=0.03)
+ROUGH = replace(
+    NOISY, accelerometer=replace(NOISY.accelerometer, texture_noise=6.0 * NOISY.accelerometer.texture_noise)
+)
+"""A road that shakes six times as much."""
 
 
 def simulate(drive: Drive, axle: str, seed: int, sensors: Sensors = NOISY, pressure: float = NOMINAL) -> TyreBlock:
@@ -109,20 +113,20 @@ class CalibrationRuns:
 
 
 def calibration_runs(sensors: Sensors) -> CalibrationRuns:
-    """Two quasi-static drives and a dynamic one."""
+    """Two quasi-static and three dynamic drives a wheel."""
     uneven = sensors.unevenness
-    up, down = quasi_static_drives(road_seed=_CALIBRATION_SEED, unevenness=uneven)
-    dynamic = dynamic_drive(road_seed=_CALIBRATION_SEED + 2, unevenness=uneven)
+    slow = quasi_static_drives(road_seed=_CALIBRATION_SEED, unevenness=uneven)
+    fast = [dynamic_drive(road_seed=_CALIBRATION_SEED + k, unevenness=uneven) for k in (2, 3, 4)]
     slow_runs, dynamic_runs, tables = [], [], {}
     learner = TemplateLearner()
     for axle, wheel_seed in WHEEL_SEEDS.items():
         seed = _CALIBRATION_SEED + 10 * wheel_seed
-        block = simulate(dynamic, axle, seed, sensors)
-        table = learned_table(block)
+        blocks = [simulate(drive, axle, seed + k, sensors) for k, drive in enumerate(fast)]
+        table = learned_table(blocks[0])
         tables[axle] = table.deviations
-        dynamic_runs.append(_run(axle, dynamic, passages(block, table)))
-        for offset, drive in enumerate((up, down), start=1):
-            found = passages(simulate(drive, axle, seed + offset, sensors), table, learner)
+        dynamic_runs += [_run(axle, d, passages(b, table)) for d, b in zip(fast, blocks, strict=True)]
+        for k, drive in enumerate(slow, start=len(fast)):
+            found = passages(simulate(drive, axle, seed + k, sensors), table, learner)
             slow_runs.append(_run(axle, drive, found))
     return CalibrationRuns(slow_runs, dynamic_runs, tables, learner.template)
 
