@@ -1,0 +1,42 @@
+"""What the live evaluation says of lost samples and delays, on observations made by hand."""
+
+from __future__ import annotations
+
+import pytest
+from friction_msgs.msg import BrakeCommand
+from std_msgs.msg import Header
+
+from friction_evaluation.live import real_time_row
+from friction_evaluation.live_graph import Observation
+from friction_runtime.stamps import from_nanoseconds
+
+START = 1_000_000_000
+PERIOD = 5_000_000
+MILLISECOND = 1_000_000
+
+
+def observed(samples: list[int], delays: list[float]) -> Observation:
+    """Samples by number, each published so many milliseconds after its stamp."""
+    messages = [BrakeCommand(header=Header(stamp=from_nanoseconds(START + k * PERIOD))) for k in samples]
+    published = [START + k * PERIOD + round(ms * MILLISECOND) for k, ms in zip(samples, delays, strict=True)]
+    return Observation(messages, published)
+
+
+def test_delays_are_from_the_sample_to_its_answer() -> None:
+    source = observed(list(range(101)), [1.0] * 101)
+    answers = observed(list(range(101)), [2.0] * 60 + [4.0] * 40 + [51.0])
+    row = real_time_row("front_left/brake_command", answers, source, 101, "dry")
+    assert (row["samples"], row["received"], row["lost"], row["irregular_steps"]) == (101, 101, 0, 0)
+    assert row["delay_median_ms"] == pytest.approx(1.0)
+    assert row["delay_p99_ms"] == pytest.approx(3.0)
+    assert row["delay_max_ms"] == pytest.approx(50.0)
+    assert row["duration_s"] == pytest.approx(0.5)
+
+
+def test_lost_samples_are_counted_and_a_repeated_one_does_not_hide_them() -> None:
+    source = observed(list(range(11)), [0.0] * 11)
+    answers = observed([0, 1, 2, 2, 5, 6, 7, 8, 9, 10], [1.0] * 10)
+    row = real_time_row("front_left/brake_command", answers, source, 11, "dry")
+    assert row["received"] == 10
+    assert row["lost"] == 2
+    assert row["irregular_steps"] == 2
