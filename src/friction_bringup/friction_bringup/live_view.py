@@ -12,6 +12,7 @@ from friction_msgs.msg import BrakeCommand, FrictionCurve, FrictionSlope, Superv
 from rclpy.node import Node
 from rich.box import SIMPLE_HEAD
 from rich.console import JustifyMethod
+from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 from sensor_msgs.msg import FluidPressure, JointState
@@ -44,7 +45,7 @@ _COMMANDS = {
 }
 _DISCOVERY_PERIOD = 0.1
 """[s]"""
-_BAR_CELLS = 8
+_BAR_CELLS = 10
 _BAR_FULL_SLIP = 0.4
 _LINE_CELL = 19
 _TABLE_COLUMNS: tuple[tuple[str, int, JustifyMethod], ...] = (
@@ -155,7 +156,7 @@ class LiveView(Node):
         heading = f"{title}   t = {self.time:6.2f} s   v = {number(self.speed, '5.2f')} m/s"
         table = Table(title=heading, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
         for name, width, justify in _TABLE_COLUMNS:
-            table.add_column(name, min_width=width, justify=justify, no_wrap=True)
+            table.add_column(escape(name), min_width=width, justify=justify, no_wrap=True)
         for wheel, view in self.wheels.items():
             sign = view.sign
             table.add_row(
@@ -168,7 +169,7 @@ class LiveView(Node):
                 view.number("brake_pressure", "fluid_pressure", ".1f", 1e-5),
             )
         reasons = dict.fromkeys(reason for view in self.wheels.values() for reason in view.reasons)
-        table.caption = "\n".join(reasons) or " "
+        table.caption = escape("\n".join(reasons)) or " "
         table.caption_justify = "left"
         return table
 

@@ -15,6 +15,7 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.experimental.events_executor import EventsExecutor
 from rich.console import Console
 from rich.live import Live
+from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
@@ -60,7 +61,7 @@ def wheels_table(wheels: dict[str, WheelView], now: float) -> Table:
     """
     table = Table(title="Friction graph (q ends)", expand=True)
     for heading in _COLUMNS:
-        table.add_column(heading, no_wrap=heading != _COLUMNS[-1], ratio=1 if heading == _COLUMNS[-1] else None)
+        table.add_column(escape(heading), no_wrap=heading != _COLUMNS[-1], ratio=1 if heading == _COLUMNS[-1] else None)
     for wheel, view in wheels.items():
         ages = {topic: now - arrival for topic, arrival in view.arrivals.items()}
         silent = [f"{topic} silent for {age:.1f} s" for topic, age in ages.items() if age > _STALE]
@@ -77,7 +78,7 @@ def wheels_table(wheels: dict[str, WheelView], now: float) -> Table:
             _with_deviation(view, "tyre_force", "fx", ".2f", 1e-3),
             _with_deviation(view, "tyre_force", "fz", ".2f", 1e-3),
             Text(f"{youngest:.2f}", style="bold red" if youngest > _STALE else ""),
-            "\n".join([*silent, *view.reasons]),
+            escape("\n".join([*silent, *view.reasons])),
             style="dim" if youngest > _STALE else "",
         )
     if not wheels:

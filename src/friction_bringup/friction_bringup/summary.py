@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from friction_bringup.braking_metrics import Braking, JudgedCrossing, judge_crossings, measure_braking
@@ -59,7 +60,7 @@ def crossing_table(wheel: str, crossings: list[JudgedCrossing]) -> Table:
     """Show each crossing of the slope's sign against the truth, the longest list cut in the middle of its tail."""
     table = Table(title=f"{wheel}: crossings of the peak of the friction curve", title_justify="left")
     for heading in ("detected at [s]", "crossing", "slip at crossing", "true λ_max", "error", "delay [ms]"):
-        table.add_column(heading, justify="left" if heading == "crossing" else "right")
+        table.add_column(escape(heading), justify="left" if heading == "crossing" else "right")
     for crossing in crossings[:_SHOWN_CROSSINGS]:
         false_alarm = not np.isfinite(crossing.true_time)
         table.add_row(
@@ -75,7 +76,7 @@ def crossing_table(wheel: str, crossings: list[JudgedCrossing]) -> Table:
     delays = np.array([c.delay for c in passed])
     table.caption = (
         f"{len(crossings)} crossings, the first {min(len(crossings), _SHOWN_CROSSINGS)} shown; peak passed "
-        f"{len(passed)} times at a median slip of {np.nanmedian(slips) if passed else np.nan:.3f}, known "
+        f"{len(passed)} x at a median slip of {np.nanmedian(slips) if passed else np.nan:.3f}, known "
         f"{1e3 * np.nanmedian(delays) if np.any(np.isfinite(delays)) else np.nan:.0f} ms later (median)"
     )
     return table
@@ -133,5 +134,5 @@ def validity_table(run: RecordedRun) -> Table:
         reasons = [
             f"{text.removeprefix(f'{wheel}: ')} ({count})" for text, count in series.reasons.most_common(_SHOWN_REASONS)
         ]
-        table.add_row(topic, str(series.time.size), f"{np.mean(series['valid']):.1%}", "\n".join(reasons))
+        table.add_row(topic, str(series.time.size), f"{np.mean(series['valid']):.1%}", escape("\n".join(reasons)))
     return table
