@@ -1,0 +1,165 @@
+"""Stops of the two-axle car from 30 m/s with the supervisor in the loop, and what its sensors see.
+
+The car cruises first (the engine holds the speed on the slope), then the driver asks for 1.5 times the peak torque,
+split between the axles as built. Every wheel has its own friction_slope detector (no_slip) and supervisor, with the
+shipped parameters. Sensor noise is drawn per run from its seed.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from abs_supervisor.fsm import COMMANDS
+from abs_supervisor.supervisor import Evidence, Supervisor
+from friction_evaluation.abs_loop import shipped
+from friction_slope.detector import DetectorParameters, SlopeDetector
+from friction_slope.estimate import SlopeSample
+from vehicle_models import burckhardt
+from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
+from vehicle_models.surfaces import surface
+from vehicle_models.two_axle import WHEELS, CarParameters, TwoAxleCar
+
+Array = NDArray[np.float64]
+
+DT = 0.005
+"""Sample time [s]."""
+STEP = 5_000_000
+"""Sample time [ns]."""
+SPEED = 30.0
+"""At brake onset [m/s]."""
+CRUISE = 5.0
+"""Time before the brake onset [s]."""
+END_SPEED = 3.0
+"""[m/s]"""
+WHEEL_SPEED_VARIANCE = 0.005
+"""[rad^2/s^2]"""
+ACCELERATION_STDDEV = 0.1
+"""[m/s^2]"""
+ACCELERATION_OFFSET = 0.15
+"""[m/s^2]"""
+GRADE = 0.02
+"""Road slope [-], uphill for even seeds and downhill for odd ones."""
+DEMAND_RATIO = 1.5
+"""Demand, of the peak torque."""
+TORQUE_VARIANCE = 10.0
+"""[N^2 m^2]"""
+_WARM_UP = 40
+"""Samples the detectors see before the brake onset."""
+_LONGEST = 12_000
+"""Samples after which a stop is given up: one minute."""
+
+
+@dataclass
+class Stop:
+    """One run: sensors and truth at every sample, n of them, until the end speed."""
+
+    onset: int
+    """Index of the first sample with brake demand."""
+    wheel_speed: Array
+    """Measured [rad/s], shape (n, 4)."""
+    acceleration: Array
+    """Measured [m/s^2], shape (n,)."""
+    torque: Array
+    """Brake torque [N m], true, shape (n, 4)."""
+    speed: Array
+    """True [m/s], shape (n,)."""
+    slip: Array
+    """True [-], shape (n, 4)."""
+
+
+def stops(
+    name: str,
+    seeds: range,
+    *,
+    grade_step: float = 0.0,
+    car_parameters: CarParameters = CarParameters(),
+    progress: Callable[[int], None] = lambda _done: None,
+) -> list[Stop]:
+    """Brake once for each seed, side by side.
+
+    Args:
+        name: of the road.
+        seeds: of the noise.
+        grade_step: change of road slope half a braking time (by peak friction) after the onset.
+        car_parameters: of the car.
+        progress: told of the runs that have ended.
+    """
+    count, theta = len(seeds), surface(name)
+    grade = np.where(np.array(seeds) % 2 == 0, GRADE, -GRADE)
+    car = TwoAxleCar(car_parameters, np.full(count, SPEED), grade=np.arctan(grade))
+    peak = car_parameters.peak_torque(theta)
+    demand = DEMAND_RATIO * car_parameters.split_torque(np.asarray(peak.sum()))
+    actuators = [BrakeActuator(count, DT, ActuatorParameters()) for _ in WHEELS]
+    controllers = _controllers(count, car_parameters)
+    generators = [np.random.default_rng(seed) for seed in seeds]
+    onset = round(CRUISE / DT)
+    step_at = onset + round(0.5 * SPEED / (car_parameters.gravity * float(burckhardt.peak(theta)[1])) / DT)
+    cruise = _cruise_torque(car_parameters, grade)
+    torque = np.zeros((count, len(WHEELS)))
+    kept: list[list[Array]] = [[] for _ in range(5)]
+    ends = np.full(count, -1)
+    for k in range(_LONGEST):
+        if k == step_at:
+            car.grade = np.arctan(grade + grade_step)
+        draws = np.stack([generator.standard_normal(9) for generator in generators])
+        measured = car.wheel_speed + np.sqrt(WHEEL_SPEED_VARIANCE) * draws[:, :4]
+        acceleration = car.specific_force(theta) + ACCELERATION_OFFSET + ACCELERATION_STDDEV * draws[:, 4]
+        for store, values in zip(kept, (measured, acceleration, torque, car.speed, car.slip), strict=True):
+            store.append(values.copy())
+        ended = (ends < 0) & (car.speed <= END_SPEED)
+        ends[ended] = k
+        progress(int(ended.sum()))
+        if np.all(ends >= 0):
+            break
+        commands = np.zeros((count, len(WHEELS)), dtype=np.int64)
+        if k >= onset - _WARM_UP:
+            felt = torque + np.sqrt(TORQUE_VARIANCE) * draws[:, 5:]
+            for i in np.flatnonzero(ends < 0).tolist():
+                for j, controller in enumerate(controllers[i]):
+                    commands[i, j] = controller.command((k + 1) * STEP, measured[i, j], felt[i, j], k >= onset)
+        asked = demand if k >= onset else np.zeros(len(WHEELS))
+        after = np.stack([actuators[j].step(asked[j], commands[:, j]) for j in range(len(WHEELS))], axis=1)
+        car.step(torque, after, theta, DT, cruise if k < onset else 0.0)
+        torque = after
+    arrays = [np.stack(store) for store in kept]
+    return [Stop(onset, *(array[: end if end >= 0 else None, i] for array in arrays)) for i, end in enumerate(ends)]
+
+
+class _Controller:
+    """The shipped friction_slope and abs_supervisor algorithms of one wheel."""
+
+    def __init__(self, detector: DetectorParameters, supervisor: Supervisor) -> None:
+        self._detector = SlopeDetector(detector)
+        self._supervisor = supervisor
+
+    def command(self, stamp: int, wheel_speed: float, torque: float, braking: bool) -> int:
+        """Pass one sample through; return the command for it."""
+        estimate = self._detector.update(SlopeSample(stamp, float(wheel_speed), float(torque)))
+        evidence = Evidence(estimate.h, estimate.indicator, isfinite(estimate.indicator), False, braking)
+        self._supervisor.update(stamp, evidence)
+        return int(COMMANDS[self._supervisor.state])
+
+
+def _controllers(count: int, car: CarParameters) -> list[list[_Controller]]:
+    slope, supervisor = shipped()
+    loads = car.wheel_loads(0.0)
+    detectors = [
+        replace(slope, radii=(car.radius,), inertias=(car.inertia,), vertical_loads=(float(load),)).detector(
+            "front_left"
+        )
+        for load in loads
+    ]
+    return [
+        [_Controller(detector, Supervisor(supervisor.thresholds(), supervisor.tolerance)) for detector in detectors]
+        for _ in range(count)
+    ]
+
+
+def _cruise_torque(car: CarParameters, grade: Array) -> Array:
+    """Drive torque [N m] that holds SPEED on the slope."""
+    drag = 0.5 * car.air_density * car.drag_area * SPEED**2
+    weight = car.mass * car.gravity
+    return np.asarray(car.radius * (drag + weight * (np.sin(np.arctan(grade)) + car.rolling_resistance)))
