@@ -68,13 +68,10 @@ class WheelProcessor:
         return [output for sample in self._aligner.ready() for output in self._fire(sample)]
 
     def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
-        """Fail safe when friction_slope or the demand has fallen silent."""
-        topic = max((self._slope, self._demand), key=lambda name: ages[name])
-        if self._stamp == 0 or ages[topic] <= self._p.stale_after:
+        """Fail safe when friction_slope has fallen silent; a silent demand is seen in message time."""
+        if self._stamp == 0 or ages[self._slope] <= self._p.stale_after:
             return []
-        missing = topic == self._slope
-        self._reason = SupervisorState.NO_SLOPE if missing else SupervisorState.NO_DEMAND
-        self._text = f"{topic}: silent"
+        self._reason, self._text = SupervisorState.NO_SLOPE, f"{self._slope}: silent"
         if self._supervisor.fail(self._stamp):
             self._log_transition("error")
             return self._outputs()

@@ -1,0 +1,62 @@
+"""The node as a real process over DDS: what it says is what the processor says, and it ends cleanly."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from friction_msgs.msg import FrictionSlope
+from sensor_msgs.msg import FluidPressure, JointState
+from std_msgs.msg import Header
+
+from dds_client import dds_client, stop
+from friction_runtime import qos
+from friction_runtime.parameters import load
+from friction_runtime.stamps import from_nanoseconds
+from friction_slope.parameters import FrictionSlopeParameters
+from friction_slope.processor import WheelProcessor
+
+CONFIG = Path(__file__).parents[1] / "config" / "friction_slope.yaml"
+STEP = 5_000_000
+PRESSURE = "front_left/brake_pressure"
+SLOPE = "front_left/friction_slope"
+
+
+def sample(k: int) -> tuple[FluidPressure, JointState]:
+    header = Header(stamp=from_nanoseconds(k * STEP))
+    time = 0.005 * k
+    return (
+        FluidPressure(header=header, fluid_pressure=(200.0 + 1000.0 * time) / 1e-4),
+        JointState(header=header, name=["front_left"], velocity=[95.0 - 40.0 * time - 300.0 * time**2]),
+    )
+
+
+def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
+    processor = WheelProcessor(
+        "front_left", replace(load(FrictionSlopeParameters, CONFIG, "friction_slope"), slip_at_crossing=False)
+    )
+    expected: list[FrictionSlope] = []
+    for k in range(1, 61):
+        pressure, speed = sample(k)
+        processor.process(PRESSURE, pressure)
+        expected += [message for _, message in processor.process("wheel_states", speed)]
+    received: list[FrictionSlope] = []
+    with dds_client(20) as client:
+        arguments = ("--params-file", str(CONFIG), "-p", "slip_at_crossing:=false")
+        process = client.start("-m", "friction_slope", "--ros-args", *arguments)
+        pressures = qos.publish(client.node, FluidPressure, PRESSURE)
+        speeds = qos.publish(client.node, JointState, "wheel_states")
+        qos.subscribe(client.node, FrictionSlope, SLOPE, received.append, qos.ESTIMATE)
+        client.until(lambda: pressures.get_subscription_count() == 1 and speeds.get_subscription_count() == 1)
+        client.until(lambda: client.node.count_publishers(SLOPE) == 1)
+        for k in range(1, 61):
+            pressure, speed = sample(k)
+            pressures.publish(pressure)
+            speeds.publish(speed)
+            client.executor.spin_once(timeout_sec=0.0)
+        client.until(lambda: len(received) >= 60)
+        output, seconds = stop(process)
+    assert repr(received) == repr(expected)
+    assert received[-1].h == pytest.approx(-600.0 + 1000.0, rel=1e-3)
+    assert process.returncode == 0
+    assert seconds < 2.0
+    assert "Traceback" not in output
