@@ -15,6 +15,8 @@ GRAVITY = 9.81
 BUILD_UP = 0.4
 """Time [s] after brake onset in which the torque builds up; utilisation is also given without it."""
 
+_CROSSING_REACH = 0.2
+"""Time [s] between an estimated crossing and the true one it may belong to; ABS cycles last 0.1 to 0.3 s."""
 _BRAKING_STEP = 0.1
 """Time [s] over which the deceleration of hardest_braking is taken."""
 _HARD_BRAKING = 3.0
@@ -125,11 +127,11 @@ class JudgedCrossing:
     lambda_max: float
     """True slip at the peak, of the road then [-]."""
     true_time: float
-    """Time of the true crossing [s]; NaN where there is none: a false alarm."""
+    """Time of the true crossing [s]; NaN where there is none near."""
 
     @property
     def delay(self) -> float:
-        """Time from the true crossing until it was known [s]; NaN for a false alarm."""
+        """Time from the true crossing until it was known [s], negative where it was foreseen; NaN without true one."""
         return self.estimate.time - self.true_time
 
     @property
@@ -141,7 +143,7 @@ class JudgedCrossing:
 def judge_crossings(
     estimates: Sequence[CrossingEvent], truth: Sequence[CrossingEvent], time: Array, lambda_max: Array
 ) -> list[JudgedCrossing]:
-    """Set each estimated crossing beside the last true one of its sign that no earlier estimate has claimed.
+    """Set estimated crossings beside true ones of their sign within 0.2 s: the nearest pairs first, each once.
 
     Args:
         estimates: in the order of time.
@@ -149,17 +151,20 @@ def judge_crossings(
         time: of the samples of lambda_max [s], shape (n,).
         lambda_max: true slip at the peak [-], shape (n,).
     """
-    judged = []
-    claimed_until = {-1: -np.inf, 1: -np.inf}
-    for estimate in estimates:
-        candidates = [
-            event.time
-            for event in truth
-            if event.sign == estimate.sign and claimed_until[event.sign] < event.time <= estimate.time
-        ]
-        true_time = candidates[-1] if candidates else float("nan")
-        if candidates:
-            claimed_until[estimate.sign] = true_time
-        peak = float(lambda_max[np.clip(np.searchsorted(time, estimate.time), 0, time.size - 1)])
-        judged.append(JudgedCrossing(estimate, peak, true_time))
-    return judged
+    pairs = sorted(
+        (abs(event.time - estimate.time), i, j)
+        for i, estimate in enumerate(estimates)
+        for j, event in enumerate(truth)
+        if event.sign == estimate.sign and abs(event.time - estimate.time) <= _CROSSING_REACH
+    )
+    true_times: dict[int, float] = {}
+    claimed: set[int] = set()
+    for _, i, j in pairs:
+        if i not in true_times and j not in claimed:
+            true_times[i] = truth[j].time
+            claimed.add(j)
+    rows = np.clip(np.searchsorted(time, [estimate.time for estimate in estimates]), 0, time.size - 1)
+    return [
+        JudgedCrossing(estimate, float(lambda_max[row]), true_times.get(i, float("nan")))
+        for i, (estimate, row) in enumerate(zip(estimates, rows, strict=True))
+    ]

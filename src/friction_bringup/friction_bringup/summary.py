@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from friction_bringup.braking_metrics import Braking, JudgedCrossing, judge_crossings, measure_braking
+from friction_bringup.braking_metrics import Braking, CrossingEvent, JudgedCrossing, judge_crossings, measure_braking
 from friction_bringup.recorded_run import RecordedRun
 
 _SHOWN_CROSSINGS = 16
@@ -17,9 +17,11 @@ _SHOWN_REASONS = 3
 def print_summary(console: Console, run: RecordedRun) -> None:
     """Print what the bag of a run shows: crossings and braking where the truth is known, validity everywhere."""
     for wheel in run.wheels:
-        crossings = judged_crossings(run, wheel)
-        if crossings:
-            console.print(crossing_table(wheel, crossings))
+        curve, truth = run.get(f"truth/{wheel}/friction_curve"), run.crossings(f"truth/{wheel}/friction_slope")
+        if curve is not None:
+            found = run.crossings(f"{wheel}/friction_slope")
+            judged = judge_crossings(found, truth, curve.time, curve["lambda_max"])
+            console.print(crossing_table(wheel, judged, truth))
     braking = braking_of(run)
     if isinstance(braking, Braking):
         console.print(braking_table(braking))
@@ -28,15 +30,6 @@ def print_summary(console: Console, run: RecordedRun) -> None:
     if len(run.wheels) > 1 and (span := run.hardest_braking()) is not None:
         console.print(slip_table(run, span))
     console.print(validity_table(run))
-
-
-def judged_crossings(run: RecordedRun, wheel: str) -> list[JudgedCrossing]:
-    """Set the crossings a wheel's friction_slope told of beside the truth; empty where there is no truth."""
-    curve = run.get(f"truth/{wheel}/friction_curve")
-    if curve is None:
-        return []
-    estimates, truth = run.crossings(f"{wheel}/friction_slope"), run.crossings(f"truth/{wheel}/friction_slope")
-    return judge_crossings(estimates, truth, curve.time, curve["lambda_max"])
 
 
 def braking_of(run: RecordedRun) -> Braking | str:
@@ -56,30 +49,34 @@ def braking_of(run: RecordedRun) -> Braking | str:
         return str(error)
 
 
-def crossing_table(wheel: str, crossings: list[JudgedCrossing]) -> Table:
-    """Show each crossing of the slope's sign against the truth, the longest list cut in the middle of its tail."""
-    table = Table(title=f"{wheel}: crossings of the peak of the friction curve", title_justify="left")
+def crossing_table(wheel: str, crossings: list[JudgedCrossing], truth: list[CrossingEvent]) -> Table:
+    """Show the first crossings of the slope's sign that were found beside the truth, and count all."""
+    shown = "" if len(crossings) <= _SHOWN_CROSSINGS else f", the first {_SHOWN_CROSSINGS} of {len(crossings)}"
+    table = Table(title=f"{wheel}: crossings of the peak of the friction curve{shown}", title_justify="left")
     for heading in ("detected at [s]", "crossing", "slip at crossing", "true λ_max", "error", "delay [ms]"):
         table.add_column(escape(heading), justify="left" if heading == "crossing" else "right")
     for crossing in crossings[:_SHOWN_CROSSINGS]:
-        false_alarm = not np.isfinite(crossing.true_time)
         table.add_row(
             f"{crossing.estimate.time:.3f}",
             "peak passed" if crossing.estimate.sign < 0 else "regained",
             f"{crossing.estimate.slip:.3f}",
             f"{crossing.lambda_max:.3f}",
             f"{crossing.relative_error:+.0%}",
-            "false alarm" if false_alarm else f"{1e3 * crossing.delay:.0f}",
+            f"{1e3 * crossing.delay:.0f}" if np.isfinite(crossing.delay) else "no true one",
         )
-    passed = [c for c in crossings if c.estimate.sign < 0]
-    slips = np.array([c.estimate.slip for c in passed])
-    delays = np.array([c.delay for c in passed])
-    table.caption = (
-        f"{len(crossings)} crossings, the first {min(len(crossings), _SHOWN_CROSSINGS)} shown; peak passed "
-        f"{len(passed)} x at a median slip of {np.nanmedian(slips) if passed else np.nan:.3f}, known "
-        f"{1e3 * np.nanmedian(delays) if np.any(np.isfinite(delays)) else np.nan:.0f} ms later (median)"
+    table.caption = ", ".join(
+        _told(crossings, truth, sign, word) for sign, word in ((-1, "peak passed"), (1, "regained"))
     )
     return table
+
+
+def _told(crossings: list[JudgedCrossing], truth: list[CrossingEvent], sign: int, word: str) -> str:
+    """Count the crossings of one sign: true, found and without a true one, with the median delay."""
+    found = np.array([crossing.delay for crossing in crossings if crossing.estimate.sign == sign])
+    near = found[np.isfinite(found)]
+    delay = f"median delay {1e3 * np.median(near):.0f} ms" if near.size else "no delay"
+    total = sum(event.sign == sign for event in truth)
+    return f"{word}: {near.size} of {total} true ones found ({delay}), {found.size - near.size} without a true one"
 
 
 def braking_table(braking: Braking) -> Table:

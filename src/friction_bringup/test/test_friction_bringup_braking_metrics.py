@@ -60,16 +60,22 @@ def test_no_braking_is_an_error_and_not_a_number() -> None:
         measure_braking(TIME, np.zeros_like(TIME), TIME, TIME + 1.0, onset=1.0)
 
 
-def test_crossing_is_judged_by_the_last_true_one_of_its_sign_and_each_is_claimed_once() -> None:
+def test_crossing_is_judged_by_the_nearest_true_one_of_its_sign_and_none_is_claimed_twice() -> None:
     truth = [CrossingEvent(1.0, -1, 0.17), CrossingEvent(1.5, 1, 0.17), CrossingEvent(2.0, -1, 0.03)]
-    estimates = [CrossingEvent(1.1, -1, 0.2), CrossingEvent(1.3, -1, 0.2), CrossingEvent(2.05, -1, 0.03)]
+    estimates = [CrossingEvent(0.85, -1, 0.2), CrossingEvent(1.1, -1, 0.2), CrossingEvent(1.98, -1, 0.03)]
     lambda_max = np.where(TIME < 1.9, 0.17, 0.03)
-    first, false_alarm, last = judge_crossings(estimates, truth, TIME, lambda_max)
-    assert first.delay == pytest.approx(0.1)
-    assert first.relative_error == pytest.approx(0.2 / 0.17 - 1.0)
-    assert np.isnan(false_alarm.delay)
-    assert last.delay == pytest.approx(0.05)
-    assert last.lambda_max == 0.03
+    farther, late, foreseen = judge_crossings(estimates, truth, TIME, lambda_max)
+    assert late.delay == pytest.approx(0.1)
+    assert late.relative_error == pytest.approx(0.2 / 0.17 - 1.0)
+    assert np.isnan(farther.delay)
+    assert foreseen.delay == pytest.approx(-0.02)
+    assert foreseen.lambda_max == 0.03
+
+
+def test_crossing_of_the_other_sign_or_far_away_is_not_the_true_one() -> None:
+    truth = [CrossingEvent(1.0, 1, 0.17), CrossingEvent(1.25, -1, 0.17)]
+    judged = judge_crossings([CrossingEvent(1.0, -1, 0.1)], truth, TIME, np.full_like(TIME, 0.17))
+    assert np.isnan(judged[0].delay)
 
 
 def test_hardest_braking_is_found_among_gentle_ones_and_through_gaps() -> None:
