@@ -93,7 +93,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "wet": _ramp_and_hold("wet", 598.0),
     "cobblestone": _ramp_and_hold("cobblestone", 805.0),
     "snow": _ramp_and_hold("snow", 153.0),
-    "high_grip_stop": _drivers_stop("high_grip", 1.28),
+    "high_grip_stop": _drivers_stop("high_grip", 1.0),
     "low_grip_stop": _drivers_stop("off_road", 1.03),
     "dry_to_snow": Experiment(
         "dry, from 40 m on snow: panic braking with the supervisor in the loop, 30 to 20 m/s; one corner",

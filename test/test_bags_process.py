@@ -1,0 +1,150 @@
+"""The live nodes on a replay against offline processing: the same messages, bit for bit."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ament_index_python.packages import get_package_share_directory
+from rclpy.serialization import deserialize_message
+
+from friction_bags.bag_reader import BagReader
+from friction_bags.cdr import encode
+from friction_bags.estimators import WHEEL_ESTIMATORS
+from friction_bags.import_csv import write_bag
+from friction_bags.library import Experiment, simulate
+from friction_bags.message_definition import message_class
+from friction_bags.offline_part import ProcessOptions
+from friction_bags.offline_run import process_bag
+
+DOMAIN = "42"
+WHEELS = ["front_left", "rear_right"]
+MADE = ("slip", "friction_slope", "friction_curve", "abs_supervisor", "brake_command")
+DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[2] / "shared" / "data"))
+BMW = DATA / "bmw_m8_abs_stop_100hz.csv"
+
+
+class Processes:
+    """Processes of this test, each with a log."""
+
+    def __init__(self, directory: Path) -> None:
+        self._directory = directory
+        self._running: list[subprocess.Popen[bytes]] = []
+
+    def log(self, name: str) -> str:
+        return (self._directory / f"{name}.log").read_text()
+
+    def start(self, name: str, *arguments: str) -> subprocess.Popen[bytes]:
+        environment = {**os.environ, "ROS_DOMAIN_ID": DOMAIN, "PYTHONUNBUFFERED": "1"}
+        with (self._directory / f"{name}.log").open("w") as log:
+            command = [sys.executable, "-m", *arguments]
+            self._running.append(subprocess.Popen(command, stdout=log, stderr=log, env=environment))
+        return self._running[-1]
+
+    def stop(self) -> None:
+        for process in self._running:
+            if process.poll() is None:
+                process.send_signal(signal.SIGINT)
+        for process in self._running:
+            try:
+                process.wait(timeout=20.0)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        self._running.clear()
+
+
+@pytest.fixture
+def processes(tmp_path: Path) -> Iterator[Processes]:
+    started = Processes(tmp_path)
+    yield started
+    started.stop()
+
+
+def sensors_of(bag: Path) -> list[str]:
+    with BagReader(bag) as reader:
+        return [topic.name for topic in reader.counts if "truth" not in topic.name]
+
+
+@pytest.fixture
+def parameters(tmp_path: Path) -> Path:
+    """A parameter file with which the supervisor commands."""
+    path = tmp_path / "parameters.yaml"
+    path.write_text("/**/abs_supervisor:\n  ros__parameters:\n    shadow: false\n")
+    return path
+
+
+def replay_to_live_nodes(processes: Processes, bag: Path, recording: Path, parameters: Path, how: list[str]) -> None:
+    """Start nodes, recorder and player; return when the replay has ended and its answers are recorded."""
+    wheels = str(WHEELS).replace("'", '"')
+    for name in WHEEL_ESTIMATORS:
+        shipped = Path(get_package_share_directory(name), "config", f"{name}.yaml")
+        files = ["--params-file", str(shipped), "--params-file", str(parameters)]
+        processes.start(name, name, "--ros-args", *files, "-p", f"wheels:={wheels}")
+    recorder = processes.start("record", "friction_bags", "record", "--out", str(recording), "--topics", "*/*")
+    end = time.monotonic() + 60.0
+    expected = {f"recording /{wheel}/{name}" for wheel in WHEELS for name in MADE}
+    while not all(line in processes.log("record") for line in expected):
+        assert time.monotonic() < end, processes.log("record")
+        time.sleep(0.1)
+    answers = ["*/slip", "*/friction_slope", "*/friction_curve", "*/abs_supervisor"]
+    play = ["play", str(bag), "--topics", *sensors_of(bag), "--follow", *answers, "--wait", "10"]
+    player = processes.start("play", "friction_bags", *play, *how)
+    assert player.wait(timeout=200.0) == 0, processes.log("play")
+    recorder.send_signal(signal.SIGINT)
+    assert recorder.wait(timeout=20.0) == 0, processes.log("record")
+    assert " 0 lost; closed" in processes.log("record")
+    processes.stop()
+
+
+def estimates(bag: Path) -> dict[str, list[bytes]]:
+    """Estimates of a bag, encoded anew: padding on the wire is not initialised."""
+    found: dict[str, list[bytes]] = {f"/{wheel}/{name}": [] for wheel in WHEELS for name in MADE}
+    with BagReader(bag) as reader:
+        for topic, _, data in reader.messages([topic for topic in reader.counts if topic.name in found]):
+            kind: Any = message_class(topic.type)
+            found[topic.name].append(encode(deserialize_message(data, kind)))
+        assert reader.problems == []
+    return found
+
+
+def assert_live_equals_offline(bag: Path, recording: Path, parameters: Path, directory: Path) -> None:
+    options = ProcessOptions(wheels=tuple(WHEELS), parameter_files=(parameters,), outputs_only=True)
+    process_bag(bag, directory / "offline", options, 1, lambda _: None)
+    live, offline = estimates(recording), estimates(directory / "offline")
+    for topic, expected in offline.items():
+        assert expected, topic
+        # what the watchdogs said before the first sample and after the last is not of the bag
+        first = live[topic].index(expected[0])
+        assert live[topic][first : first + len(expected)] == expected, topic
+
+
+@pytest.fixture
+def braking(tmp_path: Path) -> Path:
+    parameters = {
+        "wheels": WHEELS,
+        "surfaces": ["dry", "wet"],
+        "surface_distances": [0.0, 40.0],
+        "demand_level": 0.9,
+        "demand_rise": 0.3,
+        "demand_hold": 0.6,
+        "acceleration_variance": 0.01,
+        "end_time": 2.0,
+    }
+    write_bag(tmp_path / "bag", simulate(Experiment("braking", parameters), seed=5), {})
+    return tmp_path / "bag"
+
+
+@pytest.mark.parametrize("how", [["--as-fast-as-possible"], ["--rate", "1"]], ids=["fast", "real_time"])
+def test_live_nodes_give_what_offline_processing_gives(
+    processes: Processes, braking: Path, parameters: Path, tmp_path: Path, how: list[str]
+) -> None:
+    replay_to_live_nodes(processes, braking, tmp_path / "live", parameters, how)
+    assert_live_equals_offline(braking, tmp_path / "live", parameters, tmp_path)
