@@ -15,10 +15,12 @@ import pytest
 from ament_index_python.packages import get_package_share_directory
 from rclpy.serialization import deserialize_message
 
+from friction_bags import import_bmw
 from friction_bags.bag_reader import BagReader
+from friction_bags.bag_writer import BagWriter
 from friction_bags.cdr import encode
 from friction_bags.estimators import WHEEL_ESTIMATORS
-from friction_bags.import_csv import write_bag
+from friction_bags.import_csv import read_rows, write_bag
 from friction_bags.library import Experiment, simulate
 from friction_bags.message_definition import message_class
 from friction_bags.offline_part import ProcessOptions
@@ -148,3 +150,24 @@ def test_live_nodes_give_what_offline_processing_gives(
 ) -> None:
     replay_to_live_nodes(processes, braking, tmp_path / "live", parameters, how)
     assert_live_equals_offline(braking, tmp_path / "live", parameters, tmp_path)
+
+
+@pytest.mark.skipif(not BMW.is_file(), reason=f"{BMW} is absent (set FRICTION_DATA)")
+def test_live_nodes_give_what_offline_processing_gives_on_the_measured_stop(
+    processes: Processes, parameters: Path, tmp_path: Path
+) -> None:
+    """With gaps up to 70 ms and steps below 1 ms between stamps."""
+    bag = tmp_path / "bmw"
+    write_bag(bag, import_bmw.messages(read_rows(BMW, import_bmw.COLUMNS)), {})
+    how = ["--as-fast-as-possible", "--start-offset", "14", "--duration", "6"]
+    replay_to_live_nodes(processes, bag, tmp_path / "live", parameters, how)
+    assert_live_equals_offline(part_of(bag, 14.0, 6.0, tmp_path / "part"), tmp_path / "live", parameters, tmp_path)
+
+
+def part_of(bag: Path, offset: float, duration: float, part: Path) -> Path:
+    """Bag of what a replay of a part of a bag publishes."""
+    with BagReader(bag) as reader, BagWriter(part) as writer:
+        start = reader.start + round(offset * 1e9)
+        for topic, stamp, data in reader.messages(start=start, stop=start + round(duration * 1e9)):
+            writer.write(writer.add_topic(topic), stamp, data)
+    return part
