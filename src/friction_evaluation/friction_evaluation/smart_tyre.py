@@ -46,7 +46,7 @@ Row = dict[str, Any]
 Array = NDArray[np.float64]
 
 LIMITS = {
-    ("2.0 bar", "angle RMS [deg]"): 0.02,
+    ("2.0 bar", "angle RMS (deg)"): 0.02,
     ("2.0 bar, no jitter", "crossing scatter / (noise/slope)"): 1.2,
     ("2.0 bar, no jitter", "template scatter / Cramer-Rao bound"): 1.5,
     ("2.0 bar", "Fz RMSE against reference [%]"): 3.5,
@@ -100,7 +100,7 @@ def evaluate(seeds: range, known: Calibration, ideal: Calibration, progress: Pro
             low.append(estimated(False, True))
             rezeroed.append(estimated(True, True))
             progress.advance(task)
-        yield _row("2.0 bar", axle, "angle RMS [deg]", float(np.degrees(np.sqrt(np.mean(np.square(angle))))))
+        yield _row("2.0 bar", axle, "angle RMS (deg)", float(np.degrees(np.sqrt(np.mean(np.square(angle))))))
         for case, results in (("2.0 bar", nominal), ("1.6 bar", low), ("1.6 bar, re-zeroed", rezeroed)):
             yield from _forces(case, axle, results)
         yield _row("2.0 bar, steady part not restored", axle, "Fx RMSE [%]", _rmse(unrestored, _fx_error))
@@ -150,10 +150,10 @@ def _fronts(axle: str, seeds: range, known: Calibration, progress: Progress) -> 
             where = f", {name}, {speed:.0f} m/s"
             ratio = crossing[i] / waveform.noise_over_slope()[i]
             yield _row(case, axle, "crossing scatter / (noise/slope)", float(ratio), where)
-            yield _row(case, axle, "crossing scatter [deg]", float(np.degrees(crossing[i])), where)
+            yield _row(case, axle, "crossing scatter (deg)", float(np.degrees(crossing[i])), where)
             ratio = template[i] / waveform.cramer_rao()[i]
             yield _row(case, axle, "template scatter / Cramer-Rao bound", float(ratio), where)
-            yield _row(case, axle, "template scatter [deg]", float(np.degrees(template[i])), where)
+            yield _row(case, axle, "template scatter (deg)", float(np.degrees(template[i])), where)
 
 
 def _forces(case: str, axle: str, results: list[Estimated]) -> Iterator[Row]:

@@ -87,7 +87,7 @@ def phases(estimates: dict[tuple[str, float], Estimated]) -> Phases:
 
 def test_limits_are_those_of_the_projects_table() -> None:
     assert smart_tyre.LIMITS == {
-        ("2.0 bar", "angle RMS [deg]"): 0.02,
+        ("2.0 bar", "angle RMS (deg)"): 0.02,
         ("2.0 bar, no jitter", "crossing scatter / (noise/slope)"): 1.2,
         ("2.0 bar, no jitter", "template scatter / Cramer-Rao bound"): 1.5,
         ("2.0 bar", "Fz RMSE against reference [%]"): 3.5,

@@ -56,6 +56,8 @@ class Points:
     """[N]"""
     fz: Array
     """[N]"""
+    front_stddev: Array
+    """Deviation of a front by the noise of the signal [rad]."""
 
 
 def quasi_static_trends(
@@ -126,7 +128,7 @@ def calibrate(
         length_trend=length_trend,
         nominal_length=length_trend[0],
         beta=0.0,
-        edge_stddev=0.0,
+        jitter_stddev=0.0,
         length_map=identity,
         shift_map=identity,
         trend_force=trend_force,
@@ -144,7 +146,9 @@ def calibrate(
     residuals["shift_map_rad"] = float(np.sqrt(np.mean(np.concatenate(shift_left) ** 2)))
     residuals["length_map_rad"] = float(np.sqrt(np.mean(np.concatenate(length_left) ** 2)))
     scatter = float(np.sqrt(np.mean([np.var(left) for left in even if len(left) > 2])))
-    tyre = replace(tyre, edge_stddev=scatter / float(np.sqrt(0.5 + 2.0 * tyre.beta**2)), residuals=residuals)
+    front = scatter / float(np.sqrt(0.5 + 2.0 * tyre.beta**2))
+    noise = float(np.mean(np.concatenate([p.front_stddev[np.abs(p.acceleration) < _STEADY] for p in points]) ** 2))
+    tyre = replace(tyre, jitter_stddev=float(np.sqrt(max(front**2 - noise, 0.0))), residuals=residuals)
     return Calibration(tyre, wheels, template)
 
 
@@ -216,7 +220,7 @@ def _points(
     speed = wheel_speed * parameters.radius
     reference = wheel_forces(car, speed, acceleration)
     fx, fz = (reference.fx_rear, reference.fz_rear) if run.rear else (reference.fx_front, reference.fz_front)
-    return Points(speed, acceleration, shift, length, fx, fz)
+    return Points(speed, acceleration, shift, length, fx, fz, np.array([p.front_stddev for p in valid]))
 
 
 def _second_order(speed: Array, value: Array) -> tuple[Polynomial, Array]:

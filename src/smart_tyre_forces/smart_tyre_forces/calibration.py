@@ -41,8 +41,8 @@ class TyreCalibration:
     """Length at static load and rest (the trend at speed 0), to which every constant speed is brought [rad]."""
     beta: float
     """Cross-talk of (8.19) [-]."""
-    edge_stddev: float
-    """Scatter of one front [rad]."""
+    jitter_stddev: float
+    """Scatter of one front from revolution to revolution, beyond the noise of the signal [rad]."""
     length_map: ForceMap
     """Fz over the corrected length, (8.14)."""
     shift_map: ForceMap
@@ -90,7 +90,7 @@ class Calibration:
                 tyre[name] = ForceMap(_numbers(entry["coefficients"]), float(entry["lowest"]), float(entry["highest"]))
             for name in ("shift_trend", "length_trend", "trend_force"):
                 tyre[name] = _second_order(tyre[name])
-            for name in ("nominal_length", "beta", "edge_stddev"):
+            for name in ("nominal_length", "beta", "jitter_stddev"):
                 tyre[name] = _numbers([tyre[name]])[0]
             wheels = {
                 name: WheelCalibration(_numbers(wheel["tooth_table"]), _second_order(wheel["steady_force"]))

@@ -90,7 +90,7 @@ def _show(known: Calibration, file: Path) -> None:
     table.add_column("value")
     table.add_row("wheels", ", ".join(known.wheels))
     table.add_row("beta [-]", f"{known.tyre.beta:.4f}")
-    table.add_row("scatter of a front [rad]", f"{known.tyre.edge_stddev:.5f}")
+    table.add_row("jitter of a front [rad]", f"{known.tyre.jitter_stddev:.5f}")
     for name, value in known.tyre.residuals.items():
         table.add_row(f"residual {name}", f"{value:.5f}")
     Console().print(table)

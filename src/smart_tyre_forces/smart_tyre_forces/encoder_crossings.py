@@ -72,7 +72,7 @@ class EncoderCrossings:
         armed = np.flatnonzero(np.abs(smooth) >= self._parameters.hysteresis)
         if len(armed) == 0:
             return []
-        values, places = smooth[armed], armed + float(first)
+        values, places = smooth[armed], np.asarray(armed + float(first), dtype=np.float64)
         if self._armed is not None:
             places = np.concatenate(((self._armed[0],), places))
             values = np.concatenate(((self._armed[1],), values))

@@ -37,14 +37,19 @@ def steady_force(tyre: TyreCalibration, wheel: WheelCalibration, speed: float, z
     return polynomial(wheel.steady_force, zero_speed) + removed
 
 
-def shift_stddev(tyre: TyreCalibration) -> float:
+def _front_stddev(tyre: TyreCalibration, patch: Patch) -> float:
+    """Deviation of a front [rad]: the jitter of the calibration and the noise on this passage."""
+    return float(np.hypot(tyre.jitter_stddev, patch.passage.front_stddev))
+
+
+def shift_stddev(tyre: TyreCalibration, patch: Patch) -> float:
     """Deviation of the corrected shift [rad]: half the sum of two fronts, and beta times their difference."""
-    return tyre.edge_stddev * float(np.sqrt(0.5 + 2.0 * tyre.beta**2))
+    return _front_stddev(tyre, patch) * float(np.sqrt(0.5 + 2.0 * tyre.beta**2))
 
 
-def length_stddev(tyre: TyreCalibration) -> float:
+def length_stddev(tyre: TyreCalibration, patch: Patch) -> float:
     """Deviation of the length [rad]: the difference of two fronts."""
-    return tyre.edge_stddev * float(np.sqrt(2.0))
+    return _front_stddev(tyre, patch) * float(np.sqrt(2.0))
 
 
 def forces(
@@ -75,6 +80,6 @@ def forces(
         reason=ForceReason.OK,
         fx=fx + (steady_force(tyre, wheel, patch.speed, zero_speed) if restore_steady else 0.0),
         fz=fz,
-        fx_stddev=tyre.shift_map.slope(fx) * shift_stddev(tyre),
-        fz_stddev=tyre.length_map.slope(fz) * length_stddev(tyre),
+        fx_stddev=tyre.shift_map.slope(fx) * shift_stddev(tyre, patch),
+        fz_stddev=tyre.length_map.slope(fz) * length_stddev(tyre, patch),
     )

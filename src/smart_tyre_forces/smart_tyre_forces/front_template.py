@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, signal
 
-from smart_tyre_forces.fronts import Fronts
+from smart_tyre_forces.fronts import NOISE_END, Fronts
 
 Array = NDArray[np.float64]
 
@@ -29,8 +29,6 @@ _FARTHEST = np.radians(6.0)
 """A front further from its crossing than this is not believed [rad]."""
 _ORDER = 60
 """Of the noise filter: 6 ms at 10 kHz, enough to see the quiet band below 150 Hz."""
-_FREE_END = -np.radians(75.0)
-"""The bulge is gone before this angle [rad]."""
 _FORGETTING = 0.1
 """Weight of the newest revolution in the noise."""
 _RIDGE = 1e-4
@@ -106,7 +104,7 @@ class TemplateFit:
 
     def refine(self, fronts: Fronts, theta: Array, acceleration: Array) -> Fronts | None:
         """Fit both fronts of a passage."""
-        whitener = self._whitener(acceleration[: int(np.searchsorted(theta, _FREE_END))])
+        whitener = self._whitener(acceleration[: int(np.searchsorted(theta, NOISE_END))])
         if whitener is None:
             return None
         return self._fit(fronts, theta, (acceleration - fronts.floor) / fronts.step, whitener)
@@ -144,8 +142,12 @@ class TemplateFit:
                 columns[2, part] = np.interp(phi, GRID, self._tables[side])
                 columns[3 + side, part] = -np.interp(phi, GRID, self._slopes[side])
             white = signal.lfilter(whitener, (1.0, 0.0), columns)[:, _ORDER:]
-            solution = np.linalg.solve(white[1:] @ white[1:].T, white[1:] @ white[0])
+            gram = white[1:] @ white[1:].T
+            solution = np.linalg.solve(gram, white[1:] @ white[0])
             alphas = alphas + solution[2:] / solution[1]
         if not np.all(np.abs(alphas - (fronts.alpha_1, fronts.alpha_2)) < _FARTHEST):
             return None
-        return replace(fronts, alpha_1=float(alphas[0]), alpha_2=float(alphas[1]))
+        left = float(np.mean((white[0] - solution @ white[1:]) ** 2))
+        variance = left * float(np.mean(np.diag(np.linalg.inv(gram))[2:])) / float(solution[1]) ** 2
+        stddev = float(np.sqrt(variance))
+        return replace(fronts, alpha_1=float(alphas[0]), alpha_2=float(alphas[1]), stddev=stddev)

@@ -21,6 +21,10 @@ FREE_BEGIN, FREE_END = -np.pi, float(-np.radians(50.0))
 """The free belt before the patch [rad from its expected centre]."""
 WINDOW_END = float(np.radians(50.0))
 """End of the window searched for fronts [rad]; it begins at FREE_END."""
+NOISE_END = -np.radians(75.0)
+"""The bulge is gone before this angle: what moves there is noise [rad]."""
+_SLOPE_REACH = np.radians(0.5)
+"""The slope of a front is taken between this far before and after it [rad]."""
 _CORE = np.radians(4.0)
 """Half width about the expected centre that lies in the patch [rad]."""
 _SMOOTHING = np.radians(3.0)
@@ -42,6 +46,8 @@ class Fronts:
     """P [m/s^2]."""
     step: float
     """c omega^2 [m/s^2]."""
+    stddev: float = np.nan
+    """Of either front, from the noise of the signal [rad]; NaN where not worked out."""
 
 
 def find_fronts(theta: Array, acceleration: Array, free_level: float, speed_ratio: float) -> Fronts | None:
@@ -77,6 +83,23 @@ def find_fronts(theta: Array, acceleration: Array, free_level: float, speed_rati
     if not max(abs(alpha_1 - entry), abs(alpha_2 - exit_)) < _SMOOTHING:
         return None
     return Fronts(alpha_1, alpha_2, floor, step)
+
+
+def noise_over_slope(theta: Array, acceleration: Array, fronts: Fronts) -> float:
+    """Deviation of a crossing [rad]: noise on the free belt over the mean slope of the two fronts; inf without slope.
+
+    Args:
+        theta: wheel angle [rad] about the expected centre, increasing, from half a revolution before it on, shape (n,).
+        acceleration: at those angles [m/s^2], shape (n,).
+        fronts: found in them.
+    """
+    free = slice(0, int(np.searchsorted(theta, NOISE_END)))
+    noise = float(np.std(acceleration[free] - GRAVITY * np.cos(theta[free])))
+    places = np.array([fronts.alpha_1, fronts.alpha_2, fronts.alpha_1, fronts.alpha_2])
+    places += np.array([-_SLOPE_REACH, _SLOPE_REACH, _SLOPE_REACH, -_SLOPE_REACH])
+    outer_1, outer_2, inner_1, inner_2 = np.interp(places, theta, acceleration)
+    slope = float(outer_1 + outer_2 - inner_1 - inner_2) / (4.0 * _SLOPE_REACH)
+    return noise / slope if slope > 0.0 else np.inf
 
 
 def _mean_between(theta: Array, values: Array, begin: float, end: float) -> float:

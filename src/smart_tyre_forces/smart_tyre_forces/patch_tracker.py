@@ -4,14 +4,14 @@ Blocks of any size give the same passages, bit for bit: a revolution is worked o
 and then from samples chosen by angle, never by block.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smart_tyre_forces.encoder_crossings import CrossingParameters, EncoderCrossings
 from smart_tyre_forces.front_template import FrontRefiner
-from smart_tyre_forces.fronts import FREE_BEGIN, FREE_END, WINDOW_END, find_fronts
+from smart_tyre_forces.fronts import FREE_BEGIN, FREE_END, WINDOW_END, find_fronts, noise_over_slope
 from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.wheel_angle import WheelAngle
@@ -66,6 +66,8 @@ class Passage:
     reason: PatchReason
     reference: int
     """Convention of zero angle: angles of different references cannot be compared."""
+    front_stddev: float = np.nan
+    """Deviation of either front by the noise of the signal [rad]; NaN when not OK."""
 
 
 class PatchTracker:
@@ -230,6 +232,8 @@ class PatchTracker:
         )
         if fronts is not None and not _LENGTHS[0] < fronts.alpha_2 - fronts.alpha_1 < _LENGTHS[1]:
             fronts = None
+        if fronts is not None:
+            fronts = replace(fronts, stddev=noise_over_slope(theta, acceleration, fronts))
         if fronts is not None and self._refiner is not None:
             fronts = self._refiner.refine(fronts, theta, acceleration)
         if fronts is None:
@@ -250,6 +254,7 @@ class PatchTracker:
             wheel_speed=speed,
             reason=PatchReason.OK,
             reference=wheel.reference,
+            front_stddev=fronts.stddev,
         )
 
     def _trim(self) -> None:

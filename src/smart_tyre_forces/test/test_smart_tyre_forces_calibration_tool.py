@@ -89,7 +89,8 @@ def test_bags_become_a_calibration_that_the_processor_can_use(bags: dict[str, Pa
     known = Calibration.load(out)
     assert set(known.wheels) == {"front_left", "rear_left"}
     assert known.tyre.beta == pytest.approx(RING.cross_talk, abs=0.04)
-    assert np.degrees(known.tyre.edge_stddev) == pytest.approx(0.13, abs=0.05)
+    # The edges jitter by 0.12; the load that changes between the two fronts adds some.
+    assert np.degrees(known.tyre.jitter_stddev) == pytest.approx(0.13, abs=0.04)
     assert known.template is not None and set(known.tyre.residuals) >= {"shift_trend_rad", "length_map_rad"}
 
     drive = dynamic_drive(road_seed=40)

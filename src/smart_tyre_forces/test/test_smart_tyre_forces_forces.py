@@ -26,7 +26,7 @@ TYRE = TyreCalibration(
     length_trend=(0.43, -1e-4, -2e-5),
     nominal_length=0.427,
     beta=0.08,
-    edge_stddev=2e-3,
+    jitter_stddev=2e-3,
     length_map=LENGTH_MAP,
     shift_map=SHIFT_MAP,
     trend_force=(0.0, -0.1, 0.065),
@@ -36,7 +36,9 @@ WHEEL = WheelCalibration(tuple(np.zeros(96)), (-44.0, 0.0, 0.0))
 
 def passage(k: int, speed: float, centre: float, length: float, reference: int = 0) -> Passage:
     """Half a revolution into the table, four revolutions a second."""
-    return Passage(k, 2500.0 * k, centre - 0.5 * length, centre + 0.5 * length, speed / 0.32, PatchReason.OK, reference)
+    return Passage(
+        k, 2500.0 * k, centre - 0.5 * length, centre + 0.5 * length, speed / 0.32, PatchReason.OK, reference, 1e-3
+    )
 
 
 def corrected(passages: list[Passage], tyre: TyreCalibration | None = TYRE) -> tuple[PatchCorrection, list[Patch]]:
@@ -187,14 +189,15 @@ def test_forces_follow_the_maps_and_the_steady_part_is_added_on_request() -> Non
 
 def test_deviations_are_those_of_two_independent_fronts() -> None:
     rng = np.random.default_rng(0)
-    fronts = TYRE.edge_stddev * rng.standard_normal((2, 200_000))
+    patch = good_patch(float(LENGTH_MAP.angle(4000.0)), float(SHIFT_MAP.angle(-1500.0)))
+    jitter, noise = TYRE.jitter_stddev, patch.passage.front_stddev
+    fronts = jitter * rng.standard_normal((2, 200_000)) + noise * rng.standard_normal((2, 200_000))
     length = fronts[1] - fronts[0]
     shift = 0.5 * (fronts[0] + fronts[1]) + TYRE.beta * length
-    assert length_stddev(TYRE) == pytest.approx(np.std(length), rel=0.01)
-    assert shift_stddev(TYRE) == pytest.approx(np.std(shift), rel=0.01)
-    patch = good_patch(float(LENGTH_MAP.angle(4000.0)), float(SHIFT_MAP.angle(-1500.0)))
+    assert length_stddev(TYRE, patch) == pytest.approx(np.std(length), rel=0.01)
+    assert shift_stddev(TYRE, patch) == pytest.approx(np.std(shift), rel=0.01)
     found = forces(patch, TYRE, WHEEL, 8.0, restore_steady=True)
-    assert found.fx_stddev == pytest.approx(shift_stddev(TYRE) * SHIFT_MAP.slope(-1500.0), rel=1e-3)
+    assert found.fx_stddev == pytest.approx(shift_stddev(TYRE, patch) * SHIFT_MAP.slope(-1500.0), rel=1e-3)
 
 
 def test_forces_refuse_what_they_cannot_know() -> None:
@@ -214,7 +217,7 @@ def ideal_passages(drive: Drive, rear: bool) -> list[Passage]:
         shift = float(RING.patch_shift(fx[i], fz[i], 2e5, drive.speed[i]))
         wheel_speed = drive.speed[i] / 0.32
         time = 1e4 * (drive.time[i] + half / wheel_speed)
-        found.append(Passage(k, time, 3.0 + shift - half, 3.0 + shift + half, wheel_speed, PatchReason.OK, 0))
+        found.append(Passage(k, time, 3.0 + shift - half, 3.0 + shift + half, wheel_speed, PatchReason.OK, 0, 0.0))
     return found
 
 

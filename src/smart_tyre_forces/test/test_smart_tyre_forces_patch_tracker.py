@@ -96,6 +96,19 @@ def test_template_is_better_than_the_crossing(simulate: Any, table: ToothTable) 
     assert max(template) < 0.8 * min(crossing)
 
 
+@pytest.mark.parametrize(("speed", "matched"), [(8.0, False), (20.0, False), (8.0, True), (20.0, True)])
+def test_stated_deviation_of_the_fronts_is_their_scatter(
+    simulate: Any, table: ToothTable, speed: float, matched: bool
+) -> None:
+    learner = TemplateLearner()
+    run(simulate(14.0, seconds=6.0, seed=5), table, refiner=learner)
+    refiner = TemplateFit(learner.template) if matched else None
+    found = run(simulate(speed, seconds=12.0, seed=6), table, refiner=refiner)
+    stated = np.sqrt(np.mean([p.front_stddev**2 for p in found if p.reason is PatchReason.OK]))
+    scatter = np.sqrt(np.mean([np.var(a) for a in fronts(found)]))
+    assert 0.6 * scatter < stated < 1.5 * scatter
+
+
 def test_a_missed_tooth_leaves_no_permanent_error(simulate: Any, table: ToothTable) -> None:
     block = simulate(12.0, seconds=8.0)
     damaged = replace(block, encoder_voltage=block.encoder_voltage.copy())

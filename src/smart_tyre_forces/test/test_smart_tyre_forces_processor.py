@@ -48,7 +48,7 @@ def calibration_file(table: ToothTable, tmp_path: Path) -> str:
         length_trend=(0.43, -1e-4, -2e-5),
         nominal_length=0.427,
         beta=0.08,
-        edge_stddev=2e-3,
+        jitter_stddev=2e-3,
         length_map=ForceMap((0.1, 9.6e-5, -2.1e-9), 2500.0, 4800.0),
         shift_map=ForceMap((0.0, 1.3e-5), -4000.0, 2200.0),
         trend_force=(0.0, -0.1, 0.065),
