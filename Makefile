@@ -5,7 +5,7 @@ OUT ?= out
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test lint demo clean
+.PHONY: help setup build test lint demo clean bags
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
@@ -26,6 +26,9 @@ test: build lint ## everything that must hold: lint, format, types, tests
 
 demo: build ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow, or BAG=path to replay
 	@$(run) python -m friction_bringup demo $(if $(BAG),--bag $(BAG),--surface $(SURFACE)) --out $(OUT)/demo
+
+bags: build ## make the recorded experiments of bags/ anew, from fixed seeds
+	@$(run) python -m friction_bags library
 
 clean: ## remove what the targets above made
 	rm -rf .venv build install log out .mypy_cache .ruff_cache .pytest_cache .hypothesis
