@@ -10,15 +10,17 @@ from pathlib import Path
 from ament_index_python.packages import get_package_share_directory
 
 PLANT = "corner_sim"
-ESTIMATORS = ("wheel_slip", "friction_slope", "abs_supervisor")
+ESTIMATORS = ("wheel_slip", "friction_slope", "friction_curve_id", "abs_supervisor")
 """In the order in which data flows. Package, module, node and parameter file of a node have one name."""
 NODES = (PLANT, *ESTIMATORS)
-ESTIMATES = ("slip", "friction_slope", "abs_supervisor")
+ESTIMATES = ("slip", "friction_slope", "friction_curve", "abs_supervisor")
 """What the estimators publish below each wheel."""
 COMMAND = "brake_command"
 """What the supervisor publishes below each wheel unless it is in shadow mode."""
 INPUTS = ("wheel_states", "imu/data", "vehicle_velocity", "brake_demand", "*/brake_pressure", "truth/*")
 """What is replayed from a bag; the estimates in it are made anew."""
+VEHICLE = "vehicle"
+"""Stands for the wheel where an estimate is of the whole vehicle."""
 SURFACES = ("dry", "wet", "cobblestone", "snow")
 QUIET_LOG = ("--ros-args", "--disable-external-lib-logs")
 """Arguments for processes whose output goes to a file already."""

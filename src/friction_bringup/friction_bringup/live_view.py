@@ -17,6 +17,7 @@ from rich.table import Table
 from rich.text import Text
 from sensor_msgs.msg import FluidPressure, JointState
 
+from friction_bringup.graph import VEHICLE
 from friction_runtime import qos
 from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
 
@@ -126,6 +127,10 @@ class LiveView(Node):
         slips = (view.messages.get("slip") for view in self.wheels.values())
         return next((slip.vehicle_speed for slip in slips if slip is not None), nan)
 
+    @property
+    def _real_wheels(self) -> dict[str, WheelView]:
+        return {wheel: view for wheel, view in self.wheels.items() if wheel != VEHICLE}
+
     def _on_wheel_states(self, message: JointState) -> None:
         stamp = to_nanoseconds(message.header.stamp)
         if self.samples == 0 or stamp < self._last_stamp:
@@ -157,7 +162,7 @@ class LiveView(Node):
         table = Table(title=heading, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
         for name, width, justify in _TABLE_COLUMNS:
             table.add_column(escape(name), min_width=width, justify=justify, no_wrap=True)
-        for wheel, view in self.wheels.items():
+        for wheel, view in self._real_wheels.items():
             sign = view.sign
             table.add_row(
                 wheel,
@@ -175,15 +180,15 @@ class LiveView(Node):
 
     def header(self) -> str:
         """Name the columns of the lines."""
-        return f"  t [s]  v [m/s]  {'  '.join(f'{wheel:{_LINE_CELL}}' for wheel in self.wheels)}"
+        return f"  t [s]  v [m/s]  {'  '.join(f'{wheel:{_LINE_CELL}}' for wheel in self._real_wheels)}"
 
     def line(self) -> str:
         """Show the wheels as one line: slip, slope's sign, and for a single wheel what the supervisor does."""
         cells = []
-        for view in self.wheels.values():
+        for view in self._real_wheels.values():
             slip = view.number("slip", "slip", ".3f")
             cells.append(f"slip {slip:>6} slope {view.sign.plain}".ljust(_LINE_CELL))
-        if len(self.wheels) == 1:
+        if len(cells) == 1:
             pressure = view.number("brake_pressure", "fluid_pressure", ".1f", 1e-5)
             cells.append(f"{view.state.plain:11}  {view.command:8}  {pressure:>6} bar")
         return f"{self.time:7.2f}  {number(self.speed, '7.2f'):>7}  {'  '.join(cells)}"

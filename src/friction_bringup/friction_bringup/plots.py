@@ -11,11 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from friction_bringup.graph import VEHICLE
 from friction_bringup.recorded_run import Array, RecordedRun, Series
 
-ESTIMATE, TRUTH, PEAK, DEMAND = "tab:blue", "black", "tab:red", "tab:orange"
+ESTIMATE, TRUTH, PEAK, DEMAND, IDENTIFIED = "tab:blue", "black", "tab:red", "tab:orange", "tab:purple"
 STABLE_BAND, UNSTABLE_BAND, UNKNOWN_BAND = "#8fd19e", "#f28b82", "#d9d9d9"
-WHEEL_COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:pink")
+WHEEL_COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:brown", "tab:pink", "tab:olive")
 _MARGIN = 0.3
 """Time [s] shown before and behind a braking."""
 _SLIP_SHOWN_FROM = 5.0
@@ -82,6 +83,7 @@ def all_wheels_figure(run: RecordedRun, title: str, span: tuple[float, float] | 
     for wheel, colour in zip(run.wheels, WHEEL_COLOURS, strict=False):
         if (slip := run.get(f"{wheel}/slip")) is not None:
             axes[1].plot(slip.time, slip["slip"], color=colour, lw=1.0, label=wheel)
+    _draw_identified_peak(axes[1], run, VEHICLE)
     axes[1].set_ylabel("slip λ [-]")
     labels = []
     for row, wheel in enumerate(run.wheels):
@@ -118,6 +120,16 @@ def _draw_speeds(axes: Axes, run: RecordedRun, wheels: tuple[str, ...] | list[st
     axes.set_ylabel("speed [m/s]")
 
 
+def _draw_identified_peak(axes: Axes, run: RecordedRun, name: str) -> None:
+    """Draw lambda_max of the identified curve, where valid, with a band of two standard deviations."""
+    if (curve := run.get(f"{name}/friction_curve")) is None or not np.any(curve["valid"] > 0.0):
+        return
+    peak = np.where(curve["valid"] > 0.0, curve["lambda_max"], np.nan)
+    reach = 2.0 * curve["lambda_max_stddev"]
+    axes.plot(curve.time, peak, color=IDENTIFIED, lw=1.2, label="λ_max, identified (± 2 σ)")
+    axes.fill_between(curve.time, peak - reach, peak + reach, color=IDENTIFIED, alpha=0.3, lw=0.0)
+
+
 def _draw_slip(axes: Axes, run: RecordedRun, wheel: str) -> None:
     if (true_slope := run.get(f"truth/{wheel}/friction_slope")) is not None:
         axes.fill_between(
@@ -141,6 +153,7 @@ def _draw_slip(axes: Axes, run: RecordedRun, wheel: str) -> None:
     if (curve := run.get(f"truth/{wheel}/friction_curve")) is not None:
         axes.plot(curve.time, curve["lambda_max"], color=PEAK, lw=1.2, ls="--", label="λ_max of the road, true")
         top = max(top, 2.0 * float(np.nanmax(curve["lambda_max"])))
+    _draw_identified_peak(axes, run, wheel)
     events = run.crossings(f"{wheel}/friction_slope")
     for sign, marker, label in ((-1, "v", "crossing detected: peak passed"), (1, "^", "crossing detected: regained")):
         chosen = [event for event in events if event.sign == sign]

@@ -8,6 +8,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from friction_bringup.braking_metrics import Braking, CrossingEvent, JudgedCrossing, judge_crossings, measure_braking
+from friction_bringup.graph import VEHICLE
 from friction_bringup.recorded_run import RecordedRun
 
 _SHOWN_CROSSINGS = 16
@@ -22,6 +23,7 @@ def print_summary(console: Console, run: RecordedRun) -> None:
             found = run.crossings(f"{wheel}/friction_slope")
             judged = judge_crossings(found, truth, curve.time, curve["lambda_max"])
             console.print(crossing_table(wheel, judged, truth))
+    console.print(curve_table(run))
     braking = braking_of(run)
     if isinstance(braking, Braking):
         console.print(braking_table(braking))
@@ -77,6 +79,29 @@ def _told(crossings: list[JudgedCrossing], truth: list[CrossingEvent], sign: int
     delay = f"median delay {1e3 * np.median(near):.0f} ms" if near.size else "no delay"
     total = sum(event.sign == sign for event in truth)
     return f"{word}: {near.size} of {total} true ones found ({delay}), {found.size - near.size} without a true one"
+
+
+def curve_table(run: RecordedRun) -> Table:
+    """Show the last valid friction curve of each wheel, or of the vehicle, beside the truth then."""
+    table = Table(title="Friction curve, the last valid estimate", title_justify="left")
+    table.add_column("of")
+    for heading in ("first valid at [s]", "λ_max ± σ", "true", "µ_max ± σ", "true"):
+        table.add_column(escape(heading), justify="right")
+    for name in (*run.wheels, VEHICLE):
+        if (curve := run.get(f"{name}/friction_curve")) is None:
+            continue
+        valid = np.flatnonzero(curve["valid"] > 0.0)
+        if not valid.size:
+            table.add_row(name, "never", "–", "", "–", "")
+            continue
+        truth, last = run.get(f"truth/{name}/friction_curve"), valid[-1]
+        cells = [name, f"{curve.time[valid[0]]:.2f}"]
+        for quantity in ("lambda_max", "mu_max"):
+            cells.append(f"{curve[quantity][last]:.3f} ± {curve[f'{quantity}_stddev'][last]:.3f}")
+            true = None if truth is None else np.interp(curve.time[last], truth.time, truth[quantity])
+            cells.append("–" if true is None else f"{true:.3f}")
+        table.add_row(*cells)
+    return table
 
 
 def braking_table(braking: Braking) -> Table:
