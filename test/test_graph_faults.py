@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import subprocess
 import time
 from collections.abc import Iterator, Mapping
@@ -28,13 +29,14 @@ OUTPUTS: Mapping[str, type] = {
     f"{WHEEL}/abs_supervisor": SupervisorState,
     f"{WHEEL}/brake_command": BrakeCommand,
 }
+DOMAIN = 10 + os.getpid() % 10
 START = 1_000_000_000
 PERIOD = 5_000_000
 
 
 @pytest.fixture
 def client() -> Iterator[DdsClient]:
-    with dds_client(14) as made:
+    with dds_client(DOMAIN) as made:
         yield made
 
 
