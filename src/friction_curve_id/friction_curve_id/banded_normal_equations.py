@@ -8,9 +8,9 @@ deviations:
     vehicle speed, where measured       (v_k - measured) / sigma_v
     prior of q, past evidence           quadratic
 
-A torque error e_k enters two neighbouring wheel equations by halves; to the shifted unknown omega_k - (h / 2J) e_k it is
-white, and the shift (0.008 rad/s) is far below the noise of omega. The matrix is tridiagonal in the omegas with a border
-of four columns: LAPACK's pttrf eliminates the omegas, a 4 x 4 system remains.
+A torque error e_k enters two neighbouring wheel equations by halves; to the shifted unknown omega_k - (h / 2J) e_k it
+is white, and the shift (0.008 rad/s) is far below the noise of omega. The matrix is tridiagonal in the omegas with a
+border of four columns: LAPACK's pttrf eliminates the omegas, a 4 x 4 system remains.
 """
 
 from dataclasses import dataclass
@@ -109,8 +109,8 @@ def assemble(
     """
     n = window.count if oldest is None else oldest + 1
     omega = window.wheel_speed[:n]
-    speed = np.maximum(momentum_speed - wheel.inertia / (wheel.mass * wheel.radius) * omega - window.impulse[:n], 0.1)
-    speed_per_omega = -wheel.inertia / (wheel.mass * wheel.radius)
+    speed = window.speeds(momentum_speed)[:n]
+    speed_per_omega = -window.speed_per_wheel_speed
     slip = 1.0 - wheel.radius * omega / speed
     slip_per_u = wheel.radius * omega / (speed * speed)
     slip_per_omega = slip_per_u * speed_per_omega - wheel.radius / speed

@@ -6,6 +6,8 @@ an unknown, the `momentum_speed` u [m/s], the speed at sample k is
     v_k = u - (J / (m r)) omega_k - I_k,   I_k = (1 / (m r)) integral of T_b dt up to sample k.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,13 +18,32 @@ Array = NDArray[np.float64]
 SET_ASIDE = 1e-6
 """Weight of what is set aside: nothing, but it keeps the matrix regular."""
 
+_SLOWEST = 0.1
+"""Floor of the speed where slip is taken [m/s], far below what the gate admits."""
+
+
+@dataclass(frozen=True)
+class NewestSlip:
+    """The newest slip and how it depends on the unknowns."""
+
+    speed: float
+    """Vehicle speed [m/s]."""
+    slip: float
+    per_u: float
+    """D slip / d u [s/m]."""
+    per_omega: float
+    """D slip / d omega [s]."""
+
 
 class BrakingWindow:
     """Arrays over the samples in the window, oldest first; `count` of them are in use."""
 
     def __init__(self, wheel: WheelParameters, capacity: int) -> None:
         """Make an empty window of at most `capacity` samples."""
+        self._radius = wheel.radius
         self._per_impulse = 1.0 / (wheel.mass * wheel.radius)
+        self.speed_per_wheel_speed = wheel.inertia / (wheel.mass * wheel.radius)
+        """J / (m r) [m/rad]."""
         self.count = 0
         self.capacity = capacity
         self.time = np.zeros(capacity)
@@ -54,6 +75,25 @@ class BrakingWindow:
             self.wheel_speed_trust,
             self.equation_trust,
         )
+
+    def speeds(self, momentum_speed: float) -> Array:
+        """Vehicle speed at the samples [m/s], shape (count,), at least _SLOWEST."""
+        n = self.count
+        speed = momentum_speed - self.speed_per_wheel_speed * self.wheel_speed[:n] - self.impulse[:n]
+        return np.maximum(speed, _SLOWEST)
+
+    def slips(self, momentum_speed: float) -> Array:
+        """Slip at the samples [-], shape (count,)."""
+        return np.asarray(1.0 - self._radius * self.wheel_speed[: self.count] / self.speeds(momentum_speed))
+
+    def newest_slip(self, momentum_speed: float) -> NewestSlip:
+        """Slip at the newest sample."""
+        last = self.count - 1
+        omega = float(self.wheel_speed[last])
+        speed = max(momentum_speed - self.speed_per_wheel_speed * omega - float(self.impulse[last]), _SLOWEST)
+        per_u = self._radius * omega / speed**2
+        slip = 1.0 - self._radius * omega / speed
+        return NewestSlip(speed, slip, per_u, -per_u * self.speed_per_wheel_speed - self._radius / speed)
 
     def impulse_after(self, time: float, torque: float) -> float:
         """I [m/s] at a sample that would come next, at `time` [s] under `torque` [N m]."""

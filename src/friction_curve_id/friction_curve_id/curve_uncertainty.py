@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id import log_curve
+from friction_curve_id.braking_window import NewestSlip
 from friction_curve_id.interface import CurveEstimate, Reason, RestartCause
 
 Array = NDArray[np.float64]
@@ -51,21 +52,10 @@ class ValidityLimits:
         return Reason.OK, ""
 
 
-@dataclass(frozen=True)
-class PresentSlip:
-    """The newest slip and how it depends on the unknowns."""
-
-    slip: float
-    per_u: float
-    """D slip / d u [s/m]."""
-    per_omega: float
-    """D slip / d omega [s]."""
-
-
 def describe(
     q: Array,
     covariance: Array,
-    present: PresentSlip,
+    present: NewestSlip,
     samples: int,
     slip_span: tuple[float, float],
     limits: ValidityLimits,
@@ -77,8 +67,8 @@ def describe(
     of_q = covariance[:3, :3]
     jacobian = log_curve.theta_jacobian(q)
     peak = log_curve.peak(q)
-    lambda_stddev = peak.lambda_max * sqrt(max(peak.lambda_gradient @ of_q @ peak.lambda_gradient, 0.0))
-    mu_stddev = sqrt(max(peak.mu_gradient @ of_q @ peak.mu_gradient, 0.0))
+    lambda_stddev = peak.lambda_max * sqrt(max(float(peak.lambda_gradient @ of_q @ peak.lambda_gradient), 0.0))
+    mu_stddev = sqrt(max(float(peak.mu_gradient @ of_q @ peak.mu_gradient), 0.0))
     reason, text = limits.judge(samples, slip_span, peak.lambda_max, lambda_stddev)
 
     slip = abs(present.slip)

@@ -1,8 +1,8 @@
 """The default estimator: full-information maximum a posteriori fit of the curve, one update a sample.
 
-What it fits is in `banded_normal_equations`, what it knows beforehand in `curve_prior`. Samples wait in the window until
-the brake or the wheel moves (`excitation`); then one warm-started Gauss-Newton step a sample follows, a second or third
-where the curve still moves much. A full window folds its oldest samples into `past_evidence`, which fades.
+What it fits is in `banded_normal_equations`, what it knows beforehand in `curve_prior`. Samples wait in the window
+until the brake or the wheel moves (`excitation`); then one warm-started Gauss-Newton step a sample follows, a second or
+third where the curve still moves much. A full window folds its oldest samples into `past_evidence`, which fades.
 """
 
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ from friction_curve_id.banded_normal_equations import (
 )
 from friction_curve_id.braking_window import SET_ASIDE, BrakingWindow
 from friction_curve_id.curve_prior import CurvePrior
-from friction_curve_id.curve_uncertainty import PresentSlip, ValidityLimits, describe
+from friction_curve_id.curve_uncertainty import ValidityLimits, describe
 from friction_curve_id.excitation import is_excited
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample, WheelParameters
 from friction_curve_id.past_evidence import MOMENTUM, WHEEL_SPEED, momentum_evidence, no_evidence
@@ -159,7 +159,7 @@ class DefaultEstimator:
     def _wait(self, sample: Sample, torque: float) -> CurveEstimate | Refusal:
         window, wheel = self._window, self._p.wheel
         if sample.vehicle_speed is None and sample.wheel_speed * wheel.radius < self._p.gate.min_speed:
-            return Refusal(Reason.LOW_SPEED, f"wheel speed {sample.wheel_speed:.3g} rad/s is low, speed is not measured")
+            return Refusal(Reason.LOW_SPEED, f"wheel speed {sample.wheel_speed:.3g} rad/s is low, no speed is measured")
         window.append(sample.time, sample.wheel_speed, sample.vehicle_speed, torque, sample.wheel_speed)
         if window.count > _LEAD_IN:
             window.drop_oldest(1)
@@ -196,7 +196,7 @@ class DefaultEstimator:
         stiffness = np.exp(self._q[0] + self._q[1])
         slip = min(max(window.torque[0] / (wheel.radius * wheel.vertical_load * stiffness), 0.0), 0.2)
         omega = window.measured_wheel_speed[:n]
-        lever = wheel.inertia / (wheel.mass * wheel.radius)
+        lever = window.speed_per_wheel_speed
         guess = omega[0] * (wheel.radius / (1.0 - slip) + lever) + window.impulse[0]
         measured = window.has_speed[:n] > 0.0
         if slip > 0.01 and measured.any():
@@ -231,7 +231,7 @@ class DefaultEstimator:
             self._iterate(at_most=3)
         if self._is_quiet():
             self._summarise()
-            return Refusal(Reason.NO_EXCITATION, "torque and slip have been constant: a further sample says nothing new")
+            return Refusal(Reason.NO_EXCITATION, "torque and slip have been constant: more of them say nothing new")
         return self._publish()
 
     def _set_aside(self, equation_trust: float, innovation: float) -> None:
@@ -278,14 +278,7 @@ class DefaultEstimator:
         n = self._window.count
         if n < _QUIET or float(np.ptp(self._window.torque[n - _QUIET : n])) > 8.0 * self._p.noise.torque:
             return False
-        return float(np.ptp(self._slips(n - _QUIET))) < _QUIET_SLIP_SPAN
-
-    def _slips(self, first: int) -> Array:
-        window, wheel = self._window, self._p.wheel
-        omega = window.wheel_speed[first : window.count]
-        impulse = window.impulse[first : window.count]
-        speed = self._momentum_speed - wheel.inertia / (wheel.mass * wheel.radius) * omega - impulse
-        return 1.0 - wheel.radius * omega / np.maximum(speed, 0.1)
+        return float(np.ptp(self._window.slips(self._momentum_speed)[n - _QUIET :])) < _QUIET_SLIP_SPAN
 
     def _equations(self, oldest: int | None = None) -> NormalEquations:
         p = self._p
@@ -341,21 +334,14 @@ class DefaultEstimator:
         peak = float(self._q[1] - self._q[2]) / float(np.exp(self._q[1]))
         if self._smallest_slip <= peak:
             return self._covariance
-        covariance = self._covariance.copy()
-        covariance[1, 1] += self._p.prior.theta_2_log_stddev**2
-        return covariance
+        blind = np.zeros((5, 5))
+        blind[1, 1] = self._p.prior.theta_2_log_stddev**2
+        return np.asarray(self._covariance + blind)
 
     def _publish(self) -> CurveEstimate:
-        window, wheel = self._window, self._p.wheel
-        last = window.count - 1
-        omega = float(window.wheel_speed[last])
-        lever = wheel.inertia / (wheel.mass * wheel.radius)
-        speed = max(self._momentum_speed - lever * omega - float(window.impulse[last]), 0.1)
-        slip_per_u = wheel.radius * omega / speed**2
-        slip = 1.0 - wheel.radius * omega / speed
-        self._smallest_slip = min(self._smallest_slip, slip)
-        self._largest_slip = max(self._largest_slip, slip)
-        present = PresentSlip(slip, slip_per_u, -slip_per_u * lever - wheel.radius / speed)
+        newest = self._window.newest_slip(self._momentum_speed)
+        self._smallest_slip = min(self._smallest_slip, newest.slip)
+        self._largest_slip = max(self._largest_slip, newest.slip)
         cause, self._cause = self._cause, RestartCause.NONE
         span = (self._smallest_slip, self._largest_slip)
-        return describe(self._q, self._blind_covariance(), present, self._samples, span, self._p.limits, cause)
+        return describe(self._q, self._blind_covariance(), newest, self._samples, span, self._p.limits, cause)

@@ -1,4 +1,4 @@
-"""Whether the latest samples say anything about the curve: the torque changes, or the wheel does not just decelerate."""
+"""Whether the latest samples say anything about the curve: torque changes, or a wheel that not just decelerates."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -3,8 +3,8 @@
     estimator = SomeEstimator(parameters)
     answer = estimator.update(Sample(time, wheel_speed, vehicle_speed, brake_torque))
 
-An estimator takes one sample at a time, in order of time, and answers each with a `CurveEstimate` or with a `Refusal` that
-says why there is none. A refused sample leaves the state as it was. Nothing here knows ROS.
+An estimator takes one sample at a time, in order of time, and answers each with a `CurveEstimate` or with a `Refusal`
+that says why there is none. A refused sample leaves the state as it was. Nothing here knows ROS.
 """
 
 from dataclasses import dataclass, field

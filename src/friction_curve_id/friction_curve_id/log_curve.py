@@ -20,7 +20,7 @@ def to_theta(q: Array) -> Array:
 
 def from_theta(theta: Array) -> Array:
     """Inverse of `to_theta`; theta > 0."""
-    return np.log(np.array([theta[0], theta[1], theta[2] / theta[0]]))
+    return np.asarray(np.log([theta[0], theta[1], theta[2] / theta[0]]))
 
 
 def theta_jacobian(q: Array) -> Array:

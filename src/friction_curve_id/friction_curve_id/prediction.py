@@ -45,27 +45,24 @@ def predict(
     omega = float(window.wheel_speed[last])
     interval = time - float(window.time[last])
     impulse = window.impulse_after(time, torque)
-    lever = wheel.inertia / (wheel.mass * wheel.radius)
-    speed = max(momentum_speed - lever * omega - float(window.impulse[last]), 0.1)
-    slip = 1.0 - wheel.radius * omega / speed
+    newest = window.newest_slip(momentum_speed)
+    slip = newest.slip
     th1, th2 = exp(q[0]), exp(q[1])
     th3 = th1 * exp(q[2])
     decay = exp(-th2 * abs(slip))
     mu = copysign(th1 * (1.0 - decay), slip) - th3 * slip
     slope = th1 * th2 * decay - th3
-    slip_per_u = wheel.radius * omega / speed**2
-    slip_per_omega = -wheel.radius / speed - slip_per_u * lever
 
     gain = interval * wheel.radius * wheel.vertical_load / wheel.inertia
-    impulse_effect = -slope * slip_per_u * (impulse - float(window.impulse[last]))
+    impulse_effect = -slope * newest.per_u * (impulse - float(window.impulse[last]))
     mean_torque = 0.5 * (float(window.torque[last]) + torque)
     change = gain * (mu + 0.5 * impulse_effect) - interval / wheel.inertia * mean_torque
-    implicit = 1.0 / max(1.0 - 0.5 * gain * slope * slip_per_omega, 0.1)
+    implicit = 1.0 / max(1.0 - 0.5 * gain * slope * newest.per_omega, 0.1)
     predicted = omega + implicit * change
 
-    mu_row = np.array([mu, th1 * th2 * slip * decay, -th3 * slip, slope * slip_per_u, slope * slip_per_omega])
+    mu_row = np.array([mu, th1 * th2 * slip * decay, -th3 * slip, slope * newest.per_u, slope * newest.per_omega])
     row = implicit * gain * mu_row
     row[4] += 1.0
     process = noise.torque * interval / wheel.inertia
     variance = float(row @ covariance @ row) + process**2 / equation_trust + noise.wheel_speed**2
-    return Prediction(predicted, sqrt(variance), momentum_speed - lever * predicted - impulse)
+    return Prediction(predicted, sqrt(variance), momentum_speed - window.speed_per_wheel_speed * predicted - impulse)

@@ -1,8 +1,9 @@
 """Cramer-Rao bound of lambda_max from the raw measurements of one braking, by the sensitivities of the dynamics.
 
-Unknown are theta, the initial wheel and vehicle speed, and the brake torque at every sample (linear between them), which
-is measured with noise like the two speeds: a nuisance, eliminated here. The sensitivities of (2.15) to all of these are
-integrated together with the motion (Runge-Kutta 4, five sub-steps a sample; the wheel pole of the protocol is below 400/s).
+Unknown are theta, the initial wheel and vehicle speed, and the brake torque at every sample (linear between them),
+which is measured with noise like the two speeds: a nuisance, eliminated here. The sensitivities of (2.15) to all of
+these are integrated together with the motion (Runge-Kutta 4, five sub-steps a sample; the wheel pole of the protocol
+is below 400/s).
 """
 
 from dataclasses import dataclass

@@ -94,5 +94,5 @@ def _drive(manoeuvre: str, level: Array, theta: Array, corner: CornerParameters)
         states.append((plant.wheel_speed, plant.speed, plant.slip))
         if k < SAMPLES - 1:
             plant.step(torque[:, k], torque[:, k + 1], theta, INTERVAL)
-    wheel_speed, speed, slip = np.moveaxis(np.array(states), 0, -1)
+    wheel_speed, speed, slip = np.moveaxis(np.array(states, dtype=np.float64), 0, -1)
     return Truth(theta, time, wheel_speed, speed, torque, slip)

@@ -1,5 +1,7 @@
 """The bound of the protocol, its derivatives against finite differences, and the manoeuvres it is made for."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -43,7 +45,7 @@ def test_bound_is_that_of_the_protocol(found: cramer_rao.Sensitivities) -> None:
 
 def test_more_samples_and_a_prior_only_lower_the_bound(found: cramer_rao.Sensitivities) -> None:
     bounds = [cramer_rao.relative_bound(ROADS, cramer_rao.information(found, n)) for n in (40, 55, 70, 85, 100)]
-    assert all(np.all(later < earlier) for earlier, later in zip(bounds[:-1], bounds[1:], strict=True))
+    assert all(np.all(later < earlier) for earlier, later in pairwise(bounds))
     with_prior = cramer_rao.relative_bound(ROADS, cramer_rao.information(found, 70), np.diag([1.0, 1.0, 25.0]))
     assert np.all(with_prior < bounds[2])
 
