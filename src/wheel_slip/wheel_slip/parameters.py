@@ -41,7 +41,7 @@ class WheelSlipParameters:
         0.4, "offset (bias and road slope) to expect before it is learned", unit="m/s^2", minimum=1e-3, maximum=10.0
     )
     offset_walk: float = parameter(
-        0.003,
+        0.002,
         "change of offset in the square root of a second while observed",
         unit="m/s^2",
         minimum=1e-4,
@@ -88,6 +88,7 @@ class WheelSlipParameters:
     max_slip_stddev: float = parameter(
         0.07, "no slip where its standard deviation is larger", minimum=1e-3, maximum=1.0
     )
+    learn_radii: bool = parameter(False, "calibrate the radii while the car coasts, and use them")
     max_gap: float = parameter(
         0.1, "longer gaps in wheel_states or imu/data are not bridged", unit="s", minimum=0.001, maximum=1.0
     )
@@ -134,4 +135,5 @@ class WheelSlipParameters:
             minimum_speed=self.minimum_speed,
             max_gap=self.max_gap,
             max_slip_stddev=self.max_slip_stddev,
+            learn_radii=self.learn_radii,
         )

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from math import isfinite, nan, sqrt
 
+from builtin_interfaces.msg import Time
 from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import Imu, JointState
-from std_msgs.msg import Header
 
 from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
 from friction_runtime.processor import Health, Level, Output, Report, silent
@@ -15,7 +15,7 @@ from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.speed_queue import SpeedQueue
-from wheel_slip.vehicle_speed import SpeedSample
+from wheel_slip.speed_sample import SpeedSample
 
 WHEEL_STATES = "wheel_states"
 IMU = "imu/data"
@@ -55,6 +55,7 @@ class CarProcessor:
         self._last: dict[str, WheelEstimate] = {}
         self._missing = ""
         self._silent = ""
+        self._stamp = 0
 
     def process(self, topic: str, message: JointState | Imu | TwistWithCovarianceStamped) -> Sequence[Output]:
         """Take one message, return what follows from it."""
@@ -80,11 +81,17 @@ class CarProcessor:
         """State for diagnostics."""
         car = self._estimator.vehicle
         speed = car.filter
+        slide = car.slide
         values = {
             "speed source": car.source.name.lower(),
+            "mode": "sliding" if slide.sliding else "rolling",
+            "time in mode [s]": f"{self._time_in_mode():.1f}",
+            "wheel disagreement [m/s]": f"{slide.spread:.3f}",
+            "radii [m]": ", ".join(f"{radius:.4f}" for radius in self._estimator.radii),
             "vehicle speed [m/s]": f"{speed.speed:.3f}",
             "vehicle speed standard deviation [m/s]": f"{sqrt(speed.speed_variance):.3f}",
             "accelerometer offset [m/s^2]": f"{speed.offset:.3f}",
+            "accelerometer offset standard deviation [m/s^2]": f"{sqrt(speed.offset_variance):.3f}",
             "late samples of vehicle_velocity": str(self._speeds.late),
         }
         bad: list[str] = []
@@ -96,8 +103,14 @@ class CarProcessor:
             return Health("car", Level.ERROR, self._silent or f"{WHEEL_STATES}: no sample yet", values)
         if car.source is SpeedSource.NONE:
             return Health("car", Level.ERROR, "no vehicle speed", values)
+        if car.accelerometer_is_stuck:
+            bad.append(f"{IMU}: repeats one value that the wheels contradict; left out")
         said = "; ".join([*bad, *([self._missing] if self._missing else [])])
         return Health("car", Level.WARN if said else Level.OK, said or "ok", values)
+
+    def _time_in_mode(self) -> float:
+        since = self._estimator.vehicle.slide.since
+        return (self._stamp - since) / NANOSECONDS if since is not None else 0.0
 
     def _wheel_speeds(self, message: JointState) -> tuple[float, ...]:
         """Speeds of our wheels [rad/s], NaN for what is missing."""
@@ -136,6 +149,7 @@ class CarProcessor:
         if sample.rewound:
             self._estimator.reset()
             self._report("info", f"{WHEEL_STATES}: stamps jumped back, started anew")
+        self._stamp = sample.stamp
         self._missing = sample.missing.get(IMU, "")
         latency = round(self._p.speed_latency * NANOSECONDS)
         measured = [
@@ -147,7 +161,7 @@ class CarProcessor:
         outputs: list[Output] = []
         for wheel, estimate in zip(self._p.wheels, estimates, strict=True):
             self._last[wheel] = estimate
-            outputs.append((f"{wheel}/slip", _message(Header(stamp=stamp, frame_id=wheel), wheel, estimate)))
+            outputs.append((f"{wheel}/slip", _message(stamp, wheel, estimate)))
         return outputs
 
 
@@ -156,9 +170,8 @@ def build(parameters: WheelSlipParameters, report: Report = silent) -> list[CarP
     return [CarProcessor(parameters, report)]
 
 
-def _message(header: Header, wheel: str, estimate: WheelEstimate) -> WheelSlip:
-    return WheelSlip(
-        header=header,
+def _message(stamp: Time, wheel: str, estimate: WheelEstimate) -> WheelSlip:
+    message = WheelSlip(
         wheel=wheel,
         slip=estimate.slip,
         slip_rate=estimate.slip_rate,
@@ -172,3 +185,6 @@ def _message(header: Header, wheel: str, estimate: WheelEstimate) -> WheelSlip:
         reason=int(estimate.reason),
         reason_text=estimate.reason_text and f"{wheel}: {estimate.reason_text}",
     )
+    message.header.stamp = stamp
+    message.header.frame_id = wheel
+    return message

@@ -12,11 +12,14 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, sqrt
+from statistics import median
 
 from friction_runtime.stamps import NANOSECONDS
 from wheel_slip.estimate import SpeedSource
 from wheel_slip.slide_detector import SlideDetector, SlideParameters
 from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
+from wheel_slip.speed_sample import SpeedSample
+from wheel_slip.stuck_sensor import StuckSensor
 
 _BELIEF_LAG = round(0.1 * NANOSECONDS)
 _SLIP_CORRELATION = 0.1
@@ -28,22 +31,12 @@ _AT_REST = 1.0
 """A car that stands cannot seem to accelerate by more [m/s^2]."""
 _BOUND_MARGIN = 0.02
 """Share of the speed by which wheels may pass the bound: radii and torsional vibration."""
+_CONTRADICTION = 1.0
+"""An accelerometer that repeats one value and differs this much from most wheels [m/s^2] is stuck."""
 _CLOSE = 0.1
 """A wheel of less slip confirms the integrated speed, to half of that share."""
 _BOUND_LATENCY = 0.03
 """Time [s] by which wheel speeds may be older than the acceleration."""
-
-
-@dataclass(frozen=True)
-class SpeedSample:
-    """A measured vehicle speed."""
-
-    stamp: int
-    """When it was measured [ns]."""
-    speed: float
-    """[m/s], forward positive"""
-    variance: float
-    """[m^2/s^2], > 0"""
 
 
 @dataclass(frozen=True)
@@ -70,12 +63,16 @@ class VehicleSpeed:
         self._p = parameters
         self.filter = SpeedFilter(parameters.speed_filter)
         self.slide = SlideDetector(parameters.slide, driven)
+        self._repetition = StuckSensor()
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
         self.filter.reset()
         self.slide.reset()
+        self._repetition.reset()
+        self.accelerometer_is_stuck = False
+        """Whether the accelerometer is left out because it repeats one value that the wheels contradict."""
         self.source = SpeedSource.NONE
         """Where the speed comes from at the last sample."""
         self._sensor_stamp: int | None = None
@@ -107,6 +104,11 @@ class VehicleSpeed:
             measured: samples of the speed sensor.
         """
         started = self.source is not SpeedSource.NONE
+        self.accelerometer_is_stuck = self._repetition.repeats(stamp, acceleration) and (
+            self.accelerometer_is_stuck or self._contradicted(acceleration or 0.0, rim_accelerations)
+        )
+        if self.accelerometer_is_stuck:
+            acceleration = None
         self.filter.predict(stamp, acceleration, observed=not (started and self.slide.sliding))
         integrated = (self.filter.speed, sqrt(self.filter.speed_variance)) if started else None
         corrected = None if acceleration is None else acceleration - self.filter.offset
@@ -128,6 +130,10 @@ class VehicleSpeed:
     def _sensor_is_fresh(self, stamp: int) -> bool:
         timeout = self._p.sensor_timeout * NANOSECONDS
         return self._sensor_stamp is not None and stamp - self._sensor_stamp <= timeout
+
+    def _contradicted(self, acceleration: float, rim_accelerations: Sequence[float]) -> bool:
+        corrected = acceleration - self.filter.offset
+        return abs(median(rim_accelerations) - corrected) > _CONTRADICTION
 
     def _use_sensor(self, sample: SpeedSample) -> None:
         if self.source is SpeedSource.NONE:

@@ -1,0 +1,53 @@
+"""Radii learned under way, and used once they are certain."""
+
+from collections import deque
+from collections.abc import Sequence
+
+from friction_runtime.stamps import NANOSECONDS
+from wheel_slip.radius_calibration import CalibrationParameters, Radii, RadiusCalibration
+from wheel_slip.speed_sample import SpeedSample
+
+_CERTAIN = 0.001
+"""Standard deviation, as a share of the radius, from which on a learned radius is used."""
+_NEEDED = 20.0
+"""Coasting time [s] from which on learned radii may be used."""
+_MEMORY = round(0.6 * NANOSECONDS)
+"""How long wheel speeds are kept for late samples of the speed sensor [ns]."""
+_NEAR = round(0.02 * NANOSECONDS)
+"""Largest distance of wheel speeds from the time of a speed sample [ns]."""
+
+
+class OnlineRadii:
+    """Against the speed sensor from its first sample on; until then the wheels against each other."""
+
+    def __init__(self, nominal: tuple[float, ...]) -> None:
+        """Start with the nominal radii [m]."""
+        self._calibration = RadiusCalibration(nominal, CalibrationParameters(needed=_NEEDED))
+        self._radii = nominal
+        self._against_sensor = False
+        self._recent: deque[tuple[int, Sequence[float]]] = deque()
+
+    def update(self, stamp: int, wheel_speeds: Sequence[float], measured: Sequence[SpeedSample]) -> tuple[float, ...]:
+        """Take a sample as SlipEstimator.update does; return the radii to use [m]."""
+        if measured and not self._against_sensor:
+            self._against_sensor = True
+            self._calibration.reset()
+        counted = False
+        if self._against_sensor:
+            self._recent.append((stamp, wheel_speeds))
+            while self._recent[0][0] < stamp - _MEMORY:
+                self._recent.popleft()
+            for sample in measured:
+                when, speeds = min(self._recent, key=lambda known: abs(known[0] - sample.stamp))
+                if abs(when - sample.stamp) <= _NEAR:
+                    counted |= self._calibration.update(sample.stamp, speeds, sample.speed)
+        else:
+            counted = self._calibration.update(stamp, wheel_speeds)
+        if counted:
+            found = self._calibration.result()
+            if (
+                isinstance(found, Radii)
+                and max(s / r for s, r in zip(found.stddevs, found.radii, strict=True)) < _CERTAIN
+            ):
+                self._radii = found.radii
+        return self._radii
