@@ -56,6 +56,9 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="wait at most S until each topic has its subscribers (default 3: discovery can take 2.5 s)",
     )
     parser.add_argument("--subscribers", type=int, default=1, metavar="N", help="of each topic to wait for (default 1)")
+    parser.add_argument(
+        "--settle", type=_not_negative, default=0.0, metavar="S", help="and until none has come for S (default 0)"
+    )
 
 
 def run(args: Namespace, ros_args: list[str]) -> int:
@@ -97,7 +100,7 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
     if span.stop <= span.start:
         print(f"error: {args.bag}: nothing behind --start-offset {args.start_offset} s", file=sys.stderr)
         return 2
-    for name in player.wait_for_subscribers(args.subscribers, args.wait, stop):
+    for name in player.wait_for_subscribers(args.subscribers, args.wait, stop, args.settle):
         print(f"{name}: less than {args.subscribers} subscribers after {args.wait} s", file=sys.stderr)
     rate = inf if args.as_fast_as_possible else args.rate
     flow = _flow_control(args, node, stop) if args.follow else None

@@ -73,13 +73,24 @@ class Player:
         self._clock = self._node.create_publisher(Clock, "/clock", 10)
         self._clock_period = 1.0 / frequency
 
-    def wait_for_subscribers(self, count: int, timeout: float, stop: Event) -> list[str]:
-        """Wait until each topic has `count` subscribers, at most `timeout` [s]; return the topics that have less."""
-        end = monotonic() + timeout
+    def wait_for_subscribers(self, count: int, timeout: float, stop: Event, settle: float = 0.0) -> list[str]:
+        """Wait until each topic has `count` subscribers and none has come for `settle` [s], at most `timeout` [s].
+
+        Returns:
+            The topics that have less.
+        """
+        now = monotonic()
+        end, changed_at = now + timeout, now
+        counts: list[int] = []
         while True:
-            alone = [each.topic_name for each in self._publishers.values() if each.get_subscription_count() < count]
-            if not alone or stop.is_set() or monotonic() >= end:
-                return alone
+            before, counts = counts, [each.get_subscription_count() for each in self._publishers.values()]
+            now = monotonic()
+            if counts != before:
+                changed_at = now
+            complete = all(found >= count for found in counts) and now - changed_at >= settle
+            if complete or stop.is_set() or now >= end:
+                publishers = zip(self._publishers.values(), counts, strict=True)
+                return [each.topic_name for each, found in publishers if found < count]
             stop.wait(_POLL_PERIOD)
 
     def play(

@@ -99,13 +99,13 @@ class DemoGraph:
     def begin(self, observer: Node) -> None:
         """Let the first sample come: start the plant's run, or the player.
 
-        The player waits for two listeners of each topic, the node it is for and the recorder.
+        The player waits for two listeners of each topic, the node it is for and the recorder, and for more to come.
         """
         if self._options.bag is None:
             observer.create_client(Trigger, f"{graph.PLANT}/start").call_async(Trigger.Request())
             return
-        play = ["friction_bags", "play", str(self._options.bag), "--wait", "10", "--subscribers", "2"]
-        self._run(_PLAYER, [sys.executable, "-m", *play, "--topics", *graph.INPUTS])
+        play = ["friction_bags", "play", str(self._options.bag), "--wait", "15", "--subscribers", "2"]
+        self._run(_PLAYER, [sys.executable, "-m", *play, "--settle", "1", "--topics", *graph.INPUTS])
 
     @property
     def ended(self) -> bool:
