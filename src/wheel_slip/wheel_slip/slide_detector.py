@@ -4,10 +4,11 @@ Over a short window each wheel's change of rim speed r omega is compared with th
 
     D_i = [r_i omega_i](t) - [r_i omega_i](t - T) - integral of a over T
 
-A wheel rolls while |D_i| is small and its rim speed is that of the others. This sees a slide on snow, where the car
-hardly decelerates, and does not use the integrated speed. The car slides when more than one wheel does not roll, or if
-it accelerates so strongly that every wheel must have slip. It rolls again when the wheels have rolled for a while and
-either agree with the integrated speed, or the car hardly accelerates: then they are right, whatever that speed says.
+A wheel rolls while |D_i| is small (for what is known of the offset) and its rim speed is that of the others. This sees
+a slide on snow, where the car hardly decelerates, and does not use the integrated speed. The car slides when more than
+one wheel does not roll, or if it accelerates so strongly that every wheel must have slip. It rolls again when the wheels
+have rolled for a while and either agree with the integrated speed, or the car hardly accelerates: then they are right,
+whatever that speed says.
 """
 
 from collections import deque
@@ -71,6 +72,7 @@ class SlideDetector:
         self._history: deque[tuple[int, float, Sequence[float]]] = deque()
         self._rolled_since: int | None = None
         self._travelled = 0.0
+        self._allowed = self._p.threshold
 
     def update(
         self,
@@ -78,6 +80,7 @@ class SlideDetector:
         rim_speeds: Sequence[float],
         rim_accelerations: Sequence[float],
         acceleration: float | None,
+        offset_stddev: float,
         integrated: tuple[float, float] | None,
     ) -> None:
         """Judge one sample.
@@ -87,6 +90,7 @@ class SlideDetector:
             rim_speeds: r omega of each wheel [m/s], NaN where unknown.
             rim_accelerations: their rates [m/s^2].
             acceleration: of the car, corrected for offset [m/s^2]; None without an accelerometer.
+            offset_stddev: standard deviation of that correction [m/s^2].
             integrated: integrated speed [m/s] and its standard deviation [m/s]; None if there is none.
         """
         self._integrate(stamp, acceleration)
@@ -95,6 +99,7 @@ class SlideDetector:
         self._history.append((stamp, self._travelled, rim_speeds))
         while len(self._history) > 2 and self._history[1][0] <= stamp - self._p.window * NANOSECONDS:
             self._history.popleft()
+        self._allowed = self._p.threshold + 2.0 * offset_stddev * self._p.window
         middle = 0.5 * (known[(len(known) - 1) // 2] + known[len(known) // 2]) if known else nan
         self.rolling = [
             self._rolls(index, speed, rate, middle)
@@ -125,7 +130,7 @@ class SlideDetector:
         if self.acceleration is None:
             return abs(rate) < _STRONGEST
         _, travelled, speeds = self._history[0]
-        return abs(speed - speeds[index] - (self._travelled - travelled)) <= self._p.threshold
+        return abs(speed - speeds[index] - (self._travelled - travelled)) <= self._allowed
 
     def _change_mode(
         self, stamp: int, rim_speeds: Sequence[float], middle: float, integrated: tuple[float, float] | None
@@ -147,7 +152,7 @@ class SlideDetector:
         if self._rolled_since is None:
             self._rolled_since = stamp
         rolled = (stamp - self._rolled_since) / NANOSECONDS
-        agree = integrated is None or abs(middle - integrated[0]) <= 3.0 * integrated[1] + 0.02 * abs(middle) + 0.1
+        agree = integrated is None or abs(middle - integrated[0]) <= integrated[1] + 0.02 * abs(middle) + 0.1
         calm = abs(a) < _CALM and rolled >= _PATIENCE
         if rolled >= self._p.settle and (agree or calm):
             self.sliding, self.since = False, stamp

@@ -112,7 +112,8 @@ class VehicleSpeed:
         self.filter.predict(stamp, acceleration, observed=not (started and self.slide.sliding))
         integrated = (self.filter.speed, sqrt(self.filter.speed_variance)) if started else None
         corrected = None if acceleration is None else acceleration - self.filter.offset
-        self.slide.update(stamp, smooth_rim_speeds, rim_accelerations, corrected, integrated)
+        offset_stddev = sqrt(self.filter.offset_variance)
+        self.slide.update(stamp, smooth_rim_speeds, rim_accelerations, corrected, offset_stddev, integrated)
         for sample in measured:
             self._use_sensor(sample)
         # Without an accelerometer only a speed sensor can tell a slide from braking.

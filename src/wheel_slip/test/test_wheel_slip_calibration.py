@@ -1,0 +1,118 @@
+"""Radius calibration: the algorithm, the tool over a bag, and online."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from sensor_msgs.msg import JointState
+
+from friction_bags.import_csv import write_bag
+from friction_runtime.parameters import from_mapping, load
+from friction_runtime.stamps import from_nanoseconds
+from wheel_slip.calibrate import main
+from wheel_slip.estimator import SlipEstimator
+from wheel_slip.parameters import WheelSlipParameters
+from wheel_slip.radius_calibration import CalibrationParameters, Radii, RadiusCalibration
+from wheel_slip.speed_sample import SpeedSample
+
+STEP = 5_000_000
+TRUE = np.array([0.301, 0.299, 0.304, 0.3035])
+FOUR = ["front_left", "front_right", "rear_left", "rear_right"]
+
+
+def coasting(seconds: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Stamps [ns], speed [m/s], noisy wheel speeds [rad/s]: from 20 m/s at -0.5 m/s^2."""
+    t = np.arange(round(seconds / 0.005)) * 0.005
+    speed = 20.0 - 0.5 * t
+    omega = speed[:, np.newaxis] / TRUE + 0.07 * np.random.default_rng(2).normal(size=(t.size, 4))
+    return np.arange(1, t.size + 1) * STEP, speed, omega
+
+
+def calibrated(seconds: float, sensor: bool) -> Radii | str:
+    calibration = RadiusCalibration([0.3] * 4, CalibrationParameters())
+    for stamp, speed, omega in zip(*coasting(seconds), strict=True):
+        calibration.update(int(stamp), omega.tolist(), float(speed) if sensor else None)
+    return calibration.result()
+
+
+def test_coasting_against_the_sensor_gives_the_radii() -> None:
+    found = calibrated(8.0, sensor=True)
+    assert isinstance(found, Radii)
+    assert np.all(np.abs(np.array(found.radii) - TRUE) < 5.0 * np.array(found.stddevs) + 1e-6)
+    assert max(found.stddevs) < 1e-4
+
+
+def test_wheels_against_each_other_are_equalised_and_keep_their_mean_rim_speed() -> None:
+    found = calibrated(8.0, sensor=False)
+    assert isinstance(found, Radii)
+    assert np.array(found.radii) / found.radii[0] == pytest.approx(TRUE / TRUE[0], rel=2e-4)
+    assert np.mean(1.0 / np.array(found.radii)) * 0.3 == pytest.approx(1.0, rel=2e-3)
+
+
+def test_too_little_coasting_is_said() -> None:
+    assert "coasting" in str(calibrated(1.0, sensor=True))
+
+
+def test_braking_spin_curves_gaps_and_garbage_do_not_count() -> None:
+    calibration = RadiusCalibration([0.3] * 4, CalibrationParameters())
+    for k in range(1, 400):
+        braked = (25.0 - 6.0 * k * 0.005) / TRUE
+        assert not calibration.update(k * STEP, braked.tolist(), 25.0)
+    calibration.reset()
+    for k in range(1, 400):
+        one_spins = 20.0 / TRUE * np.array([1.0, 1.0, 1.1, 1.0])
+        assert not calibration.update(k * STEP, one_spins.tolist(), 20.0)
+    calibration.reset()
+    for k in range(1, 20):
+        assert not calibration.update(k * 100 * STEP, (20.0 / TRUE).tolist(), 20.0)
+        assert not calibration.update(k * 100 * STEP + STEP, [float("nan")] * 4, 20.0)
+
+
+def write_coasting(bag: Path, seconds: float) -> None:
+    messages = []
+    for k, (stamp, speed, omega) in enumerate(zip(*coasting(seconds), strict=True)):
+        wheels = JointState(name=FOUR, velocity=omega.tolist())
+        wheels.header.stamp = from_nanoseconds(int(stamp))
+        messages.append(("/wheel_states", wheels))
+        if k % 20 == 0:
+            sensor = TwistWithCovarianceStamped()
+            sensor.header.stamp = from_nanoseconds(int(stamp))
+            sensor.twist.twist.linear.x = float(speed)
+            messages.append(("/vehicle_velocity", sensor))
+    write_bag(bag, messages, {})
+
+
+def test_tool_writes_a_parameter_file_that_loads(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_coasting(tmp_path / "bag", 6.0)
+    nominal = tmp_path / "nominal.yaml"
+    nominal.write_text(f"/**/wheel_slip:\n  ros__parameters:\n    wheels: [{', '.join(FOUR)}]\n")
+    out = tmp_path / "radii.yaml"
+    assert main([str(tmp_path / "bag"), "--out", str(out), "--parameters", str(nominal)]) == 0
+    assert load(WheelSlipParameters, out, "wheel_slip").radii == pytest.approx(tuple(TRUE), abs=2e-4)
+    assert "rear_right" in capsys.readouterr().out
+
+
+def test_tool_says_what_is_missing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_coasting(tmp_path / "short", 1.0)
+    out = tmp_path / "radii.yaml"
+    nominal = tmp_path / "nominal.yaml"
+    nominal.write_text(f"/**/wheel_slip:\n  ros__parameters:\n    wheels: [{', '.join(FOUR)}]\n")
+    assert main([str(tmp_path / "short"), "--out", str(out), "--parameters", str(nominal)]) == 1
+    assert "coasting" in capsys.readouterr().err
+    assert main([str(tmp_path / "absent"), "--out", str(out)]) == 2
+    assert "absent" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_online_radii_are_used_once_they_are_certain() -> None:
+    parameters = from_mapping(WheelSlipParameters, {"wheels": FOUR, "radii": [0.3], "learn_radii": True})
+    estimator = SlipEstimator(parameters.estimator())
+    before = estimator.radii
+    for k, (stamp, speed, omega) in enumerate(zip(*coasting(24.0), strict=True)):
+        measured = [SpeedSample(int(stamp), float(speed), 0.01)] if k % 10 == 0 else []
+        row = estimator.update(int(stamp), omega.tolist(), -0.5, measured)
+        if k == 3000:
+            assert estimator.radii == before
+    assert estimator.radii == pytest.approx(tuple(TRUE), abs=2e-4)
+    assert [each.slip for each in row] == pytest.approx([0.0] * 4, abs=0.02)

@@ -1,0 +1,232 @@
+"""Vehicle speed from wheels and accelerometer alone: slides, faults and what is said about them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import isnan, sqrt
+
+import numpy as np
+import pytest
+
+from friction_runtime.parameters import from_mapping
+from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
+from wheel_slip.estimator import SlipEstimator
+from wheel_slip.parameters import WheelSlipParameters
+from wheel_slip.speed_sample import SpeedSample
+
+STEP = 5_000_000
+RADIUS = 0.3
+OFFSET = 0.25
+FOUR = ("front_left", "front_right", "rear_left", "rear_right")
+
+
+@dataclass
+class Drive:
+    """Truth and noisy sensors of a drive, n samples at 200 Hz."""
+
+    speed: np.ndarray
+    slip: np.ndarray
+    wheel_speed: np.ndarray
+    acceleration: np.ndarray
+
+
+def drive(acceleration: Callable[[float], float], slip: Callable[[float], float], seconds: float, v0: float) -> Drive:
+    """Car with the given acceleration [m/s^2] over time and the same slip of all wheels."""
+    rng = np.random.default_rng(5)
+    times = np.arange(round(seconds / 0.005)) * 0.005
+    a = np.array([acceleration(t) for t in times])
+    speed = v0 + np.concatenate([[0.0], np.cumsum(0.0025 * (a[1:] + a[:-1]))])
+    slips = np.repeat(np.array([slip(t) for t in times])[:, np.newaxis], 4, axis=1)
+    omega = (1.0 - slips) * speed[:, np.newaxis] / RADIUS
+    return Drive(
+        speed,
+        slips,
+        omega + 0.07 * rng.normal(size=omega.shape),
+        a + OFFSET + 0.1 * rng.normal(size=a.shape),
+    )
+
+
+def hard_stop() -> Drive:
+    """3 s at 30 m/s, then 8 m/s^2 with slips that swing between 2 and 20 %, never back to zero."""
+    return drive(
+        lambda t: -8.0 * min(max((t - 3.0) / 0.2, 0.0), 1.0),
+        lambda t: 0.0 if t < 3.0 else min((t - 3.0) / 0.3, 1.0) * (0.11 + 0.09 * np.sin(20.0 * (t - 3.0))),
+        5.5,
+        30.0,
+    )
+
+
+def snow_slide() -> Drive:
+    """3 s at 20 m/s, then only 1.4 m/s^2, with wheels that lose 10 % within half a second and stay there."""
+    return drive(
+        lambda t: -1.4 if t > 3.0 else 0.0,
+        lambda t: 0.1 * min(max((t - 3.0) / 0.5, 0.0), 1.0),
+        8.0,
+        20.0,
+    )
+
+
+def parameters(**changes: object) -> WheelSlipParameters:
+    return from_mapping(WheelSlipParameters, {"wheels": FOUR, "radii": [RADIUS], **changes})
+
+
+def follow(
+    d: Drive, estimator: SlipEstimator, *, imu: bool = True, first: int = 1
+) -> tuple[list[list[WheelEstimate]], np.ndarray]:
+    estimates = [
+        estimator.update((first + k) * STEP, omega.tolist(), float(a) if imu else None)
+        for k, (omega, a) in enumerate(zip(d.wheel_speed, d.acceleration, strict=True))
+    ]
+    return estimates, np.array([each[0].vehicle_speed for each in estimates])
+
+
+@pytest.fixture
+def estimator() -> SlipEstimator:
+    return SlipEstimator(parameters().estimator())
+
+
+@pytest.mark.parametrize(("make", "bound"), [(hard_stop, 0.1), (snow_slide, 0.15)])
+def test_slide_is_bridged_and_far_better_than_the_best_wheel(
+    make: Callable[[], Drive], bound: float, estimator: SlipEstimator
+) -> None:
+    d = make()
+    estimates, speed = follow(d, estimator)
+    sliding = slice(700, None)
+    error = speed[sliding] - d.speed[sliding]
+    best = (d.wheel_speed.max(axis=1) * RADIUS - d.speed)[sliding]
+    assert np.max(np.abs(error)) < bound
+    assert np.sqrt(np.mean(best**2)) > 8.0 * np.sqrt(np.mean(error**2))
+    assert estimates[-1][0].source is SpeedSource.INTEGRATED
+    slips = np.array([[each.slip for each in row] for row in estimates[700:]])
+    assert np.sqrt(np.mean((slips - d.slip[sliding]) ** 2)) < 0.01
+
+
+def test_offset_is_learned_while_rolling_and_its_injection_does_not_matter() -> None:
+    d = hard_stop()
+    speeds = []
+    for injected in (0.0, 0.35, -0.35):
+        estimator = SlipEstimator(parameters().estimator())
+        shifted = replace(d, acceleration=d.acceleration + injected)
+        speeds.append(follow(shifted, estimator)[1])
+        assert estimator.vehicle.filter.offset == pytest.approx(OFFSET + injected, abs=0.03)
+    learned = slice(400, None)
+    assert np.max(np.abs(speeds[1] - speeds[0])[learned]) < 0.03
+    assert np.max(np.abs(speeds[2] - speeds[0])[learned]) < 0.03
+
+
+def test_uncertainty_grows_in_the_slide_and_covers_a_slope_step(estimator: SlipEstimator) -> None:
+    d = hard_stop()
+    stepped = d.acceleration + np.where(np.arange(d.speed.size) > 800, 0.02 * 9.81, 0.0)
+    estimates, speed = follow(replace(d, acceleration=stepped), estimator)
+    deviation = np.array([sqrt(each[0].vehicle_speed_variance) for each in estimates])
+    assert np.all(np.diff(deviation[720:]) >= -1e-3)
+    assert deviation[-1] > 2.0 * deviation[720]
+    error = np.abs(speed - d.speed)[720:]
+    assert error[-1] > 0.1
+    assert np.all(error <= 2.0 * deviation[720:])
+
+
+def test_car_returns_to_the_wheels_even_if_the_integrated_speed_is_far_off(estimator: SlipEstimator) -> None:
+    """The accelerometer jumps by 1 m/s^2 as the slide begins and stays there: integration drifts away by metres."""
+    d = drive(
+        lambda t: -6.0 if 3.0 < t < 5.0 else 0.0, lambda t: 0.15 if 3.05 < t < 5.0 else 0.0, seconds=12.0, v0=30.0
+    )
+    jumped = d.acceleration + np.where(np.arange(d.speed.size) > 600, 0.9, 0.0)
+    estimates, speed = follow(replace(d, acceleration=jumped), estimator)
+    assert np.max(np.abs(speed - d.speed)[900:1000]) > 1.0
+    assert estimates[-1][0].source is SpeedSource.WHEELS
+    assert speed[-1] == pytest.approx(d.speed[-1], abs=0.05)
+
+
+def test_launch_with_spinning_driven_wheels_follows_the_free_ones() -> None:
+    estimator = SlipEstimator(parameters(driven_wheels=FOUR[2:]).estimator())
+    d = drive(lambda t: 4.0 if t > 2.0 else 0.0, lambda _t: 0.0, 5.0, 5.0)
+    spinning = d.wheel_speed.copy()
+    spinning[420:, 2:] *= 1.4
+    _, speed = follow(replace(d, wheel_speed=spinning), estimator)
+    assert np.max(np.abs(speed - d.speed)[200:]) < 0.1
+
+
+@pytest.mark.parametrize("reading", [0.0, 300.0], ids=["dead", "spinning"])
+def test_one_faulty_wheel_does_not_disturb_the_speed(reading: float, estimator: SlipEstimator) -> None:
+    d = hard_stop()
+    faulty = d.wheel_speed.copy()
+    faulty[:, 1] = reading
+    _, speed = follow(replace(d, wheel_speed=faulty), estimator)
+    assert np.max(np.abs(speed - d.speed)[100:]) < 0.12
+    assert estimator.vehicle.slide.spread > 5.0
+
+
+def test_silent_imu_wheels_serve_while_they_roll_and_a_slide_is_not_bridged_in_silence(
+    estimator: SlipEstimator,
+) -> None:
+    d = hard_stop()
+    estimates, speed = follow(d, estimator, imu=False)
+    assert np.max(np.abs(speed - d.speed)[200:600]) < 0.1
+    error = np.abs(speed - d.speed)[700:]
+    deviation = np.sqrt([each[0].vehicle_speed_variance for each in estimates[700:]])
+    refused = np.array([each[0].reason is Reason.UNCERTAIN for each in estimates[700:]])
+    slid = d.slip[700:, 0] > 0.05
+    assert np.all((error < 3.0 * deviation) | refused | ~slid) or refused.mean() > 0.5
+
+
+def test_stuck_imu_is_left_out_and_said(estimator: SlipEstimator) -> None:
+    d = drive(lambda t: -2.0 if t > 3.0 else 0.0, lambda _t: 0.0, 6.0, 25.0)
+    stuck = np.where(np.arange(d.speed.size) > 500, d.acceleration[500], d.acceleration)
+    _, speed = follow(replace(d, acceleration=stuck), estimator)
+    assert estimator.vehicle.accelerometer_is_stuck
+    assert np.max(np.abs(speed - d.speed)[1000:]) < 0.2
+
+
+def test_all_wheels_locked_from_the_start_give_no_speed(estimator: SlipEstimator) -> None:
+    d = drive(lambda _t: -7.0, lambda _t: 1.0, 2.0, 25.0)
+    estimates, speed = follow(d, estimator)
+    assert all(each.reason in (Reason.NO_SPEED, Reason.NOT_READY) for row in estimates for each in row)
+    assert np.all(np.isnan(speed))
+
+
+def test_standstill_is_low_speed_with_speed_zero_and_the_start_from_it_is_followed(estimator: SlipEstimator) -> None:
+    d = drive(lambda t: 2.0 if t > 2.0 else 0.0, lambda _t: 0.0, 5.0, 0.0)
+    # Encoders read nothing below half a metre a second.
+    blind = np.where(d.wheel_speed * RADIUS < 0.5, 0.0, d.wheel_speed)
+    estimates, speed = follow(replace(d, wheel_speed=blind), estimator)
+    assert estimates[390][0].reason is Reason.LOW_SPEED
+    assert isnan(estimates[390][0].slip)
+    assert abs(speed[390]) < 0.05
+    assert np.max(np.abs(speed - d.speed)[100:]) < 0.1
+    assert estimates[-1][0].reason is Reason.OK
+
+
+def test_reverse_has_a_speed_and_no_slip(estimator: SlipEstimator) -> None:
+    estimates, speed = follow(drive(lambda _t: 0.0, lambda _t: 0.0, 2.0, -3.0), estimator)
+    assert speed[-1] == pytest.approx(-3.0, abs=0.05)
+    assert all(each.reason is Reason.LOW_SPEED for each in estimates[-1])
+
+
+def test_speed_sensor_that_drops_out_hands_over_to_the_wheels(estimator: SlipEstimator) -> None:
+    d = hard_stop()
+    sources = []
+    for k in range(600):
+        samples = [SpeedSample((k + 1) * STEP, d.speed[k] + 0.01, 1e-3)] if k < 300 else []
+        row = estimator.update((k + 1) * STEP, d.wheel_speed[k].tolist(), float(d.acceleration[k]), samples)
+        sources.append(row[0].source)
+        if k > 20:
+            assert row[0].vehicle_speed == pytest.approx(d.speed[k], abs=0.1)
+    assert sources[299] is SpeedSource.SENSOR
+    assert sources[-1] is SpeedSource.WHEELS
+
+
+def test_rewound_stamps_after_reset_repeat_the_outputs(estimator: SlipEstimator) -> None:
+    d = snow_slide()
+    first = follow(d, estimator)[1]
+    estimator.reset()
+    assert np.array_equal(first, follow(d, estimator)[1], equal_nan=True)
+
+
+@pytest.mark.parametrize("every", [8, 2])
+def test_slow_inputs_are_followed_too(every: int, estimator: SlipEstimator) -> None:
+    d = hard_stop()
+    for k in range(0, d.speed.size, every):
+        row = estimator.update((k + 1) * STEP, d.wheel_speed[k].tolist(), float(d.acceleration[k]))
+        if k > 200:
+            # The newest acceleration stands for the whole interval: at its change over 0.2 s that is a few cm/s.
+            assert row[0].vehicle_speed == pytest.approx(d.speed[k], abs=0.05 + 0.005 * every * 8.0)
