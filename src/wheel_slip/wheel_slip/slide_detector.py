@@ -6,9 +6,9 @@ Over a short window each wheel's change of rim speed r omega is compared with th
 
 A wheel rolls while |D_i| is small (for what is known of the offset) and its rim speed is that of the others. This sees
 a slide on snow, where the car hardly decelerates, and does not use the integrated speed. The car slides when more than
-one wheel does not roll, or if it accelerates so strongly that every wheel must have slip. It rolls again when the wheels
-have rolled for a while and either agree with the integrated speed, or the car hardly accelerates: then they are right,
-whatever that speed says.
+one wheel does not roll, or if it accelerates so strongly that every wheel must have slip. It rolls again when the
+wheels have rolled for a while and either agree with the integrated speed, or the car hardly accelerates: then they are
+right, whatever that speed says.
 """
 
 from collections import deque
