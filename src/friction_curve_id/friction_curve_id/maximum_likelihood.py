@@ -6,8 +6,8 @@ Two things are not as printed:
 - (8.11) lacks a factor 1/2. The expansion of (2.13) is mu = (th1 th2 - th3) slip - (1/2) th1 th2^2 slip^2.
 - the step is damped (Levenberg-Marquardt): H + d diag(H) in place of H in (8.10), d falling tenfold on a step
   that lowers (8.9) and rising tenfold on one that does not (which is not taken). Near the optimum d vanishes
-  and the step is (8.10). Undamped, (8.10) leaves the box of sensible curves on a good share of noisy runs: on
-  flat data xi is nearly collinear.
+  and the step is (8.10). Undamped, (8.10) leaves the box of sensible curves, or never settles, in every run on
+  snow, and in a fifth of those on dry and wet asphalt while only 50 samples are there: xi is nearly collinear.
 """
 
 from collections import deque
