@@ -32,6 +32,12 @@ class DeadReckoningParameters:
     acceleration_error: float = 0.3
     """What the model leaves out of the vehicle's acceleration [m/s^2]: drag, slope, errors of its parameters."""
 
+    def __post_init__(self) -> None:
+        """Refuse what is not positive."""
+        for name in ("free_rolling_torque", "wheel_speed_variance", "speed_variance", "acceleration_error"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be > 0, is {getattr(self, name)}")
+
 
 class DeadReckonedSpeed:
     """Speed of the vehicle at one wheel, one scalar Kalman step a sample."""

@@ -95,10 +95,10 @@ class FrictionSamples:
 
     def update(self, sample: Sample) -> FrictionPoint | Refusal:
         """Return the point between the last sample and this one, or why there is none."""
-        if sample.wheel_speed > _FASTEST_WHEEL or (sample.brake_torque or 0.0) > _LARGEST_TORQUE:
-            return Refusal(
-                Reason.BAD_INPUT, f"wheel speed {sample.wheel_speed} or torque {sample.brake_torque} is none"
-            )
+        if sample.wheel_speed > _FASTEST_WHEEL:
+            return Refusal(Reason.BAD_INPUT, f"{sample.wheel_speed:.3g} rad/s is no wheel speed")
+        if abs(sample.brake_torque or 0.0) > _LARGEST_TORQUE:
+            return Refusal(Reason.BAD_INPUT, f"{sample.brake_torque:.3g} N m is no brake torque")
         admission = self._gate.admit(sample)
         if isinstance(admission, Refusal):
             return admission
