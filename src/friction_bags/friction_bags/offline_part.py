@@ -7,12 +7,11 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
 from friction_bags.bag_format import BagError, Topic
 from friction_bags.bag_reader import BagReader
-from friction_bags.cdr import encode, type_name
+from friction_bags.cdr import decode, encode, type_name
 from friction_bags.estimators import SMART_TYRE, WHEEL_ESTIMATORS, build_processors
 from friction_bags.offline_graph import GraphPart, OfflineGraph, independent_parts
 from friction_runtime.processor import Processor, Report
@@ -62,19 +61,28 @@ class SayOnce:
 
 
 class PartRun:
-    """Takes the messages of a bag, gives the outputs of a part of the estimators."""
+    """Takes the messages of a bag, gives the outputs of a part of the estimators.
+
+    Messages that cannot be decoded are left out, and counted by topic in `refused`.
+    """
 
     def __init__(self, part: GraphPart) -> None:
         self._graph = OfflineGraph(part.processors)
         self._outputs = part.outputs
+        self.refused: dict[str, int] = {}
 
     def take(self, name: str, data: bytes) -> Outputs:
         """Outputs that follow from a message with its relative topic."""
         kind = self._graph.inputs.get(name)
         if kind is None:
             return []
-        given = self._graph.feed(name, deserialize_message(data, kind))
-        return [(topic, encode(message)) for topic, message in given if topic in self._outputs]
+        try:
+            message = decode(data, kind)
+        except ValueError:
+            self.refused[name] = self.refused.get(name, 0) + 1
+            return []
+        given = self._graph.feed(name, message)
+        return [(topic, encode(made)) for topic, made in given if topic in self._outputs]
 
 
 def processors_for(reader: BagReader, options: ProcessOptions, report: Report) -> list[Processor]:
@@ -153,7 +161,7 @@ def _wheels_of(reader: BagReader, prefix: str) -> tuple[str, ...]:
     states = [topic for topic in reader.counts if topic.name == prefix + _WHEEL_STATES]
     for topic, _, data in reader.messages(states):
         if topic.type == type_name(JointState):
-            return tuple(deserialize_message(data, JointState).name)
+            return tuple(decode(data, JointState).name)
     names = [topic.name.removeprefix(prefix) for topic in reader.counts if topic.name.endswith(_TYRE_SIGNALS)]
     if not names:
         raise BagError(f"{reader.bag} holds no {prefix}{_WHEEL_STATES}: is it in another --namespace?")

@@ -94,7 +94,9 @@ def process_bag(
                 progress(count / total)
         progress(1.0)
         duration = (reader.end - reader.start) * 1e-9
-        return ProcessResult(str(bag), count, given, duration, perf_counter() - begun, tuple(reader.problems))
+        refused = [f"{name}: {number} messages cannot be decoded" for name, number in here.refused.items()]
+        problems = (*reader.problems, *refused)
+        return ProcessResult(str(bag), count, given, duration, perf_counter() - begun, problems)
 
 
 def _channel(output: tuple[int, bytes]) -> int:

@@ -208,6 +208,18 @@ def test_several_bags_are_processed_at_once_and_a_bad_one_does_not_stop_the_othe
         assert (tmp_path / "out" / name / f"{name}_0.mcap").read_bytes() == (processed / "out_0.mcap").read_bytes()
 
 
+def test_messages_that_cannot_be_decoded_are_left_out_and_said(rows: Rows, processed: Path, tmp_path: Path) -> None:
+    with BagWriter(tmp_path / "bag") as writer:
+        for name, stamp, message in rows:
+            channel = writer.add_topic(installed_topic(f"/{name}", type(message)))
+            if name == "imu/data" and stamp == START + 100_000_000:
+                writer.write(channel, stamp, encode(message)[:50])
+            writer.write(channel, stamp, encode(message))
+    result = process_bag(tmp_path / "bag", tmp_path / "out", ProcessOptions(), 1, lambda _: None)
+    assert result.problems == ("imu/data: 1 messages cannot be decoded",)
+    assert read(tmp_path / "out")["/front_left/slip"] == read(processed)["/front_left/slip"]
+
+
 class Relay:
     """A processor that answers each message on one topic with one on others."""
 
