@@ -2,10 +2,11 @@
 PYTHON ?= python3
 SURFACE ?= dry
 OUT ?= out
+PARTS ?= slope abs identification slip smart_tyre measured live
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test lint demo clean bags
+.PHONY: help setup build test lint demo bench bags clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
@@ -25,7 +26,10 @@ test: build lint ## everything that must hold: lint, format, types, tests
 	@$(run) pytest
 
 demo: build ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow, or BAG=path to replay
-	@$(run) python -m friction_bringup demo $(if $(BAG),--bag $(BAG),--surface $(SURFACE)) --out $(OUT)/demo
+	@$(run) python -m friction_bringup demo $(if $(BAG),--bag "$(BAG)",--surface $(SURFACE)) --out "$(OUT)/demo"
+
+bench: build ## every table of the evaluation as text and JSON, or PARTS="slope abs"
+	@for part in $(PARTS); do $(run) python -m friction_evaluation $$part --json "$(OUT)/bench/$$part.json" || exit 1; done
 
 bags: build ## make the recorded experiments of bags/ anew, from fixed seeds
 	@$(run) python -m friction_bags library
