@@ -24,7 +24,7 @@ class Evidence:
     """What is known at one stamp."""
 
     h: float
-    """H of (8.3) [rad/s^3]; NaN where unknown."""
+    """H of (8.3) [rad/s^3]; NaN where unknown, as of a locked wheel."""
     indicator: float
     """H sign(eta) [rad/s^3]; 0 or NaN where the sign is not measured."""
     usable: bool
@@ -82,7 +82,7 @@ class Supervisor:
         inputs = Inputs(
             braking=evidence.braking,
             indicator=evidence.indicator if measured else float("nan"),
-            slip_growing=evidence.indicator * evidence.h > 0.0,
+            slip_growing=not evidence.indicator * evidence.h < 0.0,
             failed=failed,
             slow=evidence.slow,
         )

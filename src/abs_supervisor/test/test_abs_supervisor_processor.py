@@ -293,3 +293,14 @@ def test_shipped_parameter_file_loads_and_builds() -> None:
 def test_bad_parameters_are_refused_by_name(values: dict[str, Any], named: str) -> None:
     with pytest.raises(ParameterError, match=named):
         from_mapping(SupervisorParameters, values)
+
+
+def test_locked_wheel_whose_h_is_unknown_is_released() -> None:
+    bench = Bench()
+    bench.sample(500.0)
+    bench.stamp += STEP
+    bench.processor.process("brake_demand", demand(bench.stamp, 500.0))
+    locked = slope(bench.stamp, -1e5)
+    locked.h = nan
+    bench.take(bench.processor.process(SLOPE, locked))
+    assert bench.name == "S21"

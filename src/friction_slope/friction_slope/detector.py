@@ -1,6 +1,6 @@
 """Sign of the slope of the friction curve of one wheel, methods slip (8.4) and no_slip (8.5)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite, isnan, nan
 
 from friction_slope.crossing import CrossingDetector
@@ -10,6 +10,10 @@ from friction_slope.reference_speed import ReferenceSpeed
 from friction_slope.signals import SignalWindow, WheelSignals
 
 _NANOSECONDS = 1_000_000_000
+LOCKED_SLIP = 0.8
+"""Beyond the peak of any road [-]. A wheel that stands does so by constraint: (8.3) does not hold for it."""
+LOCKED_INDICATOR = -1e5
+"""Indicator of a locked wheel [rad/s^3], below every threshold."""
 
 
 @dataclass(frozen=True)
@@ -109,9 +113,12 @@ class SlopeDetector:
             return self._unknown(Reason.NOT_BRAKING, f"brake torque is below {p.minimum_torque} N m", signals)
         if p.method is Method.SLIP and isnan(signals.slip_rate):
             return self._unknown(Reason.NO_SLIP, "slip was not valid throughout the window", signals)
+        read_at = sample.stamp - round(signals.delay * _NANOSECONDS)
+        if sample.wheel_speed * p.radius < (1.0 - LOCKED_SLIP) * speed:
+            self._crossing.update(LOCKED_INDICATOR, 1, signals.slip, read_at)
+            return self._estimate(Reason.OK, "", replace(signals, h=nan), LOCKED_INDICATOR)
         growing = self._growing(signals)
         indicator = signals.h * growing
-        read_at = sample.stamp - round(signals.delay * _NANOSECONDS)
         self._crossing.update(indicator, growing, signals.slip, read_at)
         if growing == 0:
             rate = "slip rate" if p.method is Method.SLIP else "eta"

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_slope.detector import DetectorParameters, SlopeDetector
+from friction_slope.detector import LOCKED_INDICATOR, DetectorParameters, SlopeDetector
 from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
 from vehicle_models import burckhardt
 from vehicle_models.single_corner import CornerParameters, SingleCorner
@@ -201,3 +201,22 @@ def test_hostile_samples_give_known_signs_and_no_exception(stream: list[tuple[fl
             assert estimate.indicator != 0.0
         elif estimate.reason is not Reason.NO_EXCITATION:
             assert estimate.sign == 0
+
+
+@pytest.mark.parametrize("method", Method)
+def test_locked_wheel_is_beyond_the_peak_although_nothing_moves(method: Method) -> None:
+    detector = SlopeDetector(replace(EXACT, method=method))
+    for k in range(20):
+        detector.update(SlopeSample((k + 1) * STEP, 100.0 - k**2 * 0.01, 300.0 + 50.0 * k, 0.0, 0.5, 30.0))
+    for k in range(40):
+        found = detector.update(SlopeSample((k + 21) * STEP, 0.0, 1000.0, 1.0, 0.0, 29.0))
+    assert (found.sign, found.reason, found.indicator) == (-1, Reason.OK, LOCKED_INDICATOR)
+    assert np.isnan(found.h)
+
+
+@pytest.mark.parametrize("method", Method)
+def test_slip_of_a_braked_wheel_below_the_limit_is_no_lock(method: Method) -> None:
+    detector = SlopeDetector(replace(EXACT, method=method))
+    for k in range(40):
+        found = detector.update(SlopeSample((k + 1) * STEP, 0.21 * 100.0 if k > 20 else 100.0, 500.0, 0.5, 0.0, 30.0))
+    assert found.indicator != LOCKED_INDICATOR
