@@ -211,7 +211,8 @@ def fold(equations: NormalEquations, number: int, x: Array) -> PastEvidence:
     corner[4, :4] = corner[:4, 4] = equations.border[number, :4]
     corner[4, 4] = equations.diagonal[number]
     corner[4, 5] = corner[5, 4] = equations.border[number, 4]
-    pivots, factors, info = dpttrf(equations.diagonal[:number], equations.off_diagonal[: number - 1])
+    # LAPACK's wrapper wants one off-diagonal element even where there is none
+    pivots, factors, info = dpttrf(equations.diagonal[:number], equations.off_diagonal[: max(number - 1, 1)])
     if info != 0:
         raise np.linalg.LinAlgError("the wheel speeds are not determined")
     eliminated, _ = dpttrs(pivots, factors, border)
