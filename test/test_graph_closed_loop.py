@@ -22,7 +22,9 @@ PLANT: dict[str, graph.ParameterValue] = {
 
 
 def closed_loop() -> dict[str, list[bytes]]:
-    found = run_graph(live.CHAIN, {"corner_sim": PLANT, "abs_supervisor": {"stale_after": 5.0}}, 90.0, lambda _: None)
+    found = run_graph(
+        live.LOOP, live.CHAIN, {"corner_sim": PLANT, "abs_supervisor": {"stale_after": 5.0}}, 90.0, lambda _: None
+    )
     return {topic: [encode(message) for message in observed.messages] for topic, observed in found.items()}
 
 

@@ -19,6 +19,7 @@ from std_srvs.srv import Trigger
 from dds_client import DdsClient, dds_client
 from friction_bags.cdr import encode
 from friction_bringup import graph
+from friction_evaluation.live import LOOP
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 
@@ -47,7 +48,7 @@ def start(client: DdsClient, node: str, *extra: str, **parameters: graph.Paramet
 
 
 def start_estimators(client: DdsClient) -> list[subprocess.Popen[str]]:
-    return [start(client, node, **({"shadow": False} if node == "abs_supervisor" else {})) for node in graph.ESTIMATORS]
+    return [start(client, node, **({"shadow": False} if node == "abs_supervisor" else {})) for node in LOOP]
 
 
 def record(client: DdsClient) -> dict[str, list[Any]]:

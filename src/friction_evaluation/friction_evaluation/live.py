@@ -30,6 +30,8 @@ from vehicle_models.surfaces import TABLE_8_1
 
 WHEEL = "front_left"
 SOURCE = "wheel_states"
+LOOP = ("wheel_slip", "friction_slope", "abs_supervisor")
+"""The nodes between the sensors and the command."""
 CHAIN: Mapping[str, type] = {
     SOURCE: JointState,
     f"{WHEEL}/slip": WheelSlip,
@@ -93,7 +95,7 @@ def agreement_rows(surface: str, seed: int) -> list[Row]:
     found = _run(plant, 60.0)
     values = {name: tuple(value) if isinstance(value, list) else value for name, value in plant.items()}
     simulation = Simulation(from_mapping(SimParameters, values), _START_STAMP)
-    offline = run_offline(simulation, build_processors(graph.ESTIMATORS, [WHEEL], [], silent))
+    offline = run_offline(simulation, build_processors(LOOP, [WHEEL], [], silent))
     rows: list[Row] = []
     for topic in CHAIN:
         live = [encode(message) for message in found[topic].messages]
@@ -119,7 +121,9 @@ def _run(plant: Mapping[str, graph.ParameterValue], seconds: float) -> dict[str,
     with Progress() as progress:
         what, total = ("lock-step", None) if plant["lock_step"] else ("real time", seconds / SAMPLE_TIME)
         task = progress.add_task(f"live, {what}, {plant['surfaces']}", total=total)
-        return run_graph(CHAIN, overrides, 2.0 * seconds + 60.0, lambda count: progress.update(task, completed=count))
+        return run_graph(
+            LOOP, CHAIN, overrides, 2.0 * seconds + 60.0, lambda count: progress.update(task, completed=count)
+        )
 
 
 def real_time_row(topic: str, found: Observation, source: Observation, expected: int, surface: str) -> Row:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -48,11 +48,16 @@ class Observation:
 
 
 def run_graph(
-    topics: Mapping[str, type], overrides: Overrides, timeout: float, progress: Callable[[int], None]
+    estimators: Sequence[str],
+    topics: Mapping[str, type],
+    overrides: Overrides,
+    timeout: float,
+    progress: Callable[[int], None],
 ) -> dict[str, Observation]:
-    """Run plant, estimators and supervisor with their shipped parameter files until the plant ends its run.
+    """Run the plant and some nodes with their shipped parameter files until the plant ends its run.
 
     Args:
+        estimators: the nodes beside the plant.
         topics: what to observe, with types; "wheel_states" among them.
         overrides: parameters that decide over the shipped files, by node.
         timeout: longest wall time of the run [s].
@@ -67,7 +72,7 @@ def run_graph(
     with tempfile.TemporaryDirectory(prefix="friction_live_") as logs:
         processes = ProcessGroup(Path(logs))
         try:
-            for node in (*graph.ESTIMATORS, graph.PLANT):
+            for node in (*estimators, graph.PLANT):
                 shipped = graph.parameter_files(node, Path())[:1]
                 chosen = dict(overrides.get(node, {}))
                 if node == graph.PLANT:
