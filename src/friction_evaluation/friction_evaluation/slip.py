@@ -22,6 +22,7 @@ from friction_bags.import_csv import read_rows
 from friction_evaluation.measured import BMW, data_directory
 from friction_evaluation.parts import Row
 from friction_evaluation.slip_stops import END_SPEED, STEP, Stop, stops
+from friction_evaluation.slip_tables import tables
 from friction_runtime.parameters import load
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.two_axle import WHEELS, CarParameters
@@ -41,19 +42,33 @@ BMW_STOP = (6.9, 9.0)
 INJECTED_OFFSET = 0.35
 """[m/s^2]"""
 GRADE_STEP = 0.02
+CASES = ("stops", "measured", "tables")
+"""Simulated stops, the BMW stop, Tables 8.4 and 8.5."""
 _FIRST_SEED = 30_000
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
     parser.add_argument("--seeds", type=int, default=100, help="noise seeds a road")
+    parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES, help="what to run")
     parser.add_argument("--data", type=Path, default=data_directory(), help="directory of the measured data")
 
 
 def run(options: argparse.Namespace) -> list[Row]:
-    """Make all runs; return two rows a case, the estimator's and the baseline's."""
-    rows: list[Row] = []
+    """Make all runs. Of the stops and the BMW, two rows a case: the estimator's and the baseline's."""
     seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
+    rows: list[Row] = []
+    if "stops" in options.cases:
+        rows += _simulated(seeds)
+    if "measured" in options.cases:
+        rows += _measured(options.data / BMW)
+    if "tables" in options.cases:
+        rows += tables(seeds, shipped())
+    return rows
+
+
+def _simulated(seeds: range) -> list[Row]:
+    rows: list[Row] = []
     with Progress() as progress:
         task = progress.add_task("stops", total=(len(ROADS) + 1) * 2 * len(seeds))
 
@@ -63,13 +78,15 @@ def run(options: argparse.Namespace) -> list[Row]:
         for road in ROADS:
             rows += _rows(road, [_follow(stop, advance) for stop in stops(road, seeds, progress=advance)])
         stepped = [_follow(stop, advance) for stop in stops("dry", seeds, grade_step=GRADE_STEP, progress=advance)]
-    rows += _rows("dry, slope step of 2 % in mid-stop", stepped)
-    if (options.data / BMW).is_file():
-        rows += _rows("bmw", [follow_bmw(options.data / BMW)])
-        rows += _rows("bmw, accelerometer +0.35 m/s^2", [follow_bmw(options.data / BMW, INJECTED_OFFSET)])
-    else:
-        print(f"case bmw left out, measured data are absent: {options.data / BMW} (give --data, or set FRICTION_DATA)")
-    return rows
+    return rows + _rows("dry with a slope step of 2 % in mid-stop", stepped)
+
+
+def _measured(path: Path) -> list[Row]:
+    if not path.is_file():
+        print(f"case bmw left out, measured data are absent: {path} (give --data, or set FRICTION_DATA)")
+        return []
+    shifted = _rows("bmw, accelerometer +0.35 m/s^2", [follow_bmw(path, INJECTED_OFFSET)])
+    return _rows("bmw", [follow_bmw(path)]) + shifted
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,58 @@
+"""Part slip: small numbers of runs within the limits, the measured stop, and the manoeuvres of the tables."""
+
+import numpy as np
+import pytest
+
+from friction_evaluation import slip
+from friction_evaluation.measured import BMW, data_directory
+from friction_evaluation.slip_stops import CRUISE, DT, stops
+from friction_evaluation.slip_tables import ACTIVATION_SLIP, LAMBDA_INIT, ROADS, Road, braking, tables
+
+needs_data = pytest.mark.skipif(
+    not (data_directory() / BMW).is_file(), reason=f"measured data are absent: {data_directory()} (set FRICTION_DATA)"
+)
+
+
+def test_stop_begins_with_a_steady_cruise_and_ends_at_3_metres_a_second() -> None:
+    (stop,) = stops("dry", range(1))
+    assert stop.onset == round(CRUISE / DT)
+    assert np.max(np.abs(stop.speed[: stop.onset] - 30.0)) < 0.1
+    assert 3.0 < stop.speed[-1] < 3.1
+    assert stop.slip[stop.onset :].max() > 0.1
+    noise = stop.wheel_speed - (1.0 - stop.slip) * stop.speed[:, np.newaxis] / 0.3
+    assert noise.std() == pytest.approx(np.sqrt(0.005), rel=0.05)
+
+
+def test_dry_stops_are_within_the_limits_and_far_better_than_the_best_wheel() -> None:
+    found = [slip._follow(stop, lambda _done: None) for stop in stops("dry", range(1))]
+    ours, baseline = slip._rows("dry", found)
+    assert ours["speed_rms"] <= ours["speed_rms_limit"]
+    assert ours["slip_rms"] <= ours["slip_rms_limit"]
+    assert baseline["speed_rms"] > 4.0 * ours["speed_rms"]
+
+
+@needs_data
+def test_measured_stop_is_within_the_limits_and_an_offset_does_not_matter() -> None:
+    (plain, baseline), (shifted, _) = (
+        slip._rows("bmw", [slip.follow_bmw(data_directory() / BMW, offset)]) for offset in (0.0, 0.35)
+    )
+    assert plain["speed_rms"] <= 0.05
+    assert plain["slip_rms"] <= 0.006
+    assert abs(shifted["speed_rms"] - plain["speed_rms"]) <= 0.02
+    assert baseline["speed_rms"] > 0.3
+    assert plain["valid"] > 0.95
+
+
+@pytest.mark.parametrize("road", ROADS, ids=lambda road: road.name)
+def test_manoeuvre_takes_the_chapters_samples_from_init_to_activation(road: Road) -> None:
+    truth = braking(road)
+    slips = 1.0 - truth.wheel_speed * 0.3 / truth.speed
+    assert slips[truth.begin - 1] <= LAMBDA_INIT < slips[truth.begin]
+    assert slips[truth.begin + road.activation] == pytest.approx(ACTIVATION_SLIP, abs=1e-3)
+
+
+def test_tables_with_estimated_speed_are_as_good_as_with_measured_speed() -> None:
+    rows = tables(range(1), slip.shipped())
+    default = [row for row in rows if row["method"] == "default" and row["instant"] == "end"]
+    assert {row["speed"] for row in default} == {"measured", "estimated"}
+    assert all(abs(row["bias_percent"]) < 6.0 and row["failures"] == 0 for row in default)
