@@ -7,6 +7,7 @@ to 5 m/s; the ideal stop holds mu_max all the way. A lock is a slip above 0.95 f
 """
 
 import argparse
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -64,8 +65,8 @@ def run(options: argparse.Namespace) -> list[Row]:
     with Progress() as progress:
         task = progress.add_task("closed loop", total=len(TABLE_8_1) * options.seeds)
         for name in TABLE_8_1:
-            result = stops(name, range(_FIRST_SEED, _FIRST_SEED + options.seeds), CHAPTER_NOISE, progress, task)
-            rows.append(_row(name, result))
+            seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
+            rows.append(_row(name, stops(name, seeds, CHAPTER_NOISE, shipped(), lambda n: progress.advance(task, n))))
     return rows
 
 
@@ -109,7 +110,10 @@ class Controller:
         raise RuntimeError(f"no brake_command at stamp {stamp} ns")
 
 
-def shipped() -> tuple[FrictionSlopeParameters, SupervisorParameters]:
+Parameters = tuple[FrictionSlopeParameters, SupervisorParameters]
+
+
+def shipped() -> Parameters:
     """Load the shipped parameter files of the supervisor's loop."""
     slope = load(FrictionSlopeParameters, _shipped_file("friction_slope"), "friction_slope")
     supervisor = load(SupervisorParameters, _shipped_file("abs_supervisor"), "abs_supervisor")
@@ -120,14 +124,28 @@ def _shipped_file(package: str) -> Path:
     return Path(get_package_share_directory(package)) / "config" / f"{package}.yaml"
 
 
-def stops(name: str, seeds: range, noise: SensorNoise, progress: Progress | None = None, task: object = None) -> Stops:
-    """Brake once for each seed, side by side: the plant is one array, each run has its own processors."""
+def stops(
+    name: str,
+    seeds: range,
+    noise: SensorNoise,
+    parameters: Parameters,
+    done: Callable[[int], None] = lambda count: None,
+) -> Stops:
+    """Brake once for each seed, side by side: the plant is one array, each run has its own processors.
+
+    Args:
+        name: of the surface.
+        seeds: of the sensor noise.
+        noise: variances of the sensor noise.
+        parameters: of friction_slope and abs_supervisor.
+        done: told how many runs have just ended.
+    """
     count = len(seeds)
     theta = surface(name)
-    _, mu_max = burckhardt.peak(theta)
+    mu_max = float(burckhardt.peak(theta)[1])
     demand = DEMAND_RATIO * float(CORNER.peak_torque(theta))
     corner, actuator = SingleCorner(CORNER, np.full(count, SPEED)), BrakeActuator(count, DT)
-    controllers = [Controller(*shipped()) for _ in seeds]
+    controllers = [Controller(*parameters) for _ in seeds]
     generators = [np.random.default_rng(seed) for seed in seeds]
     torque, lock = np.zeros(count), np.zeros(count)
     used, late = np.zeros(count), np.zeros(count)
@@ -158,8 +176,7 @@ def stops(name: str, seeds: range, noise: SensorNoise, progress: Progress | None
         ended = running & (corner.speed <= END_SPEED)
         result.distance = np.where(ended, corner.distance - start, result.distance)
         running &= ~ended
-        if progress is not None and ended.any():
-            progress.advance(task, int(ended.sum()))  # type: ignore[arg-type]
+        done(int(ended.sum()))
         if not running.any():
             break
     result.utilisation = used * DT / result.duration

@@ -53,9 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> list[Row]:
     """Make all runs; return a row per surface and method."""
-    slip = _share(WheelSlipParameters, "wheel_slip", "wheel_slip")
-    slope = _share(FrictionSlopeParameters, "friction_slope", "friction_slope_monitor")
-    settings = Settings(slip, slope, imu=not options.no_imu)
+    settings = shipped_settings(imu=not options.no_imu)
     seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
     rows: list[Row] = []
     with Progress() as progress:
@@ -72,8 +70,8 @@ def run(options: argparse.Namespace) -> list[Row]:
                     false_alarms[method] += not np.isnan(alarms[method].lost)
                 progress.advance(task)
             for method in METHODS:
-                row = _row(name, method, crossing, found[method], false_alarms[method] / len(seeds))
-                rows.append(row | _noise_free(name, method, settings))
+                noisy = row(name, method, crossing, found[method], false_alarms[method] / len(seeds))
+                rows.append(noisy | _noise_free(name, method, settings))
     return rows
 
 
@@ -89,6 +87,19 @@ class Settings:
         """Make wheel_slip, and friction_slope by each method."""
         car = CarProcessor(self.slip if self.imu else replace(self.slip, use_imu=False))
         return car, {method: WheelProcessor(WHEEL, replace(self.slope, method=method)) for method in METHODS}
+
+    def exact(self) -> "Settings":
+        """The shortest window, zero thresholds and dead zones: for signals without noise."""
+        slope = replace(
+            self.slope,
+            window=3,
+            rate_window=3,
+            h_instability=0.0,
+            h_stability=0.0,
+            slip_rate_dead_zone=0.0,
+            eta_margin=0.0,
+        )
+        return replace(self, slope=slope)
 
 
 @dataclass(frozen=True)
@@ -141,7 +152,8 @@ def _detection(said: Array, run: Run) -> Detection:
     )
 
 
-def _row(name: str, method: str, run: Run, found: Sequence[Detection], false_alarms: float) -> Row:
+def row(name: str, method: str, run: Run, found: Sequence[Detection], false_alarms: float) -> Row:
+    """Sum up the runs of a surface and method; `false_alarms` is the share of runs with one."""
     up, down = run.crossings()
     lost = np.array([d.lost for d in found]) - up
     regained = np.array([d.regained for d in found]) - down
@@ -170,18 +182,9 @@ def _row(name: str, method: str, run: Run, found: Sequence[Detection], false_ala
 
 def _noise_free(name: str, method: str, settings: Settings) -> Row:
     """Shortest window, zero thresholds and dead zones; and the time after (8.6) in which eta and slip rate disagree."""
-    slope = replace(
-        settings.slope,
-        window=3,
-        rate_window=3,
-        h_instability=0.0,
-        h_stability=0.0,
-        slip_rate_dead_zone=0.0,
-        eta_margin=0.0,
-    )
     run = through_the_peak(name)
     up, down = run.crossings()
-    found = detect(run, replace(settings, slope=slope), NO_NOISE, 0)[method]
+    found = detect(run, settings.exact(), NO_NOISE, 0)[method]
     apart = disagreement(run)
     return {
         "exact_filter_delay_ms": 1e3 * found.delay,
@@ -200,5 +203,12 @@ def disagreement(run: Run) -> tuple[float, float]:
     return DT * float(differ[:released].sum()), DT * float(differ[released:].sum())
 
 
-def _share(kind: type, package: str, name: str):  # type: ignore[no-untyped-def]
-    return load(kind, Path(get_package_share_directory(package)) / "config" / f"{name}.yaml", package)
+def shipped_settings(imu: bool) -> Settings:
+    """Load the shipped parameter files, with or without an accelerometer."""
+    slip = load(WheelSlipParameters, _shipped_file("wheel_slip", "wheel_slip"), "wheel_slip")
+    slope = load(FrictionSlopeParameters, _shipped_file("friction_slope", "friction_slope_monitor"), "friction_slope")
+    return Settings(slip, slope, imu)
+
+
+def _shipped_file(package: str, name: str) -> Path:
+    return Path(get_package_share_directory(package)) / "config" / f"{name}.yaml"

@@ -1,0 +1,63 @@
+"""The closed-loop part: what it measures, checked on stops whose outcome is known."""
+
+from argparse import Namespace
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from friction_evaluation.abs_loop import END_SPEED, Parameters, shipped, stops
+from friction_evaluation.parts import part
+from friction_evaluation.slope_runs import CORNER, SPEED
+from vehicle_models import burckhardt
+from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
+from vehicle_models.surfaces import TABLE_8_1, surface
+
+
+@pytest.fixture
+def parameters() -> Parameters:
+    return shipped()
+
+
+def test_utilisation_is_the_mean_deceleration_over_the_best_one(parameters: Parameters) -> None:
+    """mean(mu) g = (v0 - v1) / duration, by momentum."""
+    for name in ("wet", "cobblestone"):
+        found = stops(name, range(2), CHAPTER_NOISE, parameters)
+        mu_max = float(burckhardt.peak(surface(name))[1])
+        mean = (SPEED - END_SPEED) / found.duration / CORNER.gravity
+        np.testing.assert_allclose(found.utilisation, mean / mu_max, rtol=0.02)
+        assert np.all(found.distance > (SPEED**2 - END_SPEED**2) / (2.0 * mu_max * CORNER.gravity))
+
+
+def test_shipped_parameters_hold_the_wheel_off_the_lock(parameters: Parameters) -> None:
+    found = stops("dry", range(3), CHAPTER_NOISE, parameters)
+    assert np.all(found.longest_lock < 0.05)
+    assert np.all(found.utilisation > 0.5)
+    assert np.all(found.fail_safes == 0)
+
+
+def test_supervisor_that_never_releases_locks_the_wheel_and_it_is_noticed(parameters: Parameters) -> None:
+    slope, supervisor = parameters
+    never = (replace(slope, eta_margin=100.0), replace(supervisor, h_instability=-1e5, release_timeout=0.005, wait=0.0))
+    found = stops("wet", range(1), NO_NOISE, never)
+    assert found.longest_lock[0] > 0.05
+
+
+def test_runs_do_not_depend_on_their_neighbours_and_repeat(parameters: Parameters) -> None:
+    together = stops("wet", range(3), CHAPTER_NOISE, parameters)
+    alone = stops("wet", range(2, 3), CHAPTER_NOISE, parameters)
+    assert together.utilisation[2] == pytest.approx(alone.utilisation[0], rel=1e-12)
+    assert together.distance[2] == pytest.approx(alone.distance[0], rel=1e-12)
+    assert together.transitions[2] == alone.transitions[0]
+
+
+def test_every_run_that_ends_is_told_once(parameters: Parameters) -> None:
+    ended: list[int] = []
+    stops("dry", range(3), CHAPTER_NOISE, parameters, ended.append)
+    assert sum(ended) == 3
+
+
+def test_part_gives_a_flat_row_for_each_surface() -> None:
+    rows = part("abs").run(Namespace(seeds=1))
+    assert [r["surface"] for r in rows] == list(TABLE_8_1)
+    assert all(isinstance(value, int | float | str) for r in rows for value in r.values())
