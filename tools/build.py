@@ -96,7 +96,12 @@ def run_colcon(root: Path, total: int) -> int:
         return None
 
     log = root / "build" / "colcon.log"
-    command = ["colcon", "--log-base", str(root / "log"), "build", "--symlink-install", "--base-paths", "src"]
+    # By this python, so that the programs of the packages start with it too, wherever colcon comes from.
+    colcon = shutil.which("colcon")
+    if colcon is None:
+        sys.exit("colcon is not on the PATH: sudo apt-get install -y python3-colcon-common-extensions")
+    command = [sys.executable, colcon, "--log-base", str(root / "log"), "build", "--symlink-install"]
+    command += ["--base-paths", "src"]
     env = dict(os.environ, PYTHONUNBUFFERED="1")
     code = run_with_progress("colcon build", command, log, describe, env)
     for package in failed:

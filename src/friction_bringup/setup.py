@@ -23,5 +23,10 @@ setup(
     maintainer_email="developers@friction.example.org",
     description="Starts the friction graph: launch files, parameter files, the demo and its live view",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["demo = friction_bringup.__main__:main"]},
+    entry_points={
+        "console_scripts": [
+            "demo = friction_bringup.__main__:demo_main",
+            "monitor = friction_bringup.__main__:monitor_main",
+        ]
+    },
 )

@@ -43,5 +43,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
 
 
+def demo_main() -> int:
+    """``ros2 run friction_bringup demo ...``."""
+    return main(["demo", *sys.argv[1:]])
+
+
+def monitor_main() -> int:
+    """``ros2 run friction_bringup monitor``."""
+    return main(["monitor"])
+
+
 if __name__ == "__main__":
     sys.exit(main())
