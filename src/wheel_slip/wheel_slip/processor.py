@@ -137,7 +137,7 @@ class CarProcessor:
         return float(acceleration) if abs(acceleration) <= _STRONGEST_ACCELERATION else nan
 
     def _offer_speed(self, stamp: int, message: TwistWithCovarianceStamped) -> str | None:
-        speed, variance = message.twist.twist.linear.x, message.twist.covariance[0]
+        speed, variance = float(message.twist.twist.linear.x), float(message.twist.covariance[0])
         if not abs(speed) <= _FASTEST_CAR:
             return f"{VEHICLE_VELOCITY}: {speed} is no vehicle speed"
         if not (isfinite(variance) and variance > 0.0):
