@@ -23,7 +23,7 @@ from friction_curve_id import log_curve
 from friction_curve_id.braking_window import BrakingWindow
 from friction_curve_id.interface import WheelParameters
 from friction_curve_id.past_evidence import PastEvidence
-from friction_curve_id.robust_weights import robust_cost, robust_weights
+from friction_curve_id.robust_weights import huber_cost, huber_weights, robust_cost, robust_weights
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ class OutlierThresholds:
     """Residuals beyond these, in standard deviations, weigh less."""
 
     wheel_speed: float = 3.5
-    speed: float = 3.5
+    speed: float = 2.0
     wheel_equation: float = 3.5
 
 
@@ -144,8 +144,8 @@ def assemble(
     omega_weight = robust_weights(squared, thresholds.wheel_speed) * trust / noise.wheel_speed**2
     speed_error = speed - window.measured_speed[:n]
     squared, trust = (speed_error / noise.speed) ** 2, window.has_speed[:n]
-    cost += robust_cost(squared, thresholds.speed) @ trust
-    speed_weight = robust_weights(squared, thresholds.speed) * trust / noise.speed**2
+    cost += huber_cost(squared, thresholds.speed) @ trust
+    speed_weight = huber_weights(squared, thresholds.speed) * trust / noise.speed**2
     if oldest is not None:
         omega_weight[-1] = speed_weight[-1] = 0.0
 

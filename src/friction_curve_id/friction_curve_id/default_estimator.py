@@ -22,7 +22,7 @@ from friction_curve_id.banded_normal_equations import (
 from friction_curve_id.braking_window import SET_ASIDE, BrakingWindow
 from friction_curve_id.curve_prior import CurvePrior
 from friction_curve_id.curve_uncertainty import ValidityLimits, describe
-from friction_curve_id.excitation import is_excited
+from friction_curve_id.excitation import is_driven, is_excited, is_released, wheel_trend
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample, WheelParameters
 from friction_curve_id.past_evidence import MOMENTUM, WHEEL_SPEED, momentum_evidence, no_evidence
 from friction_curve_id.prediction import predict
@@ -34,8 +34,12 @@ Array = NDArray[np.float64]
 
 _LEAD_IN = 20
 """Samples that wait for the brake or the wheel to move."""
+_SHORT_LEAD_IN = 3
+"""So many of them where the engine moves the wheel: its torque is not known."""
 _QUIET = 40
 """So many samples of constant torque and slip say nothing new."""
+_RELEASED = 10
+"""So many samples without brake torque and slip end the braking."""
 _QUIET_SLIP_SPAN = 0.002
 _LONGEST_STEP = 0.7
 """Of any coordinate of q in one iteration: a factor two."""
@@ -48,6 +52,8 @@ _FARTHEST = 8.0
 _NO_OUTLIERS = OutlierThresholds(1e6, 1e6, 1e6)
 _START_SPEED_DOUBT = 0.1
 """Added to the standard deviation of u at a change of surface [m/s]."""
+_DRIVEN_ACCELERATION = 5.0
+"""Standard deviation of the acceleration between brakings [m/s^2]: the torque of the engine is not measured."""
 _START_SPEED_STDDEV = 10.0
 """Of the first guess of u [m/s]: weak, whatever the wheel does at the start."""
 
@@ -150,7 +156,8 @@ class DefaultEstimator:
         """Fold all samples but the newest, which stays in the window unused, and stop fitting."""
         window, last = self._window, self._window.count - 1
         x = np.array([*self._q, self._momentum_speed, window.wheel_speed[last]])
-        self._past = fold(self._equations(oldest=last), last, x).without(WHEEL_SPEED)
+        if last > 0:
+            self._past = fold(self._equations(oldest=last), last, x).without(WHEEL_SPEED)
         self._folded_at = float(window.time[last])
         window.drop_oldest(last)
         self._monitor.reset()
@@ -164,9 +171,10 @@ class DefaultEstimator:
         if window.count > _LEAD_IN:
             window.drop_oldest(1)
         n, noise = window.count, self._p.noise
-        if n < 2 or not is_excited(
-            window.time[:n], window.measured_wheel_speed[:n], window.torque[:n], noise.wheel_speed, noise.torque
-        ):
+        trend = wheel_trend(window.time[:n], window.measured_wheel_speed[:n], noise.wheel_speed)
+        if not is_excited(trend, window.torque[:n], noise.wheel_speed, noise.torque):
+            if is_driven(trend, window.torque[:n], wheel):
+                window.drop_oldest(n - _SHORT_LEAD_IN)
             return Refusal(Reason.NO_EXCITATION, "torque and slip are constant: the curve cannot be seen")
         self._start()
         return self._publish()
@@ -176,7 +184,7 @@ class DefaultEstimator:
         window, p = self._window, self._p
         n = window.count
         age = max(float(window.time[0]) - self._folded_at, 0.0)
-        self._past = self._past.loosened(MOMENTUM, (p.acceleration_error * age) ** 2).aged(age, p.memory)
+        self._past = self._past.loosened(MOMENTUM, (_DRIVEN_ACCELERATION * age) ** 2).aged(age, p.memory)
         if not self._past.information.any():
             if self._samples:
                 self._cause = RestartCause.GAP
@@ -229,9 +237,10 @@ class DefaultEstimator:
             self._begin_on_new_surface()
         else:
             self._iterate(at_most=3)
-        if self._is_quiet():
+        nothing_new = self._nothing_new()
+        if nothing_new:
             self._summarise()
-            return Refusal(Reason.NO_EXCITATION, "torque and slip have been constant: more of them say nothing new")
+            return Refusal(Reason.NO_EXCITATION, nothing_new)
         return self._publish()
 
     def _set_aside(self, equation_trust: float, innovation: float) -> None:
@@ -274,11 +283,20 @@ class DefaultEstimator:
         self._monitor.reset()
         self._iterate(at_most=6)
 
-    def _is_quiet(self) -> bool:
-        n = self._window.count
-        if n < _QUIET or float(np.ptp(self._window.torque[n - _QUIET : n])) > 8.0 * self._p.noise.torque:
-            return False
-        return float(np.ptp(self._window.slips(self._momentum_speed)[n - _QUIET :])) < _QUIET_SLIP_SPAN
+    def _nothing_new(self) -> str:
+        """Why further samples would say nothing about the curve, or ""."""
+        window, noise = self._window, self._p.noise
+        n = window.count
+        torque = window.torque[:n]
+        if n >= _RELEASED and float(torque[-1]) < 4.0 * noise.torque:
+            slips = window.slips(self._momentum_speed)
+            if is_released(torque[-_RELEASED:], slips[-_RELEASED:], noise.torque):
+                return "the brake is released"
+        if n >= _QUIET and float(np.ptp(torque[-_QUIET:])) < 8.0 * noise.torque:
+            slips = window.slips(self._momentum_speed)
+            if float(np.ptp(slips[-_QUIET:])) < _QUIET_SLIP_SPAN:
+                return "torque and slip have been constant: more of them say nothing new"
+        return ""
 
     def _equations(self, oldest: int | None = None) -> NormalEquations:
         p = self._p

@@ -1,30 +1,61 @@
-"""Whether the latest samples say anything about the curve: torque changes, or a wheel that not just decelerates."""
+"""Whether the latest samples say anything about the curve, and whether the brake alone moves the wheel."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from friction_curve_id.interface import WheelParameters
 
 Array = NDArray[np.float64]
 
 _TORQUE_SPAN = 8.0
 _BEND = 6.0
 """Both in standard deviations of the measurement: twice what noise alone reaches within some ten samples."""
+_NO_TORQUE = 1.5
+"""Mean torque of a released brake, in standard deviations of one sample."""
+_NO_SLIP = 0.01
+_DRIVEN = 4.0
+"""Standard deviations of the trend."""
 
 
-def is_excited(time: Array, wheel_speed: Array, torque: Array, wheel_speed_noise: float, torque_noise: float) -> bool:
-    """Do torque [N m] or wheel speed [rad/s] over `time` [s], shapes (n,), differ from a constant and a straight line?
+@dataclass(frozen=True)
+class WheelTrend:
+    """Straight line through wheel speeds over some samples."""
 
-    Args:
-        time: stamps, rising.
-        wheel_speed: measured.
-        torque: measured.
-        wheel_speed_noise: standard deviation [rad/s].
-        torque_noise: standard deviation [N m].
-    """
-    if float(np.ptp(torque)) > _TORQUE_SPAN * torque_noise:
-        return True
+    rate: float
+    """[rad/s^2]"""
+    stddev: float
+    """Of the rate [rad/s^2]; inf for fewer than four samples."""
+    bend: float
+    """Largest distance from the line [rad/s]."""
+
+
+def wheel_trend(time: Array, wheel_speed: Array, wheel_speed_noise: float) -> WheelTrend:
+    """Fit the line over `time` [s] to wheel speeds [rad/s], shapes (n,), of this noise [rad/s]."""
     if len(time) < 4:
-        return False
+        return WheelTrend(0.0, float("inf"), 0.0)
     centred = time - time.mean()
-    trend = (centred @ wheel_speed) / (centred @ centred)
-    bend = wheel_speed - wheel_speed.mean() - trend * centred
-    return float(np.abs(bend).max()) > _BEND * wheel_speed_noise
+    spread = float(centred @ centred)
+    rate = float(centred @ wheel_speed) / spread
+    bend = float(np.abs(wheel_speed - wheel_speed.mean() - rate * centred).max())
+    return WheelTrend(rate, wheel_speed_noise / spread**0.5, bend)
+
+
+def is_excited(trend: WheelTrend, torque: Array, wheel_speed_noise: float, torque_noise: float) -> bool:
+    """Does the torque [N m], shape (n,), vary, or the braked wheel not just decelerate?"""
+    limit = _TORQUE_SPAN * torque_noise
+    if float(np.ptp(torque)) > limit:
+        return True
+    return trend.bend > _BEND * wheel_speed_noise and float(torque.mean()) > limit
+
+
+def is_released(torque: Array, slip: Array, torque_noise: float) -> bool:
+    """Is there no brake torque [N m] any more, and has the slip gone? Shapes (n,)."""
+    return float(torque.mean()) < _NO_TORQUE * torque_noise and float(np.abs(slip).max()) < _NO_SLIP
+
+
+def is_driven(trend: WheelTrend, torque: Array, wheel: WheelParameters) -> bool:
+    """Does something besides the brake torque [N m], shape (n,), change the speed of a rolling wheel: the engine?"""
+    expected = -float(torque.mean()) / (wheel.mass * wheel.radius**2 + wheel.inertia)
+    return abs(trend.rate - expected) > _DRIVEN * trend.stddev

@@ -16,3 +16,14 @@ def robust_cost(squared: Array, threshold: float) -> Array:
     """The cost whose derivative these weights are, shape (n,): squared / 2, at most threshold^2."""
     ratio = np.minimum(threshold**2 / np.maximum(squared, 1e-30), 1.0)
     return np.asarray(np.where(ratio < 1.0, threshold**2 * (1.0 - 0.5 * ratio), 0.5 * squared))
+
+
+def huber_weights(squared: Array, threshold: float) -> Array:
+    """Weights min(1, threshold / |residual|), shape (n,): convex, so that many large residuals together still count."""
+    return np.asarray(np.minimum(threshold / np.sqrt(np.maximum(squared, 1e-30)), 1.0))
+
+
+def huber_cost(squared: Array, threshold: float) -> Array:
+    """The cost whose derivative these weights are, shape (n,)."""
+    size = np.sqrt(squared)
+    return np.asarray(np.where(size > threshold, threshold * (size - 0.5 * threshold), 0.5 * squared))

@@ -1,0 +1,285 @@
+"""The default estimator: at the bound, calibrated, honest before the peak, unmoved by outliers, alive after hours."""
+
+import copy
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import Brake
+from numpy.testing import assert_allclose
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from friction_curve_id.default_estimator import DefaultEstimator, DefaultParameters
+from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
+from vehicle_models import burckhardt
+from vehicle_models.sensor_noise import CHAPTER_NOISE
+from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.surfaces import TABLE_8_1, surface
+
+Array = NDArray[np.float64]
+
+BOUND = {"dry": 0.00889, "wet": 0.0156, "cobblestone": 0.00428}
+"""Cramer-Rao bound of lambda_max at N = 100, relative (friction_evaluation computes and checks it)."""
+SEEDS = 20
+
+
+def final(samples: list[Sample], estimator: DefaultEstimator | None = None) -> CurveEstimate:
+    """Feed all samples; the last answer must be an estimate."""
+    estimator = DefaultEstimator() if estimator is None else estimator
+    answer: CurveEstimate | Refusal | None = None
+    for sample in samples:
+        answer = estimator.update(sample)
+    assert isinstance(answer, CurveEstimate)
+    return answer
+
+
+def peak_of(name: str) -> tuple[float, float]:
+    lambda_max, mu_max = burckhardt.peak(surface(name))
+    return float(lambda_max), float(mu_max)
+
+
+@pytest.mark.parametrize("name", BOUND)
+def test_without_noise_the_peak_is_found_to_a_fifth_of_a_percent(clean: Brake, name: str) -> None:
+    estimate = final(list(clean(name).samples))
+    assert_allclose([estimate.lambda_max, estimate.mu_max], peak_of(name), rtol=2e-3)
+    assert estimate.valid and estimate.reason is Reason.OK
+
+
+@pytest.mark.parametrize("name", BOUND)
+def test_errors_are_at_the_bound_and_as_large_as_stated(noisy: Brake, name: str) -> None:
+    estimates = [final(list(noisy(name, seed).samples)) for seed in range(SEEDS)]
+    lambda_max = peak_of(name)[0]
+    error = np.array([estimate.lambda_max for estimate in estimates]) - lambda_max
+    stddev = np.array([estimate.lambda_max_stddev for estimate in estimates])
+    # Both sums are chi-squared if the estimator is efficient and calibrated; once in 10000 they lie outside.
+    low, high = chi2.ppf((5e-5, 1.0 - 5e-5), SEEDS)
+    assert float(np.sum((error / (BOUND[name] * lambda_max)) ** 2)) < high
+    assert low < float(np.sum((error / stddev) ** 2)) < high
+
+
+@pytest.mark.parametrize("name", TABLE_8_1)
+def test_before_the_peak_the_estimate_is_uncertain_and_says_so(noisy: Brake, name: str) -> None:
+    lambda_max = peak_of(name)[0]
+    estimate = final(list(noisy(name, 1, 40).samples))
+    assert not estimate.valid and estimate.reason is Reason.PEAK_NOT_PASSED and "peak" in estimate.text
+    assert estimate.lambda_max_stddev > 0.03 * lambda_max
+    assert estimate.probability_beyond_peak < 0.05 and estimate.slope > 0.0
+
+
+def test_beyond_the_peak_the_probability_says_so_within_thirty_milliseconds(noisy: Brake) -> None:
+    for name in TABLE_8_1:
+        braking = noisy(name, 2)
+        crossing = int(np.argmax(braking.slip > peak_of(name)[0]))
+        estimator = DefaultEstimator()
+        answers = [estimator.update(sample) for sample in braking.samples]
+        likely = [isinstance(a, CurveEstimate) and a.probability_beyond_peak > 0.9 for a in answers]
+        assert -5 <= likely.index(True) - crossing <= 6
+
+
+def test_a_speed_sensor_is_not_needed(noisy: Brake) -> None:
+    estimates = [
+        final([replace(sample, vehicle_speed=None) for sample in noisy("dry", seed).samples]) for seed in range(SEEDS)
+    ]
+    error = np.array([estimate.lambda_max / peak_of("dry")[0] - 1.0 for estimate in estimates])
+    assert float(np.sum((error / BOUND["dry"]) ** 2)) < chi2.ppf(1.0 - 5e-5, SEEDS)
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"wheel_speed": float("nan")}, Reason.BAD_INPUT),
+        ({"time": float("inf")}, Reason.BAD_INPUT),
+        ({"brake_torque": float("-inf")}, Reason.BAD_INPUT),
+        ({"vehicle_speed": float("nan")}, Reason.BAD_INPUT),
+        ({"brake_torque": None}, Reason.NO_TORQUE),
+        ({"wheel_speed": 0.0}, Reason.LOW_SPEED),
+        ({"wheel_speed": -3.0}, Reason.LOW_SPEED),
+        ({"vehicle_speed": 0.0}, Reason.LOW_SPEED),
+        ({"wheel_speed": 400.0}, Reason.NO_SLIP),
+        ({"time": 0.295}, Reason.BAD_INPUT),
+        ({"time": 5.0}, Reason.GAP),
+        ({"time": 0.1}, Reason.GAP),
+    ],
+)
+def test_bad_input_is_refused_and_changes_nothing(noisy: Brake, change: dict[str, float], reason: Reason) -> None:
+    samples = list(noisy("wet", 3).samples)
+    estimator = DefaultEstimator()
+    for sample in samples[:60]:
+        estimator.update(sample)
+    other = copy.deepcopy(estimator)
+    answer = estimator.update(replace(samples[60], **change))
+    assert isinstance(answer, Refusal) and answer.reason is reason and answer.text
+    for sample in samples[61:]:
+        ours, theirs = estimator.update(sample), other.update(sample)
+        assert isinstance(ours, CurveEstimate) and isinstance(theirs, CurveEstimate)
+        assert ours.lambda_max == theirs.lambda_max and ours.lambda_max_stddev == theirs.lambda_max_stddev
+
+
+def test_constant_slip_is_refused_and_what_is_known_stays(noisy: Brake) -> None:
+    estimator = DefaultEstimator()
+    known = final(list(noisy("dry", 4).samples), estimator)
+    # Past the peak the brake is released and the wheel rolls: no torque, no slip, for two seconds.
+    last = noisy("dry", 4).samples[-1]
+    generator = np.random.default_rng(4)
+    answers = []
+    for k in range(1, 400):
+        torque, omega = generator.normal(0.0, 3.0), 75.0 + generator.normal(0.0, 0.07)
+        answers.append(estimator.update(Sample(last.time + 0.005 * k, omega, 22.5, torque)))
+    assert all(isinstance(a, Refusal) and a.reason is Reason.NO_EXCITATION for a in answers[100:])
+    assert known.valid
+
+
+def test_a_stream_without_braking_never_gives_an_estimate() -> None:
+    estimator, generator = DefaultEstimator(), np.random.default_rng(5)
+    for k in range(600):
+        omega = 100.0 - 0.02 * k + generator.normal(0.0, 0.07)
+        answer = estimator.update(Sample(0.005 * k, omega, None, generator.normal(0.0, 3.0)))
+        assert isinstance(answer, Refusal) and answer.reason is Reason.NO_EXCITATION
+
+
+def test_after_a_gap_the_fit_begins_anew_and_says_so(noisy: Brake) -> None:
+    samples = list(noisy("wet", 6).samples)
+    estimator = DefaultEstimator()
+    for sample in samples[:80]:
+        estimator.update(sample)
+    later = [replace(sample, time=sample.time + 30.0) for sample in samples]
+    answers = [estimator.update(sample) for sample in later]
+    assert isinstance(answers[0], Refusal) and answers[0].reason is Reason.GAP
+    estimates = [answer for answer in answers if isinstance(answer, CurveEstimate)]
+    assert estimates[0].restarted and estimates[0].restart_cause is RestartCause.GAP
+    assert estimates[0].samples < 30 and not any(estimate.restarted for estimate in estimates[1:])
+    assert_allclose(estimates[-1].lambda_max, peak_of("wet")[0], rtol=0.08)
+
+
+def test_reset_begins_anew_on_request(noisy: Brake) -> None:
+    samples = list(noisy("dry", 7).samples)
+    used, fresh = DefaultEstimator(), DefaultEstimator()
+    final(samples, used)
+    used.reset()
+    answers = [(used.update(sample), fresh.update(sample)) for sample in samples]
+    first = next(ours for ours, _ in answers if isinstance(ours, CurveEstimate))
+    assert first.restart_cause is RestartCause.REQUEST
+    ours, theirs = answers[-1]
+    assert isinstance(ours, CurveEstimate) and isinstance(theirs, CurveEstimate)
+    assert ours.lambda_max == theirs.lambda_max
+
+
+def disturbed(sample: Sample, signals: str) -> Sample:
+    """Off by ten times the noise in wheel speed, speed and torque, as `signals` says."""
+    assert sample.vehicle_speed is not None and sample.brake_torque is not None
+    return Sample(
+        sample.time,
+        sample.wheel_speed + 10.0 * CHAPTER_NOISE.wheel_speed_variance**0.5 * ("w" in signals),
+        sample.vehicle_speed + 10.0 * CHAPTER_NOISE.speed_variance**0.5 * ("v" in signals),
+        sample.brake_torque + 10.0 * CHAPTER_NOISE.torque_variance**0.5 * ("T" in signals),
+    )
+
+
+@pytest.mark.parametrize("signals", ["w", "T", "wvT"])
+@pytest.mark.parametrize("name", ["dry", "cobblestone"])
+def test_five_samples_off_by_ten_times_the_noise_move_lambda_max_by_at_most_a_deviation(
+    noisy: Brake, name: str, signals: str
+) -> None:
+    for seed in range(4):
+        samples = list(noisy(name, seed).samples)
+        for first in (60, 85):
+            estimator = DefaultEstimator()
+            before = final(samples[:first], estimator)
+            for sample in samples[first : first + 5]:
+                after = estimator.update(disturbed(sample, signals))
+                assert isinstance(after, CurveEstimate) and not after.restarted
+                assert abs(after.lambda_max - before.lambda_max) <= before.lambda_max_stddev
+
+
+@pytest.mark.parametrize("name", ["dry", "cobblestone"])
+def test_five_wrong_vehicle_speeds_change_nothing(noisy: Brake, name: str) -> None:
+    for seed in range(4):
+        samples = list(noisy(name, seed).samples)
+        wrong = [disturbed(sample, "v") if 60 <= k < 65 else sample for k, sample in enumerate(samples)]
+        right, after = final(samples), final(wrong)
+        assert abs(after.lambda_max - right.lambda_max) <= 0.1 * right.lambda_max_stddev
+
+
+def drive_over_a_change(before: str, after: str, seed: int) -> list[Sample]:
+    """Manoeuvre B beyond the peak of `before`, then the same torque on `after` until the wheel locks."""
+    plant, generator = SingleCorner(CornerParameters(), [30.0]), np.random.default_rng(seed)
+    samples, noise = [], CHAPTER_NOISE
+    for k in range(200):
+        if plant.slip[0] > 0.98:
+            break
+        torque, following = (857.0 * min(t / 0.25, 1.0) for t in (0.005 * k, 0.005 * (k + 1)))
+        samples.append(
+            Sample(
+                0.005 * k,
+                float(plant.wheel_speed[0]) + generator.normal(0.0, noise.wheel_speed_variance**0.5),
+                float(plant.speed[0]) + generator.normal(0.0, noise.speed_variance**0.5),
+                torque + generator.normal(0.0, noise.torque_variance**0.5),
+            )
+        )
+        plant.step(torque, following, surface(before if k < 100 else after), 0.005)
+    return samples
+
+
+def test_from_dry_to_snow_beyond_the_peak_it_restarts_and_finds_the_new_curve() -> None:
+    inside = []
+    for seed in range(12):
+        estimator = DefaultEstimator()
+        answers = [estimator.update(sample) for sample in drive_over_a_change("dry", "snow", seed)]
+        estimates = [answer for answer in answers if isinstance(answer, CurveEstimate)]
+        restarts = [k for k, a in enumerate(answers) if isinstance(a, CurveEstimate) and a.restarted]
+        assert len(restarts) == 1 and 100 < restarts[0] <= 112
+        assert answers[restarts[0]].restart_cause is RestartCause.SURFACE  # type: ignore[union-attr]
+        last, (lambda_max, mu_max) = estimates[-1], peak_of("snow")
+        inside.append(
+            abs(last.lambda_max - lambda_max) <= 2.0 * last.lambda_max_stddev
+            and abs(last.mu_max - mu_max) <= 2.0 * last.mu_max_stddev
+        )
+    # Two deviations may be exceeded in one of twenty for each of the two.
+    assert sum(inside) >= 9
+
+
+def test_the_road_changes_only_where_it_does(noisy: Brake) -> None:
+    for name in TABLE_8_1:
+        for seed in range(5):
+            estimator = DefaultEstimator()
+            answers = [estimator.update(sample) for sample in noisy(name, seed).samples]
+            assert not any(isinstance(a, CurveEstimate) and a.restarted for a in answers)
+
+
+def test_it_runs_for_long_in_bounded_memory_and_still_knows_the_road() -> None:
+    plant, generator = SingleCorner(CornerParameters(), [30.0]), np.random.default_rng(8)
+    estimator, dt, noise = DefaultEstimator(), 0.005, CHAPTER_NOISE
+    theta, lambda_max = surface("wet"), peak_of("wet")[0]
+    torque, sizes, errors = 0.0, [], []
+    for k in range(4_800):
+        # Eight brakings, each through the peak and back; between them the engine brings the car back to speed.
+        phase = (k * dt) % 3.0
+        following = 610.0 * min(phase / 0.3, 1.0) if phase < 0.7 else max(torque - 25.0, 0.0)
+        if phase > 1.1:
+            plant = SingleCorner(CornerParameters(), [min(float(plant.speed[0]) + 3.0 * dt, 30.0)])
+        answer = estimator.update(
+            Sample(
+                k * dt,
+                float(plant.wheel_speed[0]) + generator.normal(0.0, noise.wheel_speed_variance**0.5),
+                float(plant.speed[0]) + generator.normal(0.0, noise.speed_variance**0.5),
+                torque + generator.normal(0.0, noise.torque_variance**0.5),
+            )
+        )
+        plant.step(torque, following, theta, dt)
+        torque = following
+        if k % 250 == 249:
+            sizes.append(len(pickle.dumps(estimator)))
+        if isinstance(answer, CurveEstimate) and answer.valid:
+            errors.append((answer.lambda_max / lambda_max - 1.0, answer.lambda_max_stddev / lambda_max))
+    assert max(sizes) < sizes[0] + 4000
+    error, stddev = np.array(errors).T
+    assert len(errors) > 500 and np.median(np.abs(error)) < 0.02
+    assert np.mean(np.abs(error) <= 3.0 * stddev) > 0.9
+
+
+def test_parameters_that_make_no_estimator_are_refused() -> None:
+    for wrong in ({"window": 10}, {"memory": 0.0}, {"acceleration_error": -1.0}):
+        with pytest.raises(ValueError):
+            DefaultParameters(**wrong)  # type: ignore[arg-type]
