@@ -15,6 +15,7 @@ setup(
         ("share/ament_index/resource_index/packages", ["resource/" + package_name]),
         ("share/" + package_name, ["package.xml"]),
         ("share/" + package_name + "/config", glob("config/*.yaml")),
+        ("share/" + package_name + "/calibration", glob("calibration/*.yaml")),
     ],
     zip_safe=True,
     maintainer="friction developers",

@@ -22,6 +22,7 @@ from friction_evaluation.smart_tyre_runs import (
     LOW,
     NOISY,
     NOMINAL,
+    PLANT_WHEELS,
     QUIET,
     QUIET_UNEVEN,
     RING,
@@ -68,11 +69,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
     parser.add_argument("--seeds", type=int, default=30, help="noise seeds")
     parser.add_argument("--figures", type=Path, help="directory for Figures 8.16 and 8.18 to 8.28")
+    parser.add_argument(
+        "--plant-calibration", type=Path, help="only write the calibration of corner_sim's wheels there"
+    )
     parser.add_argument("--no-live", action="store_true", help="leave out the cost of the live node over DDS (20 s)")
 
 
 def run(args: argparse.Namespace) -> list[Row]:
     """Evaluate; return flat rows of case, axle, quantity, value, limit."""
+    if args.plant_calibration is not None:
+        calibration_runs(NOISY, PLANT_WHEELS).calibrate().save(args.plant_calibration)
+        return []
     runs = calibration_runs(NOISY)
     known, ideal = runs.calibrate(), calibration_runs(QUIET).calibrate()
     with Progress(transient=True) as progress:

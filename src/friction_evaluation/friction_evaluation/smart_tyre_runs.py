@@ -1,5 +1,6 @@
 """Simulated drives of one instrumented wheel, its passages, and the calibration made from drives of their own."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,6 +27,8 @@ NOMINAL, LOW = 2.0e5, 1.6e5
 """Gauge pressures of the chapter [Pa]."""
 WHEEL_SEEDS = {"front": 1, "rear": 3}
 """One wheel of each axle, with its own teeth and mounting."""
+PLANT_WHEELS = {"front_left": 0, "front_right": 1, "rear_left": 2, "rear_right": 3}
+"""The wheels of corner_sim."""
 _CALIBRATION_SEED = 1_000_000
 """Far from every seed of the evaluation."""
 
@@ -48,13 +51,20 @@ ROUGH = replace(
 """A road that shakes six times as much."""
 
 
-def simulate(drive: Drive, axle: str, seed: int, sensors: Sensors = NOISY, pressure: float = NOMINAL) -> TyreBlock:
-    """The signals of one wheel over a whole drive."""
+def simulate(
+    drive: Drive,
+    wheel: str,
+    seed: int,
+    sensors: Sensors = NOISY,
+    pressure: float = NOMINAL,
+    wheel_seed: int | None = None,
+) -> TyreBlock:
+    """The signals of one wheel over a whole drive; `wheel_seed` is that of WHEEL_SEEDS unless given."""
     source = TyreSignalSource(
         RING,
         sensors.accelerometer,
         sensors.encoder,
-        wheel_seed=WHEEL_SEEDS[axle],
+        wheel_seed=WHEEL_SEEDS[wheel] if wheel_seed is None else wheel_seed,
         noise_seed=seed,
         pressure=pressure,
         sample_rate=TRACKER.sample_rate,
@@ -64,14 +74,14 @@ def simulate(drive: Drive, axle: str, seed: int, sensors: Sensors = NOISY, press
     def sampled(history: Array) -> Array:
         return np.asarray(np.interp(time, drive.time, history))
 
-    fx, fz = wheel_history(drive, axle)
+    fx, fz = wheel_history(drive, wheel)
     return source.advance(sampled(drive.speed) / RING.radius, sampled(fx), sampled(fz))
 
 
-def wheel_history(drive: Drive, axle: str) -> tuple[Array, Array]:
+def wheel_history(drive: Drive, wheel: str) -> tuple[Array, Array]:
     """True Fx and Fz [N] of one wheel over drive.time."""
     f = drive.forces
-    return (f.fx_front, f.fz_front) if axle == "front" else (f.fx_rear, f.fz_rear)
+    return (f.fx_rear, f.fz_rear) if "rear" in wheel else (f.fx_front, f.fz_front)
 
 
 def reference_load(drive: Drive, axle: str) -> Array:
@@ -112,27 +122,27 @@ class CalibrationRuns:
         return calibrate(self.quasi_static, self.dynamic, self.tables, parameters=TRACKER, template=self.template)
 
 
-def calibration_runs(sensors: Sensors) -> CalibrationRuns:
-    """Two quasi-static and three dynamic drives a wheel."""
+def calibration_runs(sensors: Sensors, wheel_seeds: Mapping[str, int] = WHEEL_SEEDS) -> CalibrationRuns:
+    """Two quasi-static and three dynamic drives of each wheel, by name; "rear" in a name puts it on the driven axle."""
     uneven = sensors.unevenness
     slow = quasi_static_drives(road_seed=_CALIBRATION_SEED, unevenness=uneven)
     fast = [dynamic_drive(road_seed=_CALIBRATION_SEED + k, unevenness=uneven) for k in (2, 3, 4)]
     slow_runs, dynamic_runs, tables = [], [], {}
     learner = TemplateLearner()
-    for axle, wheel_seed in WHEEL_SEEDS.items():
+    for wheel, wheel_seed in wheel_seeds.items():
         seed = _CALIBRATION_SEED + 10 * wheel_seed
-        blocks = [simulate(drive, axle, seed + k, sensors) for k, drive in enumerate(fast)]
+        blocks = [simulate(drive, wheel, seed + k, sensors, wheel_seed=wheel_seed) for k, drive in enumerate(fast)]
         table = learned_table(blocks[0])
-        tables[axle] = table.deviations
-        dynamic_runs += [_run(axle, d, passages(b, table)) for d, b in zip(fast, blocks, strict=True)]
+        tables[wheel] = table.deviations
+        dynamic_runs += [_run(wheel, d, passages(b, table)) for d, b in zip(fast, blocks, strict=True)]
         for k, drive in enumerate(slow, start=len(fast)):
-            found = passages(simulate(drive, axle, seed + k, sensors), table, learner)
-            slow_runs.append(_run(axle, drive, found))
+            block = simulate(drive, wheel, seed + k, sensors, wheel_seed=wheel_seed)
+            slow_runs.append(_run(wheel, drive, passages(block, table, learner)))
     return CalibrationRuns(slow_runs, dynamic_runs, tables, learner.template)
 
 
-def _run(axle: str, drive: Drive, found: list[Passage]) -> WheelRun:
-    return WheelRun(axle, axle == "rear", found, drive.time, drive.acceleration)
+def _run(wheel: str, drive: Drive, found: list[Passage]) -> WheelRun:
+    return WheelRun(wheel, "rear" in wheel, found, drive.time, drive.acceleration)
 
 
 @dataclass(frozen=True)

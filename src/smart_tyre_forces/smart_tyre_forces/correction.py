@@ -56,6 +56,8 @@ class Patch:
     """Speed trend removed."""
     shift: float = np.nan
     """Speed trend removed and corrected for load (8.19)."""
+    length_bias: float = 0.0
+    """How far the length was off at the last constant speed, once that is called a change of pressure [rad]."""
 
 
 @dataclass(frozen=True)
@@ -89,8 +91,12 @@ class PatchCorrection:
         """v_0 [m/s]; NaN until Omega_0 is known."""
         self.length_scale = 1.0
         """k"""
-        self.pressure_changed = False
-        """The last steady stretch was longer or shorter than it should be."""
+        self._length_bias = 0.0
+
+    @property
+    def pressure_changed(self) -> bool:
+        """Was the length at the last constant speed longer or shorter than it should be?"""
+        return self._length_bias != 0.0
 
     def request_shift_zero(self) -> None:
         """Find Omega_0 anew at the next stretch of constant speed, whatever the speed."""
@@ -132,6 +138,7 @@ class PatchCorrection:
             shift_raw=shift_raw,
             length=length,
             shift=shift,
+            length_bias=self._length_bias,
         )
 
     def _corrected(self, speed: float, shift_raw: float, length_raw: float) -> tuple[float, float]:
@@ -162,9 +169,8 @@ class PatchCorrection:
         expected = polynomial(self._calibration.length_trend, speed)
         if self._length_wanted:
             self.length_scale, self._length_wanted = expected / length_raw, False
-        self.pressure_changed = (
-            abs(self.length_scale * length_raw / expected - 1.0) > self._parameters.pressure_tolerance
-        )
+        bias = self.length_scale * length_raw - expected
+        self._length_bias = bias if abs(bias) > self._parameters.pressure_tolerance * expected else 0.0
 
     def _zero(self, speed: float) -> None:
         """Omega_0 such that the corrected shift is zero on the mean of the stretch."""

@@ -48,8 +48,8 @@ def shift_stddev(tyre: TyreCalibration, patch: Patch) -> float:
 
 
 def length_stddev(tyre: TyreCalibration, patch: Patch) -> float:
-    """Deviation of the length [rad]: the difference of two fronts."""
-    return _front_stddev(tyre, patch) * float(np.sqrt(2.0))
+    """Deviation of the length [rad]: the difference of two fronts, and what a change of pressure has shown."""
+    return float(np.hypot(_front_stddev(tyre, patch) * np.sqrt(2.0), patch.length_bias))
 
 
 def forces(

@@ -224,7 +224,7 @@ class PatchTracker:
         if not np.all(np.isfinite(acceleration)):
             return self._invalid(PatchReason.BAD_INPUT, end, speed)
         split = int(np.searchsorted(times, free_end))
-        if np.max(np.abs(acceleration[split:])) >= 0.999 * self._parameters.acceleration_range:
+        if np.max(np.abs(acceleration)) >= 0.999 * self._parameters.acceleration_range:
             return self._invalid(PatchReason.SATURATED, end, speed)
         theta = wheel.at(times) - centre
         fronts = find_fronts(

@@ -150,8 +150,11 @@ def test_change_of_pressure_is_noticed_and_length_is_re_zeroed_on_request() -> N
     for k in range(20, 40):
         correction.update(passage(k, 8.0, 3.0, 1.07 * nominal))
     assert correction.pressure_changed
+    patch = correction.update(passage(40, 8.0, 3.0, 1.07 * nominal))
+    # The length is off by 7 %: the deviation says so.
+    assert length_stddev(TYRE, patch) == pytest.approx(0.07 * nominal, rel=0.02)
     correction.request_length_zero()
-    patches = [correction.update(passage(k, 8.0, 3.0, 1.07 * nominal)) for k in range(40, 60)]
+    patches = [correction.update(passage(k, 8.0, 3.0, 1.07 * nominal)) for k in range(41, 61)]
     assert patches[3].reason is PatchReason.NOT_READY
     assert patches[-1].reason is PatchReason.OK
     assert patches[-1].length == pytest.approx(TYRE.nominal_length)

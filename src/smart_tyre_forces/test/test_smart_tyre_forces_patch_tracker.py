@@ -187,6 +187,42 @@ def test_blocks_that_are_no_blocks_are_refused(shapes: tuple[int, int]) -> None:
         PatchTracker().push(0, np.zeros(shapes[0]), np.zeros(shapes[1]))
 
 
+@given(data=st.data())
+@settings(max_examples=40, deadline=None)
+def test_no_stream_however_hostile_breaks_the_tracker(simulate: Any, table: ToothTable, data: st.DataObject) -> None:
+    block = simulate(12.0, seconds=5.0)
+    learner = TemplateLearner()
+    run(simulate(14.0, seconds=6.0, seed=5), table, refiner=learner)
+    tracker = PatchTracker(table=table, refiner=TemplateFit(learner.template))
+    garbage = st.sampled_from([0.0, -1.0, 1e-30, 3e38, -3e38, np.nan, np.inf, -np.inf, 1.0, 4905.0])
+    first = data.draw(st.integers(0, 2**40))
+    with np.errstate(all="ignore"):
+        for begin in range(0, 30_000, 3000):
+            voltage = block.encoder_voltage[begin : begin + 3000].copy()
+            acceleration = block.radial_acceleration[begin : begin + 3000].copy()
+            for signal in (voltage, acceleration):
+                at, length = data.draw(st.integers(0, 2999)), data.draw(st.integers(0, 400))
+                signal[at : at + length] = data.draw(garbage)
+            first += data.draw(st.sampled_from([0, 0, 0, 1, 5000]))
+            found = tracker.push(first, voltage, acceleration)
+            first += 3000
+            for p in found:
+                numbers = (p.alpha_1, p.alpha_2, p.wheel_speed, p.front_stddev)
+                assert np.isfinite(p.time)
+                assert np.all(np.isfinite(numbers)) == (p.reason is PatchReason.OK)
+        good = [
+            p
+            for begin in range(0, 50_000, 1000)
+            for p in tracker.push(
+                first + begin,
+                block.encoder_voltage[begin : begin + 1000],
+                block.radial_acceleration[begin : begin + 1000],
+            )
+        ]
+    # Clean signals afterwards give clean passages.
+    assert [p.reason for p in good[-5:]] == [PatchReason.OK] * 5
+
+
 def passage_shape(offset: float, step: float, noise: float) -> tuple[np.ndarray, np.ndarray]:
     theta = np.linspace(-np.radians(50.0), np.radians(50.0), 500)
     wave = RING.acceleration_shape(theta - 0.01, RING.half_patch) / RING.radius

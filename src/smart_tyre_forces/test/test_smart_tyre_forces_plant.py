@@ -1,5 +1,7 @@
-"""The plant's own tyre blocks through the processor: the shift follows the force that the plant knows."""
+"""The plant's own tyre blocks through the processor: forces and shift are those that the plant knows."""
 
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,33 +15,92 @@ from smart_tyre_forces.processor import build
 from vehicle_models.tyre_ring import TyreRing
 
 START = 1_000_000_000
+SHIPPED = Path(__file__).parents[1] / "calibration" / "plant_tyres.yaml"
+
+
+@cache
+def blocks_and_truth(plant: SimParameters) -> tuple[list[Any], np.ndarray]:
+    """Tyre blocks of the first wheel, and stamp [ns], fx, fz of the truth."""
+    simulation = Simulation(plant, START)
+    blocks: list[Any] = []
+    truth: list[tuple[float, float, float]] = []
+    while simulation.end is None:
+        for topic, message in simulation.messages():
+            if topic == "front_left/tyre_signals":
+                blocks.append(message)
+            elif topic == "truth/front_left/tyre_force":
+                truth.append((float(to_nanoseconds(message.header.stamp)), message.fx, message.fz))
+        simulation.advance()
+    return blocks, np.array(truth).T
+
+
+def drive(plant: SimParameters, given: SmartTyreParameters) -> tuple[dict[str, list[Any]], np.ndarray]:
+    """Messages of the first wheel by topic, and the truth."""
+    processor = build(given)[0]
+    outputs: dict[str, list[Any]] = {"contact_patch": [], "tyre_force": []}
+    blocks, truth = blocks_and_truth(plant)
+    for message in blocks:
+        for name, found in processor.process("front_left/tyre_signals", message):
+            outputs[name.split("/")[1]].append(found)
+    return outputs, truth
+
+
+def stamps(messages: list[Any]) -> np.ndarray:
+    return np.array([to_nanoseconds(m.header.stamp) for m in messages], dtype=np.float64)
+
+
+@pytest.mark.parametrize("method", ["crossing", "template"])
+def test_shipped_calibration_gives_the_forces_and_the_friction_of_the_plant(method: str) -> None:
+    plant = SimParameters(
+        wheels=("front_left", "front_right", "rear_left", "rear_right"),
+        model="two_axle",
+        mass=375.0,
+        tyre_signals=True,
+        initial_speed=18.0,
+        drag_area=0.0,
+        rolling_resistance=0.0,
+        demand_start=6.0,
+        demand_rise=0.2,
+        demand_level=0.5,
+        end_time=8.0,
+    )
+    # The wheels of the plant are smaller than its tyre's ring: speeds here are those of the ring.
+    given = SmartTyreParameters(
+        calibration_file=str(SHIPPED), front_method=method, restore_steady_force=False, zero_maximum_speed=25.0
+    )
+    outputs, truth = drive(plant, given)
+    valid = [m for m in outputs["tyre_force"] if m.valid]
+    stamp = stamps(valid)
+    braking = stamp > START + 6.35e9
+    assert np.count_nonzero(~braking) > 10 and np.count_nonzero(braking) > 8
+    for name, row in (("fx", 1), ("fz", 2)):
+        found = np.array([getattr(m, name) for m in valid])
+        expected = np.interp(stamp, truth[0], truth[row])
+        stddev = np.array([getattr(m, f"{name}_stddev") for m in valid])
+        settled = braking | (stamp < START + 6.0e9)
+        # Three deviations, and 4 % of the static load for maps that are fits.
+        assert np.all(np.abs(found - expected)[settled] < 3.0 * stddev[settled] + 0.04 * 3679.0)
+    mu = -np.array([m.fx / m.fz for m in valid])
+    expected = -np.interp(stamp, truth[0], truth[1]) / np.interp(stamp, truth[0], truth[2])
+    assert np.all(mu[braking] > 0.2)
+    assert np.mean(mu[braking]) == pytest.approx(np.mean(expected[braking]), abs=0.06)
 
 
 @pytest.mark.parametrize("noise", ["none", "chapter"])
 def test_braking_of_the_plant_shifts_the_patch_by_its_force(noise: str) -> None:
     plant = SimParameters(
-        tyre_signals=True, noise=noise, initial_speed=14.0, demand_start=15.0, demand_level=0.4, end_time=16.4
+        tyre_signals=True, noise=noise, initial_speed=14.0, demand_start=11.0, demand_level=0.4, end_time=12.4
     )
-    simulation = Simulation(plant, START)
-    processor = build(SmartTyreParameters(tyre_radius=plant.radius, zero_maximum_speed=15.0))[0]
-    patches: list[Any] = []
-    truth: list[tuple[int, float]] = []
-    while simulation.end is None:
-        for topic, message in simulation.messages():
-            if topic == "front_left/tyre_signals":
-                found = processor.process(topic, message)
-                patches += [m for name, m in found if name == "front_left/contact_patch" and np.isfinite(m.shift_raw)]
-            elif topic == "truth/front_left/tyre_force":
-                truth.append((to_nanoseconds(message.header.stamp), message.fx))
-        simulation.advance()
-    stamps, forces = np.array(truth).T
-    stamp = np.array([to_nanoseconds(p.header.stamp) for p in patches], dtype=np.float64)
-    rolling, braking = stamp < START + 15e9, stamp > START + 15.3e9
+    given = SmartTyreParameters(tyre_radius=plant.radius, zero_maximum_speed=15.0)
+    outputs, (stamp_true, force_true, _) = drive(plant, given)
+    patches = [m for m in outputs["contact_patch"] if np.isfinite(m.shift_raw)]
+    stamp = stamps(patches)
+    rolling, braking = stamp < START + 11e9, stamp > START + 11.3e9
     assert np.count_nonzero(rolling) > 15 and np.count_nonzero(braking) > 3
     shift = np.array([p.shift_raw for p in patches])
     assert np.degrees(np.mean(shift[rolling])) == pytest.approx(0.0, abs=0.05)
     ring = TyreRing()
-    fx = np.interp(stamp[braking], stamps, forces)
+    fx = np.interp(stamp[braking], stamp_true, force_true)
     assert np.all(fx < -500.0)
     speed = np.array([p.wheel_speed for p in patches])[braking] * ring.radius
     load = plant.mass * 9.81
