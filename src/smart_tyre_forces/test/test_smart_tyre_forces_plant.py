@@ -72,7 +72,7 @@ def test_shipped_calibration_gives_the_forces_and_the_friction_of_the_plant(meth
     valid = [m for m in outputs["tyre_force"] if m.valid]
     stamp = stamps(valid)
     braking = stamp > START + 6.35e9
-    assert np.count_nonzero(~braking) > 10 and np.count_nonzero(braking) > 8
+    assert np.count_nonzero(~braking) > 10 and np.count_nonzero(braking) > 5
     for name, row in (("fx", 1), ("fz", 2)):
         found = np.array([getattr(m, name) for m in valid])
         expected = np.interp(stamp, truth[0], truth[row])
