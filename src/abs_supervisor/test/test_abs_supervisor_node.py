@@ -5,7 +5,6 @@ import time
 from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
 from std_msgs.msg import Header
 
-from abs_supervisor.parameters import SupervisorParameters
 from dds_client import dds_client, stop
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
@@ -17,9 +16,10 @@ def test_node_commands_a_release_and_falls_back_when_the_slope_goes_silent() -> 
     states: list[SupervisorState] = []
     commands: list[BrakeCommand] = []
     arrived: list[float] = []
-    stale_after = SupervisorParameters().stale_after
+    stale_after = 1.0
     with dds_client(30) as client:
-        process = client.start("-m", "abs_supervisor", "--ros-args", "-p", "shadow:=false")
+        arguments = ("-p", "shadow:=false", "-p", f"stale_after:={stale_after}")
+        process = client.start("-m", "abs_supervisor", "--ros-args", *arguments)
         demands = qos.publish(client.node, BrakeDemand, "brake_demand")
         slopes = qos.publish(client.node, FrictionSlope, "front_left/friction_slope")
         qos.subscribe(client.node, SupervisorState, "front_left/abs_supervisor", states.append, qos.ESTIMATE)
