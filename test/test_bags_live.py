@@ -25,6 +25,7 @@ from std_msgs.msg import Header, String
 from friction_bags.bag_reader import BagReader
 from friction_bags.bag_writer import BagWriter
 from friction_bags.cdr import encode, installed_topic
+from friction_bags.foreign_type import foreign_class
 from friction_bags.reindex import reindex
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 
@@ -291,6 +292,41 @@ def test_a_truncated_bag_is_replayed_as_far_as_it_goes_and_said_to_be_damaged(
         count = sum(topic.name == "/wheel_states" for topic, _, _ in reader.messages())
     wait_for(lambda: listener.take() >= count)
     assert same(listener.data, original[:count])
+
+
+@pytest.mark.skipif(not FOREIGN.is_dir(), reason=f"{FOREIGN} is absent (set FRICTION_DATA)")
+def test_types_that_are_not_installed_pass_from_bag_to_bag(start: Callable[..., Command], tmp_path: Path) -> None:
+    topics = ("array_topic", "test_topic")
+    recorder = start("record", "--out", str(tmp_path / "bag"), "--topics", *topics)
+    recorder.wait_until_said("recording to")
+    player = start("play", str(FOREIGN / "cdr_test_mcap"), "--wait", "20")
+    assert player.process.wait(timeout=60.0) == 0, player.log.read_text()
+    assert recorder.stop(signal.SIGINT)[0] == 0
+    assert "not installed" in recorder.log.read_text()
+    found, original = recorded(tmp_path / "bag"), recorded(FOREIGN / "cdr_test_mcap")
+    assert set(found) == set(original)
+    assert all(same(found[name], original[name]) for name in original)
+    with BagReader(tmp_path / "bag") as reader:
+        assert {topic.type for topic in reader.counts} == {"test_msgs/msg/Arrays", "test_msgs/msg/BasicTypes"}
+
+
+def test_a_class_made_for_a_type_speaks_to_those_who_have_the_type(node: Node) -> None:
+    original = installed_topic("/wheel_states", JointState)
+    listener = Listener(node, JointState, "wheel_states")
+    context = Context()
+    rclpy.init(context=context, domain_id=DOMAIN)
+    other = Node("test_foreign", context=context, enable_rosout=False, start_parameter_services=False)
+    kind = foreign_class(original.type, original.type_hash)
+    publisher = other.create_publisher(kind, "wheel_states", 10)
+    wait_for(lambda: publisher.get_subscription_count() == 1)
+    message = JointState(name=["front_left"], velocity=[4.5], effort=[1.0])
+    publisher.publish(encode(message))
+    wait_for(lambda: listener.take() == 1)
+    assert deserialize_message(listener.data[0], JointState) == message
+    (endpoint,) = node.get_publishers_info_by_topic("/wheel_states")
+    assert (endpoint.topic_type, str(endpoint.topic_type_hash)) == (original.type, original.type_hash)
+    other.destroy_node()
+    rclpy.shutdown(context=context)
 
 
 @pytest.mark.parametrize("arguments", [("nowhere",), ("{bag}", "--start-offset", "9"), ("{bag}", "--topics", "no")])

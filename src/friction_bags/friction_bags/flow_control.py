@@ -104,7 +104,9 @@ class FlowControl:
 
 
 def has_header(kind: Any) -> bool:
-    """Whether messages of a class begin with a header."""
+    """Whether messages of a class begin with a header; a foreign class does not tell."""
+    if not hasattr(kind, "get_fields_and_field_types"):
+        return False
     return next(iter(kind.get_fields_and_field_types().values()), "") == "std_msgs/Header"
 
 

@@ -15,7 +15,8 @@ from friction_bags import qos_profiles
 from friction_bags.bag_format import Topic
 from friction_bags.bag_reader import BagReader
 from friction_bags.flow_control import FlowControl, has_header, header_stamp
-from friction_bags.message_definition import UnknownTypeError, message_class
+from friction_bags.foreign_type import raw_class
+from friction_bags.message_definition import UnknownTypeError
 
 _NANOSECONDS = 1_000_000_000
 _POLL_PERIOD = 0.005
@@ -56,7 +57,7 @@ class Player:
         self.latest = 0.0
         for topic in topics:
             try:
-                kind = message_class(topic.type)
+                kind = raw_class(topic.type, topic.type_hash)
             except UnknownTypeError as error:
                 self.skipped[topic.name] = str(error)
                 continue
@@ -105,7 +106,7 @@ class Player:
             progress: is told the time [s] into the span after each message.
             flow: holds the replay until the nodes have answered.
         """
-        stamped = {topic for topic in self._publishers if has_header(message_class(topic.type))}
+        stamped = {topic for topic, publisher in self._publishers.items() if has_header(publisher.msg_type)}
         begun = monotonic()
         next_clock = 0.0
         for topic, stamp, data in self._reader.messages(self._publishers, span.start, span.stop):

@@ -1,6 +1,6 @@
 """Recording of topics: found as they appear, taken as raw CDR, written in the order of their arrival."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import time_ns
 from typing import NamedTuple
@@ -8,12 +8,13 @@ from typing import NamedTuple
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
-from rosbags.interfaces import Qos
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from friction_bags import qos_profiles
 from friction_bags.bag_format import Topic
 from friction_bags.bag_writer import BagWriter
-from friction_bags.message_definition import UnknownTypeError, message_class, message_definition
+from friction_bags.foreign_type import raw_class
+from friction_bags.message_definition import UnknownTypeError, message_definition
 from friction_bags.topic_selection import TopicSelection
 
 
@@ -80,8 +81,7 @@ class Recorder:
                 if len(types) > 1:
                     self._refuse(name, f"it has several types ({', '.join(types)})")
                     continue
-                offered = tuple(qos_profiles.stored(publisher.qos_profile) for publisher in publishers)
-                self._begin(name, types[0], offered, profile)
+                self._begin(name, types[0], publishers, profile)
                 continue
             recorded.publishers = len(publishers)
             if profile != recorded.profile:
@@ -124,29 +124,36 @@ class Recorder:
                     recorded.lost += max(sequence - recorded.last_sequence - 1, 0)
                 recorded.last_sequence = sequence or None
 
-    def _begin(self, name: str, kind: str, offered: tuple[Qos, ...], profile: QoSProfile) -> None:
+    def _begin(self, name: str, kind: str, publishers: Sequence[TopicEndpointInfo], profile: QoSProfile) -> None:
+        offered = tuple(qos_profiles.stored(publisher.qos_profile) for publisher in publishers)
         try:
             definition = message_definition(kind)
-            subscription = self._subscribe(name, kind, profile)
+            topic = Topic(name, kind, definition.text, "ros2msg", definition.type_hash, offered)
+            remark = ""
+        except UnknownTypeError:
+            topic = Topic(name, kind, type_hash=str(publishers[0].topic_type_hash), qos=offered)
+            remark = "; the type is not installed here: without its definition"
+        try:
+            subscription = self._subscribe(topic, profile)
         except UnknownTypeError as error:
             self._refuse(name, str(error))
             return
-        topic = Topic(name, kind, definition.text, "ros2msg", definition.type_hash, offered)
         channel = self._writer.add_topic(topic)
-        self.topics[name] = RecordedTopic(topic, channel, subscription, profile, publishers=len(offered))
-        self._say(f"recording {name} ({kind}, {profile.reliability.name.lower()})")
+        self.topics[name] = RecordedTopic(topic, channel, subscription, profile, publishers=len(publishers))
+        self._say(f"recording {name} ({kind}, {profile.reliability.name.lower()}{remark})")
 
     def _resubscribe(self, recorded: RecordedTopic, profile: QoSProfile) -> None:
         """Match publishers that offer less, or more, than those before."""
         self._drain(recorded, self._held)
         self._node.destroy_subscription(recorded.subscription)
-        recorded.subscription = self._subscribe(recorded.topic.name, recorded.topic.type, profile)
+        recorded.subscription = self._subscribe(recorded.topic, profile)
         recorded.profile = profile
         recorded.last_sequence = None
         self._say(f"recording {recorded.topic.name} anew with {profile.reliability.name.lower()} QoS")
 
-    def _subscribe(self, name: str, kind: str, profile: QoSProfile) -> Subscription:
-        return self._node.create_subscription(message_class(kind), name, _never_called, profile, raw=True)
+    def _subscribe(self, topic: Topic, profile: QoSProfile) -> Subscription:
+        kind = raw_class(topic.type, topic.type_hash)
+        return self._node.create_subscription(kind, topic.name, _never_called, profile, raw=True)
 
     def _refuse(self, name: str, reason: str) -> None:
         self._refused.add(name)
