@@ -12,6 +12,10 @@ from friction_slope.signals import SignalWindow, WheelSignals
 _NANOSECONDS = 1_000_000_000
 LOCKED_SLIP = 0.8
 """Beyond the peak of any road [-]. A wheel that stands does so by constraint: (8.3) does not hold for it."""
+HIGHEST_FRICTION = 1.5
+"""Of any road [-]."""
+JITTER = 2.0
+"""Of a wheel speed that is no spike [rad/s]."""
 LOCKED_INDICATOR = -1e5
 """Indicator of a locked wheel [rad/s^3], below every threshold."""
 
@@ -71,7 +75,7 @@ class SlopeDetector:
     def reset(self) -> None:
         """Forget everything."""
         self._crossing.reset()
-        self._stamp: int | None = None
+        self._last: SlopeSample | None = None
         self._braked: int | None = None
         self._reference.reset()
         self._forget_samples()
@@ -83,14 +87,20 @@ class SlopeDetector:
             return self._estimate(Reason.BAD_INPUT, "wheel speed is missing or not finite")
         if not isfinite(sample.brake_torque):
             return self._estimate(Reason.NO_TORQUE, "no brake torque")
-        if self._stamp is not None:
-            gap = (sample.stamp - self._stamp) / _NANOSECONDS
+        if self._last is not None:
+            gap = (sample.stamp - self._last.stamp) / _NANOSECONDS
             if gap <= 0.0:
                 return self._estimate(Reason.BAD_INPUT, "stamp does not advance")
+            possible = self._possible_jump(sample, self._last, gap)
             if gap > self._p.max_gap:
                 self._forget_samples()
                 self._had_gap = True
-        self._stamp = sample.stamp
+                # A wheel that turns belies a reference speed it cannot have come from; one that stands may be locked.
+                if not possible and sample.wheel_speed * self._p.radius > self._p.minimum_speed:
+                    self._reference.reset()
+            elif not possible:
+                return self._estimate(Reason.BAD_INPUT, f"wheel speed jumps to {sample.wheel_speed:.1f} rad/s")
+        self._last = sample
         self._signals.update(sample)
         self._reference.update(sample)
         if sample.brake_torque >= self._p.minimum_torque:
@@ -135,6 +145,12 @@ class SlopeDetector:
         friction = signals.friction_moment / (p.radius * p.vertical_load)
         eta = normalised_deceleration(signals.wheel_acceleration, p.radius)
         return eta_sign(eta, friction, p.eta_margin, p.slip_rate_dead_zone, self._reference.speed)
+
+    def _possible_jump(self, sample: SlopeSample, last: SlopeSample, gap: float) -> bool:
+        """Can brake and road have turned the wheel to this speed? A spike must not raise the reference speed."""
+        p = self._p
+        torque = max(abs(sample.brake_torque), abs(last.brake_torque)) + HIGHEST_FRICTION * p.radius * p.vertical_load
+        return abs(sample.wheel_speed - last.wheel_speed) <= gap * torque / p.inertia + JITTER
 
     def _forget_samples(self) -> None:
         self._signals.reset()

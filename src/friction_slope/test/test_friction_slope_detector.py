@@ -220,3 +220,25 @@ def test_slip_of_a_braked_wheel_below_the_limit_is_no_lock(method: Method) -> No
     for k in range(40):
         found = detector.update(SlopeSample((k + 1) * STEP, 0.21 * 100.0 if k > 20 else 100.0, 500.0, 0.5, 0.0, 30.0))
     assert found.indicator != LOCKED_INDICATOR
+
+
+def test_spike_of_the_wheel_speed_is_refused_and_leaves_no_trace() -> None:
+    samples, _ = through_the_peak("dry")
+    parameters = replace(EXACT, method=Method.NO_SLIP)
+    clean = run(parameters, samples)
+    detector = SlopeDetector(parameters)
+    for k, sample in enumerate(samples):
+        if k == 60:
+            spike = detector.update(replace(sample, stamp=sample.stamp - STEP // 2, wheel_speed=900.0))
+            assert spike.reason is Reason.BAD_INPUT
+            assert "900" in spike.reason_text
+        assert repr(detector.update(sample)) == repr(clean[k])
+
+
+def test_spike_as_the_first_sample_is_forgotten_within_a_gap() -> None:
+    detector = SlopeDetector(replace(EXACT, method=Method.NO_SLIP))
+    detector.update(SlopeSample(STEP, 900.0, 500.0))
+    found = [detector.update(SlopeSample(k * STEP, 80.0 - 0.1 * k, 500.0)) for k in range(2, 30)]
+    assert all(estimate.indicator != LOCKED_INDICATOR for estimate in found)
+    assert found[-1].reason in (Reason.OK, Reason.NO_EXCITATION, Reason.NOT_READY)
+    assert np.isfinite(found[-1].h)
