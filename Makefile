@@ -2,11 +2,12 @@
 PYTHON ?= python3
 SURFACE ?= dry
 OUT ?= out
+EFFORT ?= 1
 PARTS ?= slope abs identification slip smart_tyre measured live
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test lint demo bench bags clean
+.PHONY: help setup build test lint demo bench report bags clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
@@ -30,6 +31,9 @@ demo: build ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow, o
 
 bench: build ## every table of the evaluation as text and JSON, or PARTS="slope abs"
 	@for part in $(PARTS); do $(run) python -m friction_evaluation $$part --json "$(OUT)/bench/$$part.json" || exit 1; done
+
+report: build ## every table and figure of the chapter as one page; EFFORT=0.1 for a quick one
+	@$(run) python -m friction_evaluation report --out build/report --effort $(EFFORT)
 
 bags: build ## make the recorded experiments of bags/ anew, from fixed seeds
 	@$(run) python -m friction_bags library

@@ -6,14 +6,14 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
-from friction_evaluation.parts import PARTS, Row, part
+from friction_evaluation.parts import PARTS, Row, part, plain
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -30,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print_rows(PARTS[name], rows)
     if options.json is not None:
         options.json.parent.mkdir(parents=True, exist_ok=True)
-        options.json.write_text(json.dumps([_plain(row) for row in rows], indent=1) + "\n", encoding="utf-8")
+        options.json.write_text(json.dumps([plain(row) for row in rows], indent=1) + "\n", encoding="utf-8")
     return 0
 
 
@@ -39,7 +39,7 @@ def print_rows(title: str, rows: Sequence[Row]) -> None:
     columns = list(dict.fromkeys(name for row in rows for name in row))
     table = Table(title=title)
     for name in columns:
-        table.add_column(name, overflow="fold")
+        table.add_column(escape(name), overflow="fold")
     for row in rows:
         table.add_row(*(_text(row.get(name, "")) for name in columns))
     # Wide enough that no column is cut where the output goes to a file.
@@ -48,19 +48,7 @@ def print_rows(title: str, rows: Sequence[Row]) -> None:
 
 
 def _text(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def _plain(row: Row) -> Row:
-    """JSON has no NaN and no infinity: they are written as null and as the text "inf"."""
-    plain: Row = {}
-    for name, value in row.items():
-        if hasattr(value, "item"):
-            value = value.item()
-        if isinstance(value, float) and not isfinite(value):
-            value = None if value != value else ("inf" if value > 0 else "-inf")
-        plain[name] = value
-    return plain
+    return f"{value:.4g}" if isinstance(value, float) else escape(str(value))
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from importlib import import_module
+from math import isfinite
 from typing import Any, Protocol, cast
 
 Row = dict[str, Any]
@@ -18,11 +19,24 @@ PARTS = {
     "slip": "vehicle speed and slip without a speed sensor, simulated stops and the measured one",
     "smart_tyre": "Fz and Fx from the in-tyre accelerometer",
     "live": "the graph over DDS: lost samples, delay, agreement with the offline processors",
+    "report": "every table and figure of the chapter beside its own numbers, as one page",
 }
 """Names and one-line descriptions."""
 
 _MODULES = {"abs": "abs_loop"}
 """Modules whose name differs from the part's."""
+
+
+def plain(row: Row) -> Row:
+    """JSON has no NaN and no infinity: they become null and the text "inf"."""
+    found: Row = {}
+    for name, value in row.items():
+        if hasattr(value, "item"):
+            value = value.item()
+        if isinstance(value, float) and not isfinite(value):
+            value = None if value != value else ("inf" if value > 0 else "-inf")
+        found[name] = value
+    return found
 
 
 class Part(Protocol):

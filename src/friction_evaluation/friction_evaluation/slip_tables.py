@@ -16,7 +16,7 @@ from ament_index_python.packages import get_package_share_directory
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from friction_curve_id.interface import CurveEstimate, Sample
+from friction_curve_id.interface import CurveEstimate, Refusal, Sample
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_evaluation.parts import Row
 from friction_evaluation.slip_stops import ACCELERATION_OFFSET, ACCELERATION_STDDEV, DT, GRADE, SPEED, STEP
@@ -171,13 +171,29 @@ def _samples(truth: Braking, last: int, seed: int, parameters: WheelSlipParamete
 
 def _peaks(parameters: FrictionCurveParameters, samples: list[Sample], at: tuple[int, int]) -> tuple[float, float]:
     """lambda_max [-] at the two instants."""
+    answers = _answers(parameters, samples)
+    first, last = (answers[k - _CRUISE] for k in at)
+    return _lambda_max(first), _lambda_max(last)
+
+
+def _answers(parameters: FrictionCurveParameters, samples: list[Sample]) -> list[CurveEstimate | Refusal]:
     estimator = parameters.estimator(parameters.wheels[0])
-    found: list[float] = []
-    for k, sample in enumerate(samples, start=_CRUISE):
-        answer = estimator.update(sample)
-        if k in at:
-            found.append(answer.lambda_max if isinstance(answer, CurveEstimate) else float("nan"))
-    return found[0], found[1]
+    return [estimator.update(sample) for sample in samples]
+
+
+def _lambda_max(answer: CurveEstimate | Refusal) -> float:
+    return answer.lambda_max if isinstance(answer, CurveEstimate) else float("nan")
+
+
+def history(road: Road, method: str, speed: str, seed: int, parameters: WheelSlipParameters) -> tuple[Array, Array]:
+    """One run from brake onset: slip as the method is given it, and lambda_max; shapes (samples,)."""
+    truth = braking(road)
+    samples = _samples(truth, truth.begin + road.end, seed, parameters)[speed]
+    answers = _answers(replace(_shipped(), lambda_init=LAMBDA_INIT, method=method), samples)
+    slips = [
+        1.0 - s.wheel_speed * _CORNER.radius / s.vehicle_speed if s.vehicle_speed else float("nan") for s in samples
+    ]
+    return np.array(slips), np.array([_lambda_max(answer) for answer in answers])
 
 
 def _row(road: Road, method: str, speed: str, instant: str, errors: Array, measured: float) -> Row:

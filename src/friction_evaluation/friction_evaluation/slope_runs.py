@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from corner_sim import messages
 from corner_sim.sensors import Measurement
+from friction_evaluation.manoeuvres import hold_torque
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import SensorNoise
 from vehicle_models.single_corner import CornerParameters, SingleCorner
@@ -28,8 +29,6 @@ BRAKE_GAIN = 1e-4
 """k of T_b = k p [N m/Pa], that of the shipped parameter files."""
 ACCELERATION_STDDEV = 0.1
 """Noise of the accelerometer [m/s^2]: the chapter gives none; this is what wheel_slip expects."""
-HOLD_TORQUE = {"dry": 857.0, "wet": 598.0, "cobblestone": 805.0, "snow": 153.0}
-"""[N m] of the protocol's manoeuvre B: the slip passes the peak and grows on."""
 _ROLLING = 0.4
 """Free rolling before the brake [s]."""
 _RAMP = 0.25
@@ -92,9 +91,10 @@ class Run:
 
 
 def through_the_peak(name: str) -> Run:
-    """Ramp over 0.25 s, hold until twice lambda_max, release, and on until a little after the peak is passed again."""
+    """Ramp and hold of manoeuvre B until twice lambda_max, release, and on until a little after the way back."""
     theta = surface(name)
     twice = 2.0 * float(burckhardt.peak(theta)[0])
+    hold = float(hold_torque("B", theta, CORNER)[0])
     released = False
     back = 0
 
@@ -106,7 +106,7 @@ def through_the_peak(name: str) -> Run:
             return None
         if released:
             return max(last - _RELEASE_RATE * DT, 0.0)
-        return HOLD_TORQUE[name] * min(max(time - _ROLLING, 0.0) / _RAMP, 1.0)
+        return hold * min(max(time - _ROLLING, 0.0) / _RAMP, 1.0)
 
     return _simulate(theta, torque)
 

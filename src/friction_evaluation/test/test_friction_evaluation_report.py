@@ -1,0 +1,48 @@
+"""The report: one page that opens offline, and the figures that only it draws."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from friction_evaluation import report, report_friction_samples
+from friction_evaluation.report_page import Picture, Section, Table, page
+from vehicle_models import burckhardt
+from vehicle_models.surfaces import surface
+
+
+def test_page_holds_its_pictures_and_needs_no_network(tmp_path: Path) -> None:
+    file = tmp_path / "a.png"
+    figure = Figure()
+    figure.subplots().plot([0, 1])
+    figure.savefig(file)
+    tables = [Table("numbers & <units>", [{"a": 1.23456, "b": float("nan")}, {"a": 2, "c": "x"}])]
+    html = page("Title", "one\n\ntwo", [Section("key", "Part", "text", tables, [Picture("seen", file)])])
+    file.unlink()
+    assert 'src="data:image/png;base64,' in html
+    assert "http" not in html
+    assert "<p>one</p><p>two</p>" in html
+    assert "numbers &amp; &lt;units&gt;" in html
+    assert "<td>1.235</td><td>–</td><td></td>" in html
+
+
+def test_friction_samples_overshoot_the_curve_but_keep_the_abscissa_of_its_peak() -> None:
+    theta = surface("high_grip")
+    lambda_max = float(burckhardt.peak(theta)[0])
+    slip, theory, seen = report_friction_samples.overshoot(theta)
+    rising = slip < 0.3 * lambda_max
+    assert np.all(seen[1:][rising[1:]] < theory[1:][rising[1:]])
+    assert 1.05 * np.max(theory) < np.max(seen) < 1.3 * np.max(theory)
+    assert slip[np.argmax(seen)] == pytest.approx(lambda_max, abs=0.35 * lambda_max)
+
+
+def test_sections_go_to_the_page_and_their_rows_to_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    section = Section("slope", "Slope", "text", [Table("delay", [{"delay": float("inf")}])])
+    monkeypatch.setattr(report, "_sections", lambda *_arguments, **_options: [lambda: section])
+    (row,) = report.rows_of("report", "--out", str(tmp_path), "--effort", "0.01")
+    assert row == {"section": "Slope", "tables": 1, "rows": 1, "figures": 0}
+    assert (tmp_path / "results.json").read_text() == (
+        '{\n "slope": {\n  "delay": [\n   {\n    "delay": "inf"\n   }\n  ]\n }\n}\n'
+    )
+    assert "Slope" in (tmp_path / "index.html").read_text()
