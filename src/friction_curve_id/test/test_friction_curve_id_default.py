@@ -282,4 +282,4 @@ def test_it_runs_for_long_in_bounded_memory_and_still_knows_the_road() -> None:
 def test_parameters_that_make_no_estimator_are_refused() -> None:
     for wrong in ({"window": 10}, {"memory": 0.0}, {"acceleration_error": -1.0}):
         with pytest.raises(ValueError):
-            DefaultParameters(**wrong)  # type: ignore[arg-type]
+            DefaultParameters(**wrong)

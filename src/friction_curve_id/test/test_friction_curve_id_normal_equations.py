@@ -76,7 +76,7 @@ def jacobian(window: BrakingWindow) -> Array:
         step = np.zeros(len(x))
         step[index] = 1e-6 * max(abs(x[index]), 1.0)
         columns.append((residuals(window, x + step) - residuals(window, x - step)) / (2.0 * step[index]))
-    return np.array(columns).T
+    return np.asarray(np.array(columns).T)
 
 
 def equations(window: BrakingWindow, past: PastEvidence, thresholds: OutlierThresholds = FAR) -> NormalEquations:
