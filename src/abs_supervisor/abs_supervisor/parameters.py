@@ -31,13 +31,13 @@ class SupervisorParameters:
         0.2, "... held for this long, longer than a release of ours", unit="s", minimum=0.0, maximum=5.0
     )
     h_instability: float = parameter(
-        -30.0, "H_inst: stability is lost at or below", unit="rad/s^3", minimum=-1e5, maximum=-1e-3
+        -1.0, "H_inst: stability is lost at or below", unit="rad/s^3", minimum=-1e5, maximum=-1e-3
     )
     h_stability: float = parameter(
-        750.0, "H_st: stability is regained at or above", unit="rad/s^3", minimum=1e-3, maximum=1e6
+        8000.0, "H_st: stability is regained at or above", unit="rad/s^3", minimum=1e-3, maximum=1e6
     )
-    wait: float = parameter(0.08, "n: least time in S21", unit="s", minimum=0.0, maximum=1.0)
-    release_timeout: float = parameter(0.04, "longest time in S22", unit="s", minimum=0.005, maximum=10.0)
+    wait: float = parameter(0.035, "n: least time in S21", unit="s", minimum=0.0, maximum=1.0)
+    release_timeout: float = parameter(0.165, "longest time in S22", unit="s", minimum=0.005, maximum=10.0)
     tolerance: float = parameter(
         0.02, "message time of invalid input after which the fail-safe acts", unit="s", minimum=0.0, maximum=1.0
     )

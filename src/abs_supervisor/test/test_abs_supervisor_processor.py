@@ -17,6 +17,7 @@ from abs_supervisor.processor import WheelProcessor, build
 from friction_runtime.parameters import ParameterError, from_mapping, load
 from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds
+from friction_slope.parameters import FrictionSlopeParameters
 
 CONFIG = Path(__file__).parents[1] / "config" / "abs_supervisor.yaml"
 STEP = 5_000_000
@@ -272,11 +273,19 @@ def test_hostile_streams_give_known_states_and_commands_and_no_exception(stream:
                 assert answer.valid == (answer.reason == SupervisorState.OK)
 
 
-def test_shipped_parameter_file_loads_and_builds() -> None:
+def test_shipped_parameter_file_loads_and_builds_and_holds_the_defaults_but_shadow() -> None:
     parameters = load(SupervisorParameters, CONFIG, "abs_supervisor")
+    assert parameters == SupervisorParameters(shadow=False)
     assert [processor.outputs for processor in build(parameters)] == [
         {"front_left/abs_supervisor": SupervisorState, "front_left/brake_command": BrakeCommand}
     ]
+
+
+def test_thresholds_are_those_of_the_slope_file_it_goes_with() -> None:
+    shipped = CONFIG.parents[2] / "friction_slope" / "config" / "friction_slope.yaml"
+    slope = load(FrictionSlopeParameters, shipped, "friction_slope")
+    supervisor = load(SupervisorParameters, CONFIG, "abs_supervisor")
+    assert (slope.h_instability, slope.h_stability) == (supervisor.h_instability, supervisor.h_stability)
 
 
 @pytest.mark.parametrize(

@@ -235,6 +235,11 @@ def test_bad_parameters_are_refused_by_name(values: dict[str, Any], named: str) 
         from_mapping(FrictionSlopeParameters, values)
 
 
+def test_defaults_are_those_of_the_monitor_file() -> None:
+    monitor = load(FrictionSlopeParameters, CONFIG / "friction_slope_monitor.yaml", "friction_slope")
+    assert monitor == FrictionSlopeParameters()
+
+
 def test_numbers_are_those_of_the_messages() -> None:
     for reason in Reason:
         assert getattr(FrictionSlope, reason.name) == reason
