@@ -30,7 +30,7 @@ STEP = 5_000_000
 """Sample time [ns]."""
 SPEED = 30.0
 """At brake onset [m/s]."""
-CRUISE = 5.0
+CRUISE = 10.0
 """Time before the brake onset [s]."""
 END_SPEED = 3.0
 """[m/s]"""

@@ -113,6 +113,19 @@ def test_offset_is_learned_while_rolling_and_its_injection_does_not_matter() -> 
     assert np.max(np.abs(speeds[2] - speeds[0])[learned]) < 0.03
 
 
+def test_slope_step_while_rolling_is_relearned_in_two_seconds(estimator: SlipEstimator) -> None:
+    d = drive(lambda _t: 0.0, lambda _t: 0.0, 10.0, 25.0)
+    step = 0.02 * 9.81
+    stepped = d.acceleration + np.where(np.arange(d.speed.size) > 1400, step, 0.0)
+    offsets = []
+    for k, (omega, a) in enumerate(zip(d.wheel_speed, stepped, strict=True)):
+        estimator.update((k + 1) * STEP, omega.tolist(), float(a))
+        offsets.append(estimator.vehicle.filter.offset)
+    assert offsets[1399] == pytest.approx(OFFSET, abs=0.01)
+    assert offsets[1800] == pytest.approx(OFFSET + step, abs=0.03)
+    assert estimator.vehicle.filter.speed == pytest.approx(25.0, abs=0.02)
+
+
 def test_uncertainty_grows_in_the_slide_and_covers_a_slope_step(estimator: SlipEstimator) -> None:
     d = hard_stop()
     stepped = d.acceleration + np.where(np.arange(d.speed.size) > 800, 0.02 * 9.81, 0.0)
@@ -213,6 +226,28 @@ def test_speed_sensor_that_drops_out_hands_over_to_the_wheels(estimator: SlipEst
             assert row[0].vehicle_speed == pytest.approx(d.speed[k], abs=0.1)
     assert sources[299] is SpeedSource.SENSOR
     assert sources[-1] is SpeedSource.WHEELS
+
+
+def after_gap(seconds: float, estimator: SlipEstimator) -> tuple[WheelEstimate, list[WheelEstimate]]:
+    """A hard stop with a gap in the middle of the slide: the estimate before the gap, and those after it."""
+    d = hard_stop()
+    rows = []
+    for k in range(850):
+        stamp = (k + 1) * STEP + (round(seconds * 1e9) if k >= 700 else 0)
+        rows.append(estimator.update(stamp, d.wheel_speed[k].tolist(), float(d.acceleration[k]))[0])
+    return rows[699], rows[700:]
+
+
+def test_short_gap_leaves_a_speed_in_doubt(estimator: SlipEstimator) -> None:
+    before, after = after_gap(0.5, estimator)
+    assert [each.reason for each in after[:4]] == [Reason.GAP] * 4
+    assert after[0].vehicle_speed_variance > 25.0 * before.vehicle_speed_variance
+
+
+def test_long_gap_leaves_no_speed(estimator: SlipEstimator) -> None:
+    _, after = after_gap(20.0, estimator)
+    assert all(isnan(each.vehicle_speed) for each in after)
+    assert after[-1].reason is Reason.NO_SPEED
 
 
 def test_rewound_stamps_after_reset_repeat_the_outputs(estimator: SlipEstimator) -> None:

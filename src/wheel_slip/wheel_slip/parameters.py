@@ -41,7 +41,7 @@ class WheelSlipParameters:
         0.4, "offset (bias and road slope) to expect before it is learned", unit="m/s^2", minimum=1e-3, maximum=10.0
     )
     offset_walk: float = parameter(
-        0.002,
+        0.001,
         "change of offset in the square root of a second while observed",
         unit="m/s^2",
         minimum=1e-4,

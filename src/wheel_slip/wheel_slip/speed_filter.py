@@ -13,7 +13,7 @@ integral of a_m from t_m to t. So a late sensor delays nothing and blurs nothing
 
 from collections import deque
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, sqrt
 
 from friction_runtime.stamps import NANOSECONDS
 
@@ -24,7 +24,9 @@ _FIRST_SPEED_VARIANCE = 1e6
 _ACCELERATION_WALK = 30.0**2
 """Density of the change of acceleration without an accelerometer [m^2/s^5]: 10 m/s^2 in 0.1 s."""
 _UNKNOWN_ACCELERATION_VARIANCE = 25.0
-"""Of the acceleration when the accelerometer has just gone [m^2/s^4]."""
+"""Of the acceleration when the accelerometer has just gone, or over a gap [m^2/s^4]."""
+_GAP = 0.1
+"""[s]"""
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,7 @@ class SpeedFilterParameters:
     """Noise of one sample [m/s^2]."""
     offset_stddev: float = 0.4
     """What the offset may be before anything is learned [m/s^2]: bias 0.35 and a slope of 2 %."""
-    offset_walk: float = 0.002
+    offset_walk: float = 0.001
     """Change of offset [m/s^2] in the square root of a second while it is observed: how long the learning averages."""
     blind_offset_walk: float = 0.06
     """The same while nothing observes it: how fast the road may change its slope, unseen."""
@@ -59,6 +61,8 @@ class SpeedFilter:
         """[m^2/s^2]"""
         self.offset_variance = self._parameters.offset_stddev**2
         """[m^2/s^4]"""
+        self.surprise = 0.0
+        """Last innovation over its standard deviation [-]."""
         self._covariance = 0.0
         self._measured: float | None = 0.0
         self._travelled = 0.0
@@ -106,6 +110,8 @@ class SpeedFilter:
             self._covariance = pc - dt * (pb + 0.5 * walk * dt)
             self.offset_variance = pb + walk * dt
             self._travelled += change
+            if dt > _GAP:
+                self.speed_variance += _UNKNOWN_ACCELERATION_VARIANCE * dt**2
         self._measured = measured
         self._history.append((stamp, self._travelled))
         while self._history[0][0] < stamp - _HISTORY:
@@ -131,6 +137,7 @@ class SpeedFilter:
             return False
         gain_v, gain_b = hv / total, hb / total
         innovation = speed - (self.speed - travelled + age * self.offset)
+        self.surprise = innovation / sqrt(total)
         self.speed += gain_v * innovation
         self.offset += gain_b * innovation
         self.speed_variance = pv - gain_v * hv
@@ -142,6 +149,10 @@ class SpeedFilter:
         """Take it that the speed is known to `variance` [m^2/s^2], without moving it: as a measurement that agrees."""
         if self.speed_variance > variance:
             self.correct(self.speed, self.speed_variance * variance / (self.speed_variance - variance))
+
+    def doubt_offset(self, variance: float) -> None:
+        """The offset has changed: it is known to `variance` [m^2/s^4] at best."""
+        self.offset_variance = max(self.offset_variance, variance)
 
     def _travelled_at(self, stamp: int) -> float | None:
         """Integral of the measured acceleration up to `stamp` [m/s]."""

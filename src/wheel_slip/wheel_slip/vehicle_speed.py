@@ -21,6 +21,8 @@ from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.stuck_sensor import StuckSensor
 
+_LOST_AFTER = 1 * NANOSECONDS
+"""Without any sample for longer [ns], what was known of the speed is worth nothing."""
 _BELIEF_LAG = round(0.1 * NANOSECONDS)
 _SLIP_CORRELATION = 0.1
 """Time [s] over which the slip of a rolling wheel counts as one error, not many."""
@@ -33,6 +35,12 @@ _BOUND_MARGIN = 0.02
 """Share of the speed by which wheels may pass the bound: radii and torsional vibration."""
 _CONTRADICTION = 1.0
 """An accelerometer that repeats one value and differs this much from most wheels [m/s^2] is stuck."""
+_SURPRISE = 0.6
+"""Mean innovation over its standard deviation that noise does not reach in hours: the road has changed its slope."""
+_SURPRISE_TIME = 0.2
+"""[s] it is averaged over."""
+_DOUBT = 0.05
+"""Standard deviation of the offset after such a change [m/s^2]."""
 _CLOSE = 0.1
 """A wheel of less slip confirms the integrated speed, to half of that share."""
 _BOUND_LATENCY = 0.03
@@ -76,6 +84,7 @@ class VehicleSpeed:
         self.source = SpeedSource.NONE
         """Where the speed comes from at the last sample."""
         self._sensor_stamp: int | None = None
+        self._surprise = 0.0
         self._not_yet_believed: deque[tuple[int, float, float]] = deque()
         self._last: int | None = None
 
@@ -103,6 +112,8 @@ class VehicleSpeed:
             acceleration: accelerometer [m/s^2], None if there is none.
             measured: samples of the speed sensor.
         """
+        if self._last is not None and stamp - self._last > _LOST_AFTER:
+            self.reset()
         started = self.source is not SpeedSource.NONE
         self.accelerometer_is_stuck = self._repetition.repeats(stamp, acceleration) and (
             self.accelerometer_is_stuck or self._contradicted(acceleration or 0.0, rim_accelerations)
@@ -119,6 +130,7 @@ class VehicleSpeed:
         # Without an accelerometer only a speed sensor can tell a slide from braking.
         if self.slide.sliding or (acceleration is None and self._sensor_is_fresh(stamp)):
             self._not_yet_believed.clear()
+            self._surprise = 0.0
             if self.source is not SpeedSource.NONE:
                 self._bound(rim_speeds)
         else:
@@ -145,13 +157,13 @@ class VehicleSpeed:
         self.source = SpeedSource.SENSOR
 
     def _use_wheels(self, stamp: int, rim_speeds: Sequence[float]) -> None:
+        dt = (stamp - self._last) / NANOSECONDS if self._last is not None else _SLIP_CORRELATION
         believed = [rim_speeds[index] for index in self.slide.believed() if isfinite(rim_speeds[index])]
         if believed:
             speed = sum(believed) / len(believed)
             a = self.slide.acceleration or 0.0
             blind = abs(speed) < _BLIND_SPEED
             if not blind or abs(a) < _AT_REST:
-                dt = (stamp - self._last) / NANOSECONDS if self._last is not None else _SLIP_CORRELATION
                 slip = self._p.slip_per_acceleration * speed * a
                 many = max(_SLIP_CORRELATION / dt, 1.0)
                 noise = _BLIND_STDDEV**2 * many if blind else self._p.rim_speed_variance / len(believed)
@@ -163,7 +175,14 @@ class VehicleSpeed:
             self.source = SpeedSource.WHEELS
         while self._not_yet_believed and self._not_yet_believed[0][0] <= stamp - _BELIEF_LAG:
             when, speed, variance = self._not_yet_believed.popleft()
-            self.filter.correct(speed, variance, when)
+            if self.filter.correct(speed, variance, when):
+                self._watch_offset(dt)
+
+    def _watch_offset(self, dt: float) -> None:
+        """Learn anew when the wheels surprise the filter in one direction."""
+        self._surprise += min(dt / _SURPRISE_TIME, 1.0) * (self.filter.surprise - self._surprise)
+        if abs(self._surprise) > _SURPRISE:
+            self.filter.doubt_offset(_DOUBT**2)
 
     def _bound(self, rim_speeds: Sequence[float]) -> None:
         """Keep the speed above braked and below driven wheels; two of them must say so, for one may vibrate or fail."""
