@@ -86,7 +86,7 @@ def braking(manoeuvre: str, theta: ArrayLike, corner: CornerParameters = CornerP
 
 
 def _drive(manoeuvre: str, level: Array, theta: Array, corner: CornerParameters) -> Truth:
-    time = np.arange(SAMPLES) * INTERVAL
+    time: Array = np.arange(SAMPLES, dtype=np.float64) * INTERVAL
     torque = brake_torque(manoeuvre, level, time)
     plant = SingleCorner(corner, np.full(len(theta), SPEED))
     states = []
@@ -94,5 +94,5 @@ def _drive(manoeuvre: str, level: Array, theta: Array, corner: CornerParameters)
         states.append((plant.wheel_speed, plant.speed, plant.slip))
         if k < SAMPLES - 1:
             plant.step(torque[:, k], torque[:, k + 1], theta, INTERVAL)
-    wheel_speed, speed, slip = np.moveaxis(np.array(states, dtype=np.float64), 0, -1)
-    return Truth(theta, time, wheel_speed, speed, torque, slip)
+    history: Array = np.moveaxis(np.array(states, dtype=np.float64), 0, -1)
+    return Truth(theta, time, history[0], history[1], torque, history[2])
