@@ -2,11 +2,12 @@
 
 import copy
 import pickle
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from conftest import Brake
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scipy.stats import chi2
@@ -17,6 +18,8 @@ from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.single_corner import CornerParameters, SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
+
+Brake = Callable[..., Any]
 
 Array = NDArray[np.float64]
 

@@ -44,8 +44,12 @@ def test_node_identifies_two_wheels_and_begins_anew_on_reset(client: DdsClient, 
             for pressure, slip in zip(pressures, slips, strict=True):
                 pressure.publish(FluidPressure(header=header, fluid_pressure=sample.brake_torque / 1e-4))
                 slip.publish(WheelSlip(header=header, vehicle_speed=sample.vehicle_speed, valid=True))
+
             # One sample at a time: the test must not outrun best-effort queues on a busy machine.
-            client.until(lambda expected=2 * count: len(received) >= expected)
+            def answered(expected: int = 2 * count) -> bool:
+                return len(received) >= expected
+
+            client.until(answered)
         return list(received)
 
     for name, start, mu_max in (("wet", 100, 0.804), ("dry", 200, 1.170)):
