@@ -150,9 +150,7 @@ class DefaultEstimator:
         if prediction.speed < self._p.gate.min_speed:
             return Refusal(Reason.LOW_SPEED, f"vehicle speed {prediction.speed:.2f} m/s is too low")
         self._fit.make_room()
-        window.append(
-            sample.time, sample.wheel_speed, sample.vehicle_speed, torque, max(prediction.wheel_speed, 0.0)
-        )
+        window.append(sample.time, sample.wheel_speed, sample.vehicle_speed, torque, max(prediction.wheel_speed, 0.0))
         self._samples += 1
         self._set_aside(trust, (sample.wheel_speed - prediction.wheel_speed) / prediction.stddev)
         if self._monitor.changed:
