@@ -89,6 +89,15 @@ def test_torque_far_above_the_peak_locks_the_wheel_without_turning_it_backwards(
     assert corner.wheel_acceleration(SURFACES["wet"], 3000.0)[0] == 0.0
 
 
+def test_locked_wheel_slows_the_car_by_its_sliding_friction_alone() -> None:
+    theta = SURFACES["wet"]
+    corner = SingleCorner(CORNER, [30.0], [0.0])
+    for _ in range(100):
+        corner.step(3000.0, 3000.0, theta, 0.005)
+    sliding = float(burckhardt.friction(theta, 1.0)) * CORNER.gravity
+    assert corner.speed[0] == pytest.approx(30.0 - 0.5 * sliding, rel=1e-12)
+
+
 def test_peak_torque_holds_the_wheel_at_the_peak() -> None:
     theta = SURFACES["dry"]
     lambda_max, _ = burckhardt.peak(theta)

@@ -18,10 +18,11 @@ Array = NDArray[np.float64]
 
 GRAVITY = 9.81
 """Standard acceleration of free fall as the chapter uses it [m/s^2]."""
-_GAMMA = 1.0 - 1.0 / np.sqrt(2.0)
-_SLIP_SPEED_FLOOR = 0.1
+ROSENBROCK_GAMMA = 1.0 - 1.0 / np.sqrt(2.0)
+"""Makes the two-stage method of second order and L-stable."""
+SLIP_SPEED_FLOOR = 0.1
 """Below this speed [m/s] slip is taken relative to it: the tyre then acts as a stiff damper."""
-_REST_SPEED = 1e-3
+REST_SPEED = 1e-3
 """Below this speed [m/s] a braked corner stands."""
 
 
@@ -133,7 +134,7 @@ class SingleCorner:
 
     @staticmethod
     def _reference(speed: Array) -> Array:
-        return np.maximum(speed, _SLIP_SPEED_FLOOR)
+        return np.maximum(speed, SLIP_SPEED_FLOOR)
 
     def _slip(self, speed: Array, wheel_speed: Array) -> Array:
         return np.asarray((speed - wheel_speed * self.parameters.radius) / self._reference(speed))
@@ -148,23 +149,27 @@ class SingleCorner:
         v, w = self.speed, self.wheel_speed
         reference = self._reference(v)
         slope = p.vertical_load * burckhardt.slope(theta, self._slip(v, w))
-        force_v = slope * np.where(v > _SLIP_SPEED_FLOOR, w * p.radius / reference**2, 1.0 / reference)
+        force_v = slope * np.where(v > SLIP_SPEED_FLOOR, w * p.radius / reference**2, 1.0 / reference)
         force_w = -slope * p.radius / reference
-        gh = _GAMMA * h
-        a11, a12 = 1.0 + gh * force_v / p.mass, gh * force_w / p.mass
-        a21, a22 = -gh * p.radius * force_v / p.inertia, 1.0 - gh * p.radius * force_w / p.inertia
+        f_v, f_w = self._derivative(v, w, torque, theta)
+        # A locked wheel has no equation: left in, its pull below zero would reach the body through the matrix.
+        turns = (w > 0.0) | (f_w >= 0.0)
+        gh = ROSENBROCK_GAMMA * h
+        a11, a12 = 1.0 + gh * force_v / p.mass, np.where(turns, gh * force_w / p.mass, 0.0)
+        a21 = np.where(turns, -gh * p.radius * force_v / p.inertia, 0.0)
+        a22 = 1.0 - np.where(turns, gh * p.radius * force_w / p.inertia, 0.0)
         determinant = a11 * a22 - a12 * a21
 
         def solve(b1: Array, b2: Array) -> tuple[Array, Array]:
+            b2 = np.where(turns, b2, 0.0)
             return (a22 * b1 - a12 * b2) / determinant, (a11 * b2 - a21 * b1) / determinant
 
         time_term = -gh * torque_rate / p.inertia
-        f_v, f_w = self._derivative(v, w, torque, theta)
         k1_v, k1_w = solve(f_v, f_w + time_term)
         f_v, f_w = self._derivative(v + h * k1_v, np.maximum(w + h * k1_w, 0.0), torque + h * torque_rate, theta)
         k2_v, k2_w = solve(f_v - 2.0 * k1_v, f_w - 2.0 * k1_w - time_term)
         speed = v + h * (1.5 * k1_v + 0.5 * k2_v)
         wheel_speed = w + h * (1.5 * k1_w + 0.5 * k2_w)
-        standing = speed < _REST_SPEED
+        standing = speed < REST_SPEED
         self.speed = np.where(standing, 0.0, speed)
         self.wheel_speed = np.where(standing, 0.0, np.maximum(wheel_speed, 0.0))

@@ -14,17 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vehicle_models import burckhardt, load_transfer
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.single_corner import GRAVITY, REST_SPEED, ROSENBROCK_GAMMA, SLIP_SPEED_FLOOR
 
 Array = NDArray[np.float64]
 
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 """Order of the last dimension of every array per wheel."""
-_GAMMA = 1.0 - 1.0 / np.sqrt(2.0)
-_SLIP_SPEED_FLOOR = 0.1
-"""Below this speed [m/s] slip is taken relative to it, as in single_corner."""
-_REST_SPEED = 1e-3
-"""Below this speed [m/s] a braked car stands."""
 
 
 @dataclass(frozen=True)
@@ -197,7 +192,7 @@ class TwoAxleCar:
 
     @staticmethod
     def _reference(speed: Array) -> Array:
-        return np.maximum(speed, _SLIP_SPEED_FLOOR)[:, np.newaxis]
+        return np.maximum(speed, SLIP_SPEED_FLOOR)[:, np.newaxis]
 
     def _slip(self, speed: Array, wheel_speed: Array) -> Array:
         return np.asarray((speed[:, np.newaxis] - wheel_speed * self.parameters.radius) / self._reference(speed))
@@ -229,12 +224,12 @@ class TwoAxleCar:
         loads = p.wheel_loads(self._acceleration(v, burckhardt.friction(theta, self._slip(v, w))))
         # Beyond the peak the true slope would make the implicit step divide by zero; any matrix keeps the second order.
         slope = loads * np.maximum(burckhardt.slope(theta, self._slip(v, w)), 0.0)
-        force_v = slope * np.where(v[:, np.newaxis] > _SLIP_SPEED_FLOOR, w * p.radius / reference**2, 1.0 / reference)
+        force_v = slope * np.where(v[:, np.newaxis] > SLIP_SPEED_FLOOR, w * p.radius / reference**2, 1.0 / reference)
         force_w = -slope * p.radius / reference
         f_v, f_w = self._derivative(v, w, torque, theta)
         # A locked wheel has no equation: left in, its pull below zero would reach the body through the matrix.
         turns = (w > 0.0) | (f_w >= 0.0)
-        gh = _GAMMA * h
+        gh = ROSENBROCK_GAMMA * h
         by_wheel = np.where(turns, gh * force_w / p.mass, 0.0)
         wheel_by_v = np.where(turns, -gh * p.radius * force_v / p.inertia, 0.0)
         wheel_own = 1.0 - np.where(turns, gh * p.radius * force_w / p.inertia, 0.0)
@@ -251,7 +246,7 @@ class TwoAxleCar:
         k2_v, k2_w = solve(f_v - 2.0 * k1_v, f_w - 2.0 * k1_w - time_term)
         speed = v + h * (1.5 * k1_v + 0.5 * k2_v)
         wheel_speed = w + h * (1.5 * k1_w + 0.5 * k2_w)
-        standing = (speed < _REST_SPEED) & (speed <= v)
+        standing = (speed < REST_SPEED) & (speed <= v)
         self.speed = np.where(standing, 0.0, speed)
         self.wheel_speed = np.where(standing[:, np.newaxis], 0.0, np.maximum(wheel_speed, 0.0))
 
