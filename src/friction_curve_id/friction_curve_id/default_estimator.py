@@ -118,7 +118,7 @@ class DefaultEstimator:
         n, noise = window.count, self._p.noise
         trend = wheel_trend(window.time[:n], window.measured_wheel_speed[:n], noise.wheel_speed)
         if not is_excited(trend, window.torque[:n], noise.wheel_speed, noise.torque):
-            if is_driven(trend, window.torque[:n], wheel):
+            if is_driven(trend, window.torque[:n], noise.torque):
                 window.drop_oldest(n - _SHORT_LEAD_IN)
             return Refusal(Reason.NO_EXCITATION, "torque and slip are constant: the curve cannot be seen")
         self._start()

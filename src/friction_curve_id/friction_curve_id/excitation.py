@@ -5,8 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.interface import WheelParameters
-
 Array = NDArray[np.float64]
 
 _TORQUE_SPAN = 8.0
@@ -55,7 +53,6 @@ def is_released(torque: Array, slip: Array, torque_noise: float) -> bool:
     return float(torque.mean()) < _NO_TORQUE * torque_noise and float(np.abs(slip).max()) < _NO_SLIP
 
 
-def is_driven(trend: WheelTrend, torque: Array, wheel: WheelParameters) -> bool:
-    """Does something besides the brake torque [N m], shape (n,), change the speed of a rolling wheel: the engine?"""
-    expected = -float(torque.mean()) / (wheel.mass * wheel.radius**2 + wheel.inertia)
-    return abs(trend.rate - expected) > _DRIVEN * trend.stddev
+def is_driven(trend: WheelTrend, torque: Array, torque_noise: float) -> bool:
+    """Does a wheel without brake torque [N m], shape (n,), change its speed: by the engine, or a slope?"""
+    return float(torque.mean()) < _NO_TORQUE * torque_noise and abs(trend.rate) > _DRIVEN * trend.stddev

@@ -142,6 +142,24 @@ def test_a_stream_without_braking_never_gives_an_estimate() -> None:
         assert isinstance(answer, Refusal) and answer.reason is Reason.NO_EXCITATION
 
 
+def test_a_weak_brake_on_a_slippery_road_is_seen_all_the_same() -> None:
+    """Ice with a flat curve: the wheel slows by its slip more than by the brake alone."""
+    theta = np.array([0.1187, 14.46, 0.0463])
+    plant, generator, noise = SingleCorner(CornerParameters(), [30.0]), np.random.default_rng(9), CHAPTER_NOISE
+    estimator, given = DefaultEstimator(), 0
+    for k in range(100):
+        torque, following = (159.0 * min(t / 0.25, 1.0) for t in (0.005 * k, 0.005 * (k + 1)))
+        sample = Sample(
+            0.005 * k,
+            float(plant.wheel_speed[0]) + generator.normal(0.0, noise.wheel_speed_variance**0.5),
+            float(plant.speed[0]) + generator.normal(0.0, noise.speed_variance**0.5),
+            torque + generator.normal(0.0, noise.torque_variance**0.5),
+        )
+        given += isinstance(estimator.update(sample), CurveEstimate)
+        plant.step(torque, following, theta, 0.005)
+    assert given > 70
+
+
 def test_after_a_gap_the_fit_begins_anew_and_says_so(noisy: Brake) -> None:
     samples = list(noisy("wet", 6).samples)
     estimator = DefaultEstimator()
