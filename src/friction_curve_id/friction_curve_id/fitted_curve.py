@@ -16,8 +16,7 @@ from friction_curve_id.interface import NAN, CurveEstimate, Reason
 
 Array = NDArray[np.float64]
 
-_LARGEST_RELATIVE_STDDEV = 0.25
-"""A lambda_max known no better than this share of itself is not valid."""
+_LARGEST_RELATIVE_STDDEV = 0.1
 
 
 class CurveModel(Protocol):
@@ -60,13 +59,20 @@ class FittedCurve:
     parameters: Array
     covariance: Array
 
-    def estimate(self, slip: float, samples: int, largest_slip: float) -> CurveEstimate:
+    def estimate(
+        self,
+        slip: float,
+        samples: int,
+        largest_slip: float,
+        largest_relative_stddev: float = _LARGEST_RELATIVE_STDDEV,
+    ) -> CurveEstimate:
         """Say what the curve says at the present `slip`.
 
         Args:
             slip: present slip [-].
             samples: points in the fit.
             largest_slip: the largest slip among them; a peak beyond it is extrapolated, hence not valid.
+            largest_relative_stddev: a lambda_max known no better than this share of itself is not valid.
         """
         m, p, covariance = self.model, self.parameters, self.covariance
 
@@ -84,7 +90,7 @@ class FittedCurve:
                 lambda_stddev = stddev(m.slope_gradient(p, peak)) / -curvature
         slope = m.slope(p, slip)
         slope_stddev = stddev(m.slope_gradient(p, slip))
-        reason, text = _judge(peak, lambda_stddev, largest_slip)
+        reason, text = _judge(peak, lambda_stddev, largest_slip, largest_relative_stddev)
         theta = m.theta(p)
         known = theta is not None
         nothing = np.full(3, NAN)
@@ -107,12 +113,12 @@ class FittedCurve:
         )
 
 
-def _judge(peak: float, stddev: float, largest_slip: float) -> tuple[Reason, str]:
+def _judge(peak: float, stddev: float, largest_slip: float, largest_relative_stddev: float) -> tuple[Reason, str]:
     if not isfinite(peak):
         return Reason.NO_PEAK, "the fitted curve has no peak in (0, 1)"
     if largest_slip < peak:
         return Reason.PEAK_NOT_PASSED, f"slip reached {largest_slip:.3f}, the fitted peak lies at {peak:.3f}"
-    if not stddev <= _LARGEST_RELATIVE_STDDEV * peak:
+    if not stddev <= largest_relative_stddev * peak:
         return Reason.UNCERTAIN, f"standard deviation {stddev:.3f} of lambda_max {peak:.3f} is too large"
     return Reason.OK, ""
 

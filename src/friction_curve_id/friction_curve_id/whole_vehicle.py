@@ -41,6 +41,8 @@ _LONGEST_STEP = 1.0
 """Of one Gauss-Newton step, in standard deviations of the prior."""
 _SAMPLES_BEYOND = 5
 """Samples that must lie beyond the peak before it counts as passed."""
+_LARGEST_RELATIVE_STDDEV = 0.25
+"""Of a valid lambda_max. Timing and relaxation alone leave 0.13 on a measured stop, all of it counted."""
 _FEWEST_SAMPLES = 20
 _WINDOW = 400
 
@@ -79,9 +81,9 @@ class WholeVehicle:
         scale = np.array([theta[0], theta[1], 1.0])
         mean_slips = np.sort([float(each.shares @ each.slips) for each in self._points])
         curve = FittedCurve(BurckhardtCurve(), theta, covariance[:3, :3] * np.outer(scale, scale))
-        estimate = curve.estimate(
-            float(point.shares @ point.slips), len(self._points), float(mean_slips[-_SAMPLES_BEYOND])
-        )
+        reached = float(mean_slips[-_SAMPLES_BEYOND])
+        slip = float(point.shares @ point.slips)
+        estimate = curve.estimate(slip, len(self._points), reached, _LARGEST_RELATIVE_STDDEV)
         cause, self._cause = self._cause, RestartCause.NONE
         return replace(estimate, restarted=cause is not RestartCause.NONE, restart_cause=cause)
 
