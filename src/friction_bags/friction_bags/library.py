@@ -13,7 +13,7 @@ from rich.progress import Progress
 
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
-from friction_bags import library_tyres
+from friction_bags import library_stops, library_tyres
 from friction_bags.bag_format import METADATA_NAME, BagError
 from friction_bags.estimators import build_processors
 from friction_bags.import_csv import write_bag
@@ -24,7 +24,6 @@ from friction_runtime.processor import Output, silent
 START_STAMP = 1_000_000_000_000
 """[ns] Stamp of the first sample of every experiment: 1000 s."""
 _LOOP = ("wheel_slip", "friction_slope", "abs_supervisor")
-_CAR = ("front_left", "front_right", "rear_left", "rear_right")
 _README = "README.md"
 _README_BEGIN = """\
 # bags
@@ -70,31 +69,11 @@ def _ramp_and_hold(surface: str, torque: float) -> Experiment:
     )
 
 
-def _drivers_stop(surface: str, level: float) -> Experiment:
-    return Experiment(
-        f"{surface}: stop of a car by the driver's brake as in 8.2.3, load transfer to the front axle; four wheels",
-        {
-            "wheels": list(_CAR),
-            "model": "two_axle",
-            "surfaces": [surface],
-            "brake_gain": [1.6e-4, 1.6e-4, 0.6e-4, 0.6e-4],
-            "demand_level": level,
-            "demand_rise": 0.4,
-            "demand_hold": 0.35,
-            "demand_release": 0.1,
-            "initial_speed": 25.0,
-            "end_time": 2.5,
-        },
-    )
-
-
 EXPERIMENTS: dict[str, Experiment] = {
     "dry": _ramp_and_hold("dry", 857.0),
     "wet": _ramp_and_hold("wet", 598.0),
     "cobblestone": _ramp_and_hold("cobblestone", 805.0),
     "snow": _ramp_and_hold("snow", 153.0),
-    "high_grip_stop": _drivers_stop("high_grip", 1.0),
-    "low_grip_stop": _drivers_stop("off_road", 1.03),
     "dry_to_snow": Experiment(
         "dry, from 40 m on snow: panic braking with the supervisor in the loop, 30 to 20 m/s; one corner",
         {"surfaces": ["dry", "snow"], "surface_distances": [0.0, 40.0], "end_speed": 20.0, "end_time": 6.0},
@@ -106,6 +85,9 @@ EXPERIMENTS: dict[str, Experiment] = {
         closed_loop=True,
     ),
 }
+
+
+_NAMES = (*EXPERIMENTS, *library_stops.STOPS, *library_tyres.RUNS)
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -121,7 +103,7 @@ def run(args: Namespace) -> int:
     Returns:
         Exit code: 0, 2 when one cannot be made.
     """
-    known = (*EXPERIMENTS, *library_tyres.RUNS)
+    known = _NAMES
     unknown = [name for name in args.names if name not in known]
     if unknown:
         print(f"error: no experiment {', '.join(unknown)}; there are {', '.join(known)}", file=sys.stderr)
@@ -161,12 +143,16 @@ def simulate(experiment: Experiment, seed: int = 0) -> Iterator[Output]:
 def _messages(name: str, full: bool) -> Iterator[Output]:
     if name in EXPERIMENTS:
         return simulate(EXPERIMENTS[name])
+    if name in library_stops.STOPS:
+        return library_stops.simulate(library_stops.STOPS[name], START_STAMP)
     return library_tyres.simulate(library_tyres.RUNS[name], START_STAMP, full)
 
 
 def _note(name: str, full: bool) -> str:
     if name in EXPERIMENTS:
         return EXPERIMENTS[name].note
+    if name in library_stops.STOPS:
+        return library_stops.STOPS[name].note
     tyre_run = library_tyres.RUNS[name]
     return tyre_run.note if full else f"{tyre_run.note}; {tyre_run.cut[0]:.1f} to {tyre_run.cut[1]:.1f} s of it"
 
@@ -180,5 +166,5 @@ def _replace(bag: Path) -> None:
 
 def _readme(full: bool) -> str:
     """Text of the list of bags."""
-    rows = [f"| `{name}` | {_note(name, full)} |" for name in (*EXPERIMENTS, *library_tyres.RUNS)]
+    rows = [f"| `{name}` | {_note(name, full)} |" for name in _NAMES]
     return _README_BEGIN + "\n".join(rows) + _README_END

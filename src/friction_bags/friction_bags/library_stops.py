@@ -1,0 +1,183 @@
+"""The driver's stops of the library, as in section 8.2.3: what makes measured friction differ from the static curve.
+
+Two things are added to the quasi-static car of corner_sim, with the slip s that the contact has built up so far:
+
+    L s_dot = v (lambda - s),    Fx_i = Fz_i mu(s_i)                                 (relaxation length L of a tyre)
+    q_ddot = w^2 (q_ss - q) - 2 z w q_dot,    q_ss = m h |a| / wheelbase             (load q moved to the front axle)
+
+The suspension lets the load of the front axle overshoot, so that Fx over the quasi-static load exceeds the static curve
+before it settles (Figure 8.9).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from corner_sim import messages
+from corner_sim.driver import DriverProfile
+from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant
+from corner_sim.road import Road
+from corner_sim.sensors import Sensors
+from corner_sim.slope_truth import SlopeCrossings
+from friction_runtime.processor import Output
+from vehicle_models import burckhardt
+from vehicle_models.brake_actuator import ActuatorParameters, Command
+from vehicle_models.sensor_noise import CHAPTER_NOISE
+from vehicle_models.two_axle import WHEELS, CarParameters
+
+Array = NDArray[np.float64]
+
+RELAXATION_LENGTH = 0.3
+"""L [m]"""
+PITCH_FREQUENCY = 2.0 * np.pi * 1.5
+"""w [rad/s]"""
+PITCH_DAMPING = 0.3
+"""z"""
+_SUBSTEPS = 25
+_BRAKE_GAINS = np.array([1.6e-4, 1.6e-4, 0.6e-4, 0.6e-4])
+_SPEED = 25.0
+_DURATION = 2.5
+_ACCELERATION_VARIANCE = 0.01
+
+
+@dataclass(frozen=True)
+class Stop:
+    """A stop that the driver breaks off beyond the peak."""
+
+    note: str
+    """What it is."""
+    surface: str
+    """Name of the road."""
+    level: float
+    """Brake torque of a front wheel in multiples of its quasi-static peak torque."""
+
+
+def _stop(surface: str, level: float) -> Stop:
+    note = "stop by the driver's brake as in 8.2.3, with load transfer, suspension and tyre relaxation"
+    return Stop(f"{surface}: {note} (the overshoot of Figure 8.9); four wheels", surface, level)
+
+
+STOPS = {"high_grip_stop": _stop("high_grip", 1.02), "low_grip_stop": _stop("off_road", 1.03)}
+
+
+class SprungCar:
+    """A car whose tyres relax and whose load moves through springs; a Vehicle of corner_sim with four wheels."""
+
+    def __init__(self, parameters: CarParameters, speed: float) -> None:
+        """Start free rolling at `speed` [m/s]."""
+        self._p = parameters
+        self._state = np.concatenate([[speed], np.full(4, speed / parameters.radius), np.zeros(6)])
+        self._distance = 0.0
+
+    @property
+    def speed(self) -> float:
+        """Speed of the car [m/s]."""
+        return float(self._state[0])
+
+    @property
+    def distance(self) -> Array:
+        """Distance of each wheel from where the front axle started [m], shape (4,)."""
+        return self._distance - np.array([0.0, 0.0, self._p.wheelbase, self._p.wheelbase])
+
+    @property
+    def wheel_speed(self) -> Array:
+        """Wheel speeds [rad/s], shape (4,)."""
+        return np.asarray(self._state[1:5])
+
+    @property
+    def slip(self) -> Array:
+        """Slips lambda [-], shape (4,)."""
+        return 1.0 - self._p.radius * self.wheel_speed / self.speed
+
+    @property
+    def radius(self) -> Array:
+        """Radii [m], shape (4,)."""
+        return np.full(4, self._p.radius)
+
+    @property
+    def inertia(self) -> Array:
+        """Wheel inertias [kg m^2], shape (4,)."""
+        return np.full(4, self._p.inertia)
+
+    def peak_torque(self, theta: Array) -> float:
+        """Quasi-static brake torque [N m] that holds a front wheel at the peak while all wheels are there."""
+        return float(self._p.peak_torque(theta)[0])
+
+    def friction(self, theta: Array) -> Array:
+        """Friction coefficients Fx / Fz [-] of the relaxed tyres, shape (4,)."""
+        return np.asarray(burckhardt.friction(theta, self._state[5:9]))
+
+    def vertical_load(self, theta: Array) -> Array:
+        """Loads [N], shape (4,)."""
+        return self._loads(self._state)
+
+    def acceleration(self, theta: Array) -> float:
+        """Acceleration [m/s^2]."""
+        return float(self._rate(self._state, theta, np.zeros(4))[0])
+
+    def wheel_acceleration(self, theta: Array, brake_torque: Array) -> Array:
+        """Wheel accelerations [rad/s^2], shape (4,)."""
+        return np.asarray(self._rate(self._state, theta, brake_torque)[1:5])
+
+    def step(self, torque_begin: Array, torque_end: Array, theta: Array, dt: float) -> None:
+        """Advance by dt [s] with the midpoint rule; the wheels must not stand."""
+        h = dt / _SUBSTEPS
+        for k in range(_SUBSTEPS):
+            torque = torque_begin + (torque_end - torque_begin) * (k + 0.5) / _SUBSTEPS
+            middle = self._state + 0.5 * h * self._rate(self._state, theta, torque)
+            self._distance += h * float(middle[0])
+            self._state = self._state + h * self._rate(middle, theta, torque)
+            self._state[1:5] = np.maximum(self._state[1:5], 0.0)
+
+    def _loads(self, state: Array) -> Array:
+        p = self._p
+        weight = p.mass * p.gravity
+        front, rear = weight * p.front_share + state[9], weight * (1.0 - p.front_share) - state[9]
+        return 0.5 * np.array([front, front, rear, rear])
+
+    def _rate(self, state: Array, theta: Array, torque: Array) -> Array:
+        """Rates of speed, wheel speeds, built-up slips, moved load and its rate."""
+        p = self._p
+        speed, wheel_speed, built_up = state[0], state[1:5], state[5:9]
+        force = self._loads(state) * burckhardt.friction(theta, built_up)
+        drag = 0.5 * p.air_density * p.drag_area * speed**2
+        acceleration = -(np.sum(force) + drag) / p.mass
+        slip = 1.0 - p.radius * wheel_speed / speed
+        moved = -p.mass * acceleration * p.height / p.wheelbase
+        pitch = PITCH_FREQUENCY**2 * (moved - state[9]) - 2.0 * PITCH_DAMPING * PITCH_FREQUENCY * state[10]
+        return np.concatenate(
+            [
+                [acceleration],
+                (p.radius * force - torque) / p.inertia,
+                speed / RELAXATION_LENGTH * (slip - built_up),
+                [state[10], pitch],
+            ]
+        )
+
+
+def simulate(stop: Stop, start_stamp: int, seed: int = 0) -> Iterator[Output]:
+    """Yield absolute topics and messages of a stop; the first sample is at `start_stamp` [ns]."""
+    parameters = CarParameters(mass=900.0)
+    car = SprungCar(parameters, _SPEED)
+    road = Road((stop.surface,), (0.0,))
+    plant = Plant(car, road, ActuatorParameters(), _BRAKE_GAINS)
+    pressure = stop.level * car.peak_torque(road.theta(0.0)) / _BRAKE_GAINS[0]
+    driver = DriverProfile(pressure, start=0.5, rise=0.4, hold=0.35, release=0.1)
+    sensors = Sensors(CHAPTER_NOISE, _ACCELERATION_VARIANCE, 0.0, _BRAKE_GAINS, seed)
+    crossings = SlopeCrossings(len(WHEELS))
+    for index in range(round(_DURATION / SAMPLE_TIME) + 1):
+        stamp = start_stamp + index * SAMPLE_TIME_NS
+        demand = driver.demand(index * SAMPLE_TIME)
+        sample = plant.sample()
+        sample = replace(sample, friction=car.friction(sample.theta))
+        crossings.update(sample, stamp)
+        measured = sensors.measure(sample)
+        outputs = messages.truth(stamp, WHEELS, sample, crossings)
+        outputs.append(("brake_demand", messages.brake_demand(stamp, demand)))
+        outputs += messages.sensors(
+            stamp, WHEELS, measured, CHAPTER_NOISE, _BRAKE_GAINS.tolist(), _ACCELERATION_VARIANCE
+        )
+        yield from ((f"/{topic}", message) for topic, message in outputs)
+        plant.advance(demand, Command.NONE)
