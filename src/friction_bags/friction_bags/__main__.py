@@ -14,6 +14,7 @@ _TOOLS = {
     "reindex": ("reindex", "repair a bag whose recorder was killed"),
     "process": ("process", "run the estimators over bags, without middleware"),
     "import": ("import_csv", "make a bag from measured data in a CSV file"),
+    "calibrate_radii": ("calibrate_radii", "find the wheel radii from the coasting stretches of a bag"),
     "library": ("library", "make the recorded experiments of bags/ anew"),
 }
 

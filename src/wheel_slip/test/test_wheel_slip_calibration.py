@@ -1,16 +1,9 @@
-"""Radius calibration: the algorithm, the tool over a bag, and online."""
-
-from pathlib import Path
+"""Radius calibration: the algorithm, and online."""
 
 import numpy as np
 import pytest
-from geometry_msgs.msg import TwistWithCovarianceStamped
-from sensor_msgs.msg import JointState
 
-from friction_bags.import_csv import write_bag
-from friction_runtime.parameters import from_mapping, load
-from friction_runtime.stamps import from_nanoseconds
-from wheel_slip.calibrate import main
+from friction_runtime.parameters import from_mapping
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.radius_calibration import CalibrationParameters, Radii, RadiusCalibration
@@ -67,42 +60,6 @@ def test_braking_spin_curves_gaps_and_garbage_do_not_count() -> None:
     for k in range(1, 20):
         assert not calibration.update(k * 100 * STEP, (20.0 / TRUE).tolist(), 20.0)
         assert not calibration.update(k * 100 * STEP + STEP, [float("nan")] * 4, 20.0)
-
-
-def write_coasting(bag: Path, seconds: float) -> None:
-    messages = []
-    for k, (stamp, speed, omega) in enumerate(zip(*coasting(seconds), strict=True)):
-        wheels = JointState(name=FOUR, velocity=omega.tolist())
-        wheels.header.stamp = from_nanoseconds(int(stamp))
-        messages.append(("/wheel_states", wheels))
-        if k % 20 == 0:
-            sensor = TwistWithCovarianceStamped()
-            sensor.header.stamp = from_nanoseconds(int(stamp))
-            sensor.twist.twist.linear.x = float(speed)
-            messages.append(("/vehicle_velocity", sensor))
-    write_bag(bag, messages, {})
-
-
-def test_tool_writes_a_parameter_file_that_loads(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    write_coasting(tmp_path / "bag", 6.0)
-    nominal = tmp_path / "nominal.yaml"
-    nominal.write_text(f"/**/wheel_slip:\n  ros__parameters:\n    wheels: [{', '.join(FOUR)}]\n")
-    out = tmp_path / "radii.yaml"
-    assert main([str(tmp_path / "bag"), "--out", str(out), "--parameters", str(nominal)]) == 0
-    assert load(WheelSlipParameters, out, "wheel_slip").radii == pytest.approx(tuple(TRUE), abs=2e-4)
-    assert "rear_right" in capsys.readouterr().out
-
-
-def test_tool_says_what_is_missing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    write_coasting(tmp_path / "short", 1.0)
-    out = tmp_path / "radii.yaml"
-    nominal = tmp_path / "nominal.yaml"
-    nominal.write_text(f"/**/wheel_slip:\n  ros__parameters:\n    wheels: [{', '.join(FOUR)}]\n")
-    assert main([str(tmp_path / "short"), "--out", str(out), "--parameters", str(nominal)]) == 1
-    assert "coasting" in capsys.readouterr().err
-    assert main([str(tmp_path / "absent"), "--out", str(out)]) == 2
-    assert "absent" in capsys.readouterr().err
-    assert not out.exists()
 
 
 def test_online_radii_are_used_once_they_are_certain() -> None:

@@ -1,6 +1,6 @@
 """Calibrate the wheel radii over a bag and write them as a parameter file.
 
-    python -m wheel_slip.calibrate BAG --out radii.yaml [--parameters FILE] [--against sensor|wheels]
+    python -m friction_bags calibrate_radii BAG --out radii.yaml [--parameters FILE] [--against sensor|wheels]
 
 The bag needs a stretch of coasting. `sensor` takes vehicle_velocity for the truth (with speed_latency of the parameter
 file); `wheels` equalises the wheels and keeps their mean radius. The file goes beside others: --params-file FILE.
@@ -80,9 +80,8 @@ def parameter_file(wheels: Sequence[str], found: Radii) -> str:
     return head + yaml.safe_dump(document, sort_keys=False, default_flow_style=None)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the tool; return the exit code: 0, 1 without a result, 2 for input that cannot be read."""
-    parser = argparse.ArgumentParser(prog="python -m wheel_slip.calibrate", description=__doc__)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of this command."""
     parser.add_argument("bag", type=Path, help="bag with wheel_states and, against the sensor, vehicle_velocity")
     parser.add_argument("--out", type=Path, required=True, help="parameter file to be written")
     parser.add_argument("--parameters", type=Path, help="parameter file with the wheels and their nominal radii")
@@ -90,7 +89,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--max-acceleration", type=float, default=CalibrationParameters.max_acceleration, help="[m/s^2]"
     )
-    options = parser.parse_args(arguments)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Calibrate; return the exit code: 0, 1 without a result, 2 for input that cannot be read."""
     limits = CalibrationParameters(max_acceleration=options.max_acceleration)
     try:
         given = options.parameters
@@ -106,7 +108,3 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for wheel, radius, stddev in zip(parameters.wheels, found.radii, found.stddevs, strict=True):
         print(f"{wheel}: {radius:.5f} m, standard deviation {1e3 * stddev:.2f} mm")
     return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
