@@ -47,10 +47,10 @@ class FrictionSlopeParameters:
         100.0, "indicator at or above it: stability is regained", unit="rad/s^3", minimum=0.0, maximum=1e5
     )
     slip_rate_dead_zone: float = parameter(
-        0.15, "slip rates up to it have no measurable sign", unit="1/s", minimum=0.0, maximum=100.0
+        0.2, "slip rates up to it have no measurable sign", unit="1/s", minimum=0.0, maximum=100.0
     )
     eta_margin: float = parameter(
-        0.2,
+        0.1,
         "eta must be this much above the friction, or below 0, to have a sign (no_slip)",
         minimum=0.0,
         maximum=100.0,
