@@ -8,7 +8,8 @@ A wheel rolls while |D_i| is small (for what is known of the offset) and its rim
 a slide on snow, where the car hardly decelerates, and does not use the integrated speed. The car slides when more than
 one wheel does not roll, or if it accelerates so strongly that every wheel must have slip. It rolls again when the
 wheels have rolled for a while and either agree with the integrated speed, or the car hardly accelerates: then they are
-right, whatever that speed says.
+right, whatever that speed says. Wheels that turn alike and hardly change for 2 s are right, whatever the accelerometer
+says: its offset is then learned anew.
 """
 
 from collections import deque
@@ -27,6 +28,12 @@ _CALM = 1.0
 """Below this acceleration [m/s^2] wheels that agree are believed against the integrated speed, after `_PATIENCE`."""
 _PATIENCE = 1.0
 """[s]"""
+_STEADY = 0.5
+"""Wheels that change less [m/s^2] and turn alike ..."""
+_STEADY_TIME = 2.0
+"""... for so long [s] are right, whatever the accelerometer says."""
+_BLIND = 0.6
+"""Rim speed [m/s] below which a wheel may as well be locked."""
 _STRONGEST = 14.0
 """Without an accelerometer a wheel that changes faster [m/s^2] does not roll."""
 
@@ -70,7 +77,10 @@ class SlideDetector:
         self.spread = nan
         """Largest difference between rim speeds [m/s]."""
         self._history: deque[tuple[int, float, Sequence[float]]] = deque()
+        self.contradicted = False
+        """Whether the wheels were believed again because they turned alike, against the accelerometer."""
         self._rolled_since: int | None = None
+        self._steady_from: tuple[int, float] | None = None
         self._travelled = 0.0
         self._allowed = self._p.threshold
 
@@ -142,9 +152,14 @@ class SlideDetector:
         allowed = 1 if len(judged) >= 3 else 0
         wheels_roll = bool(judged) and sum(not self.rolling[index] for index in judged) <= allowed
         strength = 0.0 if pulled else abs(a)
+        self._watch_steadiness(stamp, judged, rim_speeds, middle)
         if not self.sliding:
             if strength > self._p.slide_above or not wheels_roll:
-                self.sliding, self.since, self._rolled_since = True, stamp, None
+                self.sliding, self.since = True, stamp
+                self._rolled_since = self._steady_from = None
+            return
+        if self._steady_from is not None and stamp - self._steady_from[0] >= _STEADY_TIME * NANOSECONDS:
+            self.sliding, self.since, self.contradicted = False, stamp, not wheels_roll
             return
         if strength > self._p.roll_below or not wheels_roll:
             self._rolled_since = None
@@ -154,5 +169,17 @@ class SlideDetector:
         rolled = (stamp - self._rolled_since) / NANOSECONDS
         agree = integrated is None or abs(middle - integrated[0]) <= integrated[1] + 0.02 * abs(middle) + 0.1
         calm = abs(a) < _CALM and rolled >= _PATIENCE
-        if rolled >= self._p.settle and (agree or calm):
-            self.sliding, self.since = False, stamp
+        if rolled >= self._p.settle and (agree or calm or pulled):
+            self.sliding, self.since, self.contradicted = False, stamp, False
+
+    def _watch_steadiness(self, stamp: int, judged: list[int], rim_speeds: Sequence[float], middle: float) -> None:
+        """Since when do the wheels turn alike and hardly change? Then they roll, whatever the accelerometer says."""
+        alike = [abs(rim_speeds[index] - middle) <= _SPREAD_AT_REST + _SPREAD * abs(middle) for index in judged]
+        if not (judged and all(alike) and abs(middle) > _BLIND):
+            self._steady_from = None
+        elif self._steady_from is None:
+            self._steady_from = (stamp, middle)
+        else:
+            elapsed = (stamp - self._steady_from[0]) / NANOSECONDS
+            if abs(middle - self._steady_from[1]) > _STEADY * elapsed + self._p.threshold:
+                self._steady_from = (stamp, middle)

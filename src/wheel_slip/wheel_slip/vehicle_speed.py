@@ -122,9 +122,12 @@ class VehicleSpeed:
             acceleration = None
         self.filter.predict(stamp, acceleration, observed=not (started and self.slide.sliding))
         integrated = (self.filter.speed, sqrt(self.filter.speed_variance)) if started else None
+        slid = self.slide.sliding
         corrected = None if acceleration is None else acceleration - self.filter.offset
         offset_stddev = sqrt(self.filter.offset_variance)
         self.slide.update(stamp, smooth_rim_speeds, rim_accelerations, corrected, offset_stddev, integrated)
+        if slid and not self.slide.sliding and started and not self._sensor_is_fresh(stamp):
+            self._return_to_wheels(smooth_rim_speeds)
         for sample in measured:
             self._use_sensor(sample)
         # Without an accelerometer only a speed sensor can tell a slide from braking.
@@ -177,6 +180,21 @@ class VehicleSpeed:
             when, speed, variance = self._not_yet_believed.popleft()
             if self.filter.correct(speed, variance, when):
                 self._watch_offset(dt)
+
+    def _return_to_wheels(self, smooth_rim_speeds: Sequence[float]) -> None:
+        """Take the speed from the wheels.
+
+        What the integration was off by is not put down to the offset: lag and scale of the accelerometer may be to
+        blame as well, and a wrong offset would begin the next slide.
+        """
+        believed = [smooth_rim_speeds[index] for index in self.slide.believed()]
+        if not believed:
+            believed = [speed for speed in smooth_rim_speeds if isfinite(speed)]
+        speed = median(believed)
+        slip = self._p.slip_per_acceleration * speed * (self.slide.acceleration or 0.0)
+        self.filter.start(speed, self._p.rim_speed_variance + slip**2)
+        if self.slide.contradicted:
+            self.filter.doubt_offset(self._p.speed_filter.offset_stddev**2)
 
     def _watch_offset(self, dt: float) -> None:
         """Learn anew when the wheels surprise the filter in one direction."""
