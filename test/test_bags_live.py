@@ -232,13 +232,13 @@ def test_a_replay_arrives_complete_in_order_and_with_original_stamps(
 ) -> None:
     wheels = Listener(node, JointState, "wheel_states")
     slip = Listener(node, WheelSlip, "front_left/slip")
-    player = start("play", str(bag), "--rate", "2", "--wait", "20")
+    player = start("play", str(bag), "--rate", "4", "--wait", "20")
     assert player.process.wait(timeout=40.0) == 0, player.log.read_text()
     original = recorded(bag)
     wait_for(lambda: wheels.take() >= 400 and slip.take() >= 400)
     assert same(wheels.data, original["/wheel_states"])
     assert same(slip.data, original["/front_left/slip"])
-    assert (wheels.times[-1] - wheels.times[0]) / SECOND == pytest.approx(399 * 0.005 / 2.0, abs=0.1)
+    assert (wheels.times[-1] - wheels.times[0]) / SECOND == pytest.approx(399 * 0.005 / 4.0, abs=0.1)
 
 
 def test_a_part_of_a_bag_is_replayed_under_another_name_in_a_loop(

@@ -115,4 +115,5 @@ def _process(bag: Path, part: int, parts: int, options: ProcessOptions) -> Itera
         yield received_outputs(here)
     finally:
         here.close()
+        process.terminate()
         process.join()

@@ -1,12 +1,13 @@
 """`process`: the command that runs the estimators over bags, as fast as the machine allows."""
 
+import signal
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, wait
 from contextlib import contextmanager
 from functools import partial
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from os import cpu_count
 from pathlib import Path
 
@@ -20,6 +21,8 @@ from friction_bags.offline_run import ProcessResult, process_bag
 from friction_runtime.parameters import ParameterError
 
 _REFRESH_PERIOD = 0.2
+_INTERRUPTED = 130
+"""Exit code of a command that was interrupted, by the convention of shells."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -40,7 +43,8 @@ def run(args: Namespace) -> int:
     """Process the bags.
 
     Returns:
-        Exit code: 0, 1 when a bag is damaged, 2 when one could not be processed.
+        Exit code: 0, 1 when a bag is damaged, 2 when one could not be processed, 130 after SIGINT or SIGTERM: then
+        the bag being made is closed with what it has, of several bags made at once those under way need a reindex.
     """
     options = ProcessOptions(
         tuple(args.estimators),
@@ -53,8 +57,18 @@ def run(args: Namespace) -> int:
     if len(set(outs)) < len(outs):
         print("error: two bags have the same name", file=sys.stderr)
         return 2
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        return _report(_process_all(list(zip(args.bags, outs, strict=True)), options, args.jobs))
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return _INTERRUPTED
+
+
+def _report(results: Iterable[ProcessResult | Exception]) -> int:
+    """Print what was done to each bag; return the exit code."""
     code = 0
-    for result in _process_all(list(zip(args.bags, outs, strict=True)), options, args.jobs):
+    for result in results:
         if isinstance(result, Exception):
             print(f"error: {result}", file=sys.stderr)
             code = 2
@@ -87,10 +101,15 @@ def _process_all(
             pool.submit(_attempt, bag, out, options, 1, partial(parts.__setitem__, index))
             for index, (bag, out) in enumerate(pairs)
         ]
-        with _bars([bag for bag, _ in pairs]) as show:
-            while wait(futures, _REFRESH_PERIOD).not_done:
-                for index, part in parts.items():
-                    show(index, part)
+        try:
+            with _bars([bag for bag, _ in pairs]) as show:
+                while wait(futures, _REFRESH_PERIOD).not_done:
+                    for index, part in parts.items():
+                        show(index, part)
+        except KeyboardInterrupt:
+            for child in active_children():
+                child.terminate()
+            raise
         yield from (future.result() for future in futures)
 
 

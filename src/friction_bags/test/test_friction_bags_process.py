@@ -1,5 +1,9 @@
 import random
 import shutil
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -218,6 +222,28 @@ def test_messages_that_cannot_be_decoded_are_left_out_and_said(rows: Rows, proce
     result = process_bag(tmp_path / "bag", tmp_path / "out", ProcessOptions(), 1, lambda _: None)
     assert result.problems == ("imu/data: 1 messages cannot be decoded",)
     assert read(tmp_path / "out")["/front_left/slip"] == read(processed)["/front_left/slip"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_signal_ends_processing_at_once(rows: Rows, tmp_path: Path, number: int, count: int) -> None:
+    bags = [tmp_path / f"bag{index}" for index in range(count)]
+    shifted = [(name, stamp + shift * 10**12, message) for shift in range(10) for name, stamp, message in rows]
+    for path in bags:
+        write(path, shifted)
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "friction_bags", "process", *map(str, bags), "--out", str(out), "--jobs", "2"]
+    process = subprocess.Popen(command, start_new_session=True)
+    made = out if count == 1 else out / "bag0"
+    end = time.monotonic() + 60.0
+    while not (made / f"{made.name}_0.mcap").exists():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    time.sleep(0.5)
+    process.send_signal(number)
+    assert process.wait(timeout=20.0) == 130
+    if count == 1:
+        assert read(made)
 
 
 class Relay:
