@@ -1,0 +1,130 @@
+"""Offline processing of long bags: real-time factor, its ratio to reading and decoding alone, memory over length."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from rich.progress import track
+
+from corner_sim.parameters import SimParameters
+from corner_sim.simulation import Simulation
+from friction_bags.bag_format import Topic
+from friction_bags.bag_reader import BagReader
+from friction_bags.bag_writer import BagWriter
+from friction_bags.cdr import decode, encode, installed_topic
+from friction_bags.message_definition import message_class
+from friction_evaluation.parts import Row
+from friction_runtime.parameters import from_mapping
+
+_WHEELS = ["front_left", "front_right", "rear_left", "rear_right"]
+_START = 10**12
+_CYCLE_NS = 20 * 10**9
+_SURFACES = ("dry", "wet", "snow")
+_MINUTE_NS = len(_SURFACES) * _CYCLE_NS
+_STAMP = struct.Struct("<iI")
+_STAMP_AT = 4
+_ESTIMATORS = ("wheel_slip", "friction_slope", "abs_supervisor", "friction_curve_id")
+_PARAMETERS = "/**/friction_curve_id:\n  ros__parameters:\n    method: rls\n"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add its own options."""
+    parser.add_argument(
+        "--minutes", type=int, nargs="+", default=[2], help="lengths of the bags (10 60 for the record)"
+    )
+    parser.add_argument("--processes", type=int, nargs="+", default=[1, 2], help="processes for one bag")
+
+
+def run(options: argparse.Namespace) -> list[Row]:
+    """Make a bag of each length, read it, process it; return one row a length and number of processes."""
+    rows: list[Row] = []
+    with tempfile.TemporaryDirectory(prefix="friction_evaluation_") as name:
+        directory = Path(name)
+        (directory / "parameters.yaml").write_text(_PARAMETERS)
+        minute = list(_minute())
+        for minutes in track(sorted(options.minutes), description="bags"):
+            bag = directory / f"bag_{minutes}"
+            _write(bag, minute, minutes)
+            reading = _reading_time(bag)
+            for processes in options.processes:
+                out = directory / f"out_{minutes}_{processes}"
+                rows.append({"minutes": minutes, **_process(bag, out, processes, reading)})
+    return rows
+
+
+def _minute() -> Iterator[tuple[Topic, int, bytes]]:
+    """A minute of four wheels at 200 Hz: every 20 s a braking of 3 s, on dry, wet and snow."""
+    for cycle, surface in enumerate(_SURFACES):
+        start = _START + cycle * _CYCLE_NS
+        given = {
+            "wheels": _WHEELS,
+            "surfaces": [surface],
+            "demand_level": 0.8,
+            "demand_start": 1.0,
+            "demand_rise": 0.5,
+            "demand_hold": 2.3,
+            "demand_release": 0.2,
+            "end_time": _CYCLE_NS * 1e-9,
+            "acceleration_variance": 0.01,
+            "seed": cycle,
+        }
+        simulation = Simulation(from_mapping(SimParameters, given), start)
+        while simulation.end is None:
+            for topic, message in simulation.messages():
+                if not topic.startswith("truth/"):
+                    yield installed_topic(f"/{topic}", type(message)), simulation.stamp, encode(message)
+            simulation.advance()
+
+
+def _write(bag: Path, minute: list[tuple[Topic, int, bytes]], minutes: int) -> None:
+    """Write the minute again and again, with all stamps going on."""
+    with BagWriter(bag, chunk_size=4 << 20) as writer:
+        for repeat in range(minutes):
+            shift = repeat * _MINUTE_NS
+            for topic, stamp, data in minute:
+                seconds, rest = _STAMP.unpack_from(data, _STAMP_AT)
+                moved = _STAMP.pack(seconds + shift // 10**9, rest)
+                end = _STAMP_AT + _STAMP.size
+                writer.write(writer.add_topic(topic), stamp + shift, data[:_STAMP_AT] + moved + data[end:])
+
+
+def _reading_time(bag: Path) -> float:
+    """Seconds that reading and decoding every message takes."""
+    begun = time.perf_counter()
+    with BagReader(bag) as reader:
+        kinds: dict[Topic, Any] = {topic: message_class(topic.type) for topic in reader.counts}
+        for topic, _, data in reader.messages():
+            decode(data, kinds[topic])
+    return time.perf_counter() - begun
+
+
+def _process(bag: Path, out: Path, processes: int, reading: float) -> Row:
+    command = [sys.executable, "-m", "friction_bags", "process", str(bag), "--out", str(out), "--jobs", str(processes)]
+    command += ["--estimators", *_ESTIMATORS, "--params-file", str(bag.parent / "parameters.yaml")]
+    begun = time.perf_counter()
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    seconds = time.perf_counter() - begun
+    if process.returncode:
+        raise RuntimeError(f"{' '.join(command)} failed")
+    with BagReader(bag) as reader:
+        duration = (reader.end - reader.start) * 1e-9
+    return {
+        "processes": processes,
+        "seconds": seconds,
+        "cpu_seconds": usage.ru_utime + usage.ru_stime,
+        "real_time_factor": duration / seconds,
+        "reading_and_decoding_seconds": reading,
+        "ratio_to_reading_and_decoding": seconds / reading,
+        "largest_memory_mb": usage.ru_maxrss / 1024.0,
+    }
