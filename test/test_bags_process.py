@@ -20,8 +20,9 @@ from friction_bags.bag_reader import BagReader
 from friction_bags.bag_writer import BagWriter
 from friction_bags.cdr import encode
 from friction_bags.estimators import WHEEL_ESTIMATORS
-from friction_bags.import_csv import read_rows, write_bag
+from friction_bags.import_csv import read_rows
 from friction_bags.library import Experiment, simulate
+from friction_bags.message_bag import write_bag
 from friction_bags.message_definition import message_class
 from friction_bags.offline_part import ProcessOptions
 from friction_bags.offline_run import process_bag

@@ -3,15 +3,12 @@
 import csv
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
 
 from friction_bags import import_bmw, import_iac
 from friction_bags.bag_format import BagError
-from friction_bags.bag_writer import BagWriter
-from friction_bags.cdr import encode, installed_topic
-from friction_runtime.stamps import to_nanoseconds
+from friction_bags.message_bag import write_bag
 
 _FORMATS = {"bmw": import_bmw, "iac": import_iac}
 
@@ -61,20 +58,3 @@ def read_rows(path: Path, columns: Iterable[str]) -> Iterator[dict[str, float]]:
                 yield {column: float(row[column]) for column in wanted}
             except (TypeError, ValueError):
                 raise BagError(f"{path}, line {reader.line_num}: a value is no number") from None
-
-
-def write_bag(bag: Path, messages: Iterable[tuple[str, Any]], notes: Mapping[str, str]) -> int:
-    """Write topics and messages with a header to a bag, recorded at their stamps; return their number.
-
-    Raises:
-        BagError: the bag cannot be made.
-    """
-    channels: dict[str, int] = {}
-    count = 0
-    with BagWriter(bag, custom_data=notes) as writer:
-        for name, message in messages:
-            if name not in channels:
-                channels[name] = writer.add_topic(installed_topic(name, type(message)))
-            writer.write(channels[name], to_nanoseconds(message.header.stamp), encode(message))
-            count += 1
-    return count

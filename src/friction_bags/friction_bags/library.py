@@ -16,7 +16,7 @@ from corner_sim.simulation import Simulation
 from friction_bags import library_stops, library_tyres
 from friction_bags.bag_format import METADATA_NAME, BagError
 from friction_bags.estimators import build_processors
-from friction_bags.import_csv import write_bag
+from friction_bags.message_bag import write_bag
 from friction_bags.offline_graph import OfflineGraph
 from friction_runtime.parameters import from_mapping
 from friction_runtime.processor import Output, silent

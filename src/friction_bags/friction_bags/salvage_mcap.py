@@ -20,8 +20,8 @@ from mcap.records import Channel, Schema
 from rosbags.rosbag2.metadata import parse_qos
 
 from friction_bags.bag_format import BagError, Topic
-from friction_bags.mcap_writer import MAGIC
 
+MAGIC = b"\x89MCAP0\r\n"
 _RECORD_HEAD = struct.Struct("<BQ")
 _CHUNK_HEAD = struct.Struct("<QQQI")
 _LENGTH_32 = struct.Struct("<I")

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
 from friction_msgs.msg import (
     BrakeCommand,
     BrakeDemand,
@@ -25,7 +24,6 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import String
 
 from friction_bags.cdr import decode, encode, type_name
-from friction_bags.cdr_layout import UnsupportedLayoutError
 from friction_bags.message_definition import message_class, message_definition
 
 KINDS: list[Any] = [
@@ -109,9 +107,3 @@ def test_a_decoded_message_is_an_ordinary_one() -> None:
 
 def test_big_endian_data_is_decoded() -> None:
     assert decode(b"\0\0\0\0\0\0\0\3hi\0", String).data == "hi"
-
-
-def test_a_class_that_is_not_covered_is_decoded_by_rclpy_and_not_encoded() -> None:
-    assert same(decode(serialize_message(DiagnosticArray()), DiagnosticArray), DiagnosticArray())
-    with pytest.raises(UnsupportedLayoutError, match="status"):
-        encode(DiagnosticArray())

@@ -1,0 +1,26 @@
+"""A bag made from messages at hand: imported or simulated."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from friction_bags.bag_writer import BagWriter
+from friction_bags.cdr import encode, installed_topic
+from friction_runtime.stamps import to_nanoseconds
+
+
+def write_bag(bag: Path, messages: Iterable[tuple[str, Any]], notes: Mapping[str, str]) -> int:
+    """Write topics and messages with a header to a bag, recorded at their stamps; return their number.
+
+    Raises:
+        BagError: the bag cannot be made.
+    """
+    channels: dict[str, int] = {}
+    count = 0
+    with BagWriter(bag, custom_data=notes) as writer:
+        for name, message in messages:
+            if name not in channels:
+                channels[name] = writer.add_topic(installed_topic(name, type(message)))
+            writer.write(channels[name], to_nanoseconds(message.header.stamp), encode(message))
+            count += 1
+    return count
