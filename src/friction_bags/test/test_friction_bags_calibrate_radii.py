@@ -8,7 +8,7 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import JointState
 
 from friction_bags.__main__ import main
-from friction_bags.import_csv import write_bag
+from friction_bags.message_bag import write_bag
 from friction_runtime.parameters import load
 from friction_runtime.stamps import from_nanoseconds
 from wheel_slip.parameters import WheelSlipParameters
