@@ -193,6 +193,13 @@ def test_stuck_imu_is_left_out_and_said(estimator: SlipEstimator) -> None:
     assert np.max(np.abs(speed - d.speed)[1000:]) < 0.2
 
 
+def test_accelerometer_without_noise_is_not_taken_for_stuck_while_the_wheels_agree(estimator: SlipEstimator) -> None:
+    d = drive(lambda _t: 0.0, lambda _t: 0.0, 3.0, 25.0)
+    for k, omega in enumerate(d.wheel_speed):
+        estimator.update((k + 1) * STEP, omega.tolist(), 0.0)
+        assert not estimator.vehicle.accelerometer_is_stuck
+
+
 def test_all_wheels_locked_from_the_start_give_no_speed(estimator: SlipEstimator) -> None:
     d = drive(lambda _t: -7.0, lambda _t: 1.0, 2.0, 25.0)
     estimates, speed = follow(d, estimator)

@@ -33,8 +33,6 @@ _AT_REST = 1.0
 """A car that stands cannot seem to accelerate by more [m/s^2]."""
 _BOUND_MARGIN = 0.02
 """Share of the speed by which wheels may pass the bound: radii and torsional vibration."""
-_CONTRADICTION = 1.0
-"""An accelerometer that repeats one value and differs this much from most wheels [m/s^2] is stuck."""
 _SURPRISE = 0.6
 """Mean innovation over its standard deviation that noise does not reach in hours: the road has changed its slope."""
 _SURPRISE_TIME = 0.2
@@ -80,7 +78,7 @@ class VehicleSpeed:
         self.slide.reset()
         self._repetition.reset()
         self.accelerometer_is_stuck = False
-        """Whether the accelerometer is left out because it repeats one value that the wheels contradict."""
+        """Whether the accelerometer is left out because it repeats one value that every wheel contradicts."""
         self.source = SpeedSource.NONE
         """Where the speed comes from at the last sample."""
         self._sensor_stamp: int | None = None
@@ -116,7 +114,7 @@ class VehicleSpeed:
             self.reset()
         started = self.source is not SpeedSource.NONE
         self.accelerometer_is_stuck = self._repetition.repeats(stamp, acceleration) and (
-            self.accelerometer_is_stuck or self._contradicted(acceleration or 0.0, rim_accelerations)
+            self.accelerometer_is_stuck or not any(self.slide.rolling)
         )
         if self.accelerometer_is_stuck:
             acceleration = None
@@ -146,10 +144,6 @@ class VehicleSpeed:
     def _sensor_is_fresh(self, stamp: int) -> bool:
         timeout = self._p.sensor_timeout * NANOSECONDS
         return self._sensor_stamp is not None and stamp - self._sensor_stamp <= timeout
-
-    def _contradicted(self, acceleration: float, rim_accelerations: Sequence[float]) -> bool:
-        corrected = acceleration - self.filter.offset
-        return abs(median(rim_accelerations) - corrected) > _CONTRADICTION
 
     def _use_sensor(self, sample: SpeedSample) -> None:
         if self.source is SpeedSource.NONE:
