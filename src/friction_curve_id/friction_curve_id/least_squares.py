@@ -1,12 +1,11 @@
 """Batch least squares on the four fixed exponentials (8.12), section 8.3.1.2."""
 
-from collections import deque
-
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.exponential_curve import ExponentialCurve, regressor
 from friction_curve_id.fitted_curve import FittedCurve
+from friction_curve_id.sample_window import SampleWindow
 
 Array = NDArray[np.float64]
 
@@ -42,23 +41,10 @@ def solve(root: Array, samples: int, largest_slip: float) -> FittedCurve:
     return FittedCurve(ExponentialCurve(largest_slip), inverse @ root[:6, 6], variance * (inverse @ inverse.T))
 
 
-class LeastSquares:
+class LeastSquares(SampleWindow):
     """Batch LS over the newest samples: a fit from scratch at every sample."""
-
-    def __init__(self, window: int = 400) -> None:
-        """Fit at most `window` samples, the newest."""
-        self._points: deque[tuple[float, float]] = deque(maxlen=window)
-
-    def start(self, slips: Array, frictions: Array) -> None:
-        """Begin a fit with the first samples, shapes (n,)."""
-        self._points.clear()
-        self._points.extend(zip(slips.tolist(), frictions.tolist(), strict=True))
-
-    def add(self, slip: float, friction: float) -> None:
-        """Take one more sample."""
-        self._points.append((slip, friction))
 
     def curve(self) -> FittedCurve:
         """Fit."""
-        slips, frictions = np.array(self._points).T
+        slips, frictions = self.samples()
         return solve(triangle(slips, frictions), len(slips), float(np.max(slips)))

@@ -10,7 +10,6 @@ Two things are not as printed:
   snow, and in a fifth of those on dry and wet asphalt while only 50 samples are there: xi is nearly collinear.
 """
 
-from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from friction_curve_id.burckhardt_curve import THETA_HIGH, THETA_LOW, BurckhardtCurve
 from friction_curve_id.fitted_curve import FittedCurve, fit_covariance
+from friction_curve_id.sample_window import SampleWindow
 from vehicle_models import burckhardt
 
 Array = NDArray[np.float64]
@@ -99,24 +99,11 @@ def fit(slips: Array, frictions: Array, theta_0: Array) -> BatchFit:
     return BatchFit(theta, fit_covariance(rows, residuals), iterations)
 
 
-class MaximumLikelihood:
+class MaximumLikelihood(SampleWindow):
     """Batch ML over the newest samples: a fit from scratch at every sample."""
-
-    def __init__(self, window: int = 400) -> None:
-        """Fit at most `window` samples, the newest."""
-        self._points: deque[tuple[float, float]] = deque(maxlen=window)
-
-    def start(self, slips: Array, frictions: Array) -> None:
-        """Begin a fit with the first samples, shapes (n,)."""
-        self._points.clear()
-        self._points.extend(zip(slips.tolist(), frictions.tolist(), strict=True))
-
-    def add(self, slip: float, friction: float) -> None:
-        """Take one more sample."""
-        self._points.append((slip, friction))
 
     def curve(self) -> FittedCurve:
         """Fit."""
-        slips, frictions = np.array(self._points).T
+        slips, frictions = self.samples()
         result = fit(slips, frictions, initial_theta(slips[:20], frictions[:20]))
         return FittedCurve(BurckhardtCurve(), result.theta, result.covariance)
