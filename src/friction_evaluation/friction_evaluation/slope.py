@@ -160,7 +160,8 @@ def row(name: str, method: str, run: Run, found: Sequence[Detection], false_alar
     slips = np.array([d.slip for d in found])
     in_time = lost >= 0.0
     delay, back = np.where(in_time, lost, np.inf), np.where(regained >= 0.0, regained, np.inf)
-    mean = float(slips[in_time].mean()) if in_time.any() else np.nan
+    known = slips[in_time & np.isfinite(slips)]
+    mean = float(known.mean()) if known.size else np.nan
     return {
         "surface": name,
         "method": method,
@@ -171,9 +172,10 @@ def row(name: str, method: str, run: Run, found: Sequence[Detection], false_alar
         "early_percent": 100.0 * float((lost < 0.0).mean()),
         "false_alarm_percent": 100.0 * false_alarms,
         "lambda_max": run.lambda_max,
+        "slip_known_percent": 100.0 * known.size / max(int(in_time.sum()), 1),
         "slip_mean": mean,
         "slip_error_percent": 100.0 * (mean / run.lambda_max - 1.0),
-        "slip_stddev": float(slips[in_time].std()) if in_time.any() else np.nan,
+        "slip_stddev": float(known.std()) if known.size else np.nan,
         "regained_median_ms": 1e3 * float(np.median(back)),
         "regained_missed_percent": 100.0 * float(np.isinf(back).mean()),
         "filter_delay_ms": 1e3 * found[0].delay,
