@@ -11,6 +11,10 @@ from friction_bringup.braking_metrics import Braking, CrossingEvent, JudgedCross
 from friction_bringup.graph import VEHICLE
 from friction_bringup.recorded_run import RecordedRun
 
+_FORESEEN = (
+    "The supervisor's parameter set reads H ahead of time, so its crossings come early, and some need no true one. "
+    "For a slip near the peak run friction_slope with friction_slope_monitor.yaml."
+)
 _SHOWN_CROSSINGS = 16
 _SHOWN_REASONS = 3
 
@@ -66,9 +70,8 @@ def crossing_table(wheel: str, crossings: list[JudgedCrossing], truth: list[Cros
             f"{crossing.relative_error:+.0%}",
             f"{1e3 * crossing.delay:.0f}" if np.isfinite(crossing.delay) else "no true one",
         )
-    table.caption = ", ".join(
-        _told(crossings, truth, sign, word) for sign, word in ((-1, "peak passed"), (1, "regained"))
-    )
+    counts = [_told(crossings, truth, sign, word) for sign, word in ((-1, "peak passed"), (1, "regained"))]
+    table.caption = "\n".join([*counts, _FORESEEN])
     return table
 
 
