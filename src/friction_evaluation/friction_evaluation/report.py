@@ -69,7 +69,7 @@ def _sections(pictures: Path, effort: float, live: bool) -> list[Callable[[], Se
         partial(_speed, pictures, seeds),
         partial(_smart_tyre, pictures, seeds, live),
         partial(_beyond, seeds),
-        _measured,
+        partial(_measured, seeds),
     ]
     return [*sections, _live] if live else sections
 
@@ -135,10 +135,13 @@ def _beyond(seeds: Seeds) -> Section:
     return Section("default", "Beyond the chapter: the default estimator at its bound", report_texts.DEFAULT, tables)
 
 
-def _measured() -> Section:
+def _measured(seeds: Seeds) -> Section:
     tables = [
         Table("Whole-vehicle fits and tyre rig", rows_of("measured")),
-        Table("Speed and slip without a speed sensor", rows_of("slip", "--cases", "stops", "measured")),
+        Table(
+            "Speed and slip without a speed sensor",
+            rows_of("slip", "--cases", "stops", "measured", "--seeds", seeds(100)),
+        ),
     ]
     return Section("measured", "Measured data, and slip without a speed sensor", report_texts.MEASURED, tables)
 
