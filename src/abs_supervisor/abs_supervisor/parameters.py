@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from abs_supervisor.fsm import Thresholds
-from friction_runtime.parameters import parameter, per_wheel
+from friction_runtime.parameters import check_wheels, parameter, per_wheel
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,7 @@ class SupervisorParameters:
 
     def __post_init__(self) -> None:
         """Refuse what makes no machine."""
-        if not self.wheels or len(set(self.wheels)) != len(self.wheels) or "" in self.wheels:
-            raise ValueError(f"parameter 'wheels' = {list(self.wheels)} must name at least one wheel, each once")
+        check_wheels(self.wheels)
         per_wheel("brake_gains", self.brake_gains, self.wheels)
         if not self.release_torque < self.braking_torque:
             raise ValueError(

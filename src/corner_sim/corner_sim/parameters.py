@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from friction_runtime.parameters import parameter
+from friction_runtime.parameters import check_wheels, parameter
 from vehicle_models.surfaces import SURFACES
 
 
@@ -124,8 +124,7 @@ class SimParameters:
         Raises:
             ValueError: what does not fit, by name.
         """
-        if not self.wheels or any(not wheel for wheel in self.wheels) or len(set(self.wheels)) != len(self.wheels):
-            raise ValueError(f"parameter 'wheels' must name at least one wheel, each once: {list(self.wheels)}")
+        check_wheels(self.wheels)
         if self.model == "two_axle" and len(self.wheels) != 4:
             raise ValueError(
                 "parameter 'wheels' must name the four wheels of model two_axle, in the order front left, front right, "

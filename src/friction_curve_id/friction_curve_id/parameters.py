@@ -10,7 +10,7 @@ from friction_curve_id.interface import CurveEstimator, WheelParameters
 from friction_curve_id.methods import DEFAULT, METHODS, make_estimator
 from friction_curve_id.sample_gate import GateParameters
 from friction_curve_id.vehicle_samples import VehicleParameters
-from friction_runtime.parameters import parameter, per_wheel
+from friction_runtime.parameters import check_wheels, parameter, per_wheel
 
 VEHICLE, TYRE_FORCE = "vehicle", "tyre_force"
 SLIP, VEHICLE_VELOCITY, NO_SPEED = "slip", "vehicle_velocity", "none"
@@ -90,8 +90,7 @@ class FrictionCurveParameters:
 
     def __post_init__(self) -> None:
         """Refuse what makes no vehicle."""
-        if not self.wheels or len(set(self.wheels)) != len(self.wheels) or "" in self.wheels:
-            raise ValueError(f"parameter 'wheels' = {list(self.wheels)} must name at least one wheel, each once")
+        check_wheels(self.wheels)
         for name in ("radii", "inertias", "masses", "vertical_loads", "brake_gains"):
             per_wheel(name, getattr(self, name), self.wheels)
         if abs(self.imu_sign) != 1.0:

@@ -58,6 +58,16 @@ def parameter(
     return field(default=default, metadata=metadata)
 
 
+def check_wheels(wheels: tuple[str, ...]) -> None:
+    """Check the parameter 'wheels': names, at least one, each once.
+
+    Raises:
+        ParameterError: they are not.
+    """
+    if not wheels or len(set(wheels)) != len(wheels) or "" in wheels:
+        raise ParameterError(f"parameter 'wheels' = {list(wheels)} must name at least one wheel, each once")
+
+
 def per_wheel(name: str, values: tuple[float, ...], wheels: tuple[str, ...]) -> dict[str, float]:
     """Spread a parameter over the wheels: one value for all, or one each.
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from friction_runtime.parameters import ParameterError, from_mapping, load, parameter, per_wheel
+from friction_runtime.parameters import ParameterError, check_wheels, from_mapping, load, parameter, per_wheel
 
 
 @dataclass(frozen=True)
@@ -72,3 +72,9 @@ def test_one_value_serves_all_wheels_and_a_wrong_count_is_refused() -> None:
     assert per_wheel("k", (2.0, 3.0), ("a", "b")) == {"a": 2.0, "b": 3.0}
     with pytest.raises(ParameterError, match="parameter 'k' has 3 values for 2 wheels"):
         per_wheel("k", (1.0, 2.0, 3.0), ("a", "b"))
+
+
+@pytest.mark.parametrize("wheels", [(), ("a", ""), ("a", "b", "a")])
+def test_wheels_without_a_name_or_named_twice_are_refused(wheels: tuple[str, ...]) -> None:
+    with pytest.raises(ParameterError, match=r"parameter 'wheels' = .* must name at least one wheel, each once"):
+        check_wheels(wheels)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from friction_runtime.parameters import parameter, per_wheel
+from friction_runtime.parameters import check_wheels, parameter, per_wheel
 from friction_slope.detector import DetectorParameters
 from friction_slope.estimate import Method
 
@@ -78,8 +78,7 @@ class FrictionSlopeParameters:
 
     def __post_init__(self) -> None:
         """Refuse what makes no car or no filter."""
-        if not self.wheels or len(set(self.wheels)) != len(self.wheels) or "" in self.wheels:
-            raise ValueError(f"parameter 'wheels' = {list(self.wheels)} must name at least one wheel, each once")
+        check_wheels(self.wheels)
         for name in ("radii", "inertias", "vertical_loads", "brake_gains"):
             per_wheel(name, getattr(self, name), self.wheels)
         if self.lead > 0.0 and self.window < 4:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from friction_runtime.parameters import parameter, per_wheel
+from friction_runtime.parameters import check_wheels, parameter, per_wheel
 from wheel_slip.estimator import EstimatorParameters
 from wheel_slip.slide_detector import SlideParameters
 from wheel_slip.speed_filter import SpeedFilterParameters
@@ -98,8 +98,7 @@ class WheelSlipParameters:
 
     def __post_init__(self) -> None:
         """Refuse what makes no car."""
-        if not self.wheels or len(set(self.wheels)) != len(self.wheels) or "" in self.wheels:
-            raise ValueError(f"parameter 'wheels' = {list(self.wheels)} must name at least one wheel, each once")
+        check_wheels(self.wheels)
         per_wheel("radii", self.radii, self.wheels)
         strangers = sorted(set(self.driven_wheels) - set(self.wheels))
         if strangers:
