@@ -9,7 +9,7 @@ that nothing from before a jump is ever mixed with what follows, in whichever or
 """
 
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Generic, TypeVar
@@ -19,6 +19,7 @@ from friction_runtime.stamps import NANOSECONDS
 Payload = TypeVar("Payload")
 Key = tuple[int, int]
 
+_BEFORE_ALL: Key = (-1, 0)
 _MAX_BUFFERED = 20_000
 """Samples an input may run ahead of the primary before the oldest are dropped: 100 s at 200 Hz."""
 
@@ -33,7 +34,7 @@ class AlignedInput:
     """No interpolation between samples further apart than this [s]."""
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class AlignedSample(Generic[Payload]):
     """A primary sample with the other inputs at its stamp."""
 
@@ -52,34 +53,48 @@ class AlignedSample(Generic[Payload]):
 class _Stream:
     """One aligned input: its samples from the newest one at or before the primary onwards."""
 
+    __slots__ = ("apart_since", "declared", "epoch", "last_stamp", "max_gap_ns", "newest", "samples", "topic")
+
     def __init__(self, declared: AlignedInput) -> None:
         self.declared = declared
+        self.topic = declared.topic
         self.max_gap_ns = round(declared.max_gap * NANOSECONDS)
         self.samples: deque[tuple[Key, tuple[float, ...]]] = deque(maxlen=_MAX_BUFFERED)
+        self.newest = _BEFORE_ALL
         self.epoch = 0
-        self.last_stamp: int | None = None
+        self.last_stamp = 0
         self.apart_since: int | None = None
 
-    def has_reached(self, key: Key) -> bool:
-        return bool(self.samples) and self.samples[-1][0] >= key
+    def take(self, stamp: int, values: tuple[float, ...]) -> None:
+        self.last_stamp = stamp
+        self.newest = (self.epoch, stamp)
+        self.samples.append((self.newest, values))
+
+    def forget(self, epoch: int) -> None:
+        self.samples.clear()
+        self.newest = _BEFORE_ALL
+        self.epoch = epoch
+        self.last_stamp = 0
+        self.apart_since = None
 
     def at(self, key: Key) -> tuple[float, ...] | str:
         """Values at `key`, or the reason why there are none. Drops what no later key can need."""
-        while len(self.samples) > 1 and self.samples[1][0] <= key:
-            self.samples.popleft()
-        name = self.declared.topic
-        if not self.samples:
-            return f"{name}: no sample received"
-        (epoch, stamp), before = self.samples[0]
-        if (epoch, stamp) == key:
+        samples = self.samples
+        while len(samples) > 1 and samples[1][0] <= key:
+            samples.popleft()
+        if not samples:
+            return f"{self.topic}: no sample received"
+        found, before = samples[0]
+        if found == key:
             return before
-        if (epoch, stamp) > key:
-            return f"{name}: no sample at or before this stamp"
-        if len(self.samples) == 1:
-            return f"{name}: silent, last sample {(key[1] - stamp) / NANOSECONDS:.3f} s older"
-        (next_epoch, next_stamp), after = self.samples[1]
+        if found > key:
+            return f"{self.topic}: no sample at or before this stamp"
+        epoch, stamp = found
+        if len(samples) == 1:
+            return f"{self.topic}: silent, last sample {(key[1] - stamp) / NANOSECONDS:.3f} s older"
+        (next_epoch, next_stamp), after = samples[1]
         if next_epoch != epoch or next_stamp - stamp > self.max_gap_ns:
-            return f"{name}: gap around this stamp"
+            return f"{self.topic}: gap around this stamp"
         weight = (key[1] - stamp) / (next_stamp - stamp)
         return tuple(a + weight * (b - a) for a, b in zip(before, after, strict=True))
 
@@ -101,86 +116,84 @@ class Aligner(Generic[Payload]):
         """
         self._primary = primary
         self._streams = {declared.topic: _Stream(declared) for declared in inputs}
+        self._all_streams = tuple(self._streams.values())
         self._deadline_ns = round(deadline * NANOSECONDS)
         self._pending: deque[tuple[Key, Payload, bool]] = deque()
         self._epoch = 0
         self._epoch_start = 0
-        self._newest: int | None = None
+        self._newest = 0
 
     def offer_primary(self, stamp: int, payload: Payload) -> str | None:
         """Take a primary sample with stamp [ns]; return the reason if it is refused."""
-        refusal = _refuse_stamp(self._primary, stamp, self._newest)
-        if refusal is not None:
-            return refusal
-        rewound = self._newest is not None and stamp < self._newest
+        newest = self._newest
+        if stamp <= 0 or stamp == newest:
+            return _refusal(self._primary, stamp)
+        rewound = stamp < newest
         if rewound:
             self._epoch += 1
             self._epoch_start = stamp
-            for stream in self._streams.values():
+            for stream in self._all_streams:
                 stream.apart_since = stamp if stream.epoch != self._epoch else None
         self._newest = stamp
-        for stream in self._streams.values():
+        for stream in self._all_streams:
             if stream.apart_since is not None and stamp - stream.apart_since > self._deadline_ns:
-                self._rejoin(stream)
+                # It jumped alone, or did not follow a jump: it belongs to the primary's present again.
+                stream.forget(self._epoch)
         self._pending.append(((self._epoch, stamp), payload, rewound))
         return None
 
     def offer(self, topic: str, stamp: int, values: tuple[float, ...]) -> str | None:
         """Take a sample of an input with stamp [ns]; return the reason if it is refused."""
         stream = self._streams[topic]
-        refusal = _refuse_stamp(topic, stamp, stream.last_stamp)
-        if refusal is not None:
-            return refusal
-        if not all(map(isfinite, values)):
-            return f"{topic}: value is not finite"
-        if stream.last_stamp is not None and stamp < stream.last_stamp:
+        if stamp <= 0 or stamp == stream.last_stamp:
+            return _refusal(topic, stamp)
+        for value in values:
+            if not isfinite(value):
+                return f"{topic}: value is not finite"
+        if stamp < stream.last_stamp:
             stream.epoch += 1
-            stream.apart_since = self._newest if stream.epoch != self._epoch else None
-        stream.last_stamp = stamp
-        stream.samples.append(((stream.epoch, stamp), values))
+            stream.apart_since = (self._newest or None) if stream.epoch != self._epoch else None
+        stream.take(stamp, values)
         return None
 
-    def ready(self) -> Iterator[AlignedSample[Payload]]:
-        """Yield the samples that are complete, or whose deadline has passed."""
-        while self._pending:
-            key, payload, rewound = self._pending[0]
-            if not self._overdue(key) and not all(stream.has_reached(key) for stream in self._streams.values()):
-                return
-            self._pending.popleft()
+    def ready(self) -> Sequence[AlignedSample[Payload]]:
+        """Take out the samples that are complete, or whose deadline has passed."""
+        pending = self._pending
+        if not pending:
+            return ()
+        complete: list[AlignedSample[Payload]] = []
+        while pending:
+            key, payload, rewound = pending[0]
+            if not self._reached(key) and not self._overdue(key):
+                break
+            pending.popleft()
             values: dict[str, tuple[float, ...]] = {}
             missing: dict[str, str] = {}
-            for topic, stream in self._streams.items():
+            for stream in self._all_streams:
                 found = stream.at(key)
                 if isinstance(found, str):
-                    missing[topic] = found
+                    missing[stream.topic] = found
                 else:
-                    values[topic] = found
-            yield AlignedSample(key[1], payload, values, missing, rewound)
+                    values[stream.topic] = found
+            complete.append(AlignedSample(key[1], payload, values, missing, rewound))
+        return complete
 
     def reset(self) -> None:
         """Forget every sample and every stamp."""
         self._pending.clear()
-        self._newest = None
+        self._newest = 0
         self._epoch = 0
-        for topic, stream in self._streams.items():
-            self._streams[topic] = _Stream(stream.declared)
+        for stream in self._all_streams:
+            stream.forget(0)
+
+    def _reached(self, key: Key) -> bool:
+        return all(stream.newest >= key for stream in self._all_streams)
 
     def _overdue(self, key: Key) -> bool:
         epoch, stamp = key
         waiting_since = stamp if epoch == self._epoch else self._epoch_start
-        return self._newest is not None and self._newest - waiting_since >= self._deadline_ns
-
-    def _rejoin(self, stream: _Stream) -> None:
-        """A stream that jumped alone (or did not follow a jump) belongs to the primary's present again."""
-        stream.samples.clear()
-        stream.epoch = self._epoch
-        stream.last_stamp = None
-        stream.apart_since = None
+        return self._newest - waiting_since >= self._deadline_ns
 
 
-def _refuse_stamp(topic: str, stamp: int, last: int | None) -> str | None:
-    if stamp <= 0:
-        return f"{topic}: stamp is zero"
-    if stamp == last:
-        return f"{topic}: stamp repeats"
-    return None
+def _refusal(topic: str, stamp: int) -> str:
+    return f"{topic}: stamp is zero" if stamp <= 0 else f"{topic}: stamp repeats"

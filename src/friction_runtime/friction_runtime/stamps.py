@@ -1,6 +1,9 @@
 """Message stamps as integer nanoseconds: exact, ordered, and the only time the estimators know."""
 
 from builtin_interfaces.msg import Time
+from std_msgs.msg import Header
+
+from friction_runtime.new_message import new_message
 
 NANOSECONDS = 1_000_000_000
 """Nanoseconds in a second."""
@@ -8,10 +11,19 @@ NANOSECONDS = 1_000_000_000
 
 def to_nanoseconds(stamp: Time) -> int:
     """Nanoseconds [ns] of a message stamp."""
-    return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
+    return stamp.sec * NANOSECONDS + stamp.nanosec
 
 
 def from_nanoseconds(nanoseconds: int) -> Time:
     """Message stamp of a time in nanoseconds [ns], >= 0."""
-    seconds, rest = divmod(int(nanoseconds), NANOSECONDS)
-    return Time(sec=seconds, nanosec=rest)
+    time = new_message(Time)
+    time.sec, time.nanosec = divmod(int(nanoseconds), NANOSECONDS)
+    return time
+
+
+def header_at(nanoseconds: int, frame_id: str) -> Header:
+    """Header of a message that speaks of a time in nanoseconds [ns], >= 0."""
+    header = new_message(Header)
+    header.stamp = from_nanoseconds(nanoseconds)
+    header.frame_id = frame_id
+    return header
