@@ -3,29 +3,28 @@
 from collections.abc import Mapping, Sequence
 from math import isfinite, nan, sqrt
 
-from builtin_interfaces.msg import Time
 from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import Imu, JointState
 
 from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
+from friction_runtime.new_message import new_message
 from friction_runtime.processor import Health, Level, Output, Report, silent
-from friction_runtime.stamps import NANOSECONDS, from_nanoseconds, to_nanoseconds
+from friction_runtime.stamps import NANOSECONDS, header_at, to_nanoseconds
+from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.speed_queue import SpeedQueue
 from wheel_slip.speed_sample import SpeedSample
 
-WHEEL_STATES = "wheel_states"
 IMU = "imu/data"
 VEHICLE_VELOCITY = "vehicle_velocity"
 _SILENT_AFTER = 0.25
 """[s]"""
-_FASTEST_WHEEL = 1000.0
 _FASTEST_CAR = 200.0
 _STRONGEST_ACCELERATION = 200.0
-"""[rad/s], [m/s], [m/s^2]: what is beyond is garbage, not a measurement."""
+"""[m/s], [m/s^2]: what is beyond is garbage, not a measurement."""
 
 
 class CarProcessor:
@@ -43,6 +42,7 @@ class CarProcessor:
         self.estimates: Mapping[str, type] = {}
         self.outputs: Mapping[str, type] = {f"{wheel}/slip": WheelSlip for wheel in parameters.wheels}
         self._aligner: Aligner[tuple[float, ...]] = Aligner(WHEEL_STATES, inputs, parameters.deadline)
+        self._wheel_speeds = WheelSpeeds(parameters.wheels, report)
         self._speeds: SpeedQueue[tuple[float, float]] = SpeedQueue(parameters.speed_wait)
         self._estimator = SlipEstimator(parameters.estimator())
         self.reset()
@@ -61,7 +61,7 @@ class CarProcessor:
         """Take one message, return what follows from it."""
         stamp = to_nanoseconds(message.header.stamp)
         if topic == WHEEL_STATES:
-            refusal = self._aligner.offer_primary(stamp, self._wheel_speeds(message))
+            refusal = self._aligner.offer_primary(stamp, self._wheel_speeds.read(message))
         elif topic == IMU:
             refusal = self._aligner.offer(topic, stamp, (self._acceleration(message),))
         else:
@@ -112,25 +112,6 @@ class CarProcessor:
         since = self._estimator.vehicle.slide.since
         return (self._stamp - since) / NANOSECONDS if since is not None else 0.0
 
-    def _wheel_speeds(self, message: JointState) -> tuple[float, ...]:
-        """Speeds of our wheels [rad/s], NaN for what is missing."""
-        speeds = dict(zip(message.name, message.velocity, strict=False))
-        given = (float(speeds.get(wheel, nan)) for wheel in self._p.wheels)
-        result = tuple(speed if abs(speed) <= _FASTEST_WHEEL else nan for speed in given)
-        for wheel, speed in zip(self._p.wheels, result, strict=True):
-            if not isfinite(speed):
-                if wheel not in speeds:
-                    self._report(
-                        "error",
-                        f"{WHEEL_STATES}: no velocity for wheel '{wheel}', names are: {', '.join(message.name)}; "
-                        "check the parameter 'wheels'",
-                    )
-                else:
-                    self._report(
-                        "warning", f"{WHEEL_STATES}: velocity of wheel '{wheel}' is no wheel speed: {speeds[wheel]}"
-                    )
-        return result
-
     def _acceleration(self, message: Imu) -> float:
         """Acceleration forward [m/s^2], NaN where it is garbage."""
         acceleration = self._p.imu_sign * getattr(message.linear_acceleration, self._p.imu_axis) - self._p.imu_offset
@@ -157,11 +138,10 @@ class CarProcessor:
         ]
         acceleration = sample.values[IMU][0] if IMU in sample.values else None
         estimates = self._estimator.update(sample.stamp, sample.payload, acceleration, measured)
-        stamp = from_nanoseconds(sample.stamp)
         outputs: list[Output] = []
-        for wheel, estimate in zip(self._p.wheels, estimates, strict=True):
+        for wheel, topic, estimate in zip(self._p.wheels, self.outputs, estimates, strict=True):
             self._last[wheel] = estimate
-            outputs.append((f"{wheel}/slip", _message(stamp, wheel, estimate)))
+            outputs.append((topic, _message(sample.stamp, wheel, estimate)))
         return outputs
 
 
@@ -170,21 +150,19 @@ def build(parameters: WheelSlipParameters, report: Report = silent) -> list[CarP
     return [CarProcessor(parameters, report)]
 
 
-def _message(stamp: Time, wheel: str, estimate: WheelEstimate) -> WheelSlip:
-    message = WheelSlip(
-        wheel=wheel,
-        slip=estimate.slip,
-        slip_rate=estimate.slip_rate,
-        vehicle_speed=estimate.vehicle_speed,
-        wheel_speed=estimate.wheel_speed,
-        slip_variance=estimate.slip_variance,
-        slip_rate_variance=estimate.slip_rate_variance,
-        vehicle_speed_variance=estimate.vehicle_speed_variance,
-        speed_source=int(estimate.source),
-        valid=estimate.reason is Reason.OK,
-        reason=int(estimate.reason),
-        reason_text=estimate.reason_text and f"{wheel}: {estimate.reason_text}",
-    )
-    message.header.stamp = stamp
-    message.header.frame_id = wheel
+def _message(stamp: int, wheel: str, estimate: WheelEstimate) -> WheelSlip:
+    message = new_message(WheelSlip)
+    message.header = header_at(stamp, wheel)
+    message.wheel = wheel
+    message.slip = estimate.slip
+    message.slip_rate = estimate.slip_rate
+    message.vehicle_speed = estimate.vehicle_speed
+    message.wheel_speed = estimate.wheel_speed
+    message.slip_variance = estimate.slip_variance
+    message.slip_rate_variance = estimate.slip_rate_variance
+    message.vehicle_speed_variance = estimate.vehicle_speed_variance
+    message.speed_source = int(estimate.source)
+    message.valid = estimate.reason is Reason.OK
+    message.reason = int(estimate.reason)
+    message.reason_text = estimate.reason_text and f"{wheel}: {estimate.reason_text}"
     return message
