@@ -10,6 +10,7 @@ younger and noisier; past it (a negative delay) it is a prediction. A fit of deg
 window, and its delay is that of the centre.
 """
 
+from collections import deque
 from math import factorial
 
 import numpy as np
@@ -37,7 +38,7 @@ def polynomial_weights(offsets: ArrayLike, degree: int, order: int, delay: float
     times = np.asarray(offsets, dtype=np.float64)
     if not 0 <= order <= degree < times.size:
         raise ValueError(f"need 0 <= order ({order}) <= degree ({degree}) < samples ({times.size})")
-    if not np.all(np.diff(times) > 0.0):
+    if not (times[1:] > times[:-1]).all():
         raise ValueError("offsets must ascend")
     centre, scale = 0.5 * (times[0] + times[-1]), 0.5 * (times[-1] - times[0])
     # Scaled to [-1, 1] and read through powers about the centre, the normal equations stay well conditioned.
@@ -70,24 +71,23 @@ class LocalPolynomial:
 
     def reset(self) -> None:
         """Forget every sample."""
+        self._stamps: deque[int] = deque(maxlen=self._window)
         # Written twice, half a ring apart, the window is always one contiguous block, oldest sample first.
-        self._stamps = np.zeros(2 * self._window, dtype=np.int64)
         self._values: Array = np.zeros((2 * self._window, self._signals))
         self._next = 0
-        self.count = 0
-        """Samples since the start."""
-        self._offsets = np.zeros(0, dtype=np.int64)
+        self._interval = 0
+        self._equal_intervals = 0
         self._weights: dict[tuple[int, float], Array] = {}
 
     @property
     def ready(self) -> bool:
         """Is the window full?"""
-        return self.count >= self._window
+        return len(self._stamps) == self._window
 
     @property
     def span(self) -> float:
         """Time from the oldest to the newest sample of the window [s]; 0 while it is not full."""
-        return float(-self._offsets[0]) * _NANOSECOND if self.ready else 0.0
+        return (self._stamps[-1] - self._stamps[0]) * _NANOSECOND if self.ready else 0.0
 
     def update(self, stamp: int, values: ArrayLike) -> None:
         """Take a sample of every signal.
@@ -96,16 +96,16 @@ class LocalPolynomial:
             stamp: [ns], later than the last.
             values: finite, shape (signals,).
         """
-        at, again = self._next, self._next + self._window
-        self._stamps[at] = self._stamps[again] = stamp
-        self._values[at] = self._values[again] = values
+        at = self._next
+        self._values[at] = self._values[at + self._window] = values
         self._next = (at + 1) % self._window
-        self.count += 1
-        if self.ready:
-            offsets = self._stamps[self._next : self._next + self._window] - stamp
-            if not np.array_equal(offsets, self._offsets):
-                self._offsets = offsets
-                self._weights.clear()
+        interval = stamp - self._stamps[-1] if self._stamps else 0
+        self._stamps.append(stamp)
+        self._equal_intervals = self._equal_intervals + 1 if interval == self._interval else 1
+        self._interval = interval
+        # The weights follow the offsets, which repeat where the interval that came is that which left and all between.
+        if self._equal_intervals < self._window:
+            self._weights.clear()
 
     def derivative(self, order: int, delay: float) -> Array:
         """Derivative of each signal `delay` [s] before the newest sample, shape (signals,).
@@ -114,8 +114,12 @@ class LocalPolynomial:
             ValueError: the window is not full, or order is not in 0..degree.
         """
         if not self.ready:
-            raise ValueError(f"window is not full: {self.count} of {self._window} samples")
-        key = (order, delay)
-        if key not in self._weights:
-            self._weights[key] = polynomial_weights(self._offsets * _NANOSECOND, self._degree, order, delay)
-        return np.asarray(self._weights[key] @ self._values[self._next : self._next + self._window])
+            raise ValueError(f"window is not full: {len(self._stamps)} of {self._window} samples")
+        weights = self._weights.get((order, delay))
+        if weights is None:
+            offsets = (np.array(self._stamps) - self._stamps[-1]) * _NANOSECOND
+            weights = polynomial_weights(offsets, self._degree, order, delay)
+            self._weights[order, delay] = weights
+        # `dot` is `@` without its search for a loop, which for few samples takes longer than the product.
+        found: Array = weights.dot(self._values[self._next : self._next + self._window])
+        return found
