@@ -1,13 +1,13 @@
 """Sign of the slope of the friction curve of one wheel, methods slip (8.4) and no_slip (8.5)."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite, isnan, nan
 
 from friction_slope.crossing import CrossingDetector
 from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
 from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign
 from friction_slope.reference_speed import ReferenceSpeed
-from friction_slope.signals import SignalWindow, WheelSignals
+from friction_slope.signals import SignalWindow
 
 _NANOSECONDS = 1_000_000_000
 LOCKED_SLIP = 0.8
@@ -110,40 +110,41 @@ class SlopeDetector:
                 return self._estimate(Reason.GAP, f"gap of more than {self._p.max_gap} s, filling the window anew")
             return self._estimate(Reason.NOT_READY, "filling the window")
         self._had_gap = False
-        return self._judge(sample, self._signals.read())
+        return self._judge(sample)
 
-    def _judge(self, sample: SlopeSample, signals: WheelSignals) -> SlopeEstimate:
-        p = self._p
+    def _judge(self, sample: SlopeSample) -> SlopeEstimate:
+        p, signals = self._p, self._signals
         speed = self._reference.speed
         if p.method is Method.SLIP and isfinite(sample.vehicle_speed):
             speed = sample.vehicle_speed
         if speed < p.minimum_speed:
             return self._unknown(Reason.LOW_SPEED, f"speed is below {p.minimum_speed} m/s")
+        h, delay = signals.h(), signals.delay
         if self._braked is None or sample.stamp - self._braked > p.braking_hold * _NANOSECONDS:
-            return self._unknown(Reason.NOT_BRAKING, f"brake torque is below {p.minimum_torque} N m", signals)
-        if p.method is Method.SLIP and isnan(signals.slip_rate):
-            return self._unknown(Reason.NO_SLIP, "slip was not valid throughout the window", signals)
-        read_at = sample.stamp - round(signals.delay * _NANOSECONDS)
+            return self._unknown(Reason.NOT_BRAKING, f"brake torque is below {p.minimum_torque} N m", h, delay)
+        if p.method is Method.SLIP and isnan(signals.slip_rate()):
+            return self._unknown(Reason.NO_SLIP, "slip was not valid throughout the window", h, delay)
+        read_at = sample.stamp - round(delay * _NANOSECONDS)
         if sample.wheel_speed * p.radius < (1.0 - LOCKED_SLIP) * speed:
-            self._crossing.update(LOCKED_INDICATOR, 1, signals.slip, read_at)
-            return self._estimate(Reason.OK, "", replace(signals, h=nan), LOCKED_INDICATOR)
-        growing = self._growing(signals)
-        indicator = signals.h * growing
-        self._crossing.update(indicator, growing, signals.slip, read_at)
+            self._crossing.update(LOCKED_INDICATOR, 1, signals.slip(), read_at)
+            return self._estimate(Reason.OK, "", nan, delay, LOCKED_INDICATOR)
+        growing = self._growing()
+        indicator = h * growing
+        self._crossing.update(indicator, growing, signals.slip(), read_at)
         if growing == 0:
             rate = "slip rate" if p.method is Method.SLIP else "eta"
-            return self._estimate(Reason.NO_EXCITATION, f"{rate} in its dead zone, sign is held", signals, indicator)
+            return self._estimate(Reason.NO_EXCITATION, f"{rate} in its dead zone, sign is held", h, delay, indicator)
         if self._crossing.sign == 0:
-            return self._estimate(Reason.NOT_READY, "indicator has not passed a threshold yet", signals, indicator)
-        return self._estimate(Reason.OK, "", signals, indicator)
+            return self._estimate(Reason.NOT_READY, "indicator has not passed a threshold yet", h, delay, indicator)
+        return self._estimate(Reason.OK, "", h, delay, indicator)
 
-    def _growing(self, signals: WheelSignals) -> int:
+    def _growing(self) -> int:
         """Sign of the slip rate by the method, 0 in the dead zone."""
         p = self._p
         if p.method is Method.SLIP:
-            return slip_rate_sign(signals.slip_rate, p.slip_rate_dead_zone)
-        friction = signals.friction_moment / (p.radius * p.vertical_load)
-        eta = normalised_deceleration(signals.wheel_acceleration, p.radius)
+            return slip_rate_sign(self._signals.slip_rate(), p.slip_rate_dead_zone)
+        friction = self._signals.friction_moment() / (p.radius * p.vertical_load)
+        eta = normalised_deceleration(self._signals.wheel_acceleration(), p.radius)
         return eta_sign(eta, friction, p.eta_margin, p.slip_rate_dead_zone, self._reference.speed)
 
     def _possible_jump(self, sample: SlopeSample, last: SlopeSample, gap: float) -> bool:
@@ -157,19 +158,19 @@ class SlopeDetector:
         self._crossing.forget_sign()
         self._braked = None
 
-    def _unknown(self, reason: Reason, text: str, signals: WheelSignals | None = None) -> SlopeEstimate:
+    def _unknown(self, reason: Reason, text: str, h: float = nan, delay: float = nan) -> SlopeEstimate:
         self._crossing.forget_sign()
-        return self._estimate(reason, text, signals)
+        return self._estimate(reason, text, h, delay)
 
     def _estimate(
-        self, reason: Reason, text: str, signals: WheelSignals | None = None, indicator: float = nan
+        self, reason: Reason, text: str, h: float = nan, delay: float = nan, indicator: float = nan
     ) -> SlopeEstimate:
         crossing = self._crossing
         return SlopeEstimate(
             sign=crossing.sign if reason in (Reason.OK, Reason.NO_EXCITATION) else 0,
-            h=nan if signals is None else signals.h,
+            h=h,
             indicator=indicator,
-            delay=nan if signals is None else signals.delay,
+            delay=delay,
             crossings=crossing.crossings,
             crossing_sign=crossing.crossing_sign,
             slip_at_crossing=crossing.slip,

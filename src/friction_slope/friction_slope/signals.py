@@ -6,8 +6,6 @@ The two terms of H are thousands of rad/s^3 while the torque changes, and cancel
 derivative they pass the same filter and cancel exactly; taken apart they would leave the difference of two filters.
 """
 
-from dataclasses import dataclass
-
 from friction_slope.estimate import SlopeSample
 from vehicle_models.derivatives import LocalPolynomial
 
@@ -15,26 +13,8 @@ _NANOSECOND = 1e-9
 _OMEGA, _Z, _SLIP, _SLIP_RATE = range(4)
 
 
-@dataclass(frozen=True)
-class WheelSignals:
-    """What the windows say."""
-
-    delay: float
-    """Of h and slip behind the newest sample [s]; negative where they are predicted."""
-    h: float
-    """H of (8.3) [rad/s^3]."""
-    slip: float
-    """[-]; NaN if it was unknown anywhere in the window."""
-    wheel_acceleration: float
-    """omega_dot [rad/s^2], mean over the rate window, as are the following."""
-    friction_moment: float
-    """r Fx = J z_dot = J omega_dot + T_b [N m], braking positive."""
-    slip_rate: float
-    """[1/s]; NaN if it was unknown anywhere in the rate window."""
-
-
 class SignalWindow:
-    """The last samples of one wheel, and the signals read from them."""
+    """The last samples of one wheel, and the signals read from them once the windows are full."""
 
     def __init__(self, inertia: float, window: int, rate_window: int, lead: float) -> None:
         """Start empty.
@@ -58,6 +38,9 @@ class SignalWindow:
         self._rates.reset()
         self._impulse = 0.0
         self._last: SlopeSample | None = None
+        self.delay = 0.0
+        """Of h and slip behind the newest sample [s]; negative where they are predicted."""
+        self._rate_delay = 0.0
 
     @property
     def ready(self) -> bool:
@@ -73,17 +56,25 @@ class SignalWindow:
         values = (sample.wheel_speed, sample.wheel_speed + self._impulse / self._inertia, sample.slip, sample.slip_rate)
         self._window.update(sample.stamp, values)
         self._rates.update(sample.stamp, values)
+        self.delay = 0.5 * self._window.span * (1.0 - self._lead)
+        self._rate_delay = 0.5 * self._rates.span
 
-    def read(self) -> WheelSignals:
-        """Read the signals; the windows must be ready."""
-        delay = 0.5 * self._window.span * (1.0 - self._lead)
-        rate_delay = 0.5 * self._rates.span
-        slopes = self._rates.derivative(1, rate_delay)
-        return WheelSignals(
-            delay=delay,
-            h=float(self._window.derivative(2, delay)[_Z]),
-            slip=float(self._window.derivative(0, delay)[_SLIP]),
-            wheel_acceleration=float(slopes[_OMEGA]),
-            friction_moment=self._inertia * float(slopes[_Z]),
-            slip_rate=float(self._rates.derivative(0, rate_delay)[_SLIP_RATE]),
-        )
+    def h(self) -> float:
+        """H of (8.3) [rad/s^3]."""
+        return float(self._window.derivative(2, self.delay)[_Z])
+
+    def slip(self) -> float:
+        """Slip [-]; NaN if it was unknown anywhere in the window."""
+        return float(self._window.derivative(0, self.delay)[_SLIP])
+
+    def slip_rate(self) -> float:
+        """Mean over the rate window [1/s]; NaN if it was unknown anywhere in it."""
+        return float(self._rates.derivative(0, self._rate_delay)[_SLIP_RATE])
+
+    def wheel_acceleration(self) -> float:
+        """Return omega_dot [rad/s^2], mean over the rate window."""
+        return float(self._rates.derivative(1, self._rate_delay)[_OMEGA])
+
+    def friction_moment(self) -> float:
+        """Return r Fx = J z_dot = J omega_dot + T_b [N m], braking positive, mean over the rate window."""
+        return self._inertia * float(self._rates.derivative(1, self._rate_delay)[_Z])

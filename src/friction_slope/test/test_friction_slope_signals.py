@@ -31,7 +31,7 @@ def fed(window: SignalWindow, speeds: np.ndarray, torques: np.ndarray, first: in
 def test_h_is_the_jerk_plus_the_torque_rate_over_the_inertia(jerk: float, torque_rate: float, inertia: float) -> None:
     time = np.arange(12) * DT
     window = fed(SignalWindow(inertia, 12, 12, 0.0), 80.0 + 0.5 * jerk * time**2, 100.0 + torque_rate * time)
-    assert window.read().h == pytest.approx(jerk + torque_rate / inertia, abs=1e-5 * (1.0 + abs(torque_rate)))
+    assert window.h() == pytest.approx(jerk + torque_rate / inertia, abs=1e-5 * (1.0 + abs(torque_rate)))
 
 
 def test_torque_steps_that_the_wheel_answers_leave_no_trace_in_h() -> None:
@@ -43,8 +43,8 @@ def test_torque_steps_that_the_wheel_answers_leave_no_trace_in_h() -> None:
     for k in range(60):
         window.update(SlopeSample((k + 1) * STEP, float(100.0 + 300.0 * k * DT - impulse[k]), float(torque[k])))
         if window.ready:
-            assert window.read().h == pytest.approx(0.0, abs=1e-6)
-            assert window.read().friction_moment == pytest.approx(300.0, abs=1e-8)
+            assert window.h() == pytest.approx(0.0, abs=1e-6)
+            assert window.friction_moment() == pytest.approx(300.0, abs=1e-8)
 
 
 @pytest.mark.parametrize("name", TABLE_8_1)
@@ -64,7 +64,7 @@ def test_h_of_a_simulated_wheel_is_gamma_times_slope_times_slip_rate(name: str) 
         history.append(gamma * float(burckhardt.slope(theta, slip)) * slip_rate)
         window.update(SlopeSample((k + 1) * STEP, omega, torque))
         if k > 70:
-            assert window.read().h == pytest.approx(history[-2], abs=2e-3 * max(map(abs, history)))
+            assert window.h() == pytest.approx(history[-2], abs=2e-3 * max(map(abs, history)))
             checked += 1
         after = min(torque + hold / 50.0, hold)
         corner.step(torque, after, theta, DT)
@@ -75,15 +75,15 @@ def test_h_of_a_simulated_wheel_is_gamma_times_slope_times_slip_rate(name: str) 
 @pytest.mark.parametrize(("lead", "delay"), [(0.0, 0.04), (1.0, 0.0), (2.0, -0.04), (0.5, 0.02)])
 def test_delay_follows_from_window_and_lead(lead: float, delay: float) -> None:
     window = fed(SignalWindow(1.0, 17, 3, lead), np.full(20, 50.0), np.zeros(20))
-    assert window.read().delay == pytest.approx(delay)
+    assert window.delay == pytest.approx(delay)
 
 
 def test_slip_is_read_where_h_is_read() -> None:
     window = SignalWindow(1.0, 9, 3, 0.0)
     for k in range(20):
         window.update(SlopeSample((k + 1) * STEP, 50.0, 0.0, slip=0.01 * k, slip_rate=2.0))
-    assert window.read().slip == pytest.approx(0.01 * (19 - 4))
-    assert window.read().slip_rate == pytest.approx(2.0)
+    assert window.slip() == pytest.approx(0.01 * (19 - 4))
+    assert window.slip_rate() == pytest.approx(2.0)
 
 
 def test_unknown_slip_makes_the_slip_unknown_and_nothing_else() -> None:
@@ -91,13 +91,12 @@ def test_unknown_slip_makes_the_slip_unknown_and_nothing_else() -> None:
     for k in range(20):
         slip = nan if k == 15 else 0.1
         window.update(SlopeSample((k + 1) * STEP, 50.0 - k, 0.0, slip=slip, slip_rate=slip))
-    found = window.read()
-    assert np.isnan(found.slip)
-    assert found.slip_rate == pytest.approx(0.1)
-    assert found.wheel_acceleration == pytest.approx(-200.0)
+    assert np.isnan(window.slip())
+    assert window.slip_rate() == pytest.approx(0.1)
+    assert window.wheel_acceleration() == pytest.approx(-200.0)
 
 
-@given(st.floats(0.0, 0.95), st.floats(0.0, 1.2), st.floats(-20.0, 20.0), st.floats(2.0, 60.0))
+@given(st.floats(0.0, 0.95), st.floats(0.0, 1.2), st.floats(-20.0, 20.0, allow_subnormal=False), st.floats(2.0, 60.0))
 def test_eta_tells_the_sign_of_the_slip_rate_wherever_it_says_one(
     slip: float, friction: float, eta: float, speed: float
 ) -> None:
