@@ -25,8 +25,8 @@ from friction_evaluation.parts import Row
 from friction_evaluation.slope_runs import BRAKE_GAIN, CORNER, DT, SPEED, STEP, WHEEL
 from friction_runtime.parameters import load
 from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.wheel_speeds import WHEEL_STATES
 from friction_slope.parameters import FrictionSlopeParameters
-from friction_slope.processor import WHEEL_STATES
 from friction_slope.processor import WheelProcessor as SlopeProcessor
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import BrakeActuator

@@ -6,24 +6,22 @@ from typing import Any
 
 from friction_msgs.msg import FrictionSlope, WheelSlip
 from sensor_msgs.msg import FluidPressure, JointState
-from std_msgs.msg import Header
 
 from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
+from friction_runtime.new_message import new_message
 from friction_runtime.processor import Health, Level, Output, Report, silent
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
+from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from friction_slope.detector import SlopeDetector
 from friction_slope.estimate import Reason, SlopeEstimate, SlopeSample
 from friction_slope.parameters import FrictionSlopeParameters
 
-WHEEL_STATES = "wheel_states"
 _SILENT_AFTER = 0.25
 """[s]"""
 _QUIET = (Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING, Reason.NO_EXCITATION)
 """Reasons that belong to ordinary driving."""
 _BROKEN = (Reason.NO_TORQUE, Reason.NO_SLIP)
 """Reasons that no wait cures."""
-_FASTEST_WHEEL = 1000.0
-"""[rad/s] Above it a wheel speed is garbage."""
 _HIGHEST_TORQUE = 1e5
 """[N m] Above it a brake torque is garbage."""
 
@@ -42,6 +40,7 @@ class WheelProcessor:
         self.outputs: Mapping[str, type] = {f"{wheel}/friction_slope": FrictionSlope}
         inputs = [AlignedInput(topic, parameters.max_gap) for topic in (self._pressure, *self.estimates)]
         self._aligner: Aligner[float] = Aligner(WHEEL_STATES, inputs, parameters.deadline)
+        self._wheel_speeds = WheelSpeeds((wheel,), report)
         settings = parameters.detector(wheel)
         self._method = int(settings.method)
         self._detector = SlopeDetector(settings)
@@ -60,7 +59,8 @@ class WheelProcessor:
         stamp = to_nanoseconds(message.header.stamp)
         if topic == WHEEL_STATES:
             self._silent = ""
-            refusal = self._aligner.offer_primary(stamp, self._wheel_speed(message))
+            (speed,) = self._wheel_speeds.read(message)
+            refusal = self._aligner.offer_primary(stamp, speed)
         elif topic == self._pressure:
             refusal = self._offer_pressure(stamp, message)
         else:
@@ -89,23 +89,6 @@ class WheelProcessor:
         }
         level = Level.OK if last.reason in _QUIET else Level.ERROR if last.reason in _BROKEN else Level.WARN
         return Health(self._wheel, level, last.reason_text or "ok", values)
-
-    def _wheel_speed(self, message: JointState) -> float:
-        """Speed of our wheel [rad/s], NaN where it is missing or garbage."""
-        speeds = dict(zip(message.name, message.velocity, strict=False))
-        if self._wheel not in speeds:
-            names = ", ".join(message.name)
-            self._report(
-                "error",
-                f"{WHEEL_STATES}: no velocity for wheel '{self._wheel}', names are: {names}; "
-                "check the parameter 'wheels'",
-            )
-            return nan
-        speed = float(speeds[self._wheel])
-        if not abs(speed) <= _FASTEST_WHEEL:
-            self._report("warning", f"{WHEEL_STATES}: velocity of wheel '{self._wheel}' is no wheel speed: {speed}")
-            return nan
-        return speed
 
     def _offer_pressure(self, stamp: int, message: FluidPressure) -> str | None:
         torque = self._gain * message.fluid_pressure
@@ -147,22 +130,22 @@ class WheelProcessor:
             text = sample.missing.get(self._pressure, text)
         elif estimate.reason is Reason.NO_SLIP:
             text = sample.missing.get(self._slip, f"{self._slip}: {self._slip_reason or text}")
-        return FrictionSlope(
-            header=Header(stamp=from_nanoseconds(sample.stamp), frame_id=self._wheel),
-            wheel=self._wheel,
-            method=self._method,
-            sign=estimate.sign,
-            h=estimate.h,
-            indicator=estimate.indicator,
-            delay=estimate.delay,
-            crossings=estimate.crossings,
-            crossing_sign=estimate.crossing_sign,
-            slip_at_crossing=estimate.slip_at_crossing,
-            crossing_stamp=from_nanoseconds(estimate.crossing_stamp),
-            valid=estimate.reason is Reason.OK,
-            reason=int(estimate.reason),
-            reason_text=text and f"{self._wheel}: {text}",
-        )
+        message = new_message(FrictionSlope)
+        message.header = header_at(sample.stamp, self._wheel)
+        message.wheel = self._wheel
+        message.method = self._method
+        message.sign = estimate.sign
+        message.h = estimate.h
+        message.indicator = estimate.indicator
+        message.delay = estimate.delay
+        message.crossings = estimate.crossings
+        message.crossing_sign = estimate.crossing_sign
+        message.slip_at_crossing = estimate.slip_at_crossing
+        message.crossing_stamp = from_nanoseconds(estimate.crossing_stamp)
+        message.valid = estimate.reason is Reason.OK
+        message.reason = int(estimate.reason)
+        message.reason_text = text and f"{self._wheel}: {text}"
+        return message
 
 
 def build(parameters: FrictionSlopeParameters, report: Report = silent) -> list[WheelProcessor]:
