@@ -6,15 +6,15 @@ from typing import Any
 
 from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
 from sensor_msgs.msg import FluidPressure
-from std_msgs.msg import Header
 
 from abs_supervisor.braking import TorqueWithHysteresis
 from abs_supervisor.fsm import COMMANDS
 from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.supervisor import Evidence, Supervisor
 from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
+from friction_runtime.new_message import new_message
 from friction_runtime.processor import Health, Level, Output, Report, silent
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 
 BRAKE_DEMAND = "brake_demand"
 _NANOSECONDS = 1_000_000_000
@@ -166,29 +166,31 @@ class WheelProcessor:
 
     def _outputs(self) -> list[Output]:
         machine, counts = self._supervisor, self._supervisor.counts
-        header = Header(stamp=from_nanoseconds(self._stamp), frame_id=self._wheel)
-        state = SupervisorState(
-            header=header,
-            wheel=self._wheel,
-            state=int(machine.state),
-            previous_state=int(machine.previous_state),
-            cause=int(machine.cause),
-            transition_stamp=from_nanoseconds(machine.transition_stamp),
-            indicator=self._indicator,
-            demand_torque=self._torque,
-            shadow=self._p.shadow,
-            transitions=counts.transitions,
-            instabilities=counts.instabilities,
-            recoveries=counts.recoveries,
-            release_timeouts=counts.release_timeouts,
-            fail_safes=counts.fail_safes,
-            valid=self._reason == SupervisorState.OK,
-            reason=self._reason,
-            reason_text=self._text and f"{self._wheel}: {self._text}",
-        )
+        header = header_at(self._stamp, self._wheel)
+        state = new_message(SupervisorState)
+        state.header = header
+        state.wheel = self._wheel
+        state.state = int(machine.state)
+        state.previous_state = int(machine.previous_state)
+        state.cause = int(machine.cause)
+        state.transition_stamp = from_nanoseconds(machine.transition_stamp)
+        state.indicator = self._indicator
+        state.demand_torque = self._torque
+        state.shadow = self._p.shadow
+        state.transitions = counts.transitions
+        state.instabilities = counts.instabilities
+        state.recoveries = counts.recoveries
+        state.release_timeouts = counts.release_timeouts
+        state.fail_safes = counts.fail_safes
+        state.valid = self._reason == SupervisorState.OK
+        state.reason = self._reason
+        state.reason_text = self._text and f"{self._wheel}: {self._text}"
         outputs: list[Output] = [(f"{self._wheel}/abs_supervisor", state)]
         if not self._p.shadow:
-            command = BrakeCommand(header=header, wheel=self._wheel, command=int(COMMANDS[machine.state]))
+            command = new_message(BrakeCommand)
+            command.header = header
+            command.wheel = self._wheel
+            command.command = int(COMMANDS[machine.state])
             outputs.append((f"{self._wheel}/brake_command", command))
         return outputs
 

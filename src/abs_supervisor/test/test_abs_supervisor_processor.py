@@ -9,6 +9,7 @@ import pytest
 from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
 from hypothesis import given
 from hypothesis import strategies as st
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import FluidPressure
 from std_msgs.msg import Header
 
@@ -60,6 +61,7 @@ class Bench:
     def take(self, outputs: Any) -> None:
         self.command = None
         for topic, message in outputs:
+            assert serialize_message(message), "can be published: every field is set"
             if topic.endswith("abs_supervisor"):
                 self.state = message
             else:
