@@ -11,6 +11,7 @@ import pytest
 from friction_msgs.msg import FrictionSlope, WheelSlip
 from hypothesis import given
 from hypothesis import strategies as st
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
@@ -74,6 +75,7 @@ def test_stable_side_is_told_with_h_of_the_equation() -> None:
     assert last.delay == pytest.approx(0.01)
     assert last.wheel == "front_left"
     assert to_nanoseconds(last.header.stamp) == 30 * STEP
+    assert serialize_message(last), "can be published: every field is set"
 
 
 def test_output_does_not_depend_on_the_order_of_arrival() -> None:
