@@ -94,7 +94,7 @@ class PointFitting:
             self._largest_slip = max(self._largest_slip, point.slip)
         estimate = self._fit.curve().estimate(point.slip, self._count, self._largest_slip)
         cause, self._cause = self._cause, RestartCause.NONE
-        return replace(estimate, restarted=cause is not RestartCause.NONE, restart_cause=cause)
+        return estimate if cause is RestartCause.NONE else replace(estimate, restarted=True, restart_cause=cause)
 
     def _clear(self) -> None:
         self._waiting.clear()

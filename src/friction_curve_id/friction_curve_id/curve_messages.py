@@ -3,11 +3,13 @@ activation.
 """
 
 from friction_msgs.msg import FrictionCurve
-from std_msgs.msg import Header
 
 from friction_curve_id.activation import ActivationMark
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
-from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
+from friction_curve_id.interface import NAN, CurveEstimate, Reason, Refusal, RestartCause
+from friction_runtime.new_message import new_message
+from friction_runtime.stamps import NANOSECONDS, header_at
+
+_NO_ESTIMATE = CurveEstimate(samples=0, slip=NAN)
 
 
 class CurveMessages:
@@ -35,46 +37,42 @@ class CurveMessages:
             slip: present slip [-] from the inputs, NaN where only the estimate knows it.
             cause: why the estimator was reset, where it says that it restarted on request.
         """
-        refused = isinstance(answer, Refusal)
-        estimate = CurveEstimate(0, slip, reason=answer.reason, text=answer.text) if refused else answer
-        assert isinstance(estimate, CurveEstimate)
+        if isinstance(answer, Refusal):
+            estimate = _NO_ESTIMATE
+        else:
+            estimate, slip = answer, answer.slip
         if estimate.restarted:
             self._restarts += 1
             requested = estimate.restart_cause is RestartCause.REQUEST
             self._cause = cause if requested else estimate.restart_cause
-        self._activation.update(stamp / NANOSECONDS, estimate.slip, estimate.lambda_max)
-        message = _of(estimate)
-        message.header = Header(stamp=from_nanoseconds(stamp), frame_id=self._frame_id)
+        self._activation.update(stamp / NANOSECONDS, slip, estimate.lambda_max)
+        message = new_message(FrictionCurve)
+        _set_curve(message, estimate)
+        message.header = header_at(stamp, self._frame_id)
         message.wheel = self._wheel
         message.method = self._method
+        message.slip = slip
         message.restarts = self._restarts
         message.restart_cause = int(self._cause)
         message.abs_active = self._activation.active
         message.at_activation = self._activation.at_activation
         message.lambda_max_at_activation = self._activation.lambda_max
-        message.reason_text = estimate.text and f"{self._wheel}: {estimate.text}"
+        message.valid = estimate.valid and estimate.reason is Reason.OK
+        message.reason = int(answer.reason)
+        message.reason_text = answer.text and f"{self._wheel}: {answer.text}"
         return message
 
 
-def _of(estimate: CurveEstimate) -> FrictionCurve:
-    return FrictionCurve(
-        theta_1=float(estimate.theta[0]),
-        theta_2=float(estimate.theta[1]),
-        theta_3=float(estimate.theta[2]),
-        lambda_max=estimate.lambda_max,
-        mu_max=estimate.mu_max,
-        theta_1_stddev=float(estimate.theta_stddev[0]),
-        theta_2_stddev=float(estimate.theta_stddev[1]),
-        theta_3_stddev=float(estimate.theta_stddev[2]),
-        lambda_max_stddev=estimate.lambda_max_stddev,
-        mu_max_stddev=estimate.mu_max_stddev,
-        slip=estimate.slip,
-        mu=estimate.mu,
-        slope=estimate.slope,
-        slope_stddev=estimate.slope_stddev,
-        probability_beyond_peak=estimate.probability_beyond_peak,
-        samples=estimate.samples,
-        restarted=estimate.restarted,
-        valid=estimate.valid and estimate.reason is Reason.OK,
-        reason=int(estimate.reason),
-    )
+def _set_curve(message: FrictionCurve, estimate: CurveEstimate) -> None:
+    message.theta_1, message.theta_2, message.theta_3 = estimate.theta.tolist()
+    message.theta_1_stddev, message.theta_2_stddev, message.theta_3_stddev = estimate.theta_stddev.tolist()
+    message.lambda_max = estimate.lambda_max
+    message.mu_max = estimate.mu_max
+    message.lambda_max_stddev = estimate.lambda_max_stddev
+    message.mu_max_stddev = estimate.mu_max_stddev
+    message.mu = estimate.mu
+    message.slope = estimate.slope
+    message.slope_stddev = estimate.slope_stddev
+    message.probability_beyond_peak = estimate.probability_beyond_peak
+    message.samples = estimate.samples
+    message.restarted = estimate.restarted

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.interface import NAN, CurveEstimate, Reason
+from friction_curve_id.interface import NAN, CurveEstimate, Reason, unknown_theta
 
 Array = NDArray[np.float64]
 
@@ -93,7 +93,6 @@ class FittedCurve:
         reason, text = _judge(peak, lambda_stddev, largest_slip, largest_relative_stddev)
         theta = m.theta(p)
         known = theta is not None
-        nothing = np.full(3, NAN)
         return CurveEstimate(
             samples=samples,
             slip=slip,
@@ -101,8 +100,8 @@ class FittedCurve:
             mu_max=mu_max,
             lambda_max_stddev=lambda_stddev,
             mu_max_stddev=mu_stddev,
-            theta=theta.copy() if theta is not None else nothing,
-            theta_stddev=np.sqrt(np.maximum(np.diag(covariance), 0.0)) if known else nothing,
+            theta=theta.copy() if theta is not None else unknown_theta(),
+            theta_stddev=np.sqrt(np.maximum(np.diag(covariance), 0.0)) if known else unknown_theta(),
             mu=m.friction(p, slip),
             slope=slope,
             slope_stddev=slope_stddev,

@@ -18,9 +18,9 @@ v 0.5 m/s, T_b 3.2 N m) on the defaults of `WheelParameters`:
 All three scale mu with 1/Fz, which leaves lambda_max where it is.
 """
 
-from dataclasses import dataclass
 from enum import Enum
 from math import isfinite
+from typing import NamedTuple
 
 from friction_curve_id.dead_reckoning import DeadReckonedSpeed, DeadReckoningParameters
 from friction_curve_id.interface import Reason, Refusal, Sample, WheelParameters
@@ -43,8 +43,7 @@ class FrictionSource(Enum):
     DEAD_RECKONED = "dead_reckoned"
 
 
-@dataclass(frozen=True)
-class FrictionPoint:
+class FrictionPoint(NamedTuple):
     """One sample of the friction curve."""
 
     time: float
@@ -59,8 +58,7 @@ class FrictionPoint:
     """The first point after a gap or a jump back in time: whoever keeps state starts anew."""
 
 
-@dataclass(frozen=True)
-class _Known:
+class _Known(NamedTuple):
     time: float
     wheel_speed: float
     speed: float

@@ -62,10 +62,11 @@ class CurveInputs(Protocol):
 
 def wheel_speed(message: JointState, wheel: str) -> float:
     """Speed of a wheel [rad/s], NaN where the message has none that makes sense."""
-    for name, velocity in zip(message.name, message.velocity, strict=False):
-        if name == wheel:
-            return float(velocity) if abs(velocity) <= FASTEST_WHEEL else nan
-    return nan
+    try:
+        velocity = float(message.velocity[message.name.index(wheel)])
+    except (ValueError, IndexError):
+        return nan
+    return velocity if abs(velocity) <= FASTEST_WHEEL else nan
 
 
 def vehicle_velocity(message: TwistWithCovarianceStamped) -> tuple[float, ...] | str:

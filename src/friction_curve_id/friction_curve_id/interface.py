@@ -86,8 +86,13 @@ class Refusal:
     text: str
 
 
-def _unknown_theta() -> Array:
-    return np.full(3, np.nan)
+_UNKNOWN_THETA = np.full(3, NAN)
+_UNKNOWN_THETA.flags.writeable = False
+
+
+def unknown_theta() -> Array:
+    """Theta of a method with another model, and its standard deviations: NaN, shape (3,), read only."""
+    return _UNKNOWN_THETA
 
 
 @dataclass(frozen=True)
@@ -104,9 +109,9 @@ class CurveEstimate:
     """Friction coefficient at the peak [-]."""
     lambda_max_stddev: float = NAN
     mu_max_stddev: float = NAN
-    theta: Array = field(default_factory=_unknown_theta)
+    theta: Array = field(default_factory=unknown_theta)
     """Burckhardt parameters of (2.13), shape (3,)."""
-    theta_stddev: Array = field(default_factory=_unknown_theta)
+    theta_stddev: Array = field(default_factory=unknown_theta)
     """Shape (3,)."""
     mu: float = NAN
     """Friction coefficient of the fitted curve at the present slip [-]."""

@@ -79,10 +79,10 @@ class SampleGate:
         speed, torque = sample.vehicle_speed, sample.brake_torque
         if torque is None:
             return Refusal(Reason.NO_TORQUE, "brake torque is missing")
-        values = {"time": sample.time, "wheel speed": sample.wheel_speed, "brake torque": torque}
-        for name, value in values.items():
-            if not isfinite(value):
-                return Refusal(Reason.BAD_INPUT, f"{name} is {value}")
+        if not (isfinite(sample.time) and isfinite(sample.wheel_speed) and isfinite(torque)):
+            values = {"time": sample.time, "wheel speed": sample.wheel_speed, "brake torque": torque}
+            bad = next(f"{name} is {value}" for name, value in values.items() if not isfinite(value))
+            return Refusal(Reason.BAD_INPUT, bad)
         if sample.wheel_speed <= 0.0:
             return Refusal(Reason.LOW_SPEED, f"wheel speed {sample.wheel_speed:.3g} rad/s is not positive")
         if speed is None:

@@ -11,10 +11,12 @@ from typing import Any
 import pytest
 from friction_msgs.msg import FrictionCurve, TyreForce, WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
 
 from friction_curve_id.activation import ActivationMark
+from friction_curve_id.inputs import wheel_speed
 from friction_curve_id.interface import Reason, RestartCause
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.processor import CurveProcessor, build
@@ -137,6 +139,30 @@ def test_missing_brake_pressure_is_said_not_guessed(clean: Brake, method: str) -
     assert not any(message.valid for message in found)
     assert "front_left/brake_pressure" in found[-1].reason_text
     assert made.health().level is Level.ERROR
+
+
+def test_messages_with_and_without_an_estimate_can_be_published(clean: Brake) -> None:
+    found = drive(processor(), braking(clean))
+    assert {message.samples > 0 for message in found} == {False, True}
+    assert all(serialize_message(message) for message in found), "every field is set"
+
+
+@pytest.mark.parametrize(
+    ("names", "velocities", "expected"),
+    [
+        (["rear_left", "front_left"], [1.0, 2.0], 2.0),
+        (["front_left", "front_left"], [1.0, 2.0], 1.0),
+        (["rear_left", "front_left"], [1.0], math.nan),
+        (["rear_left"], [1.0], math.nan),
+        ([], [1.0], math.nan),
+        (["front_left"], [-math.inf], math.nan),
+        (["front_left"], [1e4], math.nan),
+    ],
+)
+def test_the_wheel_speed_is_the_one_of_this_name(names: list[str], velocities: list[float], expected: float) -> None:
+    assert wheel_speed(JointState(name=names, velocity=velocities), "front_left") == pytest.approx(
+        expected, nan_ok=True
+    )
 
 
 def test_missing_slip_does_not_stop_what_can_do_without(clean: Brake) -> None:
