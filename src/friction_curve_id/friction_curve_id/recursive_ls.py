@@ -9,9 +9,10 @@ sample and so equals it.
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.exponential_curve import regressor
+from friction_curve_id.exponential_curve import regressor_row
 from friction_curve_id.fitted_curve import FittedCurve
 from friction_curve_id.least_squares import solve, triangle
+from friction_curve_id.square_root import add_row
 
 Array = NDArray[np.float64]
 
@@ -33,8 +34,10 @@ class RecursiveLS:
 
     def add(self, slip: float, friction: float) -> None:
         """Take one more sample."""
-        row = np.append(regressor(np.array([slip]))[0], friction)
-        self._root = np.asarray(np.linalg.qr(np.vstack([self._root, row]), mode="r"))
+        row = np.empty(7)
+        row[:6] = regressor_row(slip)
+        row[6] = friction
+        self._root = add_row(self._root, row)
         self._samples += 1
         self._largest_slip = max(self._largest_slip, slip)
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from friction_curve_id.burckhardt_curve import BurckhardtCurve
 from friction_curve_id.fitted_curve import FittedCurve
 from friction_curve_id.maximum_likelihood import initial_theta
+from friction_curve_id.square_root import add_row
 from vehicle_models import burckhardt
 
 Array = NDArray[np.float64]
@@ -81,7 +82,7 @@ class RecursiveML:
         theta = _theta(self._unknowns)
         row = burckhardt.gradient(theta, slip) * _scale(theta)
         error = friction - float(burckhardt.friction(theta, slip))
-        self._root = _triangular(np.vstack([self._root, row]))
+        self._root = add_row(self._root, row)
         step = self._solve(row * error)
         longer = (self._extra_gain - 1.0) * step[1:]
         step[1:] += longer

@@ -17,6 +17,7 @@ from friction_curve_id.maximum_likelihood import MaximumLikelihood, initial_thet
 from friction_curve_id.methods import CHAPTER_METHODS
 from friction_curve_id.recursive_ls import RecursiveLS
 from friction_curve_id.recursive_ml import RecursiveML, RecursiveMLWithBatch
+from friction_curve_id.square_root import add_row
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
 
@@ -83,6 +84,18 @@ def run(fit: CurveFit, frictions: Array) -> list[float]:
 def test_rls_equals_ls_at_every_sample(name: str, seed: int) -> None:
     frictions = scattered(name, seed)
     assert run(RecursiveLS(), frictions) == pytest.approx(run(LeastSquares(), frictions), abs=1e-6, nan_ok=True)
+
+
+@pytest.mark.parametrize("columns", [3, 7])
+def test_rows_added_one_by_one_give_the_root_of_all_of_them(columns: int) -> None:
+    rows = np.random.default_rng(3).normal(size=(50, columns)) * np.logspace(0, -6, columns)
+    root = np.linalg.qr(rows[:columns], mode="r")
+    for row in rows[columns:]:
+        root = add_row(root, row)
+    expected = np.linalg.qr(rows, mode="r")
+    signs = np.sign(np.diag(root) * np.diag(expected))[:, np.newaxis]
+    assert (np.tril(root, -1) == 0.0).all()
+    assert root * signs == pytest.approx(expected, rel=1e-9, abs=1e-15)
 
 
 @pytest.mark.parametrize("name", ["dry", "wet", "cobblestone"])

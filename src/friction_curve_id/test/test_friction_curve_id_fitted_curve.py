@@ -64,6 +64,16 @@ def test_peak_of_8_12_is_a_maximum_or_there_is_none(parameters: Array) -> None:
         assert near[1] >= max(near[0], near[2]) - 1e-9
 
 
+@given(arrays(np.float64, 6, elements=st.floats(-1e4, 1e4)))
+def test_the_slope_of_8_12_vanishes_at_the_peak_to_rounding(parameters: Array) -> None:
+    model = ExponentialCurve(0.4)
+    peak = model.peak(parameters)
+    if not math.isnan(peak):
+        terms = np.abs(model.slope_gradient(parameters, peak) * parameters).sum()
+        curvature = abs(model.curvature(parameters, peak))
+        assert abs(model.slope(parameters, peak)) <= 1e-14 * terms + 2e-12 * curvature
+
+
 def test_peak_of_8_12_among_the_data_goes_before_an_extrapolated_one() -> None:
     parameters = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
     assert math.isnan(ExponentialCurve(0.2).peak(parameters))
