@@ -16,6 +16,8 @@ HIGHEST_FRICTION = 1.5
 """Of any road [-]."""
 JITTER = 2.0
 """Of a wheel speed that is no spike [rad/s]."""
+_SIGNED = (Reason.OK, Reason.NO_EXCITATION)
+"""Reasons with which a sign is told."""
 LOCKED_INDICATOR = -1e5
 """Indicator of a locked wheel [rad/s^3], below every threshold."""
 
@@ -167,7 +169,7 @@ class SlopeDetector:
     ) -> SlopeEstimate:
         crossing = self._crossing
         return SlopeEstimate(
-            sign=crossing.sign if reason in (Reason.OK, Reason.NO_EXCITATION) else 0,
+            sign=crossing.sign if reason in _SIGNED else 0,
             h=h,
             indicator=indicator,
             delay=delay,

@@ -25,6 +25,9 @@ _BROKEN = (Reason.NO_TORQUE, Reason.NO_SLIP)
 _HIGHEST_TORQUE = 1e5
 """[N m] Above it a brake torque is garbage."""
 
+_UNKNOWN_SLIP = (nan, nan, 0.0, nan, 0.0)
+"""Slip, slip rate, are they valid, vehicle speed, is it known."""
+
 
 class WheelProcessor:
     """Layer 2 of friction_slope. Fires for each wheel_states sample, once the other inputs have reached its stamp."""
@@ -67,7 +70,7 @@ class WheelProcessor:
             refusal = self._offer_slip(stamp, message)
         if refusal is not None:
             self._report("warning", f"{refusal}: sample refused")
-        return [self._fire(sample) for sample in self._aligner.ready()]
+        return list(map(self._fire, self._aligner.ready()))
 
     def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
         """Note silence of wheel_states for diagnostics: without a sample there is no stamp to speak of."""
@@ -98,24 +101,26 @@ class WheelProcessor:
 
     def _offer_slip(self, stamp: int, message: WheelSlip) -> str | None:
         # What is not known travels as a flag, so that an interpolation between a known and an unknown slip is unknown.
-        valid = message.valid and isfinite(message.slip) and isfinite(message.slip_rate)
-        if not valid:
+        slip, slip_rate, valid = message.slip, message.slip_rate, 1.0
+        if not (message.valid and isfinite(slip) and isfinite(slip_rate)):
+            slip, slip_rate, valid = 0.0, 0.0, 0.0
             self._slip_reason = message.reason_text
-        known = isfinite(message.vehicle_speed)
-        values = (message.slip, message.slip_rate) if valid else (0.0, 0.0)
-        speed = message.vehicle_speed if known else 0.0
-        return self._aligner.offer(self._slip, stamp, (*values, float(valid), speed, float(known)))
+        speed, known = message.vehicle_speed, 1.0
+        if not isfinite(speed):
+            speed, known = 0.0, 0.0
+        return self._aligner.offer(self._slip, stamp, (slip, slip_rate, valid, speed, known))
 
     def _fire(self, sample: AlignedSample[float]) -> Output:
         if sample.rewound:
             self._detector.reset()
             self._report("info", f"{WHEEL_STATES}: stamps jumped back, started anew")
-        slip, slip_rate, valid, speed, known = sample.values.get(self._slip, (nan, nan, 0.0, nan, 0.0))
+        torque = sample.values.get(self._pressure)
+        slip, slip_rate, valid, speed, known = sample.values.get(self._slip, _UNKNOWN_SLIP)
         estimate = self._detector.update(
             SlopeSample(
                 stamp=sample.stamp,
                 wheel_speed=sample.payload,
-                brake_torque=sample.values[self._pressure][0] if self._pressure in sample.values else nan,
+                brake_torque=nan if torque is None else torque[0],
                 slip=slip if valid == 1.0 else nan,
                 slip_rate=slip_rate if valid == 1.0 else nan,
                 vehicle_speed=speed if known == 1.0 else nan,

@@ -78,16 +78,10 @@ class LocalPolynomial:
         self._interval = 0
         self._equal_intervals = 0
         self._weights: dict[tuple[int, float], Array] = {}
-
-    @property
-    def ready(self) -> bool:
+        self.ready = False
         """Is the window full?"""
-        return len(self._stamps) == self._window
-
-    @property
-    def span(self) -> float:
+        self.span = 0.0
         """Time from the oldest to the newest sample of the window [s]; 0 while it is not full."""
-        return (self._stamps[-1] - self._stamps[0]) * _NANOSECOND if self.ready else 0.0
 
     def update(self, stamp: int, values: ArrayLike) -> None:
         """Take a sample of every signal.
@@ -103,9 +97,12 @@ class LocalPolynomial:
         self._stamps.append(stamp)
         self._equal_intervals = self._equal_intervals + 1 if interval == self._interval else 1
         self._interval = interval
-        # The weights follow the offsets, which repeat where the interval that came is that which left and all between.
-        if self._equal_intervals < self._window:
+        # Span and weights follow the offsets, which repeat where the interval that came is the one that left and all
+        # between.
+        if self._equal_intervals < self._window or not self.ready:
             self._weights.clear()
+            self.ready = len(self._stamps) == self._window
+            self.span = (stamp - self._stamps[0]) * _NANOSECOND if self.ready else 0.0
 
     def derivative(self, order: int, delay: float) -> Array:
         """Derivative of each signal `delay` [s] before the newest sample, shape (signals,).
