@@ -105,6 +105,47 @@ def test_without_measurements_the_uncertainty_grows_faster_than_time() -> None:
     assert deviations[-1] > 1.9 * deviations[len(deviations) // 2 - 1]
 
 
+def blind_filter(seconds: float) -> SpeedFilter:
+    """Well known at 10 m/s, then blind for that long."""
+    f = SpeedFilter(SpeedFilterParameters())
+    for k in range(1, 2001):
+        f.predict(k * 5 * MS, 0.0)
+        f.correct(10.0, 1e-3)
+    for k in range(2001, 2001 + round(seconds / 0.005)):
+        f.predict(k * 5 * MS, 0.0, observed=False)
+    return f
+
+
+def test_blind_filter_keeps_apart_what_the_road_may_have_done() -> None:
+    f = blind_filter(4.0)
+    unseen = 0.06**2 * 4.0**3 / 3.0
+    assert f.speed_variance - f.steady_road_variance == pytest.approx(unseen, rel=0.01)
+    f.believe(10.1, 1e-3)
+    assert f.speed_variance - f.steady_road_variance == pytest.approx(unseen, rel=0.01)
+    gain = (f.speed - 10.0) / 0.1
+    assert 0.0 < gain < 0.8
+    assert f.steady_road_variance == pytest.approx(gain * 1e-3)
+
+
+def test_limit_lowers_the_uncertainty_to_its_value_and_moves_nothing() -> None:
+    f = blind_filter(4.0)
+    speed, offset, steady, offset_variance = f.speed, f.offset, f.steady_road_variance, f.offset_variance
+    for variance in (0.5 * f.speed_variance, 0.5 * steady):
+        f.limit(variance)
+        assert f.speed_variance == pytest.approx(variance)
+        assert f.offset_variance < offset_variance
+        offset_variance = f.offset_variance
+    assert (f.speed, f.offset) == (speed, offset)
+
+
+def test_measurement_after_a_blind_time_counts_against_all_that_may_have_happened() -> None:
+    f = blind_filter(4.0)
+    total = f.speed_variance
+    f.correct(10.1, 0.01)
+    assert f.speed - 10.0 == pytest.approx(0.1 * total / (total + 0.01), abs=0.005)
+    assert f.offset < -0.01
+
+
 def test_acceleration_is_continuous_when_the_accelerometer_goes_and_offset_is_kept_until_it_returns() -> None:
     f = run_speed_filter(0, 0.35)
     offset, acceleration, speed = f.offset, f.acceleration, f.speed

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import isnan, sqrt
+from math import isnan, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -136,6 +136,43 @@ def test_uncertainty_grows_in_the_slide_and_covers_a_slope_step(estimator: SlipE
     error = np.abs(speed - d.speed)[720:]
     assert error[-1] > 0.1
     assert np.all(error <= 2.0 * deviation[720:])
+
+
+def released_now_and_then(t: float) -> float:
+    """Slip of wheels that swing up to 10 %, and roll for 0.3 s of every 0.6 s."""
+    phase = (t - 3.0) % 0.6
+    return 0.1 * sin(pi * phase / 0.3) if t > 3.0 and phase < 0.3 else 0.0
+
+
+def test_wheels_released_for_a_moment_take_back_what_a_drifting_offset_does_to_the_integrated_speed() -> None:
+    d = drive(lambda t: -1.8 if t > 3.0 else 0.0, released_now_and_then, 12.0, 20.0)
+    speeds, offsets = [], []
+    for drift in (0.01, -0.01):
+        estimator = SlipEstimator(parameters().estimator())
+        drifting = d.acceleration + np.where(np.arange(d.speed.size) > 600, drift, 0.0)
+        estimates, speed = follow(replace(d, acceleration=drifting), estimator)
+        assert all(each[0].source is SpeedSource.INTEGRATED for each in estimates[700:])
+        speeds.append(speed)
+        offsets.append(estimator.vehicle.filter.offset)
+    # Integration alone would make this 0.02 m/s^2 times 8.5 to 9 s.
+    assert np.max(np.abs(speeds[0] - speeds[1])[2300:]) < 0.07
+    assert np.max(np.abs(np.array(speeds) - d.speed)[:, 2300:]) < 0.07
+    assert offsets[0] - offsets[1] > 0.005
+
+
+@pytest.mark.parametrize(("strength", "slip"), [(6.0, 0.03), (9.0, 0.05), (4.0, 0.02)])
+def test_wheels_that_stand_still_in_a_slip_hardly_move_the_integrated_speed(
+    strength: float, slip: float, estimator: SlipEstimator
+) -> None:
+    def grown(t: float) -> float:
+        return min(max((t - 3.0) / 0.2, 0.0), 1.0)
+
+    d = drive(lambda t: -strength * grown(t), lambda t: slip * grown(t), 3.0 + 22.0 / strength, 30.0)
+    estimates, speed = follow(d, estimator)
+    error = np.abs(speed - d.speed)[600:]
+    deviation = np.sqrt([each[0].vehicle_speed_variance for each in estimates[600:]])
+    assert np.all(error < np.maximum(0.25 * slip * d.speed[600:], 0.06))
+    assert np.all(error < 2.0 * deviation)
 
 
 @pytest.mark.parametrize("jump", [0.9, 4.0])

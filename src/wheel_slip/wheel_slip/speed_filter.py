@@ -7,6 +7,10 @@ measurement separates from a_m and nothing else can. An accelerometer is low-pas
 taken to speak for the whole interval it ends. Without an accelerometer a_m is 0, b is minus the acceleration of
 the car, and n_b is as strong as the changes of acceleration of a braking car.
 
+While nothing observes the offset, the road may change its slope unseen. What that may have done to speed and offset is
+kept apart, in a second covariance (the unseen part); the sum of both is the uncertainty. `believe` corrects as if the
+road had kept its slope and leaves the unseen part alone. Every other correction takes both together.
+
 A measurement z of the speed at an earlier time t_m is used as it is: v(t_m) = v - A + b (t - t_m), where A is the
 integral of a_m from t_m to t. So a late sensor delays nothing and blurs nothing.
 """
@@ -27,6 +31,7 @@ _UNKNOWN_ACCELERATION_VARIANCE = 25.0
 """Of the acceleration when the accelerometer has just gone, or over a gap [m^2/s^4]."""
 _GAP = 0.1
 """[s]"""
+_NOTHING = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -57,17 +62,29 @@ class SpeedFilter:
         """Vehicle speed [m/s], forward positive."""
         self.offset = 0.0
         """Offset b [m/s^2]; minus the acceleration while there is no accelerometer."""
-        self.speed_variance = _FIRST_SPEED_VARIANCE
-        """[m^2/s^2]"""
-        self.offset_variance = self._parameters.offset_stddev**2
-        """[m^2/s^4]"""
         self.surprise = 0.0
         """Last innovation over its standard deviation [-]."""
-        self._covariance = 0.0
+        self._pv, self._pc, self._pb = _FIRST_SPEED_VARIANCE, 0.0, self._parameters.offset_stddev**2
+        self._unseen = _NOTHING
         self._measured: float | None = 0.0
         self._travelled = 0.0
         self._history: deque[tuple[int, float]] = deque()
-        self._kept = (0.0, self.offset_variance)
+        self._kept = (0.0, self._pb)
+
+    @property
+    def speed_variance(self) -> float:
+        """[m^2/s^2]"""
+        return self._pv + self._unseen[0]
+
+    @property
+    def offset_variance(self) -> float:
+        """[m^2/s^4]"""
+        return self._pb + self._unseen[2]
+
+    @property
+    def steady_road_variance(self) -> float:
+        """Of the speed, if the road has kept its slope [m^2/s^2]."""
+        return self._pv
 
     @property
     def acceleration(self) -> float:
@@ -82,7 +99,8 @@ class SpeedFilter:
 
     def start(self, speed: float, variance: float) -> None:
         """Start at the last stamp with a speed [m/s] and its variance [m^2/s^2]; what is known of the offset stays."""
-        self.speed, self.speed_variance, self._covariance = speed, variance, 0.0
+        self._see()
+        self.speed, self._pv, self._pc = speed, variance, 0.0
 
     def predict(self, stamp: int, measured: float | None, *, observed: bool = True) -> None:
         """Go to `stamp` [ns], later than the last.
@@ -99,19 +117,20 @@ class SpeedFilter:
         if self._history:
             dt = (stamp - self._history[-1][0]) / NANOSECONDS
             p = self._parameters
-            walk = (p.offset_walk if observed else p.blind_offset_walk) ** 2
+            walk, noise = p.offset_walk**2, p.acceleration_stddev**2
             if measured is None:
-                walk = _ACCELERATION_WALK
-            noise = self._parameters.acceleration_stddev if measured is not None else 0.0
+                walk, noise = _ACCELERATION_WALK, 0.0
             change = dt * (measured or 0.0)
-            pv, pc, pb = self.speed_variance, self._covariance, self.offset_variance
             self.speed += change - dt * self.offset
-            self.speed_variance = pv + dt * (dt * (pb + noise**2 + walk * dt / 3.0) - 2.0 * pc)
-            self._covariance = pc - dt * (pb + 0.5 * walk * dt)
-            self.offset_variance = pb + walk * dt
+            pv, pc, pb = _predicted((self._pv, self._pc, self._pb), dt, walk)
+            self._pv, self._pc, self._pb = pv + dt * dt * noise, pc, pb
+            if observed:
+                self._see()
+            elif measured is not None:
+                self._unseen = _predicted(self._unseen, dt, p.blind_offset_walk**2)
             self._travelled += change
             if dt > _GAP:
-                self.speed_variance += _UNKNOWN_ACCELERATION_VARIANCE * dt**2
+                self._pv += _UNKNOWN_ACCELERATION_VARIANCE * dt**2
         self._measured = measured
         self._history.append((stamp, self._travelled))
         while self._history[0][0] < stamp - _HISTORY:
@@ -130,7 +149,28 @@ class SpeedFilter:
                 return False
             age = (self._history[-1][0] - stamp) / NANOSECONDS
             travelled = self._travelled - then
-        pv, pc, pb = self.speed_variance, self._covariance, self.offset_variance
+        self._see()
+        return self._update(speed, variance, age, travelled)
+
+    def believe(self, speed: float, variance: float) -> None:
+        """Use a speed [m/s] with its variance [m^2/s^2] as if the road had kept its slope."""
+        self._update(speed, variance, 0.0, 0.0)
+
+    def limit(self, variance: float) -> None:
+        """Take it that the speed is known to `variance` [m^2/s^2], without moving it: as a measurement that agrees."""
+        uv, uc, ub = self._unseen
+        total = self._pv + uv
+        if total <= variance:
+            return
+        if self._pv < variance:
+            share = (total - variance) / uv
+            self._unseen = (variance - self._pv, uc - share * uc, ub - share * uc * uc / uv)
+        else:
+            self._see()
+            self._update(self.speed, total * variance / (total - variance), 0.0, 0.0)
+
+    def _update(self, speed: float, variance: float, age: float, travelled: float) -> bool:
+        pv, pc, pb = self._pv, self._pc, self._pb
         hv, hb = pv + age * pc, pc + age * pb
         total = hv + age * hb + variance
         if not isfinite(total):
@@ -140,19 +180,22 @@ class SpeedFilter:
         self.surprise = innovation / sqrt(total)
         self.speed += gain_v * innovation
         self.offset += gain_b * innovation
-        self.speed_variance = pv - gain_v * hv
-        self._covariance = pc - gain_v * hb
-        self.offset_variance = pb - gain_b * hb
+        self._pv = pv - gain_v * hv
+        self._pc = pc - gain_v * hb
+        self._pb = pb - gain_b * hb
         return True
 
-    def limit(self, variance: float) -> None:
-        """Take it that the speed is known to `variance` [m^2/s^2], without moving it: as a measurement that agrees."""
-        if self.speed_variance > variance:
-            self.correct(self.speed, self.speed_variance * variance / (self.speed_variance - variance))
+    def _see(self) -> None:
+        """What happened unseen is observed from now on: one covariance again."""
+        if self._unseen is not _NOTHING:
+            uv, uc, ub = self._unseen
+            self._pv, self._pc, self._pb = self._pv + uv, self._pc + uc, self._pb + ub
+            self._unseen = _NOTHING
 
     def doubt_offset(self, variance: float) -> None:
         """The offset has changed: it is known to `variance` [m^2/s^4] at best."""
-        self.offset_variance = max(self.offset_variance, variance)
+        self._see()
+        self._pb = max(self._pb, variance)
 
     def _travelled_at(self, stamp: int) -> float | None:
         """Integral of the measured acceleration up to `stamp` [m/s]."""
@@ -170,11 +213,18 @@ class SpeedFilter:
 
     def _change_of_input(self, measured: float | None) -> None:
         """The accelerometer came or went: the offset changes its meaning, the acceleration of the car stays."""
+        self._see()
         if measured is None:
-            self._kept = (self.offset, self.offset_variance)
+            self._kept = (self.offset, self._pb)
             self.offset -= self._measured or 0.0
-            self.offset_variance = _UNKNOWN_ACCELERATION_VARIANCE
+            self._pb = _UNKNOWN_ACCELERATION_VARIANCE
         else:
-            self.offset, self.offset_variance = self._kept
-        self._covariance = 0.0
+            self.offset, self._pb = self._kept
+        self._pc = 0.0
         self._measured = measured
+
+
+def _predicted(covariance: tuple[float, float, float], dt: float, walk: float) -> tuple[float, float, float]:
+    """Covariance (speed, both, offset) after `dt` [s] with an offset that walks with density `walk` [m^2/s^5]."""
+    pv, pc, pb = covariance
+    return pv + dt * (dt * (pb + walk * dt / 3.0) - 2.0 * pc), pc - dt * (pb + 0.5 * walk * dt), pb + walk * dt

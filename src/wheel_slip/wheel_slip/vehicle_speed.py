@@ -5,6 +5,7 @@
 - While it slides, the corrected acceleration is integrated; the wheels are bounds: braked wheels are no faster than the
   car, driven ones no slower. The offset is no longer observed, so its uncertainty, and the speed's, grow with the road.
   A braked wheel that comes close to the integrated speed confirms it, and limits that uncertainty without moving it.
+  One that the road carries for a moment, released by the brake, corrects it as far as integration alone has erred.
 - A speed sensor corrects in either mode, at its own time, and starts the estimate at once.
 """
 
@@ -15,6 +16,7 @@ from math import isfinite, sqrt
 from statistics import median
 
 from friction_runtime.stamps import NANOSECONDS
+from wheel_slip.carried_wheels import CarriedWheels
 from wheel_slip.estimate import SpeedSource
 from wheel_slip.slide_detector import SlideDetector, SlideParameters
 from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
@@ -41,6 +43,10 @@ _DOUBT = 0.05
 """Standard deviation of the offset after such a change [m/s^2]."""
 _CLOSE = 0.1
 """A wheel of less slip confirms the integrated speed, to half of that share."""
+_STANDING = 0.5
+"""Time [s] over which the slip of a carried wheel counts as one error: longer than a supervisor leaves it released."""
+_PLAUSIBLE = 3.0
+"""Standard deviations by which a carried wheel may differ from the integrated speed."""
 _BOUND_LATENCY = 0.03
 """Time [s] by which wheel speeds may be older than the acceleration."""
 
@@ -69,6 +75,7 @@ class VehicleSpeed:
         self._p = parameters
         self.filter = SpeedFilter(parameters.speed_filter)
         self.slide = SlideDetector(parameters.slide, driven)
+        self._carried = CarriedWheels(len(driven), parameters.rim_speed_variance)
         self._repetition = StuckSensor()
         self.reset()
 
@@ -76,6 +83,7 @@ class VehicleSpeed:
         """Forget everything."""
         self.filter.reset()
         self.slide.reset()
+        self._carried.reset()
         self._repetition.reset()
         self.accelerometer_is_stuck = False
         """Whether the accelerometer is left out because it repeats one value that every wheel contradicts."""
@@ -112,6 +120,7 @@ class VehicleSpeed:
         """
         if self._last is not None and stamp - self._last > _LOST_AFTER:
             self.reset()
+        dt = (stamp - self._last) / NANOSECONDS if self._last is not None else _SLIP_CORRELATION
         started = self.source is not SpeedSource.NONE
         self.accelerometer_is_stuck = self._repetition.repeats(stamp, acceleration) and (
             self.accelerometer_is_stuck or not any(self.slide.rolling)
@@ -134,8 +143,10 @@ class VehicleSpeed:
             self._surprise = 0.0
             if self.source is not SpeedSource.NONE:
                 self._bound(rim_speeds)
+                self._believe_carried(dt, rim_speeds)
         else:
-            self._use_wheels(stamp, rim_speeds)
+            self._carried.reset()
+            self._use_wheels(stamp, dt, rim_speeds)
         self._last = stamp
         if self.source is not SpeedSource.NONE:
             without_sensor = SpeedSource.INTEGRATED if self.slide.sliding else SpeedSource.WHEELS
@@ -153,8 +164,7 @@ class VehicleSpeed:
         self._sensor_stamp = sample.stamp
         self.source = SpeedSource.SENSOR
 
-    def _use_wheels(self, stamp: int, rim_speeds: Sequence[float]) -> None:
-        dt = (stamp - self._last) / NANOSECONDS if self._last is not None else _SLIP_CORRELATION
+    def _use_wheels(self, stamp: int, dt: float, rim_speeds: Sequence[float]) -> None:
         believed = [rim_speeds[index] for index in self.slide.believed() if isfinite(rim_speeds[index])]
         if believed:
             speed = sum(believed) / len(believed)
@@ -212,3 +222,20 @@ class VehicleSpeed:
                 self.filter.limit((0.5 * _CLOSE * self.filter.speed) ** 2 + margin**2)
         elif a > 1.0 and self.filter.speed > known[second] + margin:
             self.filter.correct(known[second] + margin, margin**2)
+
+    def _believe_carried(self, dt: float, rim_speeds: Sequence[float]) -> None:
+        """Correct the speed by the fastest wheel that the road carries, if it is where the speed may be.
+
+        That is judged, and corrected, as on a road that keeps its slope: wheels may also stand still in a slip, and the
+        more the road may have done meanwhile the more of that would pass for the speed.
+        """
+        car, a = self.filter, self.slide.acceleration
+        if a is None:
+            return
+        gaps = self._carried.update(dt, rim_speeds, car.speed)
+        if gaps:
+            gap = max(gaps)
+            slip = self._p.slip_per_acceleration * car.speed * a
+            variance = self._carried.gap_variance(dt) + slip**2
+            if gap**2 < _PLAUSIBLE**2 * (car.steady_road_variance + variance):
+                car.believe(car.speed + gap, variance * max(_STANDING / dt, 1.0))

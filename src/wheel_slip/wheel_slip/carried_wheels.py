@@ -1,0 +1,65 @@
+"""Wheels that turn with the car in the midst of a slide: released for a moment, they roll.
+
+The gap of a wheel, its rim speed minus the integrated speed of the car, swings while brake and road fight for it, and
+stands still when the road carries it alone. Mean m and variance s of the gap are averaged over a time constant T:
+
+    d = gap - m,    m' = m + k d,    s' = s + k (d (gap - m') - s),    k = dt / (T + dt)
+
+A wheel is carried while s is not much more than the noise of its rim speed. A wheel that stands still in a slip looks
+the same: whether its gap may be that of a rolling wheel, others have to say.
+"""
+
+from collections.abc import Sequence
+from math import isfinite
+
+_TIME_CONSTANT = 0.03
+"""T [s]: below the time a supervisor leaves a wheel released, above the half period of its swing."""
+_QUIET = 2.0
+"""Variance of the gap of a carried wheel, at most, in units of the noise: T at 200 Hz averages twelve samples."""
+_SWINGING = 0.1
+"""Variance of the gap when a slide begins [m^2/s^2]: no wheel counts as carried in the first 0.14 s."""
+
+
+class CarriedWheels:
+    """Mean and variance of every wheel's gap during one slide."""
+
+    def __init__(self, count: int, rim_speed_variance: float) -> None:
+        """Start anew; `rim_speed_variance`: noise of a rim speed [m^2/s^2]."""
+        self._count = count
+        self._noise = rim_speed_variance
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything: the next slide is another."""
+        self._means = [0.0] * self._count
+        self._variances = [_SWINGING] * self._count
+
+    def update(self, dt: float, rim_speeds: Sequence[float], speed: float) -> list[float]:
+        """Take one sample.
+
+        Args:
+            dt: time since the last [s].
+            rim_speeds: r omega of each wheel [m/s], not finite where it is missing.
+            speed: integrated speed of the car [m/s].
+
+        Returns:
+            Mean gaps [m/s] of the wheels that are carried.
+        """
+        gain, quiet = dt / (_TIME_CONSTANT + dt), _QUIET * self._noise
+        means, variances = self._means, self._variances
+        carried: list[float] = []
+        for index, rim_speed in enumerate(rim_speeds):
+            if not isfinite(rim_speed):
+                variances[index] = _SWINGING
+                continue
+            gap, mean, variance = rim_speed - speed, means[index], variances[index]
+            moved = mean + gain * (gap - mean)
+            variance += gain * ((gap - mean) * (gap - moved) - variance)
+            means[index], variances[index] = moved, variance
+            if variance < quiet:
+                carried.append(moved)
+        return carried
+
+    def gap_variance(self, dt: float) -> float:
+        """Noise of a mean gap [m^2/s^2] at sample time `dt` [s]."""
+        return self._noise * dt / (2.0 * _TIME_CONSTANT + dt)
