@@ -42,6 +42,7 @@ class SlipEstimator:
     def __init__(self, parameters: EstimatorParameters) -> None:
         """Start anew."""
         self._p = parameters
+        self._largest_variance = parameters.max_slip_stddev**2
         self.reset()
 
     def reset(self) -> None:
@@ -74,79 +75,67 @@ class SlipEstimator:
         if self._online is not None:
             self.radii = self._online.update(stamp, wheel_speeds, measured_speeds)
         radii = self.radii
-        for wheel, measured in zip(self._wheels, wheel_speeds, strict=True):
-            if isfinite(measured):
+        rim_speeds: list[float] = []
+        smooth_rim_speeds: list[float] = []
+        rim_accelerations: list[float] = []
+        for wheel, measured, radius in zip(self._wheels, wheel_speeds, radii, strict=True):
+            known = isfinite(measured)
+            if known:
                 wheel.update(stamp, measured)
-        self.vehicle.update(
-            stamp,
-            [speed * radius for speed, radius in zip(wheel_speeds, radii, strict=True)],
-            [
-                wheel.speed * radius if isfinite(speed) else nan
-                for wheel, speed, radius in zip(self._wheels, wheel_speeds, radii, strict=True)
-            ],
-            [wheel.acceleration * radius for wheel, radius in zip(self._wheels, radii, strict=True)],
-            acceleration,
-            measured_speeds,
-        )
+            rim_speeds.append(measured * radius)
+            smooth_rim_speeds.append(wheel.speed * radius if known else nan)
+            rim_accelerations.append(wheel.acceleration * radius)
+        self.vehicle.update(stamp, rim_speeds, smooth_rim_speeds, rim_accelerations, acceleration, measured_speeds)
         car = self._motion()
-        return [self._estimate(index, measured, car) for index, measured in enumerate(wheel_speeds)]
+        return [
+            self._estimate(wheel, measured, radius, car)
+            for wheel, measured, radius in zip(self._wheels, wheel_speeds, radii, strict=True)
+        ]
 
     def _motion(self) -> "_Motion":
-        vehicle = self.vehicle
-        if vehicle.source is SpeedSource.NONE:
-            return _Motion((nan, nan), (nan, nan), SpeedSource.NONE)
-        state = vehicle.filter
+        """Motion of the car, and why it gives no wheel a slip, if so."""
+        vehicle, lowest = self.vehicle, self._p.minimum_speed
+        source, state = vehicle.source, vehicle.filter
+        if source is SpeedSource.NONE:
+            text = "no vehicle speed: no sensor, and the wheels have not shown to roll yet"
+            return _Motion((nan, nan), (nan, nan), source, Reason.NO_SPEED, text)
         speed, acceleration = (state.speed, vehicle.variance), (state.acceleration, state.acceleration_variance)
-        return _Motion(speed, acceleration, vehicle.source)
+        if state.speed < lowest:
+            text = f"vehicle speed is below {lowest} m/s"
+            return _Motion(speed, acceleration, source, Reason.LOW_SPEED, text)
+        return _Motion(speed, acceleration, source, Reason.OK, "")
 
-    def _estimate(self, index: int, measured: float, car: "_Motion") -> WheelEstimate:
-        wheel, radius = self._wheels[index], self.radii[index]
-        estimate = WheelEstimate(
-            vehicle_speed=car.speed[0],
-            vehicle_speed_variance=car.speed[1],
-            wheel_speed=wheel.speed,
-            source=car.source,
-        )
-        estimate.reason, estimate.reason_text = self._refusal(index, measured, car)
-        if estimate.reason is not Reason.OK:
-            return estimate
-        speed, speed_variance = car.speed
-        variance = slip_variance(speed, speed_variance, wheel.speed, wheel.speed_variance, radius)
-        if variance > self._p.max_slip_stddev**2:
-            estimate.reason = Reason.UNCERTAIN
-            estimate.reason_text = f"standard deviation of the slip is {sqrt(variance):.3f}"
-            return estimate
-        estimate.slip = slip(speed, wheel.speed, radius)
-        estimate.slip_variance = variance
-        estimate.slip_rate = slip_rate(speed, car.acceleration[0], wheel.speed, wheel.acceleration, radius)
-        estimate.slip_rate_variance = slip_rate_variance(
-            car.speed,
-            car.acceleration,
-            (wheel.speed, wheel.speed_variance),
-            (wheel.acceleration, wheel.acceleration_variance),
-            radius,
-        )
-        return estimate
-
-    def _refusal(self, index: int, measured: float, car: "_Motion") -> tuple[Reason, str]:
-        """Why there is no slip, before its variance is known."""
-        wheel = self._wheels[index]
+    def _estimate(self, wheel: WheelSpeedFilter, measured: float, radius: float, car: "_Motion") -> WheelEstimate:
+        car_speed, car_acceleration, source, reason, text = car
+        omega = (wheel.speed, wheel.speed_variance)
+        slip_found = rate = variance = rate_variance = nan
         if not isfinite(measured):
-            return Reason.BAD_INPUT, "wheel speed is missing or not finite"
-        if not wheel.settled:
+            reason, text = Reason.BAD_INPUT, "wheel speed is missing or not finite"
+        elif not wheel.settled:
             if wheel.restarted_by_gap:
-                return Reason.GAP, "wheel speed had a gap"
-            return Reason.NOT_READY, "too few samples since start"
-        if car.source is SpeedSource.NONE:
-            return Reason.NO_SPEED, "no vehicle speed: no sensor, and the wheels have not shown to roll yet"
-        if car.speed[0] < self._p.minimum_speed:
-            return Reason.LOW_SPEED, f"vehicle speed is below {self._p.minimum_speed} m/s"
-        return Reason.OK, ""
+                reason, text = Reason.GAP, "wheel speed had a gap"
+            else:
+                reason, text = Reason.NOT_READY, "too few samples since start"
+        elif reason is Reason.OK:
+            variance = slip_variance(car_speed[0], car_speed[1], omega[0], omega[1], radius)
+            if variance > self._largest_variance:
+                reason, text = Reason.UNCERTAIN, f"standard deviation of the slip is {sqrt(variance):.3f}"
+                variance = nan
+            else:
+                omega_dot = (wheel.acceleration, wheel.acceleration_variance)
+                slip_found = slip(car_speed[0], omega[0], radius)
+                rate = slip_rate(car_speed[0], car_acceleration[0], omega[0], omega_dot[0], radius)
+                rate_variance = slip_rate_variance(car_speed, car_acceleration, omega, omega_dot, radius)
+        return WheelEstimate(
+            slip_found, rate, car_speed[0], omega[0], variance, rate_variance, car_speed[1], source, reason, text
+        )
 
 
 class _Motion(NamedTuple):
-    """Of the car at one stamp: (value, variance) of speed [m/s] and acceleration [m/s^2]."""
+    """Of the car at one stamp: (value, variance) of speed [m/s] and acceleration [m/s^2], and why they give no slip."""
 
     speed: tuple[float, float]
     acceleration: tuple[float, float]
     source: SpeedSource
+    reason: Reason
+    reason_text: str

@@ -104,17 +104,15 @@ class SlideDetector:
             integrated: integrated speed [m/s] and its standard deviation [m/s]; None if there is none.
         """
         self._integrate(stamp, acceleration)
-        known = sorted(speed for speed in rim_speeds if isfinite(speed))
+        known = sorted([speed for speed in rim_speeds if isfinite(speed)])
         self.spread = known[-1] - known[0] if known else nan
-        self._history.append((stamp, self._travelled, rim_speeds))
-        while len(self._history) > 2 and self._history[1][0] <= stamp - self._p.window * NANOSECONDS:
-            self._history.popleft()
+        history, begin = self._history, stamp - self._p.window * NANOSECONDS
+        history.append((stamp, self._travelled, rim_speeds))
+        while len(history) > 2 and history[1][0] <= begin:
+            history.popleft()
         self._allowed = self._p.threshold + 2.0 * offset_stddev * self._p.window
         middle = 0.5 * (known[(len(known) - 1) // 2] + known[len(known) // 2]) if known else nan
-        self.rolling = [
-            self._rolls(index, speed, rate, middle)
-            for index, (speed, rate) in enumerate(zip(rim_speeds, rim_accelerations, strict=True))
-        ]
+        self.rolling = self._roll(rim_speeds, rim_accelerations, middle)
         self._change_mode(stamp, rim_speeds, middle, integrated)
 
     def believed(self) -> list[int]:
@@ -134,13 +132,20 @@ class SlideDetector:
         self.acceleration = before + (1.0 - exp(-dt / _LAG)) * (acceleration - before)
         self._travelled += 0.5 * dt * (before + self.acceleration)
 
-    def _rolls(self, index: int, speed: float, rate: float, middle: float) -> bool:
-        if not abs(speed - middle) <= _SPREAD_AT_REST + _SPREAD * abs(middle):
-            return False
+    def _roll(self, rim_speeds: Sequence[float], rim_accelerations: Sequence[float], middle: float) -> list[bool]:
+        """Which wheels roll; `middle`: the median of the rim speeds [m/s]."""
+        alike = _SPREAD_AT_REST + _SPREAD * abs(middle)
         if self.acceleration is None:
-            return abs(rate) < _STRONGEST
-        _, travelled, speeds = self._history[0]
-        return abs(speed - speeds[index] - (self._travelled - travelled)) <= self._allowed
+            return [
+                abs(speed - middle) <= alike and abs(rate) < _STRONGEST
+                for speed, rate in zip(rim_speeds, rim_accelerations, strict=True)
+            ]
+        _, travelled, before = self._history[0]
+        travelled, allowed = self._travelled - travelled, self._allowed
+        return [
+            abs(speed - middle) <= alike and abs(speed - earlier - travelled) <= allowed
+            for speed, earlier in zip(rim_speeds, before, strict=True)
+        ]
 
     def _change_mode(
         self, stamp: int, rim_speeds: Sequence[float], middle: float, integrated: tuple[float, float] | None
@@ -150,14 +155,14 @@ class SlideDetector:
         pulled = len(self._free) < len(self._all) and bool(self._free) and a > -0.5
         judged = [index for index in (self._free if pulled else self._all) if isfinite(rim_speeds[index])]
         allowed = 1 if len(judged) >= 3 else 0
-        wheels_roll = bool(judged) and sum(not self.rolling[index] for index in judged) <= allowed
+        wheels_roll = bool(judged) and len([index for index in judged if not self.rolling[index]]) <= allowed
         strength = 0.0 if pulled else abs(a)
-        self._watch_steadiness(stamp, judged, rim_speeds, middle)
         if not self.sliding:
             if strength > self._p.slide_above or not wheels_roll:
                 self.sliding, self.since = True, stamp
                 self._rolled_since = self._steady_from = None
             return
+        self._watch_steadiness(stamp, judged, rim_speeds, middle)
         if self._steady_from is not None and stamp - self._steady_from[0] >= _STEADY_TIME * NANOSECONDS:
             self.sliding, self.since, self.contradicted = False, stamp, not wheels_roll
             return
@@ -174,8 +179,9 @@ class SlideDetector:
 
     def _watch_steadiness(self, stamp: int, judged: list[int], rim_speeds: Sequence[float], middle: float) -> None:
         """Since when do the wheels turn alike and hardly change? Then they roll, whatever the accelerometer says."""
-        alike = [abs(rim_speeds[index] - middle) <= _SPREAD_AT_REST + _SPREAD * abs(middle) for index in judged]
-        if not (judged and all(alike) and abs(middle) > _BLIND):
+        allowed = _SPREAD_AT_REST + _SPREAD * abs(middle)
+        alike = [index for index in judged if abs(rim_speeds[index] - middle) <= allowed]
+        if not judged or len(alike) < len(judged) or abs(middle) <= _BLIND:
             self._steady_from = None
         elif self._steady_from is None:
             self._steady_from = (stamp, middle)

@@ -55,15 +55,12 @@ class WheelSpeedFilter:
         """[rad^2/s^4]"""
         self.restarted_by_gap = False
         """Whether a gap was the last reason to start anew."""
+        self.settled = False
+        """Enough samples since start or gap."""
         self._covariance = 0.0
         self._unrest = 1.0
         self._stamp: int | None = None
         self._samples = 0
-
-    @property
-    def settled(self) -> bool:
-        """Enough samples since start or gap."""
-        return self._samples >= _SAMPLES_TO_SETTLE
 
     def update(self, stamp: int, measured: float) -> None:
         """Take a wheel speed [rad/s], finite, at a stamp [ns] later than the last."""
@@ -74,27 +71,26 @@ class WheelSpeedFilter:
             self.restarted_by_gap = gap
             self.speed = measured
         else:
-            self._predict(dt, self._jerk_density * min(max(1.0, self._unrest / _KNEE) ** 2, _LARGEST_GAIN))
-            quiet = 1.6 * self._variance + 1.5 * self._jerk_density * dt**3
-            self._unrest += _MEMORY * ((measured - self.speed) ** 2 / quiet - self._unrest)
-            self._correct(measured)
+            self._step(dt, measured)
         self._stamp = stamp
         self._samples += 1
+        self.settled = self._samples >= _SAMPLES_TO_SETTLE
 
-    def _predict(self, dt: float, q: float) -> None:
+    def _step(self, dt: float, measured: float) -> None:
+        """Predict over `dt` [s] and correct by the measured wheel speed [rad/s]."""
+        r, q0 = self._variance, self._jerk_density
+        q = q0 * min(max(1.0, self._unrest / _KNEE) ** 2, _LARGEST_GAIN)
         p11, p12, p22 = self.speed_variance, self._covariance, self.acceleration_variance
-        self.speed += dt * self.acceleration
-        self.speed_variance = p11 + dt * (2.0 * p12 + dt * (p22 + q * dt / 3.0))
-        self._covariance = p12 + dt * (p22 + 0.5 * q * dt)
-        self.acceleration_variance = p22 + q * dt
-
-    def _correct(self, measured: float) -> None:
-        p11, p12 = self.speed_variance, self._covariance
-        gain = p11 / (p11 + self._variance)
-        acceleration_gain = p12 / (p11 + self._variance)
-        innovation = measured - self.speed
-        self.speed += gain * innovation
+        p11 = p11 + dt * (2.0 * p12 + dt * (p22 + q * dt / 3.0))
+        p12 = p12 + dt * (p22 + 0.5 * q * dt)
+        p22 += q * dt
+        speed = self.speed + dt * self.acceleration
+        innovation = measured - speed
+        quiet = 1.6 * r + 1.5 * q0 * dt**3
+        self._unrest += _MEMORY * (innovation**2 / quiet - self._unrest)
+        gain, acceleration_gain = p11 / (p11 + r), p12 / (p11 + r)
+        self.speed = speed + gain * innovation
         self.acceleration += acceleration_gain * innovation
-        self.speed_variance = gain * self._variance
-        self._covariance = acceleration_gain * self._variance
-        self.acceleration_variance -= acceleration_gain * p12
+        self.speed_variance = gain * r
+        self._covariance = acceleration_gain * r
+        self.acceleration_variance = p22 - acceleration_gain * p12
