@@ -18,6 +18,8 @@ from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartC
 
 Array = NDArray[np.float64]
 
+_RELEASED = Refusal(Reason.NO_EXCITATION, "the brake is released")
+
 
 @dataclass(frozen=True)
 class StartParameters:
@@ -83,7 +85,7 @@ class PointFitting:
                 self._cause = RestartCause.GAP
             self._clear()
         if not self._is_braking(point):
-            return Refusal(Reason.NO_EXCITATION, "the brake is released")
+            return _RELEASED
         if self._count == 0:
             refusal = self._wait(point)
             if refusal is not None:

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 
 from friction_curve_id.interface import Reason, Refusal, WheelParameters
 
+_UNKNOWN = float("inf")
+"""Variance of a speed that nothing is known of."""
 _RECOVERY_TIME = 0.2
 """A wheel released this long [s] rolls freely again."""
 
@@ -64,7 +66,7 @@ class DeadReckonedSpeed:
         free = abs(torque) <= self._parameters.free_rolling_torque
         if not free and measured is None:
             return Refusal(Reason.NO_SLIP, "no vehicle speed: none is measured, and no sample of free rolling came yet")
-        return self._correct(0.0, float("inf"), wheel_speed, measured, free)
+        return self._correct(0.0, _UNKNOWN, wheel_speed, measured, free)
 
     def advance(
         self, duration: float, wheel_speed_change: float, mean_torque: float, wheel_speed: float, measured: float | None
@@ -94,7 +96,7 @@ class DeadReckonedSpeed:
 
 
 def _weigh(value: float, variance: float, measured: float, measured_variance: float) -> tuple[float, float]:
-    if variance == float("inf"):
+    if variance == _UNKNOWN:
         return measured, measured_variance
     gain = variance / (variance + measured_variance)
     return value + gain * (measured - value), (1.0 - gain) * variance

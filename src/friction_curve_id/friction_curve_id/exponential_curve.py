@@ -15,8 +15,10 @@ Array = NDArray[np.float64]
 EXPONENTS = np.array([4.0, 36.0, 68.0, 100.0])
 _DECAYS = np.append(EXPONENTS, [0.0, 0.0])
 """Of all six terms: line and constant do not decay."""
+_SQUARES = EXPONENTS**2
 _PLAIN_EXPONENTS: list[float] = EXPONENTS.tolist()
 _GRID = np.concatenate([np.linspace(0.001, 0.2, 200), np.linspace(0.205, 1.0, 160)])
+_PLACES: list[float] = _GRID.tolist()
 _STEPS = 40
 _CONVERGED = 1e-12
 """The step [-] that ends the search for a peak: a further one would be rounding."""
@@ -43,7 +45,7 @@ def slope_row(slip: float) -> Array:
     return np.asarray(row)
 
 
-_GRID_SLOPES = np.array([slope_row(float(slip)) for slip in _GRID])
+_GRID_SLOPES = np.array([slope_row(slip) for slip in _PLACES])
 
 
 class ExponentialCurve:
@@ -71,7 +73,7 @@ class ExponentialCurve:
 
     def curvature(self, parameters: Array, slip: float) -> float:
         """d^2 mu / d slip^2 [-]."""
-        return float((EXPONENTS**2 * np.exp(-EXPONENTS * slip)) @ parameters[:4])
+        return float((_SQUARES * np.exp(-EXPONENTS * slip)) @ parameters[:4])
 
     def peak(self, parameters: Array) -> float:
         """lambda_max in (0, 1): the highest maximum among the data, else the first beyond them; NaN without any.
@@ -80,8 +82,8 @@ class ExponentialCurve:
         finer than 1 / b are bracketed, and found there by Newton's method.
         """
         slopes = _GRID_SLOPES @ parameters
-        falls = np.nonzero((slopes[:-1] > 0.0) & (slopes[1:] <= 0.0))[0]
-        maxima = [_zero_of_slope(parameters, float(_GRID[k]), float(_GRID[k + 1])) for k in falls]
+        falls = ((slopes[:-1] > 0.0) & (slopes[1:] <= 0.0)).nonzero()[0].tolist()
+        maxima = [_zero_of_slope(parameters, _PLACES[k], _PLACES[k + 1]) for k in falls]
         among = [peak for peak in maxima if peak <= self._largest_slip]
         if len(among) > 1:
             return max(among, key=lambda peak: self.friction(parameters, peak))

@@ -78,6 +78,7 @@ class FrictionSamples:
         """Choose the form; `gate` says which samples are admitted."""
         self._wheel = wheel
         self._source = source
+        self._is_dead_reckoned = source is FrictionSource.DEAD_RECKONED
         self._gate_parameters = gate
         self._braking_torque = dead_reckoning.free_rolling_torque
         self._gate = SampleGate(wheel.radius, gate)
@@ -101,7 +102,7 @@ class FrictionSamples:
         if isinstance(admission, Refusal):
             return admission
         assert sample.brake_torque is not None
-        if self._source is not FrictionSource.DEAD_RECKONED and sample.vehicle_speed is None:
+        if not self._is_dead_reckoned and sample.vehicle_speed is None:
             return Refusal(Reason.NO_SLIP, f"vehicle speed is missing, '{self._source.value}' needs it")
         last = self._last
         if last is not None:
@@ -114,7 +115,7 @@ class FrictionSamples:
         return self._continue(last, sample, sample.brake_torque)
 
     def _begin(self, sample: Sample, torque: float) -> Refusal:
-        if self._source is FrictionSource.DEAD_RECKONED:
+        if self._is_dead_reckoned:
             speed = self._reckoned.start(sample.wheel_speed, sample.vehicle_speed, torque)
         else:
             assert sample.vehicle_speed is not None
@@ -131,7 +132,7 @@ class FrictionSamples:
         friction = (w.inertia * change / dt + mean_torque) / (w.radius * w.vertical_load)
         if not abs(friction) <= LARGEST_FRICTION:
             return Refusal(Reason.BAD_INPUT, f"wheel speed and brake torque give mu = {friction:.3g}")
-        if self._source is FrictionSource.DEAD_RECKONED:
+        if self._is_dead_reckoned:
             speed = self._reckoned.advance(dt, change, mean_torque, sample.wheel_speed, sample.vehicle_speed)
         else:
             assert sample.vehicle_speed is not None

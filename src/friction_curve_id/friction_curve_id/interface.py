@@ -9,7 +9,7 @@ that says why there is none. A refused sample leaves the state as it was. Nothin
 
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,8 +64,7 @@ class WheelParameters:
                 raise ValueError(f"{name} must be finite and > 0, is {getattr(self, name)}")
 
 
-@dataclass(frozen=True)
-class Sample:
+class Sample(NamedTuple):
     """One sample of one wheel. Anything may be garbage: the estimator refuses what it cannot use."""
 
     time: float
@@ -78,8 +77,7 @@ class Sample:
     """T_b [N m], >= 0 in braking, None where it is missing."""
 
 
-@dataclass(frozen=True)
-class Refusal:
+class Refusal(NamedTuple):
     """Why a sample gave no estimate."""
 
     reason: Reason

@@ -3,7 +3,6 @@
 import copy
 import pickle
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -83,7 +82,7 @@ def test_beyond_the_peak_the_probability_says_so_within_thirty_milliseconds(nois
 
 def test_a_speed_sensor_is_not_needed(noisy: Brake) -> None:
     estimates = [
-        final([replace(sample, vehicle_speed=None) for sample in noisy("dry", seed).samples]) for seed in range(SEEDS)
+        final([sample._replace(vehicle_speed=None) for sample in noisy("dry", seed).samples]) for seed in range(SEEDS)
     ]
     error = np.array([estimate.lambda_max / peak_of("dry")[0] - 1.0 for estimate in estimates])
     assert float(np.sum((error / BOUND["dry"]) ** 2)) < chi2.ppf(1.0 - 5e-5, SEEDS)
@@ -112,7 +111,7 @@ def test_bad_input_is_refused_and_changes_nothing(noisy: Brake, change: dict[str
     for sample in samples[:60]:
         estimator.update(sample)
     other = copy.deepcopy(estimator)
-    answer = estimator.update(replace(samples[60], **change))
+    answer = estimator.update(samples[60]._replace(**change))
     assert isinstance(answer, Refusal) and answer.reason is reason and answer.text
     for sample in samples[61:]:
         ours, theirs = estimator.update(sample), other.update(sample)
@@ -165,7 +164,7 @@ def test_after_a_gap_the_fit_begins_anew_and_says_so(noisy: Brake) -> None:
     estimator = DefaultEstimator()
     for sample in samples[:80]:
         estimator.update(sample)
-    later = [replace(sample, time=sample.time + 30.0) for sample in samples]
+    later = [sample._replace(time=sample.time + 30.0) for sample in samples]
     answers = [estimator.update(sample) for sample in later]
     assert isinstance(answers[0], Refusal) and answers[0].reason is Reason.GAP
     estimates = [answer for answer in answers if isinstance(answer, CurveEstimate)]

@@ -89,10 +89,10 @@ def test_rls_equals_ls_at_every_sample(name: str, seed: int) -> None:
 @pytest.mark.parametrize("columns", [3, 7])
 def test_rows_added_one_by_one_give_the_root_of_all_of_them(columns: int) -> None:
     rows = np.random.default_rng(3).normal(size=(50, columns)) * np.logspace(0, -6, columns)
-    root = np.linalg.qr(rows[:columns], mode="r")
+    root = np.asarray(np.linalg.qr(rows[:columns], mode="r"))
     for row in rows[columns:]:
         root = add_row(root, row)
-    expected = np.linalg.qr(rows, mode="r")
+    expected = np.asarray(np.linalg.qr(rows, mode="r"))
     signs = np.sign(np.diag(root) * np.diag(expected))[:, np.newaxis]
     assert (np.tril(root, -1) == 0.0).all()
     assert root * signs == pytest.approx(expected, rel=1e-9, abs=1e-15)

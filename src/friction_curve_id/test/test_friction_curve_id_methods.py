@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -109,10 +108,10 @@ def test_a_refused_sample_leaves_the_estimate_as_it_was(clean: Brake, name: str)
         disturbed.update(sample)
         calm.update(sample)
     for garbage in (
-        replace(samples[60], wheel_speed=math.nan),
-        replace(samples[60], vehicle_speed=-1.0),
-        replace(samples[60], brake_torque=None),
-        replace(samples[60], brake_torque=1e12),
+        samples[60]._replace(wheel_speed=math.nan),
+        samples[60]._replace(vehicle_speed=-1.0),
+        samples[60]._replace(brake_torque=None),
+        samples[60]._replace(brake_torque=1e12),
         samples[59],
     ):
         refusal = disturbed.update(garbage)
@@ -146,7 +145,7 @@ def test_a_gap_begins_a_new_fit_and_says_so(clean: Brake, name: str) -> None:
     estimator = make_estimator(name)
     for sample in samples[:50]:
         estimator.update(sample)
-    later = [replace(sample, time=sample.time + 3.0) for sample in samples]
+    later = [sample._replace(time=sample.time + 3.0) for sample in samples]
     answers = [answer for answer in map(estimator.update, later) if isinstance(answer, CurveEstimate)]
     assert answers[0].restarted
     assert answers[0].restart_cause is RestartCause.GAP
@@ -168,7 +167,7 @@ def test_the_next_braking_begins_a_new_fit(clean: Brake, name: str) -> None:
     rolling = [Sample(time + k * INTERVAL, 100.0, 30.0, 0.0) for k in range(1, 201)]
     answers = [estimator.update(sample) for sample in rolling]
     assert answers[-1].reason is Reason.NO_EXCITATION
-    dry = [replace(sample, time=rolling[-1].time + INTERVAL + sample.time) for sample in clean("dry").samples]
+    dry = [sample._replace(time=rolling[-1].time + INTERVAL + sample.time) for sample in clean("dry").samples]
     last = [estimator.update(sample) for sample in dry][-1]
     assert isinstance(last, CurveEstimate)
     assert last.mu_max == pytest.approx(1.17, rel=0.02)

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -130,7 +129,7 @@ def test_a_bad_sample_is_refused_and_leaves_the_state_as_it_was(
     for sample in samples[:50]:
         disturbed.update(sample)
         calm.update(sample)
-    refusal = disturbed.update(replace(samples[50], **({"time": samples[50].time - 0.5 * INTERVAL} | change)))
+    refusal = disturbed.update(samples[50]._replace(**({"time": samples[50].time - 0.5 * INTERVAL} | change)))
     assert isinstance(refusal, Refusal)
     assert refusal.reason is reason
     assert refusal.text
