@@ -1,5 +1,6 @@
 """Sign of the slope from the indicator: two thresholds, and a record of the crossings in both directions."""
 
+from collections.abc import Callable
 from math import nan
 
 
@@ -38,7 +39,7 @@ class CrossingDetector:
         """Make the sign unknown and keep the record."""
         self.sign = 0
 
-    def update(self, indicator: float, growing: int, slip: float, stamp: int) -> None:
+    def update(self, indicator: float, growing: int, slip: Callable[[], float], stamp: int) -> None:
         """Take the indicator at the time it speaks of.
 
         The peak is crossed upwards only while slip grows and downwards only while it falls: what says otherwise is
@@ -47,7 +48,7 @@ class CrossingDetector:
         Args:
             indicator: [rad/s^3].
             growing: sign of the slip rate: +1, -1, or 0 where it is not measured.
-            slip: [-], NaN if unknown.
+            slip: reads the slip [-], NaN if unknown; asked at a crossing only.
             stamp: [ns].
         """
         if indicator < 0.0 and indicator <= self._h_instability:
@@ -61,4 +62,4 @@ class CrossingDetector:
         elif sign == -self.sign and growing == -sign:
             self.sign = sign
             self.crossings += 1
-            self.crossing_sign, self.slip, self.stamp = sign, slip, stamp
+            self.crossing_sign, self.slip, self.stamp = sign, slip(), stamp

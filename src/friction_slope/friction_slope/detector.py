@@ -128,11 +128,11 @@ class SlopeDetector:
             return self._unknown(Reason.NO_SLIP, "slip was not valid throughout the window", h, delay)
         read_at = sample.stamp - round(delay * _NANOSECONDS)
         if sample.wheel_speed * p.radius < (1.0 - LOCKED_SLIP) * speed:
-            self._crossing.update(LOCKED_INDICATOR, 1, signals.slip(), read_at)
+            self._crossing.update(LOCKED_INDICATOR, 1, signals.slip, read_at)
             return self._estimate(Reason.OK, "", nan, delay, LOCKED_INDICATOR)
         growing = self._growing()
         indicator = h * growing
-        self._crossing.update(indicator, growing, signals.slip(), read_at)
+        self._crossing.update(indicator, growing, signals.slip, read_at)
         if growing == 0:
             rate = "slip rate" if p.method is Method.SLIP else "eta"
             return self._estimate(Reason.NO_EXCITATION, f"{rate} in its dead zone, sign is held", h, delay, indicator)

@@ -1,5 +1,6 @@
 """The equations (8.3) to (8.6), each alone, against closed forms and finite differences."""
 
+from functools import partial
 from math import inf, nan
 
 import numpy as np
@@ -139,7 +140,7 @@ def test_sign_is_held_between_the_thresholds_and_crossings_are_recorded() -> Non
     steps = [(50.0, 1), (150.0, 1), (-5.0, 1), (-10.0, 1), (50.0, -1), (100.0, -1)]
     signs = []
     for k, (indicator, growing) in enumerate(steps):
-        detector.update(indicator, growing, 0.1 * k, k + 1)
+        detector.update(indicator, growing, partial(float, 0.1 * k), k + 1)
         signs.append(detector.sign)
     assert signs == [0, 1, 1, -1, -1, 1]
     assert (detector.crossings, detector.crossing_sign, detector.stamp) == (2, 1, 6)
@@ -148,20 +149,20 @@ def test_sign_is_held_between_the_thresholds_and_crossings_are_recorded() -> Non
 
 def test_peak_is_not_crossed_against_the_direction_of_the_slip() -> None:
     detector = CrossingDetector(-10.0, 10.0)
-    detector.update(50.0, 1, 0.1, 1)
+    detector.update(50.0, 1, lambda: 0.1, 1)
     for growing in (-1, 0):
-        detector.update(-inf, growing, 0.2, 2)
+        detector.update(-inf, growing, lambda: 0.2, 2)
         assert detector.sign == 1
-    detector.update(-50.0, 1, 0.2, 3)
-    detector.update(inf, 1, 0.3, 4)
+    detector.update(-50.0, 1, lambda: 0.2, 3)
+    detector.update(inf, 1, lambda: 0.3, 4)
     assert (detector.sign, detector.crossings) == (-1, 1)
 
 
 def test_zero_thresholds_are_plain_signs_and_zero_is_none() -> None:
     detector = CrossingDetector(0.0, 0.0)
-    detector.update(0.0, 0, 0.1, 1)
+    detector.update(0.0, 0, lambda: 0.1, 1)
     assert detector.sign == 0
-    detector.update(1e-12, 1, 0.1, 2)
+    detector.update(1e-12, 1, lambda: 0.1, 2)
     assert detector.sign == 1
 
 
