@@ -1,7 +1,5 @@
 """Does the driver brake? The condition between S0 and the other states."""
 
-from math import inf
-
 
 class TorqueWithHysteresis:
     """Where there is no demand topic: from the wheel's own torque, which the supervisor's release takes to zero.
@@ -24,13 +22,13 @@ class TorqueWithHysteresis:
     def reset(self) -> None:
         """Forget the past."""
         self._braking = False
-        self._last_braked: float = -inf
+        self._last_braked: int | None = None
 
     def update(self, stamp: int, torque: float) -> bool:
         """Take the torque [N m] at a stamp [ns]; return whether the driver brakes."""
         if torque >= (self._end if self._braking else self._begin):
             self._braking = True
             self._last_braked = stamp
-        elif self._braking and stamp - self._last_braked > self._hold_ns:
+        elif self._last_braked is None or stamp - self._last_braked > self._hold_ns:
             self._braking = False
         return self._braking

@@ -95,7 +95,7 @@ class WheelProcessor:
         return Health(self._wheel, level, self._text or f"{machine.state.name}", values)
 
     def _offer_demand(self, topic: str, stamp: int, message: Any) -> str | None:
-        if isinstance(message, BrakeDemand):
+        if topic == BRAKE_DEMAND:
             if message.wheel not in ("", self._wheel):
                 return None
             pressure = message.pressure

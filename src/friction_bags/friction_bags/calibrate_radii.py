@@ -19,9 +19,11 @@ from friction_bags.bag_format import BagError
 from friction_bags.bag_reader import BagReader
 from friction_runtime.aligner import AlignedInput, Aligner
 from friction_runtime.parameters import ParameterError, load, per_wheel
+from friction_runtime.processor import silent
 from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
+from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from wheel_slip.parameters import WheelSlipParameters
-from wheel_slip.processor import VEHICLE_VELOCITY, WHEEL_STATES, CarProcessor
+from wheel_slip.processor import VEHICLE_VELOCITY, CarProcessor
 from wheel_slip.radius_calibration import CalibrationParameters, Radii, RadiusCalibration
 
 _MAX_GAP = 0.3
@@ -39,12 +41,12 @@ def calibrate(
     calibration = RadiusCalibration([nominal[wheel] for wheel in parameters.wheels], limits)
     inputs = [AlignedInput(VEHICLE_VELOCITY, _MAX_GAP)] if use_sensor else []
     aligner: Aligner[tuple[float, ...]] = Aligner(WHEEL_STATES, inputs, _MAX_GAP)
+    wheel_speeds = WheelSpeeds(parameters.wheels, silent)
     latency = round(parameters.speed_latency * NANOSECONDS)
     for topic, message in messages:
         stamp = to_nanoseconds(message.header.stamp)
         if topic == WHEEL_STATES:
-            speeds = dict(zip(message.name, message.velocity, strict=False))
-            aligner.offer_primary(stamp, tuple(speeds.get(wheel, float("nan")) for wheel in parameters.wheels))
+            aligner.offer_primary(stamp, wheel_speeds.read(message))
         elif topic == VEHICLE_VELOCITY and use_sensor:
             aligner.offer(topic, max(stamp - latency, 0), (message.twist.twist.linear.x,))
         for sample in aligner.ready():

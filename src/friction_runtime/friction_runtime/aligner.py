@@ -9,7 +9,7 @@ that nothing from before a jump is ever mixed with what follows, in whichever or
 """
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Generic, TypeVar
@@ -34,20 +34,31 @@ class AlignedInput:
     """No interpolation between samples further apart than this [s]."""
 
 
-@dataclass(slots=True)
 class AlignedSample(Generic[Payload]):
     """A primary sample with the other inputs at its stamp."""
 
-    stamp: int
-    """[ns]"""
-    payload: Payload
-    """What was offered with the primary sample."""
-    values: Mapping[str, tuple[float, ...]]
-    """Values of the inputs that are known at the stamp, by topic."""
-    missing: Mapping[str, str]
-    """Reasons of those that are not, by topic."""
-    rewound: bool
-    """The first sample after a jump back in time: whoever keeps state starts anew."""
+    def __init__(
+        self,
+        stamp: int,
+        payload: Payload,
+        values: dict[str, tuple[float, ...]],
+        missing: dict[str, str],
+        rewound: bool,
+    ) -> None:
+        """Say what is known at a stamp.
+
+        Args:
+            stamp: [ns].
+            payload: what was offered with the primary sample.
+            values: of the inputs that are known at the stamp, by topic.
+            missing: reasons of those that are not, by topic.
+            rewound: whether it is the first sample after a jump back in time: whoever keeps state starts anew.
+        """
+        self.stamp = stamp
+        self.payload = payload
+        self.values = values
+        self.missing = missing
+        self.rewound = rewound
 
 
 class _Stream:

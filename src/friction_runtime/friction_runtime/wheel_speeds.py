@@ -32,7 +32,7 @@ class WheelSpeeds:
             self._names = list(message.name)
             place_of = {name: place for place, name in enumerate(self._names)}
             self._places = [place_of.get(wheel, maxsize) for wheel in self._wheels]
-        velocities = message.velocity
+        velocities = message.velocity.tolist()
         count = len(velocities)
         speeds = tuple([velocities[place] if place < count else nan for place in self._places])
         for speed in speeds:

@@ -128,6 +128,7 @@ def test_output_does_not_depend_on_the_order_of_arrival_across_topics(data: st.D
         while any(left.values()):
             topic = data.draw(st.sampled_from(sorted(t for t, own in left.items() if own)))
             events.append((topic, left[topic].pop(0)))
-        orders.append(feed(aligner(deadline=1e6), events))
+        samples = feed(aligner(deadline=1e6), events)
+        orders.append([(s.stamp, s.payload, s.values, s.missing, s.rewound) for s in samples])
     assert orders[0] == orders[1]
     assert len(orders[0]) == len(streams["wheel_states"])
