@@ -6,7 +6,7 @@ initialisation period). A fit lasts for one braking: the next begins a new one, 
 """
 
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -96,7 +96,7 @@ class PointFitting:
             self._largest_slip = max(self._largest_slip, point.slip)
         estimate = self._fit.curve().estimate(point.slip, self._count, self._largest_slip)
         cause, self._cause = self._cause, RestartCause.NONE
-        return estimate if cause is RestartCause.NONE else replace(estimate, restarted=True, restart_cause=cause)
+        return estimate if cause is RestartCause.NONE else estimate._replace(restarted=True, restart_cause=cause)
 
     def _clear(self) -> None:
         self._waiting.clear()

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 EXPONENTS = np.array([4.0, 36.0, 68.0, 100.0])
-_DECAYS = np.append(EXPONENTS, [0.0, 0.0])
-"""Of all six terms: line and constant do not decay."""
-_SQUARES = EXPONENTS**2
+_RATES = np.append(-EXPONENTS, [0.0, 0.0])
+"""Of all six terms: line and constant have none."""
+_SQUARES = _RATES**2
 _PLAIN_EXPONENTS: list[float] = EXPONENTS.tolist()
 _GRID = np.concatenate([np.linspace(0.001, 0.2, 200), np.linspace(0.205, 1.0, 160)])
 _PLACES: list[float] = _GRID.tolist()
@@ -26,23 +26,23 @@ _CONVERGED = 1e-12
 
 def regressor(slips: Array) -> Array:
     """Regressor phi of (8.12), (exp(-b1 slip), ..., exp(-b4 slip), slip, 1) for slips of shape (n,), shape (n, 6)."""
-    rows = np.asarray(np.exp(-np.outer(slips, _DECAYS)))
+    rows = np.asarray(np.exp(np.outer(slips, _RATES)))
     rows[:, 4] = slips
     return rows
 
 
 def regressor_row(slip: float) -> Array:
     """Regressor phi of one slip, shape (6,)."""
-    row = np.asarray(np.exp(-_DECAYS * slip))
+    row = np.asarray(np.exp(_RATES * slip))
     row[4] = slip
     return row
 
 
 def slope_row(slip: float) -> Array:
     """D phi / d slip, shape (6,)."""
-    row = -_DECAYS * np.exp(-_DECAYS * slip)
+    row = np.asarray(_RATES * np.exp(_RATES * slip))
     row[4] = 1.0
-    return np.asarray(row)
+    return row
 
 
 _GRID_SLOPES = np.array([slope_row(slip) for slip in _PLACES])
@@ -73,7 +73,7 @@ class ExponentialCurve:
 
     def curvature(self, parameters: Array, slip: float) -> float:
         """d^2 mu / d slip^2 [-]."""
-        return float((_SQUARES * np.exp(-EXPONENTS * slip)) @ parameters[:4])
+        return float((_SQUARES * np.exp(_RATES * slip)) @ parameters)
 
     def peak(self, parameters: Array) -> float:
         """lambda_max in (0, 1): the highest maximum among the data, else the first beyond them; NaN without any.

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.interface import NAN, CurveEstimate, Reason, unknown_theta
+from friction_curve_id.interface import NAN, UNKNOWN_THETA, CurveEstimate, Reason
 
 Array = NDArray[np.float64]
 
@@ -100,8 +100,8 @@ class FittedCurve:
             mu_max=mu_max,
             lambda_max_stddev=lambda_stddev,
             mu_max_stddev=mu_stddev,
-            theta=theta.copy() if theta is not None else unknown_theta(),
-            theta_stddev=np.sqrt(np.maximum(np.diag(covariance), 0.0)) if known else unknown_theta(),
+            theta=theta.copy() if theta is not None else UNKNOWN_THETA,
+            theta_stddev=np.sqrt(np.maximum(np.diag(covariance), 0.0)) if known else UNKNOWN_THETA,
             mu=m.friction(p, slip),
             slope=slope,
             slope_stddev=slope_stddev,

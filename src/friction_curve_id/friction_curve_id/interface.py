@@ -7,7 +7,7 @@ An estimator takes one sample at a time, in order of time, and answers each with
 that says why there is none. A refused sample leaves the state as it was. Nothing here knows ROS.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple, Protocol
 
@@ -84,17 +84,12 @@ class Refusal(NamedTuple):
     text: str
 
 
-_UNKNOWN_THETA = np.full(3, NAN)
-_UNKNOWN_THETA.flags.writeable = False
+UNKNOWN_THETA: Array = np.full(3, NAN)
+"""Theta of a method with another model, and its standard deviations."""
+UNKNOWN_THETA.flags.writeable = False
 
 
-def unknown_theta() -> Array:
-    """Theta of a method with another model, and its standard deviations: NaN, shape (3,), read only."""
-    return _UNKNOWN_THETA
-
-
-@dataclass(frozen=True)
-class CurveEstimate:
+class CurveEstimate(NamedTuple):
     """A friction curve after one more sample. NaN stands for what the method cannot say."""
 
     samples: int
@@ -107,9 +102,9 @@ class CurveEstimate:
     """Friction coefficient at the peak [-]."""
     lambda_max_stddev: float = NAN
     mu_max_stddev: float = NAN
-    theta: Array = field(default_factory=unknown_theta)
+    theta: Array = UNKNOWN_THETA
     """Burckhardt parameters of (2.13), shape (3,)."""
-    theta_stddev: Array = field(default_factory=unknown_theta)
+    theta_stddev: Array = UNKNOWN_THETA
     """Shape (3,)."""
     mu: float = NAN
     """Friction coefficient of the fitted curve at the present slip [-]."""

@@ -15,7 +15,6 @@ samples is divided by 1 + 2 sum of their positive autocorrelation before it beco
 """
 
 from collections import deque
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,7 +84,7 @@ class WholeVehicle:
         slip = float(point.shares @ point.slips)
         estimate = curve.estimate(slip, len(self._points), reached, _LARGEST_RELATIVE_STDDEV)
         cause, self._cause = self._cause, RestartCause.NONE
-        return replace(estimate, restarted=cause is not RestartCause.NONE, restart_cause=cause)
+        return estimate._replace(restarted=cause is not RestartCause.NONE, restart_cause=cause)
 
     def _clear(self) -> None:
         self._points.clear()
