@@ -46,35 +46,25 @@ class BrakingWindow:
         """J / (m r) [m/rad]."""
         self.count = 0
         self.capacity = capacity
-        self.time = np.zeros(capacity)
+        self._rows = rows = np.zeros((9, capacity))
+        self.time = rows[0]
         """[s]"""
-        self.measured_wheel_speed = np.zeros(capacity)
+        self.measured_wheel_speed = rows[1]
         """[rad/s]"""
-        self.measured_speed = np.zeros(capacity)
+        self.measured_speed = rows[2]
         """[m/s], 0 where missing."""
-        self.has_speed = np.zeros(capacity)
+        self.has_speed = rows[3]
         """1 where the speed is measured, else 0."""
-        self.torque = np.zeros(capacity)
+        self.torque = rows[4]
         """[N m]"""
-        self.impulse = np.zeros(capacity)
+        self.impulse = rows[5]
         """I_k [m/s]"""
-        self.wheel_speed = np.zeros(capacity)
+        self.wheel_speed = rows[6]
         """Estimated omega [rad/s]."""
-        self.wheel_speed_trust = np.zeros(capacity)
+        self.wheel_speed_trust = rows[7]
         """Weight of the measured wheel speed, 1 or (set aside) nearly 0."""
-        self.equation_trust = np.zeros(capacity)
+        self.equation_trust = rows[8]
         """Weight of the wheel equation that leads to this sample, 1 or (set aside) nearly 0."""
-        self._arrays = (
-            self.time,
-            self.measured_wheel_speed,
-            self.measured_speed,
-            self.has_speed,
-            self.torque,
-            self.impulse,
-            self.wheel_speed,
-            self.wheel_speed_trust,
-            self.equation_trust,
-        )
 
     def speeds(self, momentum_speed: float) -> Array:
         """Vehicle speed at the samples [m/s], shape (count,), at least _SLOWEST."""
@@ -132,8 +122,7 @@ class BrakingWindow:
     def drop_oldest(self, number: int) -> None:
         """Forget the oldest `number` samples."""
         rest = self.count - number
-        for array in self._arrays:
-            array[:rest] = array[number : self.count].copy()
+        self._rows[:, :rest] = self._rows[:, number : self.count]  # numpy minds the overlap
         self.count = rest
 
     def clear(self) -> None:

@@ -31,19 +31,20 @@ class WheelTrend:
 
 def wheel_trend(time: Array, wheel_speed: Array, wheel_speed_noise: float) -> WheelTrend:
     """Fit the line over `time` [s] to wheel speeds [rad/s], shapes (n,), of this noise [rad/s]."""
-    if len(time) < 4:
+    count = len(time)
+    if count < 4:
         return WheelTrend(0.0, float("inf"), 0.0)
-    centred = time - time.mean()
+    centred = time - time.sum() / count
     spread = float(centred @ centred)
     rate = float(centred @ wheel_speed) / spread
-    bend = float(np.abs(wheel_speed - wheel_speed.mean() - rate * centred).max())
+    bend = float(np.abs(wheel_speed - wheel_speed.sum() / count - rate * centred).max())
     return WheelTrend(rate, wheel_speed_noise / spread**0.5, bend)
 
 
 def is_excited(trend: WheelTrend, torque: Array, wheel_speed_noise: float, torque_noise: float) -> bool:
     """Does the torque [N m], shape (n,), vary, or the braked wheel not just decelerate?"""
     limit = _TORQUE_SPAN * torque_noise
-    if float(np.ptp(torque)) > limit:
+    if float(torque.max() - torque.min()) > limit:
         return True
     return trend.bend > _BEND * wheel_speed_noise and float(torque.mean()) > limit
 
@@ -55,4 +56,4 @@ def is_released(torque: Array, slip: Array, torque_noise: float) -> bool:
 
 def is_driven(trend: WheelTrend, torque: Array, torque_noise: float) -> bool:
     """Does a wheel without brake torque [N m], shape (n,), change its speed: by the engine, or a slope?"""
-    return float(torque.mean()) < _NO_TORQUE * torque_noise and abs(trend.rate) > _DRIVEN * trend.stddev
+    return abs(trend.rate) > _DRIVEN * trend.stddev and float(torque.mean()) < _NO_TORQUE * torque_noise
