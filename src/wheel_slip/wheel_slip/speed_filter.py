@@ -110,10 +110,8 @@ class SpeedFilter:
             measured: acceleration measured there [m/s^2], None if there is none.
             observed: whether speed measurements watch the offset at present.
         """
-        before = self._measured
-        if (before is None) != (measured is None):
+        if (self._measured is None) != (measured is None):
             self._change_of_input(measured)
-            before = self._measured
         if self._history:
             dt = (stamp - self._history[-1][0]) / NANOSECONDS
             p = self._parameters
