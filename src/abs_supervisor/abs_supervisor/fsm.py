@@ -79,7 +79,7 @@ class Thresholds:
             raise ValueError(f"wait ({self.wait}) must be >= 0 and release_timeout ({self.release_timeout}) > 0")
 
 
-@dataclass(slots=True)
+@dataclass
 class Inputs:
     """What the machine sees at one sample."""
 

@@ -19,7 +19,7 @@ class Counts:
     fail_safes: int = 0
 
 
-@dataclass(slots=True)
+@dataclass
 class Evidence:
     """What is known at one stamp."""
 

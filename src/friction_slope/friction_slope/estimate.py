@@ -26,7 +26,7 @@ class Reason(IntEnum):
     NO_EXCITATION = 8
 
 
-@dataclass(slots=True)
+@dataclass
 class SlopeSample:
     """One sample of one wheel. Slip and slip rate are NaN where they are not known."""
 
@@ -44,7 +44,7 @@ class SlopeSample:
     """[m/s]"""
 
 
-@dataclass(slots=True)
+@dataclass
 class SlopeEstimate:
     """Sign of the slope mu_1 `delay` before the stamp, and the last crossing."""
 

@@ -26,7 +26,7 @@ class Reason(IntEnum):
     UNCERTAIN = 6
 
 
-@dataclass(slots=True)
+@dataclass
 class WheelEstimate:
     """Slip of one wheel at one sample. NaN is what is not known; slip and slip_rate are NaN unless reason is OK."""
 
