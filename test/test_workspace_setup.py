@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -144,10 +145,47 @@ def test_build_that_was_killed_is_repaired_and_a_finished_one_is_left_alone(work
     assert imported.stdout.strip().endswith("tiny/__init__.py")
 
     assert build(workspace).stdout == ""
-    (package / "tiny/__init__.py").write_text("linked = True\n")
+    (package / "test").mkdir()
+    (package / "test/test_tiny.py").touch()
     assert build(workspace).stdout == ""
     (package / "tiny/parameters.yaml").write_text("a: 1\n")
     assert "done" in build(workspace).stdout
+
+
+def test_changed_package_alone_is_built_again_and_what_it_lost_is_gone_from_install(workspace: Path) -> None:
+    setup = "from setuptools import setup\nsetup(name='{0}', version='0.1.0', packages=['{0}'])\n"
+    package = add_package(workspace, "first", setup.format("first"))
+    add_package(workspace, "second", setup.format("second"))
+    (package / "first/old.py").write_text("value = 1\n")
+    assert build(workspace).returncode == 0
+    kept = next(workspace.glob("install/second/**/second/__init__.py")).stat().st_mtime_ns
+    (package / "first/old.py").rename(package / "first/new.py")
+    assert build(workspace).returncode == 0
+    assert [path.name for path in sorted(workspace.glob("install/first/**/first/*.py"))] == ["__init__.py", "new.py"]
+    assert next(workspace.glob("install/second/**/second/__init__.py")).stat().st_mtime_ns == kept
+
+
+def test_listed_modules_are_compiled_beside_their_source_and_again_when_it_changes(workspace: Path) -> None:
+    table = '{"tiny": "fast"}'
+    tool = workspace / "tools/compile.py"
+    tool.write_text(re.sub(r"COMPILED = \{.*?\n\}", f"COMPILED = {table}", tool.read_text(), flags=re.DOTALL))
+    (workspace / "pyproject.toml").write_text("[tool.mypy]\nstrict = true\n")
+    package = add_package(
+        workspace, "tiny", "from setuptools import setup\nsetup(name='tiny', version='0.1.0', packages=['tiny'])\n"
+    )
+    ask = "from tiny import fast; print(fast.__file__.rsplit('.', 1)[1], fast.double(2.5))"
+    command = ["bash", "-c", f'source {workspace}/install/setup.bash && python -c "{ask}"']
+    for factor in (2.0, 3.0):
+        source = f"def double(value: float) -> float:\n    return {factor} * value\n"
+        (package / "tiny/fast.py").write_text(source)
+        result = build(workspace)
+        assert result.returncode == 0, result.stdout + result.stderr
+        asked = subprocess.run(command, check=True, capture_output=True, text=True)
+        assert asked.stdout.split() == ["so", str(2.5 * factor)]
+    (package / "tiny/fast.py").write_text('def double(value: float) -> float:\n    return "text"\n')
+    refused = build(workspace)
+    assert refused.returncode != 0
+    assert "fast.py" in refused.stdout
 
 
 def test_package_that_fails_to_build_is_named_with_the_end_of_its_log_and_built_once_mended(workspace: Path) -> None:

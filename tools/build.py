@@ -1,8 +1,7 @@
-"""Build every package below src with colcon, with one line of progress; do nothing where nothing changed.
+"""Build the packages below src that changed with colcon, and compile their algorithms, with one line of progress.
 
-Python modules are linked into install, so that only the rest (messages, package files, parameter and launch files,
-names of new files) asks for a build. A build that was killed, or was made elsewhere or by another Python, is
-removed first. Usage: tools/run.bash python tools/build.py   (normally through `make build`)
+A build that was killed, or was made elsewhere or by another Python, is removed first.
+Usage: tools/run.bash python tools/build.py   (normally through `make build`)
 """
 
 from __future__ import annotations
@@ -16,29 +15,30 @@ import shutil
 import sys
 from pathlib import Path
 
+from compile import compile_modules
 from progress import run_with_progress
 
 ROOT = Path(__file__).resolve().parents[1]
 IGNORED = {"__pycache__", "test", ".mypy_cache", ".ruff_cache", ".pytest_cache", ".hypothesis"}
 
 
-def source_digest(source: Path) -> str:
-    """Digest what a build depends on: the name of every file, and the contents of all but linked modules."""
+def source_digest(package: Path) -> str:
+    """Digest what the build of a package depends on: names and contents of its files, but no tests and prose."""
     digest = hashlib.sha256()
-    for directory, subdirectories, names in os.walk(source):
+    for directory, subdirectories, names in os.walk(package):
         subdirectories[:] = sorted(
             name for name in subdirectories if name not in IGNORED and not name.endswith(".egg-info")
         )
         for path in sorted(Path(directory, name) for name in names):
-            digest.update(f"{path.relative_to(source)}\n".encode())
-            if path.suffix not in {".py", ".md"} or path.name == "setup.py":
+            if path.suffix != ".md":
+                digest.update(f"{path.relative_to(package)}\n".encode())
                 digest.update(path.read_bytes())
     return digest.hexdigest()
 
 
-def packages(source: Path) -> list[str]:
-    """Name the packages below ``source``."""
-    return sorted(path.parent.name for path in source.glob("*/package.xml"))
+def packages(source: Path) -> list[Path]:
+    """Directories of the packages below ``source``."""
+    return sorted(path.parent for path in source.glob("*/package.xml"))
 
 
 def read_stamp(root: Path) -> dict[str, str]:
@@ -58,31 +58,36 @@ def write_stamp(root: Path, stamp: dict[str, str]) -> None:
 
 
 def build(root: Path) -> int:
-    """Bring ``install`` up to date; return colcon's exit status."""
+    """Bring ``install`` up to date; return the exit status."""
     made_by = f"{root} {sys.executable} {sys.version} {os.environ.get('AMENT_PREFIX_PATH', '').split(':')[-1]}"
-    wanted = {
-        "made_by": made_by,
-        "state": "finished",
-        "packages": " ".join(packages(root / "src")),
-        "sources": source_digest(root / "src"),
-    }
+    wanted = {package.name: source_digest(package) for package in packages(root / "src")}
+    tools = hashlib.sha256((root / "tools/compile.py").read_bytes()).hexdigest()
+    finished = {"made by": made_by, "state": "finished", "compiled by": tools, **wanted}
     found = read_stamp(root)
-    if found == wanted and (root / "install/setup.bash").exists():
+    if found == finished and (root / "install/setup.bash").exists():
         return 0
     unfinished = found.get("state") != "finished" and (root / "build").exists()
-    removed = not set(found.get("packages", "").split()) <= set(packages(root / "src"))
-    if unfinished or removed or found.get("made_by", made_by) != made_by:
+    removed = not set(found) <= set(finished)
+    if unfinished or removed or found.get("made by", made_by) != made_by or not (root / "install").exists():
         for name in ("build", "install"):
             shutil.rmtree(root / name, ignore_errors=True)
+        found = {}
     (root / "build").mkdir(exist_ok=True)
-    write_stamp(root, {**wanted, "state": "building"})
-    code = run_colcon(root, len(packages(root / "src")))
-    write_stamp(root, {**wanted, "sources": wanted["sources"] if code == 0 else "failed"})
+    changed = [name for name, digest in wanted.items() if found.get(name) != digest]
+    for name in changed:
+        if (root / "src" / name / "setup.py").exists():  # setuptools would keep modules that are gone
+            for directory in ("build", "install"):
+                shutil.rmtree(root / directory / name, ignore_errors=True)
+    write_stamp(root, {**finished, "state": "building"})
+    code = run_colcon(root, changed) if changed else 0
+    code = code or compile_modules(root)
+    # What failed is built again, as is what came after it.
+    write_stamp(root, finished if code == 0 else {**finished, **dict.fromkeys(changed, "failed")})
     return code
 
 
-def run_colcon(root: Path, total: int) -> int:
-    """Run colcon over all packages; where one fails, print the end of its log."""
+def run_colcon(root: Path, names: list[str]) -> int:
+    """Run colcon over the named packages; where one fails, print the end of its log."""
     done = 0
     failed: list[str] = []
 
@@ -90,7 +95,7 @@ def run_colcon(root: Path, total: int) -> int:
         nonlocal done
         if match := re.match(r"Finished <<< (\S+)", line):
             done += 1
-            return f"{done} of {total} packages, {match[1]}"
+            return f"{done} of {len(names)} packages, {match[1]}"
         if match := re.match(r"Failed +<<< (\S+)", line):
             failed.append(match[1])
         return None
@@ -100,8 +105,8 @@ def run_colcon(root: Path, total: int) -> int:
     colcon = shutil.which("colcon")
     if colcon is None:
         sys.exit("colcon is not on the PATH: sudo apt-get install -y python3-colcon-common-extensions")
-    command = [sys.executable, colcon, "--log-base", str(root / "log"), "build", "--symlink-install"]
-    command += ["--base-paths", "src"]
+    command = [sys.executable, colcon, "--log-base", str(root / "log"), "build"]
+    command += ["--base-paths", "src", "--packages-select", *names]
     env = dict(os.environ, PYTHONUNBUFFERED="1")
     code = run_with_progress("colcon build", command, log, describe, env)
     for package in failed:
