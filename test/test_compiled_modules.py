@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+
 from compile import COMPILED
 
 ROOT = Path(__file__).resolve().parents[1]

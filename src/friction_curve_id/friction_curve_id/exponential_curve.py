@@ -14,11 +14,10 @@ Array = NDArray[np.float64]
 
 EXPONENTS = np.array([4.0, 36.0, 68.0, 100.0])
 _RATES = np.append(-EXPONENTS, [0.0, 0.0])
-"""Of all six terms: line and constant have none."""
+"""Of growth of all six terms; line and constant have none."""
 _SQUARES = _RATES**2
 _PLAIN_EXPONENTS: list[float] = EXPONENTS.tolist()
-_GRID = np.concatenate([np.linspace(0.001, 0.2, 200), np.linspace(0.205, 1.0, 160)])
-_PLACES: list[float] = _GRID.tolist()
+_GRID: list[float] = np.concatenate([np.linspace(0.001, 0.2, 200), np.linspace(0.205, 1.0, 160)]).tolist()
 _STEPS = 40
 _CONVERGED = 1e-12
 """The step [-] that ends the search for a peak: a further one would be rounding."""
@@ -45,7 +44,7 @@ def slope_row(slip: float) -> Array:
     return row
 
 
-_GRID_SLOPES = np.array([slope_row(slip) for slip in _PLACES])
+_GRID_SLOPES = np.array([slope_row(slip) for slip in _GRID])
 
 
 class ExponentialCurve:
@@ -83,7 +82,7 @@ class ExponentialCurve:
         """
         slopes = _GRID_SLOPES @ parameters
         falls = ((slopes[:-1] > 0.0) & (slopes[1:] <= 0.0)).nonzero()[0].tolist()
-        maxima = [_zero_of_slope(parameters, _PLACES[k], _PLACES[k + 1]) for k in falls]
+        maxima = [_zero_of_slope(parameters, _GRID[k], _GRID[k + 1]) for k in falls]
         among = [peak for peak in maxima if peak <= self._largest_slip]
         if len(among) > 1:
             return max(among, key=lambda peak: self.friction(parameters, peak))
