@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ament_index_python.packages import get_package_share_directory
 from rclpy.serialization import deserialize_message
 
 from friction_bags import import_bmw
@@ -26,6 +25,7 @@ from friction_bags.message_bag import write_bag
 from friction_bags.message_definition import message_class
 from friction_bags.offline_part import ProcessOptions
 from friction_bags.offline_run import process_bag
+from friction_runtime.parameters import shipped_file
 
 DOMAIN = "42"
 WHEELS = ["front_left", "rear_right"]
@@ -88,7 +88,7 @@ def replay_to_live_nodes(processes: Processes, bag: Path, recording: Path, param
     """Start nodes, recorder and player; return when the replay has ended and its answers are recorded."""
     wheels = str(WHEELS).replace("'", '"')
     for name in WHEEL_ESTIMATORS:
-        shipped = Path(get_package_share_directory(name), "config", f"{name}.yaml")
+        shipped = shipped_file(name)
         files = ["--params-file", str(shipped), "--params-file", str(parameters)]
         processes.start(name, name, "--ros-args", *files, "-p", f"wheels:={wheels}")
     recorder = processes.start("record", "friction_bags", "record", "--out", str(recording), "--topics", "*/*")

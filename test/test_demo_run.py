@@ -16,8 +16,8 @@ import pytest
 import yaml
 
 from friction_bags.bag_reader import BagReader
-from friction_bringup import graph
 from friction_bringup.recorded_run import RecordedRun, read_run
+from friction_runtime.parameters import shipped_file
 
 SHORT = {"initial_speed": 20.0, "end_speed": 5.0, "real_time_factor": 0.0}
 """A braking of two seconds, as fast as the commands come."""
@@ -26,7 +26,7 @@ ENDLESS = {"end_speed": -1.0}
 
 def parameters(directory: Path, **plant: float | bool | str) -> Path:
     """Write the demo's parameter file with other values for the plant."""
-    shipped = yaml.safe_load(graph.shipped_file("demo").read_text())
+    shipped = yaml.safe_load(shipped_file("friction_bringup", "demo").read_text())
     shipped["/**/corner_sim"]["ros__parameters"].update(plant)
     path = directory / "parameters.yaml"
     path.write_text(yaml.safe_dump(shipped))

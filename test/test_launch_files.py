@@ -10,6 +10,7 @@ import yaml
 from ament_index_python.packages import get_package_share_directory
 
 from friction_bringup import graph
+from friction_runtime.parameters import shipped_file
 
 ROOT = Path(__file__).resolve().parents[1]
 FILES = sorted(ROOT.glob("src/*/config/*.yaml"))
@@ -23,7 +24,9 @@ def test_sections_of_a_parameter_file_match_a_node_in_any_namespace(path: Path) 
         assert set(content) == {"ros__parameters"}
 
 
-@pytest.mark.parametrize("path", [graph.shipped_file(name) for name in ("demo", "alongside", "bmw_m8")], ids=str)
+@pytest.mark.parametrize(
+    "path", [shipped_file("friction_bringup", name) for name in ("demo", "alongside", "bmw_m8")], ids=str
+)
 def test_parameters_that_decide_are_known_to_the_files_they_decide_over(path: Path) -> None:
     for section, content in yaml.safe_load(path.read_text()).items():
         node = section.removeprefix("/**/")
@@ -32,7 +35,7 @@ def test_parameters_that_decide_are_known_to_the_files_they_decide_over(path: Pa
 
 
 def test_nothing_commands_beside_a_vehicle_stack() -> None:
-    sections = yaml.safe_load(graph.shipped_file("alongside").read_text())
+    sections = yaml.safe_load(shipped_file("friction_bringup", "alongside").read_text())
     assert sections["/**/abs_supervisor"]["ros__parameters"]["shadow"] is True
     assert graph.PLANT not in graph.ESTIMATORS
 

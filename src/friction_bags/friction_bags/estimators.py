@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any, get_type_hints
 
 import yaml
-from ament_index_python.packages import get_package_share_directory
 
-from friction_runtime.parameters import ParameterError, from_mapping
+from friction_runtime.parameters import ParameterError, from_mapping, shipped_file
 from friction_runtime.processor import Processor, Report
 
 ESTIMATORS = ("wheel_slip", "friction_slope", "friction_curve_id", "abs_supervisor", "smart_tyre_forces")
@@ -36,9 +35,8 @@ def build_processors(
     """
     processors: list[Processor] = []
     for name in estimators:
-        shipped = Path(get_package_share_directory(name), "config", f"{name}.yaml")
         values: dict[str, Any] = {}
-        for file in (shipped, *files):
+        for file in (shipped_file(name), *files):
             values.update(_section(file, name))
         values["wheels"] = list(wheels)
         values.pop("use_sim_time", None)

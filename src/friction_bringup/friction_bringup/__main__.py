@@ -13,6 +13,7 @@ from friction_bringup.demo import run_demo
 from friction_bringup.demo_graph import DemoError, DemoOptions
 from friction_bringup.monitor import run_monitor
 from friction_bringup.recorded_run import parameters_of
+from friction_runtime.parameters import shipped_file
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -34,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return run_monitor()
     try:
         shipped = parameters_of(options.bag) if options.bag else "demo"
-        params = options.params or graph.shipped_file(shipped)
+        params = options.params or shipped_file("friction_bringup", shipped)
         if not params.is_file():
             parser.error(f"parameter file {params} does not exist")
         return run_demo(DemoOptions(options.surface, options.bag, params.absolute(), options.out))

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ament_index_python.packages import get_package_share_directory
+from friction_runtime.parameters import shipped_file
 
 PLANT = "corner_sim"
 ESTIMATORS = ("wheel_slip", "friction_slope", "friction_curve_id", "abs_supervisor")
@@ -28,18 +28,9 @@ QUIET_LOG = ("--ros-args", "--disable-external-lib-logs")
 ParameterValue = bool | int | float | str | Sequence[float] | Sequence[str]
 
 
-def shipped_file(name: str) -> Path:
-    """Path of a parameter file of this package.
-
-    Args:
-        name: without suffix: demo, alongside.
-    """
-    return Path(get_package_share_directory("friction_bringup")) / "config" / f"{name}.yaml"
-
-
 def parameter_files(node: str, params_file: Path) -> list[Path]:
     """Name the parameter files of a node: what its package ships, then what decides over it."""
-    return [Path(get_package_share_directory(node)) / "config" / f"{node}.yaml", params_file]
+    return [shipped_file(node), params_file]
 
 
 def executable(node: str) -> str:

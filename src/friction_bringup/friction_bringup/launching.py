@@ -11,6 +11,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from friction_bringup import graph
+from friction_runtime.parameters import shipped_file
 
 
 def common_arguments(params_file: str) -> list[LaunchDescriptionEntity]:
@@ -22,7 +23,7 @@ def common_arguments(params_file: str) -> list[LaunchDescriptionEntity]:
     return [
         DeclareLaunchArgument(
             "params_file",
-            default_value=str(graph.shipped_file(params_file)),
+            default_value=str(shipped_file("friction_bringup", params_file)),
             description="parameter file that decides over those of the packages",
         ),
         DeclareLaunchArgument("namespace", default_value="", description="namespace of all nodes and topics"),

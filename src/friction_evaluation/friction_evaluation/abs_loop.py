@@ -9,10 +9,8 @@ to 5 m/s; the ideal stop holds mu_max all the way. A lock is a slip above 0.95 f
 import argparse
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
-from ament_index_python.packages import get_package_share_directory
 from friction_msgs.msg import BrakeCommand
 from numpy.typing import NDArray
 from rich.progress import Progress
@@ -23,7 +21,7 @@ from corner_sim import messages
 from corner_sim.sensors import Measurement
 from friction_evaluation.parts import Row
 from friction_evaluation.slope_runs import BRAKE_GAIN, CORNER, DT, SPEED, STEP, WHEEL
-from friction_runtime.parameters import load
+from friction_runtime.parameters import load, shipped_file
 from friction_runtime.stamps import from_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES
 from friction_slope.parameters import FrictionSlopeParameters
@@ -115,13 +113,9 @@ Parameters = tuple[FrictionSlopeParameters, SupervisorParameters]
 
 def shipped() -> Parameters:
     """Load the shipped parameter files of the supervisor's loop."""
-    slope = load(FrictionSlopeParameters, _shipped_file("friction_slope"), "friction_slope")
-    supervisor = load(SupervisorParameters, _shipped_file("abs_supervisor"), "abs_supervisor")
+    slope = load(FrictionSlopeParameters, shipped_file("friction_slope"), "friction_slope")
+    supervisor = load(SupervisorParameters, shipped_file("abs_supervisor"), "abs_supervisor")
     return replace(slope, slip_at_crossing=False), supervisor
-
-
-def _shipped_file(package: str) -> Path:
-    return Path(get_package_share_directory(package)) / "config" / f"{package}.yaml"
 
 
 def stops(

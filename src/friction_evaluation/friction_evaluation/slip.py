@@ -12,7 +12,6 @@ from math import sqrt
 from pathlib import Path
 
 import numpy as np
-from ament_index_python.packages import get_package_share_directory
 from numpy.typing import NDArray
 from rich.progress import Progress
 
@@ -23,7 +22,7 @@ from friction_evaluation.measured import BMW, data_directory
 from friction_evaluation.parts import Row
 from friction_evaluation.slip_stops import END_SPEED, STEP, Stop, stops
 from friction_evaluation.slip_tables import tables
-from friction_runtime.parameters import load
+from friction_runtime.parameters import load, shipped_file
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.two_axle import WHEELS, CarParameters
 from wheel_slip.estimator import SlipEstimator
@@ -109,7 +108,7 @@ class Followed:
 
 def shipped() -> WheelSlipParameters:
     """Load the shipped parameter file."""
-    path = Path(get_package_share_directory("wheel_slip")) / "config" / "wheel_slip.yaml"
+    path = shipped_file("wheel_slip")
     return load(WheelSlipParameters, path, "wheel_slip")
 
 

@@ -9,10 +9,8 @@ friction_curve_id has its shipped parameters, but for lambda_init.
 
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
-from ament_index_python.packages import get_package_share_directory
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
@@ -20,7 +18,7 @@ from friction_curve_id.interface import CurveEstimate, Refusal, Sample
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_evaluation.parts import Row
 from friction_evaluation.slip_stops import ACCELERATION_OFFSET, ACCELERATION_STDDEV, DT, GRADE, SPEED, STEP
-from friction_runtime.parameters import load
+from friction_runtime.parameters import load, shipped_file
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.single_corner import CornerParameters, SingleCorner
@@ -222,5 +220,5 @@ def _rmse(errors: Array) -> float:
 
 
 def _shipped() -> FrictionCurveParameters:
-    path = Path(get_package_share_directory("friction_curve_id")) / "config" / "friction_curve_id.yaml"
+    path = shipped_file("friction_curve_id")
     return load(FrictionCurveParameters, path, "friction_curve_id")

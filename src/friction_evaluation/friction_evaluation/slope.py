@@ -7,10 +7,8 @@ detection before the slip has truly passed the peak counts as early, and with th
 import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
-from ament_index_python.packages import get_package_share_directory
 from numpy.typing import NDArray
 from rich.progress import Progress
 
@@ -24,7 +22,7 @@ from friction_evaluation.slope_runs import (
     sensor_messages,
     through_the_peak,
 )
-from friction_runtime.parameters import load
+from friction_runtime.parameters import load, shipped_file
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.processor import WheelProcessor
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE, SensorNoise
@@ -207,10 +205,6 @@ def disagreement(run: Run) -> tuple[float, float]:
 
 def shipped_settings(imu: bool) -> Settings:
     """Load the shipped parameter files, with or without an accelerometer."""
-    slip = load(WheelSlipParameters, _shipped_file("wheel_slip", "wheel_slip"), "wheel_slip")
-    slope = load(FrictionSlopeParameters, _shipped_file("friction_slope", "friction_slope_monitor"), "friction_slope")
+    slip = load(WheelSlipParameters, shipped_file("wheel_slip"), "wheel_slip")
+    slope = load(FrictionSlopeParameters, shipped_file("friction_slope", "friction_slope_monitor"), "friction_slope")
     return Settings(slip, slope, imu)
-
-
-def _shipped_file(package: str, name: str) -> Path:
-    return Path(get_package_share_directory(package)) / "config" / f"{name}.yaml"

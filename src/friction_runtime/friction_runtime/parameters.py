@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
 
 import yaml
+from ament_index_python.packages import get_package_share_directory
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -101,6 +102,15 @@ def from_mapping(cls: type[Parameters], values: Mapping[str, Any]) -> Parameters
         raise
     except ValueError as error:
         raise ParameterError(str(error)) from error
+
+
+def shipped_file(package: str, name: str = "") -> Path:
+    """Parameter file that a package ships: `name`, or the one named like the package.
+
+    Raises:
+        PackageNotFoundError: the package is not installed.
+    """
+    return Path(get_package_share_directory(package), "config", f"{name or package}.yaml")
 
 
 def load(cls: type[Parameters], path: str | Path, node_name: str) -> Parameters:
