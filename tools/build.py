@@ -15,7 +15,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from compile import compile_modules
+from compile import COMPILED, compile_modules
 from progress import run_with_progress
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -80,9 +80,10 @@ def build(root: Path) -> int:
                 shutil.rmtree(root / directory / name, ignore_errors=True)
     write_stamp(root, {**finished, "state": "building"})
     code = run_colcon(root, changed) if changed else 0
-    code = code or compile_modules(root)
+    if code == 0 and (COMPILED.keys() & changed or found.get("compiled by") != tools):
+        code = compile_modules(root)
     # What failed is built again, as is what came after it.
-    write_stamp(root, finished if code == 0 else {**finished, **dict.fromkeys(changed, "failed")})
+    write_stamp(root, finished if code == 0 else {**finished, **dict.fromkeys([*changed, "compiled by"], "failed")})
     return code
 
 

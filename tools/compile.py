@@ -18,10 +18,14 @@ from progress import run_with_progress
 COMPILED = {
     "friction_runtime": "aligner new_message stamps wheel_speeds",
     "vehicle_models": "derivatives",
-    "wheel_slip": "estimate estimator online_radii radius_calibration slide_detector slip speed_filter speed_queue "
+    "wheel_slip": "carried_wheels estimate estimator online_radii radius_calibration slide_detector slip speed_filter speed_queue "
     "speed_sample stuck_sensor vehicle_speed wheel_speed_filter",
     "friction_slope": "crossing detector estimate indicator reference_speed signals",
     "abs_supervisor": "braking fsm supervisor",
+    "friction_curve_id": "activation banded_normal_equations braking_window burckhardt_curve curve_fitting curve_prior "
+    "curve_uncertainty dead_reckoning default_estimator excitation exponential_curve fitted_curve friction_samples "
+    "interface log_curve map_fit past_evidence prediction recursive_ls robust_weights sample_gate sample_window "
+    "square_root surface_change torque_watch",
 }
 """Modules by package."""
 

@@ -24,8 +24,9 @@ _BIG = struct.Struct(">iI")
 class FlowControl:
     """Holds the replay until every followed topic has a message stamped like the sample before, or later.
 
-    Where the answers to a stamp need later samples, it finds out: after a second of silence it lets one stamp more be
-    under way. So it never blocks, and is slow once.
+    Where the answers of a topic need later samples, it finds out: after a second of silence it lets one stamp more be
+    under way for that topic. So it never blocks, and is slow once; topics that answer at once are waited for all the
+    same, so that no node sees them late because another one is.
     """
 
     def __init__(self, node: Node) -> None:
@@ -33,10 +34,9 @@ class FlowControl:
         self._node = node
         self._followed: dict[str, tuple[Subscription, Any]] = {}
         self._reached: dict[str, int] = {}
+        self._ahead: dict[str, int] = {}
         self._under_way: deque[int] = deque()
         self._last = 0
-        self.ahead = 1
-        """Stamps that may be under way."""
 
     @property
     def topics(self) -> list[str]:
@@ -57,6 +57,7 @@ class FlowControl:
                 subscription = self._node.create_subscription(kind, name, _never_called, profile, raw=True)
                 self._followed[name] = (subscription, kind)
                 self._reached[name] = 0
+                self._ahead[name] = 1
 
     def is_connected(self) -> bool:
         """Whether every followed topic has found its publisher."""
@@ -72,16 +73,28 @@ class FlowControl:
         since = monotonic()
         while not stop.is_set():
             self._take()
-            while self._under_way and self._under_way[0] <= min(self._reached.values()):
+            while self._under_way and self._under_way[0] <= min(self._reached.values(), default=stamp):
                 self._under_way.popleft()
                 since = monotonic()
-            if len(self._under_way) < self.ahead:
+            late = [name for name in self._reached if self._unanswered(name) >= self._ahead[name]]
+            if not late:
                 break
-            if monotonic() - since > _PATIENCE and self.ahead < _MOST_AHEAD:
-                self.ahead += 1
+            if monotonic() - since > _PATIENCE:
+                for name in late:
+                    self._let_one_more(name)
             stop.wait(_POLL_PERIOD)
         self._under_way.append(stamp)
         self._last = stamp
+
+    def _let_one_more(self, topic: str) -> None:
+        self._ahead[topic] += 1
+        if self._ahead[topic] > _MOST_AHEAD:
+            self._node.get_logger().warning(f"{topic}: no answer to {_MOST_AHEAD} stamps, not followed any more")
+            self._node.destroy_subscription(self._followed.pop(topic)[0])
+            del self._reached[topic]
+
+    def _unanswered(self, topic: str) -> int:
+        return sum(stamp > self._reached[topic] for stamp in self._under_way)
 
     def wait_for_last(self, stop: Event) -> None:
         """Return when the last sample was answered, or after a second of silence."""
@@ -89,7 +102,7 @@ class FlowControl:
         while self._under_way and not stop.is_set() and monotonic() - since < _PATIENCE:
             if self._take():
                 since = monotonic()
-            while self._under_way and self._under_way[0] <= min(self._reached.values()):
+            while self._under_way and self._under_way[0] <= min(self._reached.values(), default=self._last):
                 self._under_way.popleft()
             stop.wait(_POLL_PERIOD)
 
