@@ -1,7 +1,7 @@
-"""Compile the algorithms of the estimators in ``install`` to machine code with mypyc: the same results, faster.
+"""Compile the estimators in ``install`` to machine code with mypyc: the same results, faster.
 
-What runs for every sample of every wheel is compiled, from its typed Python source and beside it. Without this step (a
-plain ``colcon build``) the Python modules run, to the last bit the same: tests compare the two.
+What runs for every sample of every wheel (layers 1 and 2) is compiled, from its typed Python source and beside it.
+Without this step (a plain ``colcon build``) the Python modules run, to the last bit the same: tests compare the two.
 Called by build.py; the compiler's own files stay in ``build/mypyc``, so that the next time takes less.
 """
 
@@ -18,14 +18,15 @@ from progress import run_with_progress
 COMPILED = {
     "friction_runtime": "aligner new_message stamps wheel_speeds",
     "vehicle_models": "derivatives",
-    "wheel_slip": "carried_wheels estimate estimator online_radii radius_calibration slide_detector slip speed_filter speed_queue "
-    "speed_sample stuck_sensor vehicle_speed wheel_speed_filter",
-    "friction_slope": "crossing detector estimate indicator reference_speed signals",
-    "abs_supervisor": "braking fsm supervisor",
-    "friction_curve_id": "activation banded_normal_equations braking_window burckhardt_curve curve_fitting curve_prior "
-    "curve_uncertainty dead_reckoning default_estimator excitation exponential_curve fitted_curve friction_samples "
-    "interface log_curve map_fit past_evidence prediction recursive_ls robust_weights sample_gate sample_window "
-    "square_root surface_change torque_watch",
+    "wheel_slip": "carried_wheels estimate estimator online_radii processor radius_calibration slide_detector slip "
+    "speed_filter speed_queue speed_sample stuck_sensor vehicle_speed wheel_speed_filter",
+    "friction_slope": "crossing detector estimate indicator processor reference_speed signals",
+    "abs_supervisor": "braking fsm processor supervisor",
+    "friction_curve_id": "activation banded_normal_equations braking_window burckhardt_curve curve_fitting "
+    "curve_messages curve_prior curve_uncertainty dead_reckoning default_estimator excitation exponential_curve "
+    "fitted_curve friction_samples inputs interface log_curve map_fit past_evidence prediction processor recursive_ls "
+    "robust_weights sample_gate sample_window square_root surface_change torque_watch wheel_inputs",
+    "friction_bags": "offline_graph",
 }
 """Modules by package."""
 

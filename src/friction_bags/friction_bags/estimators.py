@@ -3,14 +3,26 @@
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any
 
 import yaml
 
+from abs_supervisor.parameters import SupervisorParameters
+from friction_curve_id.parameters import FrictionCurveParameters
 from friction_runtime.parameters import ParameterError, from_mapping, shipped_file
 from friction_runtime.processor import Processor, Report
+from friction_slope.parameters import FrictionSlopeParameters
+from smart_tyre_forces.parameters import SmartTyreParameters
+from wheel_slip.parameters import WheelSlipParameters
 
-ESTIMATORS = ("wheel_slip", "friction_slope", "friction_curve_id", "abs_supervisor", "smart_tyre_forces")
+_PARAMETERS: dict[str, type] = {
+    "wheel_slip": WheelSlipParameters,
+    "friction_slope": FrictionSlopeParameters,
+    "friction_curve_id": FrictionCurveParameters,
+    "abs_supervisor": SupervisorParameters,
+    "smart_tyre_forces": SmartTyreParameters,
+}
+ESTIMATORS = tuple(_PARAMETERS)
 """In the order in which data flows. Package, node and parameter file have one name; `build` of the module `processor`
 makes the processors from the parameters."""
 SMART_TYRE = "smart_tyre_forces"
@@ -42,7 +54,7 @@ def build_processors(
         values.pop("use_sim_time", None)
         build = import_module(f"{name}.processor").build
         try:
-            processors.extend(build(from_mapping(get_type_hints(build)["parameters"], values), report))
+            processors.extend(build(from_mapping(_PARAMETERS[name], values), report))
         except ValueError as error:
             raise ParameterError(f"{name}: {error}") from error
     return processors

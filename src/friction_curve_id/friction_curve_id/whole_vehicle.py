@@ -106,7 +106,8 @@ class WholeVehicle:
             step /= max(1.0, float(np.max(np.abs(step))) / _LONGEST_STEP)
             self._unknowns = np.clip(self._unknowns + step * self._prior_stddev, _LOW, _HIGH)
         information /= samples_per_information(weights * residuals)
-        return np.linalg.inv(information + np.eye(5)) * np.outer(self._prior_stddev, self._prior_stddev)
+        scale = np.outer(self._prior_stddev, self._prior_stddev)
+        return np.asarray(np.linalg.inv(information + np.eye(5)) * scale, dtype=np.float64)
 
     def _linearise(self, slips: Array, shares: Array, frictions: Array) -> tuple[Array, Array]:
         """Residuals, shape (n,), and rows of the model per standard deviation of the prior, shape (n, 5).
