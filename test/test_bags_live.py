@@ -241,6 +241,29 @@ def test_a_replay_arrives_complete_in_order_and_with_original_stamps(
     assert (wheels.times[-1] - wheels.times[0]) / SECOND == pytest.approx(399 * 0.005 / 4.0, abs=0.1)
 
 
+def test_a_prompt_topic_is_waited_for_also_while_another_answers_three_samples_late(
+    node: Node, start: Callable[..., Command], bag: Path
+) -> None:
+    prompt, late = (node.create_publisher(JointState, name, 100) for name in ("prompt", "late"))
+    wheels = Listener(node, JointState, "wheel_states")
+    follow = ("--as-fast-as-possible", "--follow", "prompt", "late")
+    player = start("play", str(bag), "--topics", "wheel_states", "--duration", "0.1", *follow, "--wait", "20")
+    answered, unanswered = 0, []
+    while player.process.poll() is None:
+        if wheels.take() == answered:
+            time.sleep(0.0005)
+            continue
+        time.sleep(0.01)  # an eager player would publish more meanwhile
+        unanswered.append(wheels.take() - answered)
+        prompt.publish(JointState(header=header(answered)))
+        if answered >= 3:
+            late.publish(JointState(header=header(answered - 3)))
+        answered += 1
+    assert player.process.returncode == 0, player.log.read_text()
+    assert answered == 20
+    assert max(unanswered) == 1
+
+
 def test_a_part_of_a_bag_is_replayed_under_another_name_in_a_loop(
     node: Node, start: Callable[..., Command], bag: Path
 ) -> None:
