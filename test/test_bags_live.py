@@ -253,11 +253,11 @@ def test_a_prompt_topic_is_waited_for_also_while_another_answers_three_samples_l
         if wheels.take() == answered:
             time.sleep(0.0005)
             continue
-        time.sleep(0.01)  # an eager player would publish more meanwhile
-        unanswered.append(wheels.take() - answered)
-        prompt.publish(JointState(header=header(answered)))
         if answered >= 3:
             late.publish(JointState(header=header(answered - 3)))
+        time.sleep(0.02)  # an eager player would publish more meanwhile
+        unanswered.append(wheels.take() - answered)
+        prompt.publish(JointState(header=header(answered)))
         answered += 1
     assert player.process.returncode == 0, player.log.read_text()
     assert answered == 20
