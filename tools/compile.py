@@ -22,10 +22,8 @@ COMPILED = {
     "speed_filter speed_queue speed_sample stuck_sensor vehicle_speed wheel_speed_filter",
     "friction_slope": "crossing detector estimate indicator processor reference_speed signals",
     "abs_supervisor": "braking fsm processor supervisor",
-    "friction_curve_id": "activation banded_normal_equations braking_window burckhardt_curve curve_fitting "
-    "curve_messages curve_prior curve_uncertainty dead_reckoning default_estimator excitation exponential_curve "
-    "fitted_curve friction_samples inputs interface log_curve map_fit past_evidence prediction processor recursive_ls "
-    "robust_weights sample_gate sample_window square_root surface_change torque_watch wheel_inputs",
+    "friction_curve_id": "activation curve_messages exponential_curve friction_samples inputs processor recursive_ls "
+    "square_root wheel_inputs",
     "friction_bags": "offline_graph",
 }
 """Modules by package."""
