@@ -28,9 +28,8 @@ _KMH = 1.0 / 3.6
 
 
 def data_directory() -> Path:
-    """FRICTION_DATA, or shared/data beside the repository."""
-    beside = Path(__file__).resolve().parents[3].parent / "shared" / "data"
-    return Path(os.environ.get("FRICTION_DATA", beside))
+    """FRICTION_DATA, or ../shared/data from where the command is run: beside the repository."""
+    return Path(os.environ.get("FRICTION_DATA", Path("../shared/data").resolve()))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
