@@ -88,9 +88,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, help="parameter file to be written")
     parser.add_argument("--parameters", type=Path, help="parameter file with the wheels and their nominal radii")
     parser.add_argument("--against", choices=("sensor", "wheels"), default="sensor")
-    parser.add_argument(
-        "--max-acceleration", type=float, default=CalibrationParameters.max_acceleration, help="[m/s^2]"
-    )
+    limit = CalibrationParameters().max_acceleration
+    parser.add_argument("--max-acceleration", type=float, default=limit, help="[m/s^2]")
 
 
 def run(options: argparse.Namespace) -> int:
