@@ -29,9 +29,8 @@ chapter says. The chapter's mu_max of 1.0014 for cobblestone does not follow fro
 
 SPEED = """The chapter's roads are reproduced by curves with its lambda_max, 0.1 and 0.13, and by its numbers
 of samples from lambda_init = 0.07 to the ABS activation at 0.15. Its errors are those of single test drives;
-ours are over many noisy runs. What the chapter concludes holds: the estimate is the same with measured and
-with estimated speed. With the chapter's noise on the speed sensor the estimated speed is even the better one,
-because it is smoother (the column over_measured compares the two)."""
+ours are over many noisy runs. What the chapter concludes holds: the estimate is as good with estimated as
+with measured speed (the column over_measured compares the two)."""
 
 SMART_TYRE = """The drives are simulated with a belt model; levels and shapes follow the chapter: about 25
 degrees of patch length, a twin spike a revolution, shifts of a few degrees. The chapter's observations hold
