@@ -1,4 +1,8 @@
-"""Offline processing of long bags: real-time factor, its ratio to reading and decoding alone, memory over length."""
+"""Offline processing of long bags: real-time factor, memory over length, and what the libraries alone take.
+
+`reading_and_decoding_seconds` is for the inputs; `library_cpu_seconds` adds what it takes to encode and write all that
+is written: the part of `cpu_seconds` in which no estimator has a share.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +17,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from rclpy.serialization import deserialize_message
 from rich.progress import track
 
 from corner_sim.parameters import SimParameters
@@ -22,6 +27,8 @@ from friction_bags.bag_reader import BagReader
 from friction_bags.bag_writer import BagWriter
 from friction_bags.cdr import decode, encode, installed_topic
 from friction_bags.message_definition import message_class
+from friction_bags.offline_part import ProcessOptions
+from friction_bags.offline_run import process_bag
 from friction_evaluation.parts import Row
 from friction_runtime.parameters import from_mapping
 
@@ -51,13 +58,15 @@ def run(options: argparse.Namespace) -> list[Row]:
         directory = Path(name)
         (directory / "parameters.yaml").write_text(_PARAMETERS)
         minute = list(_minute())
+        writing = _writing_time(minute, directory)
         for minutes in track(sorted(options.minutes), description="bags"):
             bag = directory / f"bag_{minutes}"
             _write(bag, minute, minutes)
             reading = _reading_time(bag)
             for processes in options.processes:
                 out = directory / f"out_{minutes}_{processes}"
-                rows.append({"minutes": minutes, **_process(bag, out, processes, reading)})
+                row = _process(bag, out, processes, reading)
+                rows.append({"minutes": minutes, **row, "library_cpu_seconds": reading + minutes * writing})
     return rows
 
 
@@ -105,6 +114,23 @@ def _reading_time(bag: Path) -> float:
         for topic, _, data in reader.messages():
             decode(data, kinds[topic])
     return time.perf_counter() - begun
+
+
+def _writing_time(minute: list[tuple[Topic, int, bytes]], directory: Path) -> float:
+    """CPU seconds in which a processed minute is encoded and written; what is copied is written only."""
+    bag, processed, again = directory / "minute", directory / "minute_processed", directory / "minute_again"
+    _write(bag, minute, 1)
+    process_bag(bag, processed, ProcessOptions(_ESTIMATORS, (), (directory / "parameters.yaml",)), 1, lambda _: None)
+    copied = {topic.name for topic, _, _ in minute}
+    seconds = 0.0
+    with BagReader(processed) as reader, BagWriter(again, chunk_size=4 << 20) as writer:
+        for topic, stamp, data in reader.messages():
+            message = None if topic.name in copied else deserialize_message(data, message_class(topic.type))
+            channel = writer.add_topic(topic)
+            begun = time.process_time()
+            writer.write(channel, stamp, data if message is None else encode(message))
+            seconds += time.process_time() - begun
+    return seconds
 
 
 def _process(bag: Path, out: Path, processes: int, reading: float) -> Row:
