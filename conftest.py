@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 
 from hypothesis import settings
@@ -13,6 +14,9 @@ os.environ["FASTDDS_BUILTIN_TRANSPORTS"] = "UDPv4"  # the default transports dis
 os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(__file__).parent / "src/friction_bringup/config/discovery.xml")
 os.environ["MPLBACKEND"] = "Agg"
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+# A shell hands SIGINT down as ignored to what it starts in the background; tests end their processes with it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # A shared machine is slow at times; that is no finding.
 settings.register_profile("workspace", deadline=None, print_blob=True)

@@ -7,7 +7,6 @@ is written: the part of `cpu_seconds` in which no estimator has a share.
 from __future__ import annotations
 
 import argparse
-import os
 import struct
 import subprocess
 import sys
@@ -40,6 +39,13 @@ _MINUTE_NS = len(_SURFACES) * _CYCLE_NS
 _STAMP = struct.Struct("<iI")
 _STAMP_AT = 4
 _ESTIMATORS = ("wheel_slip", "friction_slope", "abs_supervisor", "friction_curve_id")
+_MEASURE = """
+import resource, subprocess, sys
+subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL)
+usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+print(usage.ru_utime + usage.ru_stime, usage.ru_maxrss)
+"""
+"""Runs a command. A process of its own, because the memory of a parent counts as that of what it starts."""
 _PARAMETERS = "/**/friction_curve_id:\n  ros__parameters:\n    method: rls\n"
 
 
@@ -137,20 +143,17 @@ def _process(bag: Path, out: Path, processes: int, reading: float) -> Row:
     command = [sys.executable, "-m", "friction_bags", "process", str(bag), "--out", str(out), "--jobs", str(processes)]
     command += ["--estimators", *_ESTIMATORS, "--params-file", str(bag.parent / "parameters.yaml")]
     begun = time.perf_counter()
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
+    measured = subprocess.run([sys.executable, "-c", _MEASURE, *command], check=True, capture_output=True, text=True)
     seconds = time.perf_counter() - begun
-    if process.returncode:
-        raise RuntimeError(f"{' '.join(command)} failed")
+    cpu_seconds, memory = map(float, measured.stdout.split())
     with BagReader(bag) as reader:
         duration = (reader.end - reader.start) * 1e-9
     return {
         "processes": processes,
         "seconds": seconds,
-        "cpu_seconds": usage.ru_utime + usage.ru_stime,
+        "cpu_seconds": cpu_seconds,
         "real_time_factor": duration / seconds,
         "reading_and_decoding_seconds": reading,
         "ratio_to_reading_and_decoding": seconds / reading,
-        "largest_memory_mb": usage.ru_maxrss / 1024.0,
+        "largest_memory_mb": memory / 1024.0,
     }
