@@ -165,6 +165,22 @@ def test_changed_package_alone_is_built_again_and_what_it_lost_is_gone_from_inst
     assert next(workspace.glob("install/second/**/second/__init__.py")).stat().st_mtime_ns == kept
 
 
+def test_module_that_is_listed_no_more_runs_from_its_source_again(workspace: Path) -> None:
+    setup = "from setuptools import setup\nsetup(name='tiny', version='0.1.0', packages=['tiny'])\n"
+    package = add_package(workspace, "tiny", setup)
+    (workspace / "pyproject.toml").write_text("[tool.mypy]\nstrict = true\n")
+    for name in ("first", "second"):
+        (package / f"tiny/{name}.py").write_text("def double(value: float) -> float:\n    return 2.0 * value\n")
+    tool = workspace / "tools/compile.py"
+    for name in ("first", "second"):
+        table = f'COMPILED = {{\n    "tiny": "{name}",\n}}'
+        tool.write_text(re.sub(r"COMPILED = \{.*?\n\}", table, tool.read_text(), flags=re.DOTALL))
+        result = build(workspace)
+        assert result.returncode == 0, result.stdout + result.stderr
+        compiled = {path.name.split(".")[0] for path in workspace.glob("install/tiny/**/tiny/*.so")}
+        assert compiled == {name, f"{name}__mypyc"}
+
+
 def test_listed_modules_are_compiled_beside_their_source_and_again_when_it_changes(workspace: Path) -> None:
     table = '{"tiny": "fast"}'
     tool = workspace / "tools/compile.py"

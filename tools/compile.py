@@ -44,24 +44,18 @@ def compile_modules(root: Path) -> int:
     # The messages are untyped here as they are for mypy; no debugging information, which takes longer than the rest.
     env = dict(os.environ, MYPYC_OPT_LEVEL="2", MYPYC_DEBUG_LEVEL="0", MYPYPATH=str(staging))
     log = root / "build" / "mypyc.log"
-    here = Path.cwd()
-    os.chdir(staging)
-    try:
-        code = run_with_progress("mypyc", command, log, lambda _: f"{len(files)} modules", env)
-    finally:
-        os.chdir(here)
+    code = run_with_progress("mypyc", command, log, lambda _: f"{len(files)} modules", env, staging)
     if code != 0:
         print(*log.read_text().splitlines()[-25:], sep="\n")
         return code
-    places = {package: _installed(root, package) for package in present}
-    for package, place in places.items():
+    for setup in (root / "src").glob("*/setup.py"):  # a module that is listed no more must not stay compiled
+        for library in (root / "install" / setup.parent.name).glob("**/*.so"):
+            library.unlink()
+    for package in present:
         for library in (staging / package).glob("*.so"):
-            shutil.copy2(library, place / library.name)
-    shared = places[next(iter(places))].parent
-    for library in shared.glob("*__mypyc*.so"):
-        library.unlink()
-    for library in staging.glob("*__mypyc*.so"):
-        shutil.copy2(library, shared / library.name)
+            shutil.copy2(library, _installed(root, package))
+    for library in staging.glob("*__mypyc*.so"):  # what they share lies beside the first of their packages
+        shutil.copy2(library, _installed(root, next(iter(present))).parent)
     return 0
 
 

@@ -32,7 +32,12 @@ class ProgressLine:
 
 
 def run_with_progress(
-    title: str, command: list[str], log: Path, describe: Callable[[str], str | None], env: Mapping[str, str]
+    title: str,
+    command: list[str],
+    log: Path,
+    describe: Callable[[str], str | None],
+    env: Mapping[str, str],
+    directory: Path | None = None,
 ) -> int:
     """Run a command with its output in a log file and one line of progress on the terminal.
 
@@ -42,6 +47,7 @@ def run_with_progress(
         log: file that receives the whole output.
         describe: turns an output line into the text to show, or None to keep the last one.
         env: environment of the command.
+        directory: where the command runs; None for here.
 
     Returns:
         The exit status of the command.
@@ -57,6 +63,7 @@ def run_with_progress(
             stderr=subprocess.STDOUT,
             text=True,
             env=env,
+            cwd=directory,
         ) as process,
     ):
         assert process.stdout is not None

@@ -108,8 +108,7 @@ class Followed:
 
 def shipped() -> WheelSlipParameters:
     """Load the shipped parameter file."""
-    path = shipped_file("wheel_slip")
-    return load(WheelSlipParameters, path, "wheel_slip")
+    return load(WheelSlipParameters, shipped_file("wheel_slip"), "wheel_slip")
 
 
 def car_parameters(radius: float) -> WheelSlipParameters:

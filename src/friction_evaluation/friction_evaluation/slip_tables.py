@@ -220,5 +220,4 @@ def _rmse(errors: Array) -> float:
 
 
 def _shipped() -> FrictionCurveParameters:
-    path = shipped_file("friction_curve_id")
-    return load(FrictionCurveParameters, path, "friction_curve_id")
+    return load(FrictionCurveParameters, shipped_file("friction_curve_id"), "friction_curve_id")

@@ -64,10 +64,9 @@ class AlignedSample(Generic[Payload]):
 class _Stream:
     """One aligned input: its samples from the newest one at or before the primary onwards."""
 
-    __slots__ = ("apart_since", "declared", "epoch", "last_stamp", "max_gap_ns", "newest", "samples", "topic")
+    __slots__ = ("apart_since", "epoch", "last_stamp", "max_gap_ns", "newest", "samples", "topic")
 
     def __init__(self, declared: AlignedInput) -> None:
-        self.declared = declared
         self.topic = declared.topic
         self.max_gap_ns = round(declared.max_gap * NANOSECONDS)
         self.samples: deque[tuple[Key, tuple[float, ...]]] = deque(maxlen=_MAX_BUFFERED)

@@ -124,13 +124,14 @@ class SlopeDetector:
         h, delay = signals.h(), signals.delay
         if self._braked is None or sample.stamp - self._braked > p.braking_hold * _NANOSECONDS:
             return self._unknown(Reason.NOT_BRAKING, f"brake torque is below {p.minimum_torque} N m", h, delay)
-        if p.method is Method.SLIP and isnan(signals.slip_rate()):
+        slip_rate = signals.slip_rate() if p.method is Method.SLIP else 0.0
+        if isnan(slip_rate):
             return self._unknown(Reason.NO_SLIP, "slip was not valid throughout the window", h, delay)
         read_at = sample.stamp - round(delay * _NANOSECONDS)
         if sample.wheel_speed * p.radius < (1.0 - LOCKED_SLIP) * speed:
             self._crossing.update(LOCKED_INDICATOR, 1, signals.slip, read_at)
             return self._estimate(Reason.OK, "", nan, delay, LOCKED_INDICATOR)
-        growing = self._growing()
+        growing = self._growing(slip_rate)
         indicator = h * growing
         self._crossing.update(indicator, growing, signals.slip, read_at)
         if growing == 0:
@@ -140,11 +141,11 @@ class SlopeDetector:
             return self._estimate(Reason.NOT_READY, "indicator has not passed a threshold yet", h, delay, indicator)
         return self._estimate(Reason.OK, "", h, delay, indicator)
 
-    def _growing(self) -> int:
-        """Sign of the slip rate by the method, 0 in the dead zone."""
+    def _growing(self, slip_rate: float) -> int:
+        """Sign of the slip rate by the method, 0 in the dead zone; `slip_rate` [1/s] is what the method slip reads."""
         p = self._p
         if p.method is Method.SLIP:
-            return slip_rate_sign(self._signals.slip_rate(), p.slip_rate_dead_zone)
+            return slip_rate_sign(slip_rate, p.slip_rate_dead_zone)
         friction = self._signals.friction_moment() / (p.radius * p.vertical_load)
         eta = normalised_deceleration(self._signals.wheel_acceleration(), p.radius)
         return eta_sign(eta, friction, p.eta_margin, p.slip_rate_dead_zone, self._reference.speed)
