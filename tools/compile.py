@@ -24,7 +24,7 @@ COMPILED = {
     "abs_supervisor": "braking fsm processor supervisor",
     "friction_curve_id": "activation curve_messages exponential_curve friction_samples inputs processor recursive_ls "
     "square_root wheel_inputs",
-    "friction_bags": "cdr cdr_layout offline_graph",
+    "friction_bags": "bag_writer cdr cdr_layout mcap_chunk mcap_writer offline_graph",
 }
 """Modules by package."""
 
