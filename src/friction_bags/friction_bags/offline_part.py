@@ -13,12 +13,13 @@ from friction_bags.bag_format import BagError, Topic
 from friction_bags.bag_reader import BagReader
 from friction_bags.cdr import decode, encode, type_name
 from friction_bags.estimators import SMART_TYRE, WHEEL_ESTIMATORS, build_processors
-from friction_bags.offline_graph import GraphPart, OfflineGraph, independent_parts
+from friction_bags.graph_parts import GraphPart, independent_parts
+from friction_bags.offline_graph import OfflineGraph
 from friction_runtime.processor import Processor, Report
 
 _WHEEL_STATES = "wheel_states"
 _TYRE_SIGNALS = "/tyre_signals"
-_BATCH = 512
+_BATCH = 128
 """Messages of the bag whose outputs are sent together."""
 _MOST_REPORTS = 100
 

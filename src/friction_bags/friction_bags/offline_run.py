@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from fcntl import F_SETPIPE_SZ, fcntl
 from multiprocessing import get_context
 from pathlib import Path
 from time import perf_counter
@@ -10,7 +11,7 @@ from time import perf_counter
 from friction_bags.bag_reader import BagReader
 from friction_bags.bag_writer import BagWriter
 from friction_bags.cdr import installed_topic
-from friction_bags.offline_graph import independent_parts
+from friction_bags.graph_parts import independent_parts
 from friction_bags.offline_part import (
     Outputs,
     PartRun,
@@ -24,6 +25,8 @@ from friction_bags.offline_part import (
 
 _CHUNK_SIZE = 4 << 20
 _PROGRESS_EVERY = 1000
+_PIPE_SIZE = 1 << 20
+"""[bytes] What a process may be ahead of the one that writes: with the usual 64 kB they wait for each other."""
 
 
 @dataclass(frozen=True)
@@ -108,6 +111,7 @@ def _process(bag: Path, part: int, parts: int, options: ProcessOptions) -> Itera
     """Outputs of a part that runs in a process of its own (spawned: a forked one would hang in the middleware)."""
     context = get_context("spawn")
     here, there = context.Pipe(duplex=False)
+    fcntl(there.fileno(), F_SETPIPE_SZ, _PIPE_SIZE)
     process = context.Process(target=send_outputs, args=(bag, part, parts, options, there), daemon=True)
     process.start()
     there.close()
