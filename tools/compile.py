@@ -22,9 +22,9 @@ COMPILED = {
     "speed_filter speed_queue speed_sample stuck_sensor vehicle_speed wheel_speed_filter",
     "friction_slope": "crossing detector estimate indicator processor reference_speed signals",
     "abs_supervisor": "braking fsm processor supervisor",
-    "friction_curve_id": "activation curve_messages exponential_curve friction_samples inputs processor recursive_ls "
-    "square_root wheel_inputs",
-    "friction_bags": "bag_writer cdr cdr_layout mcap_chunk mcap_writer offline_graph",
+    "friction_curve_id": "activation curve_fitting curve_messages dead_reckoning exponential_curve fitted_curve "
+    "friction_samples inputs processor recursive_ls square_root wheel_inputs",
+    "friction_bags": "bag_writer cdr cdr_layout mcap_chunk mcap_writer offline_graph part_run",
 }
 """Modules by package."""
 

@@ -18,6 +18,8 @@ from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 
 BRAKE_DEMAND = "brake_demand"
 _NANOSECONDS = 1_000_000_000
+_OK, _LOW_SPEED = int(SupervisorState.OK), int(SupervisorState.LOW_SPEED)
+_SLOPE_LOW_SPEED = int(FrictionSlope.LOW_SPEED)
 _ALIVE = (FrictionSlope.OK, FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION, FrictionSlope.LOW_SPEED)
 """Reasons of friction_slope with which the machine can go on."""
 
@@ -90,7 +92,7 @@ class WheelProcessor:
             "fail-safes": str(counts.fail_safes),
             "shadow": str(self._p.shadow).lower(),
         }
-        ordinary = self._reason in (SupervisorState.OK, SupervisorState.LOW_SPEED)
+        ordinary = self._reason in (_OK, _LOW_SPEED)
         level = Level.OK if ordinary else Level.ERROR
         return Health(self._wheel, level, self._text or f"{machine.state.name}", values)
 
@@ -118,12 +120,12 @@ class WheelProcessor:
         torque = self._torque_at(sample)
         self._reason, self._text = self._judge(sample, torque)
         self._torque = float("nan") if torque is None else torque
-        usable = self._reason in (SupervisorState.OK, SupervisorState.LOW_SPEED)
+        usable = self._reason in (_OK, _LOW_SPEED)
         evidence = Evidence(
             h=slope.h,
             indicator=slope.indicator,
             usable=usable,
-            slow=self._reason == SupervisorState.LOW_SPEED,
+            slow=self._reason == _LOW_SPEED,
             braking=torque is not None and self._brakes(sample.stamp, torque),
         )
         if self._supervisor.update(sample.stamp, evidence):
@@ -148,11 +150,11 @@ class WheelProcessor:
         slope = sample.payload
         if torque is None:
             return SupervisorState.NO_DEMAND, sample.missing[self._demand]
-        if slope.reason == FrictionSlope.LOW_SPEED:
-            return SupervisorState.LOW_SPEED, slope.reason_text
+        if slope.reason == _SLOPE_LOW_SPEED:
+            return _LOW_SPEED, slope.reason_text
         if slope.reason not in _ALIVE and not isfinite(slope.indicator):
             return SupervisorState.INVALID_SLOPE, f"{self._slope}: {slope.reason_text}"
-        return SupervisorState.OK, ""
+        return _OK, ""
 
     def _log_transition(self, severity: Any) -> None:
         machine = self._supervisor
@@ -182,7 +184,7 @@ class WheelProcessor:
         state.recoveries = counts.recoveries
         state.release_timeouts = counts.release_timeouts
         state.fail_safes = counts.fail_safes
-        state.valid = self._reason == SupervisorState.OK
+        state.valid = self._reason == _OK
         state.reason = self._reason
         state.reason_text = self._text and f"{self._wheel}: {self._text}"
         outputs: list[Output] = [(f"{self._wheel}/abs_supervisor", state)]

@@ -34,6 +34,10 @@ class Topic:
     qos: tuple[Qos, ...] = ()
     """QoS offered by each publisher when it was recorded."""
 
+    def __hash__(self) -> int:
+        """Of the name: topics are looked up at every message, and seldom share one."""
+        return hash(self.name)
+
 
 @dataclass(frozen=True)
 class Contents:

@@ -185,13 +185,17 @@ class BagReader:
     def _part_messages(self, part: _Part, wanted: dict[tuple[str, str], Topic], start: int) -> Iterator[Message]:
         last = start - 1
         if part.reader is not None:
-            known = {key: wanted.get((topic.name, topic.type)) for key, topic in part.topic_of.items()}
-            connections = [each for each in part.reader.connections if known[each.id] is not None]
+            topics = {
+                key: wanted[topic.name, topic.type]
+                for key, topic in part.topic_of.items()
+                if (topic.name, topic.type) in wanted
+            }
+            connections = [each for each in part.reader.connections if each.id in topics]
             if not connections:
                 return
             try:
                 for connection, stamp, data in part.reader.messages(connections, start or None):
-                    yield cast("Topic", known[connection.id]), stamp, _plain(data)
+                    yield topics[connection.id], stamp, _plain(data)
                     last = stamp
                 return
             except Exception as error:

@@ -102,10 +102,9 @@ class _Codec:
         key = (len(data), data[self._first_length : self._first_length + _LENGTH_SIZE])
         known = self._tried.get(key)
         if known is not None:
-            with suppress(ValueError):
-                message = known.read(data)
-                if message is not None:
-                    return message
+            message = self._read(known, data)
+            if message is not None:
+                return message
         try:
             message = self._store.deserialize_cdr(data, self._name)
         except SerdeError:
@@ -116,6 +115,12 @@ class _Codec:
                 self._first_length = layout.first_length
                 self._tried[(layout.size, data[layout.first_length : layout.first_length + _LENGTH_SIZE])] = layout
         return message
+
+    def _read(self, layout: Layout, data: bytes) -> Any:
+        try:
+            return layout.read(data)
+        except ValueError:
+            return None
 
     def _layout(self, message: Message, lengths: tuple[int, ...]) -> Layout:
         layout = self._layouts.get(lengths)

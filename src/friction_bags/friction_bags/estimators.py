@@ -7,24 +7,19 @@ from typing import Any
 
 import yaml
 
-from abs_supervisor.parameters import SupervisorParameters
-from friction_curve_id.parameters import FrictionCurveParameters
 from friction_runtime.parameters import ParameterError, from_mapping, shipped_file
 from friction_runtime.processor import Processor, Report
-from friction_slope.parameters import FrictionSlopeParameters
-from smart_tyre_forces.parameters import SmartTyreParameters
-from wheel_slip.parameters import WheelSlipParameters
 
-_PARAMETERS: dict[str, type] = {
-    "wheel_slip": WheelSlipParameters,
-    "friction_slope": FrictionSlopeParameters,
-    "friction_curve_id": FrictionCurveParameters,
-    "abs_supervisor": SupervisorParameters,
-    "smart_tyre_forces": SmartTyreParameters,
+_PARAMETERS = {
+    "wheel_slip": "WheelSlipParameters",
+    "friction_slope": "FrictionSlopeParameters",
+    "friction_curve_id": "FrictionCurveParameters",
+    "abs_supervisor": "SupervisorParameters",
+    "smart_tyre_forces": "SmartTyreParameters",
 }
 ESTIMATORS = tuple(_PARAMETERS)
 """In the order in which data flows. Package, node and parameter file have one name; `build` of the module `processor`
-makes the processors from the parameters."""
+makes the processors from the parameters. Only what is asked for is imported: all of it takes a second."""
 SMART_TYRE = "smart_tyre_forces"
 WHEEL_ESTIMATORS = tuple(name for name in ESTIMATORS if name != SMART_TYRE)
 """Those that live on wheel_states."""
@@ -52,9 +47,10 @@ def build_processors(
             values.update(_section(file, name))
         values["wheels"] = list(wheels)
         values.pop("use_sim_time", None)
+        parameters = getattr(import_module(f"{name}.parameters"), _PARAMETERS[name])
         build = import_module(f"{name}.processor").build
         try:
-            processors.extend(build(from_mapping(_PARAMETERS[name], values), report))
+            processors.extend(build(from_mapping(parameters, values), report))
         except ValueError as error:
             raise ParameterError(f"{name}: {error}") from error
     return processors

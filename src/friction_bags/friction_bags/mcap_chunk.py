@@ -6,6 +6,7 @@ from mcap.opcode import Opcode
 
 _MESSAGE = Struct("<BQHIQQ")
 _MESSAGE_FIELDS_SIZE = 22
+_MESSAGE_OPCODE = int(Opcode.MESSAGE)
 _INDEX = Struct("<BQHI")
 _INDEX_FIELDS_SIZE = 6
 _UINT32 = 0xFFFFFFFF
@@ -53,7 +54,7 @@ class McapChunk:
         elif stamp < self.start:
             self.start = stamp
         size = _MESSAGE_FIELDS_SIZE + len(data)
-        self._parts.append(_MESSAGE.pack(Opcode.MESSAGE.value, size, channel, sequence & _UINT32, stamp, sent))
+        self._parts.append(_MESSAGE.pack(_MESSAGE_OPCODE, size, channel, sequence & _UINT32, stamp, sent))
         self._parts.append(data)
         self.size += _MESSAGE.size + len(data)
 

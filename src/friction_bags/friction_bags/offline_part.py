@@ -11,10 +11,11 @@ from sensor_msgs.msg import JointState
 
 from friction_bags.bag_format import BagError, Topic
 from friction_bags.bag_reader import BagReader
-from friction_bags.cdr import decode, encode, type_name
+from friction_bags.cdr import decode, type_name
 from friction_bags.estimators import SMART_TYRE, WHEEL_ESTIMATORS, build_processors
-from friction_bags.graph_parts import GraphPart, independent_parts
+from friction_bags.graph_parts import independent_parts
 from friction_bags.offline_graph import OfflineGraph
+from friction_bags.part_run import Outputs, PartRun
 from friction_runtime.processor import Processor, Report
 
 _WHEEL_STATES = "wheel_states"
@@ -22,9 +23,6 @@ _TYRE_SIGNALS = "/tyre_signals"
 _BATCH = 128
 """Messages of the bag whose outputs are sent together."""
 _MOST_REPORTS = 100
-
-Outputs = list[tuple[str, bytes]]
-"""Relative topics and CDR of what follows from one message."""
 
 
 @dataclass(frozen=True)
@@ -61,31 +59,6 @@ class SayOnce:
             print(f"{severity}: {text}", file=sys.stderr)
 
 
-class PartRun:
-    """Takes the messages of a bag, gives the outputs of a part of the estimators.
-
-    Messages that cannot be decoded are left out, and counted by topic in `refused`.
-    """
-
-    def __init__(self, part: GraphPart) -> None:
-        self._graph = OfflineGraph(part.processors)
-        self._outputs = part.outputs
-        self.refused: dict[str, int] = {}
-
-    def take(self, name: str, data: bytes) -> Outputs:
-        """Outputs that follow from a message with its relative topic."""
-        kind = self._graph.inputs.get(name)
-        if kind is None:
-            return []
-        try:
-            message = decode(data, kind)
-        except ValueError:
-            self.refused[name] = self.refused.get(name, 0) + 1
-            return []
-        given = self._graph.feed(name, message)
-        return [(topic, encode(made)) for topic, made in given if topic in self._outputs]
-
-
 def processors_for(reader: BagReader, options: ProcessOptions, report: Report) -> list[Processor]:
     """Make the processors that a bag asks for.
 
@@ -118,6 +91,12 @@ def taken_topics(reader: BagReader, processors: list[Processor], prefix: str) ->
     return taken
 
 
+def output_places(processors: list[Processor]) -> dict[str, int]:
+    """Numbers of the topics that processors make, in the order in which outputs of one message are written."""
+    topics = dict.fromkeys(topic for processor in processors for topic in processor.outputs)
+    return {topic: place for place, topic in enumerate(topics)}
+
+
 def send_outputs(bag: Path, part: int, parts: int, options: ProcessOptions, receiver: Connection) -> None:
     """Run one of several parts over a bag; send, in batches, the outputs after each message that is taken.
 
@@ -127,7 +106,7 @@ def send_outputs(bag: Path, part: int, parts: int, options: ProcessOptions, rece
         with BagReader(bag) as reader:
             processors = processors_for(reader, options, lambda *_: None)
             taken = taken_topics(reader, processors, options.prefix)
-            run = PartRun(independent_parts(processors, parts)[part])
+            run = PartRun(independent_parts(processors, parts)[part], output_places(processors))
             batch: list[Outputs] = []
             for topic, _, data in reader.messages(taken):
                 batch.append(run.take(taken[topic], data))

@@ -5,6 +5,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from fcntl import F_SETPIPE_SZ, fcntl
 from multiprocessing import get_context
+from operator import itemgetter
 from pathlib import Path
 from time import perf_counter
 
@@ -13,18 +14,19 @@ from friction_bags.bag_writer import BagWriter
 from friction_bags.cdr import installed_topic
 from friction_bags.graph_parts import independent_parts
 from friction_bags.offline_part import (
-    Outputs,
-    PartRun,
     ProcessOptions,
     SayOnce,
+    output_places,
     processors_for,
     received_outputs,
     send_outputs,
     taken_topics,
 )
+from friction_bags.part_run import Outputs, PartRun
 
 _CHUNK_SIZE = 4 << 20
 _PROGRESS_EVERY = 1000
+_place = itemgetter(0)
 _PIPE_SIZE = 1 << 20
 """[bytes] What a process may be ahead of the one that writes: with the usual 64 kB they wait for each other."""
 
@@ -77,20 +79,23 @@ def process_bag(
             for topic in reader.counts
             if not options.outputs_only and topic.name.removeprefix(options.prefix) not in made
         }
-        channels = {name: writer.add_topic(installed_topic(options.prefix + name, kind)) for name, kind in made.items()}
-        here = PartRun(parts[0])
+        places = output_places(processors)
+        channels = [writer.add_topic(installed_topic(options.prefix + name, made[name])) for name in places]
+        here = PartRun(parts[0], places)
         elsewhere = [stack.enter_context(_process(bag, part, len(parts), options)) for part in range(1, len(parts))]
         total = max(reader.message_count, 1)
         count = given = 0
         for topic, stamp, data in reader.messages({**copied, **taken}):
-            if topic in copied:
-                writer.write(copied[topic], stamp, data)
-            if topic in taken:
-                outputs = here.take(taken[topic], data)
+            copy, name = copied.get(topic), taken.get(topic)
+            if copy is not None:
+                writer.write(copy, stamp, data)
+            if name is not None:
+                outputs = here.take(name, data)
                 for other in elsewhere:
                     outputs += next(other)
-                for channel, encoded in sorted(((channels[name], encoded) for name, encoded in outputs), key=_channel):
-                    writer.write(channel, stamp, encoded)
+                outputs.sort(key=_place)
+                for place, encoded in outputs:
+                    writer.write(channels[place], stamp, encoded)
                 given += len(outputs)
             count += 1
             if count % _PROGRESS_EVERY == 0:
@@ -100,10 +105,6 @@ def process_bag(
         refused = [f"{name}: {number} messages cannot be decoded" for name, number in here.refused.items()]
         problems = (*reader.problems, *refused)
         return ProcessResult(str(bag), count, given, duration, perf_counter() - begun, problems)
-
-
-def _channel(output: tuple[int, bytes]) -> int:
-    return output[0]
 
 
 @contextmanager
