@@ -23,7 +23,7 @@ from friction_bags.import_csv import read_rows
 from friction_bags.library import Experiment, simulate
 from friction_bags.message_bag import write_bag
 from friction_bags.message_definition import message_class
-from friction_bags.offline_part import ProcessOptions
+from friction_bags.offline_plan import ProcessOptions
 from friction_bags.offline_run import process_bag
 from friction_runtime.parameters import shipped_file
 

@@ -24,7 +24,7 @@ COMPILED = {
     "abs_supervisor": "braking fsm processor supervisor",
     "friction_curve_id": "activation curve_fitting curve_messages dead_reckoning exponential_curve fitted_curve "
     "friction_samples inputs processor recursive_ls square_root wheel_inputs",
-    "friction_bags": "bag_writer cdr cdr_layout mcap_chunk mcap_writer offline_graph part_run",
+    "friction_bags": "bag_writer cdr cdr_layout mcap_chunk mcap_writer offline_graph stage_run",
 }
 """Modules by package."""
 

@@ -1,10 +1,8 @@
 """One run of the estimators over a bag without middleware: messages of the bag in, a bag with their outputs out."""
 
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
-from fcntl import F_SETPIPE_SZ, fcntl
-from multiprocessing import get_context
 from operator import itemgetter
 from pathlib import Path
 from time import perf_counter
@@ -12,23 +10,14 @@ from time import perf_counter
 from friction_bags.bag_reader import BagReader
 from friction_bags.bag_writer import BagWriter
 from friction_bags.cdr import installed_topic
-from friction_bags.graph_parts import independent_parts
-from friction_bags.offline_part import (
-    ProcessOptions,
-    SayOnce,
-    output_places,
-    processors_for,
-    received_outputs,
-    send_outputs,
-    taken_topics,
-)
-from friction_bags.part_run import Outputs, PartRun
+from friction_bags.graph_stages import graph_stages
+from friction_bags.offline_plan import ProcessOptions, SayOnce, output_numbers, plan_for
+from friction_bags.offline_stage import read_steps, steps_of_stages, undecoded
+from friction_bags.stage_run import StageRun
 
 _CHUNK_SIZE = 4 << 20
 _PROGRESS_EVERY = 1000
-_place = itemgetter(0)
-_PIPE_SIZE = 1 << 20
-"""[bytes] What a process may be ahead of the one that writes: with the usual 64 kB they wait for each other."""
+_number = itemgetter(0)
 
 
 @dataclass(frozen=True)
@@ -59,7 +48,7 @@ def process_bag(
         bag: to be read.
         out: to be made.
         options: what to do.
-        processes: among which the wheels are divided, at most.
+        processes: among which the estimators are divided, at most.
         progress: is told the part that is done, 0 to 1.
 
     Raises:
@@ -69,56 +58,39 @@ def process_bag(
     begun = perf_counter()
     with ExitStack() as stack:
         reader = stack.enter_context(BagReader(bag))
-        processors = processors_for(reader, options, SayOnce())
-        taken = taken_topics(reader, processors, options.prefix)
-        parts = independent_parts(processors, processes)
+        plan = plan_for(reader, options)
+        processors = plan.processors(SayOnce())
+        stages = graph_stages(processors, processes)
         made = {topic: kind for processor in processors for topic, kind in processor.outputs.items()}
         writer = stack.enter_context(BagWriter(out, chunk_size=_CHUNK_SIZE, custom_data=reader.custom_data))
-        copied = {
-            topic: writer.add_topic(topic)
-            for topic in reader.counts
-            if not options.outputs_only and topic.name.removeprefix(options.prefix) not in made
-        }
-        places = output_places(processors)
-        channels = [writer.add_topic(installed_topic(options.prefix + name, made[name])) for name in places]
-        here = PartRun(parts[0], places)
-        elsewhere = [stack.enter_context(_process(bag, part, len(parts), options)) for part in range(1, len(parts))]
+        copies = [
+            writer.add_topic(topic) if copied else None
+            for topic, copied in zip(reader.counts, plan.copied, strict=True)
+        ]
+        numbers = output_numbers(processors)
+        channels = [writer.add_topic(installed_topic(options.prefix + name, made[name])) for name in numbers]
+        run = StageRun(stages[-1], numbers)
+        problems: list[str] = []
+        if len(stages) == 1:
+            steps = read_steps(reader, plan)
+        else:
+            steps = stack.enter_context(steps_of_stages(plan, len(stages), problems))
         total = max(reader.message_count, 1)
         count = given = 0
-        for topic, stamp, data in reader.messages({**copied, **taken}):
-            copy, name = copied.get(topic), taken.get(topic)
+        for topic, stamp, data, outputs in steps:
+            copy, name = copies[topic], plan.taken[topic]
             if copy is not None:
                 writer.write(copy, stamp, data)
-            if name is not None:
-                outputs = here.take(name, data)
-                for other in elsewhere:
-                    outputs += next(other)
-                outputs.sort(key=_place)
-                for place, encoded in outputs:
-                    writer.write(channels[place], stamp, encoded)
+            if name:
+                run.take(name, data, outputs)
+                outputs.sort(key=_number)
+                for number, encoded in outputs:
+                    writer.write(channels[number], stamp, encoded)
                 given += len(outputs)
             count += 1
             if count % _PROGRESS_EVERY == 0:
                 progress(count / total)
         progress(1.0)
         duration = (reader.end - reader.start) * 1e-9
-        refused = [f"{name}: {number} messages cannot be decoded" for name, number in here.refused.items()]
-        problems = (*reader.problems, *refused)
-        return ProcessResult(str(bag), count, given, duration, perf_counter() - begun, problems)
-
-
-@contextmanager
-def _process(bag: Path, part: int, parts: int, options: ProcessOptions) -> Iterator[Iterator[Outputs]]:
-    """Outputs of a part that runs in a process of its own (spawned: a forked one would hang in the middleware)."""
-    context = get_context("spawn")
-    here, there = context.Pipe(duplex=False)
-    fcntl(there.fileno(), F_SETPIPE_SZ, _PIPE_SIZE)
-    process = context.Process(target=send_outputs, args=(bag, part, parts, options, there), daemon=True)
-    process.start()
-    there.close()
-    try:
-        yield received_outputs(here)
-    finally:
-        here.close()
-        process.terminate()
-        process.join()
+        found = tuple(dict.fromkeys([*reader.problems, *problems, *undecoded(run)]))
+        return ProcessResult(str(bag), count, given, duration, perf_counter() - begun, found)

@@ -16,7 +16,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 
 from friction_bags.bag_format import BagError
 from friction_bags.estimators import ESTIMATORS
-from friction_bags.offline_part import ProcessOptions
+from friction_bags.offline_plan import ProcessOptions
 from friction_bags.offline_run import ProcessResult, process_bag
 from friction_runtime.parameters import ParameterError
 

@@ -20,10 +20,10 @@ from friction_bags.bag_format import BagError, Topic
 from friction_bags.bag_reader import BagReader
 from friction_bags.bag_writer import BagWriter
 from friction_bags.cdr import encode, installed_topic
-from friction_bags.graph_parts import independent_parts
+from friction_bags.graph_stages import graph_stages
 from friction_bags.message_definition import message_class
 from friction_bags.offline_graph import OfflineGraph
-from friction_bags.offline_part import ProcessOptions
+from friction_bags.offline_plan import ProcessOptions
 from friction_bags.offline_run import process_bag
 from friction_runtime.parameters import ParameterError, from_mapping
 from friction_runtime.stamps import from_nanoseconds
@@ -269,22 +269,16 @@ def test_a_message_is_passed_on_to_all_who_take_it_once() -> None:
     assert OfflineGraph(chain).feed("unknown", message) == []
 
 
-def test_processors_are_divided_only_where_none_needs_another() -> None:
+def test_a_stage_takes_topics_of_the_stages_before_it_only() -> None:
     shared: Any = Relay("wheel_states", "left/slip", "right/slip")
     left: Any = Relay("left/slip", "left/slope")
     right: Any = Relay("right/slip", "right/slope")
-    one, two = independent_parts([shared, left, right], 2)
-    assert one.processors == (shared, left)
-    assert two.processors == (shared, right)
-    assert one.outputs == {"left/slip", "right/slip", "left/slope"}
-    assert two.outputs == {"right/slope"}
-    curve: Any = Relay("left/slip", "left/curve")
+    assert graph_stages([shared, left, right], 2) == [(shared, left), (right,)]
+    assert graph_stages([shared, left, right], 9) == [(shared, left), (right,)]
+    assert graph_stages([shared, left, right], 1) == [(shared, left, right)]
     state: Any = Relay("left/slope", "left/state")
-    one, two = independent_parts([shared, left, curve, state], 2)
-    assert one.processors == (shared, curve)
-    assert two.processors == (shared, left, state)
-    both: Any = Relay("left/slope", "right/limit")
-    assert independent_parts([shared, left, right, both], 2)[1].processors == (shared, left, both)
+    curve: Any = Relay("left/slip", "left/curve")
+    assert graph_stages([shared, curve, left, right, state], 2) == [(shared, curve), (right, left, state)]
+    assert graph_stages([left, state], 2) == [(left, state)]
     taken_back: Any = Relay("right/slope", "left/speed", "right/speed")
-    assert len(independent_parts([shared, left, right, taken_back], 2)) == 1
-    assert len(independent_parts([shared, left, right], 1)) == 1
+    assert graph_stages([shared, left, right, taken_back], 2) == [(shared, left, right, taken_back)]

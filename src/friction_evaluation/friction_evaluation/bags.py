@@ -26,7 +26,7 @@ from friction_bags.bag_reader import BagReader
 from friction_bags.bag_writer import BagWriter
 from friction_bags.cdr import decode, encode, installed_topic
 from friction_bags.message_definition import message_class
-from friction_bags.offline_part import ProcessOptions
+from friction_bags.offline_plan import ProcessOptions
 from friction_bags.offline_run import process_bag
 from friction_evaluation.parts import Row
 from friction_runtime.parameters import from_mapping

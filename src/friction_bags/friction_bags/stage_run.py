@@ -1,0 +1,49 @@
+"""A stage of the estimators over encoded messages: what is done for each message of a bag."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from friction_bags.cdr import decode, encode
+from friction_bags.graph_stages import Stage
+from friction_bags.offline_graph import OfflineGraph
+
+Outputs = list[tuple[int, bytes]]
+"""Number of the topic and CDR of what follows from one message."""
+
+
+class StageRun:
+    """Takes the messages of a bag with the outputs of the stages before, adds its own.
+
+    Messages that cannot be decoded are left out, and counted by topic in `refused`.
+    """
+
+    def __init__(self, stage: Stage, numbers: Mapping[str, int]) -> None:
+        """Start anew.
+
+        Args:
+            stage: processors.
+            numbers: of the topics that the processors of all stages make.
+        """
+        self._graph = OfflineGraph(stage)
+        self._numbers = dict(numbers)
+        self._names = list(numbers)
+        self.refused: dict[str, int] = {}
+
+    def take(self, name: str, data: bytes, outputs: Outputs) -> None:
+        """Take a message with its relative topic, and what follows from it so far; append what follows here."""
+        made = [(self._names[number], encoded) for number, encoded in outputs]
+        self._feed(name, data, outputs)
+        for topic, encoded in made:
+            self._feed(topic, encoded, outputs)
+
+    def _feed(self, name: str, data: bytes, outputs: Outputs) -> None:
+        kind = self._graph.inputs.get(name)
+        if kind is None:
+            return
+        try:
+            message: Any = decode(data, kind)
+        except ValueError:
+            self.refused[name] = self.refused.get(name, 0) + 1
+            return
+        for topic, made in self._graph.feed(name, message):
+            outputs.append((self._numbers[topic], encode(made)))
