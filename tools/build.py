@@ -66,6 +66,9 @@ def build(root: Path) -> int:
     found = read_stamp(root)
     if found == finished and (root / "install/setup.bash").exists():
         return 0
+    colcon = shutil.which("colcon")
+    if colcon is None:
+        sys.exit("colcon is not on the PATH: sudo apt-get install -y python3-colcon-common-extensions")
     unfinished = found.get("state") != "finished" and (root / "build").exists()
     removed = not set(found) <= set(finished)
     if unfinished or removed or found.get("made by", made_by) != made_by or not (root / "install").exists():
@@ -79,7 +82,7 @@ def build(root: Path) -> int:
             for directory in ("build", "install"):
                 shutil.rmtree(root / directory / name, ignore_errors=True)
     write_stamp(root, {**finished, "state": "building"})
-    code = run_colcon(root, changed) if changed else 0
+    code = run_colcon(colcon, root, changed) if changed else 0
     if code == 0 and (COMPILED.keys() & changed or found.get("compiled by") != tools):
         code = compile_modules(root)
     # What failed is built again, as is what came after it.
@@ -87,7 +90,7 @@ def build(root: Path) -> int:
     return code
 
 
-def run_colcon(root: Path, names: list[str]) -> int:
+def run_colcon(colcon: str, root: Path, names: list[str]) -> int:
     """Run colcon over the named packages; where one fails, print the end of its log."""
     done = 0
     failed: list[str] = []
@@ -103,9 +106,6 @@ def run_colcon(root: Path, names: list[str]) -> int:
 
     log = root / "build" / "colcon.log"
     # By this python, so that the programs of the packages start with it too, wherever colcon comes from.
-    colcon = shutil.which("colcon")
-    if colcon is None:
-        sys.exit("colcon is not on the PATH: sudo apt-get install -y python3-colcon-common-extensions")
     command = [sys.executable, colcon, "--log-base", str(root / "log"), "build"]
     command += ["--base-paths", "src", "--packages-select", *names]
     env = dict(os.environ, PYTHONUNBUFFERED="1")

@@ -1,7 +1,7 @@
-"""Offline processing of long bags: real-time factor, memory over length, and what the libraries alone take.
+"""Offline processing of long bags: real-time factor, memory over length, and the share of the bags themselves.
 
-`reading_and_decoding_seconds` is for the inputs; `library_cpu_seconds` adds what it takes to encode and write all that
-is written: the part of `cpu_seconds` in which no estimator has a share.
+`reading_and_decoding_seconds` is for the inputs; `bag_cpu_seconds` adds what it takes to encode and write all that is
+written: the part of `cpu_seconds` in which no estimator has a share.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> list[Row]:
             for processes in options.processes:
                 out = directory / f"out_{minutes}_{processes}"
                 row = _process(bag, out, processes, reading)
-                rows.append({"minutes": minutes, **row, "library_cpu_seconds": reading + minutes * writing})
+                rows.append({"minutes": minutes, **row, "bag_cpu_seconds": reading + minutes * writing})
     return rows
 
 
