@@ -40,6 +40,9 @@ _README_END = """
 
 The smart-tyre bags in the repository are short cuts: `python -m friction_bags library --full --out DIR` makes whole
 runs. The measured bags are not in the repository: `python -m friction_bags import bmw|iac FILE.csv --out DIR`.
+
+Made again on the same machine, every file is the same, byte for byte. On another kind of processor the estimates in the
+two closed loops (`abs_stop`, `dry_to_snow`) differ in their last bits: numpy's sums are taken in another order there.
 """
 
 

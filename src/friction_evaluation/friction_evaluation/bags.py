@@ -1,7 +1,8 @@
 """Offline processing of long bags: real-time factor, memory over length, and the share of the bags themselves.
 
 `reading_and_decoding_seconds` is for the inputs; `bag_cpu_seconds` adds what it takes to encode and write all that is
-written: the part of `cpu_seconds` in which no estimator has a share.
+written: the part of `cpu_seconds` in which no estimator has a share. `bag_cpu_seconds_with_libraries` is that part with
+rosbags and the mcap package alone.
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +30,7 @@ from friction_bags.cdr import decode, encode, installed_topic
 from friction_bags.message_definition import message_class
 from friction_bags.offline_plan import ProcessOptions
 from friction_bags.offline_run import process_bag
+from friction_evaluation.bag_libraries import library_seconds
 from friction_evaluation.parts import Row
 from friction_runtime.parameters import from_mapping
 
@@ -64,7 +67,7 @@ def run(options: argparse.Namespace) -> list[Row]:
         directory = Path(name)
         (directory / "parameters.yaml").write_text(_PARAMETERS)
         minute = list(_minute())
-        writing = _writing_time(minute, directory)
+        writing, libraries = _bag_times(minute, directory)
         for minutes in track(sorted(options.minutes), description="bags"):
             bag = directory / f"bag_{minutes}"
             _write(bag, minute, minutes)
@@ -72,7 +75,9 @@ def run(options: argparse.Namespace) -> list[Row]:
             for processes in options.processes:
                 out = directory / f"out_{minutes}_{processes}"
                 row = _process(bag, out, processes, reading)
-                rows.append({"minutes": minutes, **row, "bag_cpu_seconds": reading + minutes * writing})
+                row["bag_cpu_seconds"] = reading + minutes * writing
+                row["bag_cpu_seconds_with_libraries"] = minutes * libraries
+                rows.append({"minutes": minutes, **row})
     return rows
 
 
@@ -122,16 +127,26 @@ def _reading_time(bag: Path) -> float:
     return time.perf_counter() - begun
 
 
-def _writing_time(minute: list[tuple[Topic, int, bytes]], directory: Path) -> float:
-    """CPU seconds in which a processed minute is encoded and written; what is copied is written only."""
-    bag, processed, again = directory / "minute", directory / "minute_processed", directory / "minute_again"
+def _bag_times(minute: list[tuple[Topic, int, bytes]], directory: Path) -> tuple[float, float]:
+    """CPU seconds to encode and write a processed minute, and those of the libraries for all that is done to it."""
+    bag, processed = directory / "minute", directory / "minute_processed"
     _write(bag, minute, 1)
     process_bag(bag, processed, ProcessOptions(_ESTIMATORS, (), (directory / "parameters.yaml",)), 1, lambda _: None)
-    copied = {topic.name for topic, _, _ in minute}
+    inputs = {topic.name for topic, _, _ in minute}
+    begun = time.process_time()
+    with BagReader(bag) as reader:
+        deque(reader.messages(), maxlen=0)
+    reading = time.process_time() - begun
+    writing = _writing_time(processed, inputs, directory / "minute_again")
+    return writing, reading + library_seconds(processed, inputs, directory / "minute.mcap")
+
+
+def _writing_time(processed: Path, inputs: Collection[str], out: Path) -> float:
+    """CPU seconds in which a processed bag is encoded and written; the inputs are written only."""
     seconds = 0.0
-    with BagReader(processed) as reader, BagWriter(again, chunk_size=4 << 20) as writer:
+    with BagReader(processed) as reader, BagWriter(out, chunk_size=4 << 20) as writer:
         for topic, stamp, data in reader.messages():
-            message = None if topic.name in copied else deserialize_message(data, message_class(topic.type))
+            message = None if topic.name in inputs else deserialize_message(data, message_class(topic.type))
             channel = writer.add_topic(topic)
             begun = time.process_time()
             writer.write(channel, stamp, data if message is None else encode(message))
