@@ -1,23 +1,21 @@
 """What a processor needs to know of the inputs of a method, and how messages are read."""
 
 from collections.abc import Mapping, Sequence
-from math import isfinite, nan
+from math import isfinite
 from typing import Any, Protocol
 
 from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
-from sensor_msgs.msg import JointState
 
 from friction_curve_id.interface import CurveEstimate, Refusal
 from friction_runtime.aligner import AlignedInput, AlignedSample
 
-WHEEL_STATES = "wheel_states"
 VEHICLE_VELOCITY = "vehicle_velocity"
 IMU = "imu/data"
-FASTEST_WHEEL = 1000.0
-"""[rad/s]; what is beyond is garbage, not a measurement."""
 FASTEST_CAR = 200.0
 """[m/s]"""
+SPEED_GAP = 0.3
+"""A speed sensor's samples are interpolated up to this distance [s]: GNSS gives ten a second, or five."""
 
 
 class CurveInputs(Protocol):
@@ -58,15 +56,6 @@ class CurveInputs(Protocol):
     def reset(self) -> None:
         """Start the estimator anew."""
         ...
-
-
-def wheel_speed(message: JointState, wheel: str) -> float:
-    """Speed of a wheel [rad/s], NaN where the message has none that makes sense."""
-    try:
-        velocity = float(message.velocity[message.name.index(wheel)])
-    except (ValueError, IndexError):
-        return nan
-    return velocity if abs(velocity) <= FASTEST_WHEEL else nan
 
 
 def vehicle_velocity(message: TwistWithCovarianceStamped) -> tuple[float, ...] | str:

@@ -107,11 +107,14 @@ class CurveProcessor:
 def build(parameters: FrictionCurveParameters, report: Report = silent) -> list[CurveProcessor]:
     """Make the processors: one a wheel, or a single one for the method 'vehicle'."""
     if parameters.method == VEHICLE:
-        return [CurveProcessor("vehicle", "base_link", VehicleInputs(parameters), parameters, report)]
-    return [CurveProcessor(wheel, wheel, _inputs(wheel, parameters), parameters, report) for wheel in parameters.wheels]
+        return [CurveProcessor("vehicle", "base_link", VehicleInputs(parameters, report), parameters, report)]
+    return [
+        CurveProcessor(wheel, wheel, _inputs(wheel, parameters, report), parameters, report)
+        for wheel in parameters.wheels
+    ]
 
 
-def _inputs(wheel: str, parameters: FrictionCurveParameters) -> CurveInputs:
+def _inputs(wheel: str, parameters: FrictionCurveParameters, report: Report) -> CurveInputs:
     if parameters.method == TYRE_FORCE:
         return TyreForceInputs(wheel, parameters)
-    return WheelInputs(wheel, parameters)
+    return WheelInputs(wheel, parameters, report)

@@ -10,31 +10,30 @@ from sensor_msgs.msg import Imu, JointState
 
 from friction_curve_id.inputs import (
     IMU,
+    SPEED_GAP,
     VEHICLE_VELOCITY,
-    WHEEL_STATES,
     known_speed,
     vehicle_velocity,
     wheel_slip,
-    wheel_speed,
 )
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal
 from friction_curve_id.parameters import SLIP, FrictionCurveParameters
 from friction_curve_id.vehicle_samples import VehicleSample
 from friction_curve_id.whole_vehicle import WholeVehicle
 from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.processor import Report
 from friction_runtime.stamps import NANOSECONDS
-
-_SPEED_GAP = 0.3
-"""A speed sensor's samples are interpolated up to this distance [s]."""
+from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 
 
 class VehicleInputs:
     """CurveInputs of the vehicle: fires on wheel_states."""
 
-    def __init__(self, parameters: FrictionCurveParameters) -> None:
-        """Fit one curve for all wheels."""
+    def __init__(self, parameters: FrictionCurveParameters, report: Report) -> None:
+        """Fit one curve for all wheels; `report` is told of messages that lack the speed of one."""
         self.primary = WHEEL_STATES
         self._p = parameters
+        self._wheel_speeds = WheelSpeeds(parameters.wheels, report)
         self._vehicle = WholeVehicle(parameters.vehicle())
         self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, IMU: Imu}
         self.estimates: Mapping[str, type] = {}
@@ -44,11 +43,11 @@ class VehicleInputs:
         else:
             self._speed = VEHICLE_VELOCITY
             self.sensors = {**self.sensors, VEHICLE_VELOCITY: TwistWithCovarianceStamped}
-        self.aligned = [AlignedInput(IMU), AlignedInput(self._speed, _SPEED_GAP)]
+        self.aligned = [AlignedInput(IMU), AlignedInput(self._speed, SPEED_GAP)]
 
     def read_primary(self, message: JointState) -> tuple[float, ...]:
         """Speeds of the wheels [rad/s], NaN where one is missing."""
-        return tuple(wheel_speed(message, wheel) for wheel in self._p.wheels)
+        return self._wheel_speeds.read(message)
 
     def read(self, topic: str, message: Any) -> tuple[float, ...] | str:
         """Acceleration [m/s^2], or what the speed's topic holds."""

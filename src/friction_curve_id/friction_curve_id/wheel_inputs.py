@@ -9,30 +9,28 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import FluidPressure, JointState
 
 from friction_curve_id.inputs import (
+    SPEED_GAP,
     VEHICLE_VELOCITY,
-    WHEEL_STATES,
     known_speed,
     vehicle_velocity,
     wheel_slip,
-    wheel_speed,
 )
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, Sample
 from friction_curve_id.parameters import SLIP, FrictionCurveParameters
 from friction_curve_id.parameters import VEHICLE_VELOCITY as SPEED_SENSOR
 from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.processor import Report
 from friction_runtime.stamps import NANOSECONDS
-
-_SPEED_GAP = 0.3
-"""A speed sensor's samples are interpolated up to this distance [s]: GNSS gives ten a second, or five."""
+from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 
 
 class WheelInputs:
     """CurveInputs of one wheel: fires on wheel_states."""
 
-    def __init__(self, wheel: str, parameters: FrictionCurveParameters) -> None:
-        """Identify the curve of `wheel`."""
+    def __init__(self, wheel: str, parameters: FrictionCurveParameters, report: Report) -> None:
+        """Identify the curve of `wheel`; `report` is told of messages without its speed."""
         self.primary = WHEEL_STATES
-        self._wheel = wheel
+        self._wheel_speeds = WheelSpeeds((wheel,), report)
         self._estimator = parameters.estimator(wheel)
         self._gain = parameters.brake_gain(wheel)
         self._pressure = f"{wheel}/brake_pressure"
@@ -48,11 +46,12 @@ class WheelInputs:
         elif parameters.speed_source == SPEED_SENSOR:
             self._speed = VEHICLE_VELOCITY
             self.sensors = {**self.sensors, VEHICLE_VELOCITY: TwistWithCovarianceStamped}
-            self.aligned.append(AlignedInput(VEHICLE_VELOCITY, _SPEED_GAP))
+            self.aligned.append(AlignedInput(VEHICLE_VELOCITY, SPEED_GAP))
 
     def read_primary(self, message: JointState) -> float:
         """Wheel speed [rad/s]."""
-        return wheel_speed(message, self._wheel)
+        (speed,) = self._wheel_speeds.read(message)
+        return speed
 
     def read(self, topic: str, message: Any) -> tuple[float, ...] | str:
         """Brake torque [N m], or what the speed's topic holds."""

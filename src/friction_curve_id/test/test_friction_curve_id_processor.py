@@ -16,7 +16,6 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
 
 from friction_curve_id.activation import ActivationMark
-from friction_curve_id.inputs import wheel_speed
 from friction_curve_id.interface import Reason, RestartCause
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.processor import CurveProcessor, build
@@ -141,28 +140,21 @@ def test_missing_brake_pressure_is_said_not_guessed(clean: Brake, method: str) -
     assert made.health().level is Level.ERROR
 
 
+@pytest.mark.parametrize("method", ["rls", "vehicle"])
+def test_a_wheel_that_is_not_among_the_joints_is_named(clean: Brake, method: str) -> None:
+    reports: list[str] = []
+    parameters = from_mapping(FrictionCurveParameters, {"method": method})
+    made = build(parameters, lambda severity, text: reports.append(f"{severity}: {text}"))[0]
+    found = drive(made, braking(clean, wheel="another"))
+    assert len(found) > 80
+    assert not any(message.valid for message in found)
+    assert reports[0].startswith("error: wheel_states: no velocity for wheel 'front_left', names are: other, another")
+
+
 def test_messages_with_and_without_an_estimate_can_be_published(clean: Brake) -> None:
     found = drive(processor(), braking(clean))
     assert {message.samples > 0 for message in found} == {False, True}
     assert all(serialize_message(message) for message in found), "every field is set"
-
-
-@pytest.mark.parametrize(
-    ("names", "velocities", "expected"),
-    [
-        (["rear_left", "front_left"], [1.0, 2.0], 2.0),
-        (["front_left", "front_left"], [1.0, 2.0], 1.0),
-        (["rear_left", "front_left"], [1.0], math.nan),
-        (["rear_left"], [1.0], math.nan),
-        ([], [1.0], math.nan),
-        (["front_left"], [-math.inf], math.nan),
-        (["front_left"], [1e4], math.nan),
-    ],
-)
-def test_the_wheel_speed_is_the_one_of_this_name(names: list[str], velocities: list[float], expected: float) -> None:
-    assert wheel_speed(JointState(name=names, velocity=velocities), "front_left") == pytest.approx(
-        expected, nan_ok=True
-    )
 
 
 def test_missing_slip_does_not_stop_what_can_do_without(clean: Brake) -> None:

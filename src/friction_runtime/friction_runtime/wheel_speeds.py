@@ -16,7 +16,8 @@ _FASTEST = 1000.0
 class WheelSpeeds:
     """Reads the wheels of one car, or one of them; other joints are ignored.
 
-    Names seldom change from one message to the next: places are looked up when they do.
+    Names seldom change from one message to the next: places are looked up when they do. Of a name that stands twice
+    the first counts.
     """
 
     def __init__(self, wheels: Sequence[str], report: Report) -> None:
@@ -30,7 +31,7 @@ class WheelSpeeds:
         """Speeds [rad/s] in the order of the wheels, NaN where one is missing or garbage."""
         if message.name != self._names:
             self._names = list(message.name)
-            place_of = {name: place for place, name in enumerate(self._names)}
+            place_of = {name: place for place, name in reversed(list(enumerate(self._names)))}
             self._places = [place_of.get(wheel, maxsize) for wheel in self._wheels]
         velocities = message.velocity.tolist()
         count = len(velocities)

@@ -22,6 +22,7 @@ def test_wheels_are_found_by_name_also_when_the_order_changes_between_messages()
     assert speeds.read(JointState(name=["right", "steering", "left"], velocity=[2.0, 9.0, 1.0])) == (1.0, 2.0)
     assert speeds.read(JointState(name=["left", "right"], velocity=[3.0, 4.0])) == (3.0, 4.0)
     assert speeds.read(JointState(name=["left", "right"], velocity=[5.0, -6.0])) == (5.0, -6.0)
+    assert speeds.read(JointState(name=["left", "right", "left"], velocity=[7.0, 8.0, 9.0])) == (7.0, 8.0)
     assert not said.texts
 
 
