@@ -191,8 +191,9 @@ def test_listed_modules_are_compiled_beside_their_source_and_again_when_it_chang
     )
     ask = "from tiny import fast; print(fast.__file__.rsplit('.', 1)[1], fast.double(2.5))"
     command = ["bash", "-c", f'source {workspace}/install/setup.bash && python -c "{ask}"']
+    (package / "tiny/other.py").write_text('factor: float = "a type error in what is not compiled"\n')
     for factor in (2.0, 3.0):
-        source = f"def double(value: float) -> float:\n    return {factor} * value\n"
+        source = f"import tiny.other\n\ndef double(value: float) -> float:\n    return {factor} * value\n"
         (package / "tiny/fast.py").write_text(source)
         result = build(workspace)
         assert result.returncode == 0, result.stdout + result.stderr

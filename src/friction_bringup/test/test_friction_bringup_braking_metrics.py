@@ -7,7 +7,7 @@ import pytest
 
 from friction_bringup.braking_metrics import GRAVITY, CrossingEvent, hardest_braking, judge_crossings, measure_braking
 
-TIME = np.arange(0.0, 12.0, 0.005)
+TIME = np.arange(0.0, 12.0, 0.005, dtype=np.float64)
 
 
 def uniform(mu: float, onset: float = 1.0, initial_speed: float = 30.0) -> np.ndarray:

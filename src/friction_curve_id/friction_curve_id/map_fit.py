@@ -85,7 +85,7 @@ class MapFit:
         """(ln th1, ln th2, ln(th3 / th1)), shape (3,)."""
         self.momentum_speed = 0.0
         """u of `braking_window` [m/s]."""
-        self.covariance = np.zeros((5, 5))
+        self.covariance: Array = np.zeros((5, 5))
         """Of (q, u, omega of the newest sample)."""
         self._past = no_evidence()
         self._folded_at = 0.0

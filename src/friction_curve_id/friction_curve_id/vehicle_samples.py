@@ -128,9 +128,9 @@ class VehicleSamples:
         self._last: float | None = None
         self._after_gap = False
         self._braked_at: float | None = None
-        self._slips = np.zeros(len(self._radii))
-        self._per_second = np.zeros(len(self._radii))
-        self._per_length = np.zeros(len(self._radii))
+        self._slips: Array = np.zeros(len(self._radii))
+        self._per_second: Array = np.zeros(len(self._radii))
+        self._per_length: Array = np.zeros(len(self._radii))
 
     def update(self, sample: VehicleSample) -> VehiclePoint | Refusal:
         """Return what `sample` contributes, or why it contributes nothing."""

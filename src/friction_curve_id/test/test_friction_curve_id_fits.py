@@ -60,7 +60,7 @@ def test_8_11_needs_its_half() -> None:
 @pytest.mark.parametrize("theta_2", [15.0, 45.0])
 def test_initialisation_finds_a_curve_with_the_chapter_s_theta_3(theta_2: float) -> None:
     theta = np.array([1.0, theta_2, 0.4])
-    slips = np.linspace(0.0, 0.02, 20)
+    slips = np.linspace(0.0, 0.02, 20, dtype=np.float64)
     found = initial_theta(slips, burckhardt.friction(theta, slips))
     assert found[2] == 0.4
     assert burckhardt.slope(found, 0.0) == pytest.approx(burckhardt.slope(theta, 0.0), rel=0.1)

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 def exponential_fit(name: str) -> Array:
-    slips = np.linspace(0.0, 0.6, 200)
+    slips = np.linspace(0.0, 0.6, 200, dtype=np.float64)
     return solve(triangle(slips, burckhardt.friction(surface(name), slips)), 200, 0.6).parameters
 
 
@@ -50,7 +50,7 @@ def test_derivatives_agree_with_finite_differences(model: CurveModel, parameters
 def test_peak_of_8_12_is_a_maximum_or_there_is_none(parameters: Array) -> None:
     model = ExponentialCurve(0.4)
     peak = model.peak(parameters)
-    slips = np.linspace(0.0, 1.0, 5001)
+    slips = np.linspace(0.0, 1.0, 5001, dtype=np.float64)
     frictions = regressor(slips) @ parameters
     if math.isnan(peak):
         # Nothing rises and then clearly falls between the ends of the search.
@@ -77,7 +77,8 @@ def test_the_slope_of_8_12_vanishes_at_the_peak_to_rounding(parameters: Array) -
 def test_peak_of_8_12_among_the_data_goes_before_an_extrapolated_one() -> None:
     parameters = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
     assert math.isnan(ExponentialCurve(0.2).peak(parameters))
-    two_peaks = solve(triangle(np.linspace(0, 1, 300), np.sin(np.linspace(0, 1, 300) * 9.0)), 300, 1.0).parameters
+    slips = np.linspace(0.0, 1.0, 300, dtype=np.float64)
+    two_peaks = solve(triangle(slips, np.sin(slips * 9.0)), 300, 1.0).parameters
     near, far = ExponentialCurve(0.5).peak(two_peaks), ExponentialCurve(1.0).peak(two_peaks)
     assert near <= 0.5
     assert model_friction(two_peaks, far) >= model_friction(two_peaks, near) - 1e-12

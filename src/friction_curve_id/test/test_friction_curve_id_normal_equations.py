@@ -164,7 +164,7 @@ def test_evidence_gradient_is_that_of_its_cost() -> None:
 
 
 def test_robust_weights_are_the_slope_of_the_robust_cost_and_leave_noise_alone() -> None:
-    error = np.linspace(0.05, 20.0, 400)
+    error = np.linspace(0.05, 20.0, 400, dtype=np.float64)
     cost = (robust_cost((error + 1e-6) ** 2, 3.5) - robust_cost((error - 1e-6) ** 2, 3.5)) / 2e-6
     assert_allclose(robust_weights(error**2, 3.5) * error, cost, rtol=1e-4)
     assert np.all(robust_weights(error[error < 3.5] ** 2, 3.5) == 1.0)

@@ -36,7 +36,7 @@ def stop(
     """
     theta, generator = surface(name), np.random.default_rng(seed)
     static, transfer = np.array(car.static_shares), np.array(car.transfer_shares)
-    behind = np.zeros(4)
+    behind: NDArray[np.float64] = np.zeros(4)
     time, speed, deceleration = 0.0, 40.0, 0.0
     speeds: list[float] = []
     rows: list[tuple[float, float, NDArray[np.float64]]] = []

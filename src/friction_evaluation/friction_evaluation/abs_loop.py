@@ -141,7 +141,8 @@ def stops(
     corner, actuator = SingleCorner(CORNER, np.full(count, SPEED)), BrakeActuator(count, DT)
     controllers = [Controller(*parameters) for _ in seeds]
     generators = [np.random.default_rng(seed) for seed in seeds]
-    torque, lock = np.zeros(count), np.zeros(count)
+    torque: Array = np.zeros(count)
+    lock: Array = np.zeros(count)
     used, late = np.zeros(count), np.zeros(count)
     result = Stops(*(np.zeros(count) for _ in range(8)))
     running = np.ones(count, dtype=bool)

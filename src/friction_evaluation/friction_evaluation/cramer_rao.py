@@ -45,7 +45,7 @@ def sensitivities(
     roads = np.atleast_2d(np.asarray(theta, dtype=np.float64))
     count, samples = torque.shape
     state = np.tile([speed / corner.radius, speed], (count, 1))
-    derivative = np.zeros((count, 2, _INITIAL + samples))
+    derivative: Array = np.zeros((count, 2, _INITIAL + samples))
     derivative[:, 0, 3] = derivative[:, 1, 4] = 1.0
     history = np.zeros((count, samples, 2, _INITIAL + samples))
     step = interval / _SUB_STEPS

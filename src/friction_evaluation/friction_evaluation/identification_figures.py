@@ -84,7 +84,7 @@ def _curves(method: str, points: tuple[Array, Array], answers: list[CurveEstimat
 def _draw_fit(axes: Axes, points: tuple[Array, Array], curves: tuple[Curve, Curve], peak: float, theta: Array) -> None:
     slips, frictions = points
     axes.plot(slips, frictions, ".", color="0.6", label="friction samples")
-    grid = np.linspace(0.0, 1.1 * float(slips.max()), 200)
+    grid = np.linspace(0.0, 1.1 * float(slips.max()), 200, dtype=np.float64)
     axes.plot(grid, burckhardt.friction(theta, grid), "k--", label="true")
     axes.axvline(float(burckhardt.peak(theta)[0]), color="k", linestyle="--")
     axes.plot(grid, curves[0](grid), "C1-.", label="first estimate")

@@ -95,7 +95,7 @@ def _draw_loop(road: str, file: Path) -> None:
     corner, actuator = SingleCorner(CORNER, [SPEED]), BrakeActuator(1, DT)
     generator = np.random.default_rng(_FIRST_SEED)
     demand = DEMAND_RATIO * float(CORNER.peak_torque(theta))
-    torque = np.zeros(1)
+    torque: Array = np.zeros(1)
     kept: list[tuple[float, float, int]] = []
     for k in range(round(_CYCLES / DT)):
         noise = generator.standard_normal(2)

@@ -98,7 +98,7 @@ def stops(
     onset = round(CRUISE / DT)
     step_at = onset + round(0.5 * SPEED / (car_parameters.gravity * float(burckhardt.peak(theta)[1])) / DT)
     cruise = _cruise_torque(car_parameters, grade)
-    torque = np.zeros((count, len(WHEELS)))
+    torque: Array = np.zeros((count, len(WHEELS)))
     kept: list[list[Array]] = [[] for _ in range(5)]
     ends = np.full(count, -1)
     for k in range(_LONGEST):

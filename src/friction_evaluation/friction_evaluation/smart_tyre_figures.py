@@ -118,7 +118,7 @@ def _encoder(block: TyreBlock, table: ToothTable, file: Path) -> None:
     turn = len(table)
     speed = (wheel.angles[turn:] - wheel.angles[:-turn]) / (wheel.times[turn:] - wheel.times[:-turn])
     axes[1].plot(wheel.times[turn // 2 : -turn // 2] / 1e4, speed * TRACKER.sample_rate * RING.radius)
-    samples = np.arange(50_000.0, 60_000.0)
+    samples = np.arange(50_000.0, 60_000.0, dtype=np.float64)
     axes[2].plot((samples - samples[0]) / 1e4, np.degrees(np.mod(wheel.at(samples), 2.0 * np.pi)))
     labels = [("time [s]", "encoder [V]"), ("time [s]", "wheel speed [m/s]"), ("time [s]", "wheel angle [deg]")]
     _finish(figure, list(axes), labels, file)

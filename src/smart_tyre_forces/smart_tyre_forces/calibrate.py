@@ -113,7 +113,7 @@ def calibrate(
         ValueError: a drive lacks what it is needed for; the message says what.
     """
     shift_trend, length_trend, trend_force, residuals = quasi_static_trends(quasi_static, car, parameters)
-    speeds = np.linspace(parameters.minimum_speed, parameters.maximum_speed, 61)
+    speeds = np.linspace(parameters.minimum_speed, parameters.maximum_speed, 61, dtype=np.float64)
     steady = wheel_forces(car, speeds, np.zeros(len(speeds)))
     wheels = {
         run.wheel: WheelCalibration(

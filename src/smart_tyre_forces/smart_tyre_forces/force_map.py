@@ -40,7 +40,7 @@ class ForceMap:
     @cached_property
     def _table(self) -> tuple[Array, Array]:
         margin = _MARGIN * (self.highest - self.lowest)
-        force = np.linspace(self.lowest - margin, self.highest + margin, _POINTS)
+        force = np.linspace(self.lowest - margin, self.highest + margin, _POINTS, dtype=np.float64)
         return force, self.angle(force)
 
     def angle(self, force: ArrayLike) -> Array:

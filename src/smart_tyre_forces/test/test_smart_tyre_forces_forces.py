@@ -282,7 +282,7 @@ def test_calibration_says_what_a_drive_lacks(calibrated: Calibration) -> None:
 
 
 def test_calibration_file_keeps_every_number(calibrated: Calibration, tmp_path: Path) -> None:
-    shape = np.linspace(0.0, 1.0, len(GRID))
+    shape = np.linspace(0.0, 1.0, len(GRID), dtype=np.float64)
     full = replace(calibrated, template=FrontTemplate(shape, shape[::-1].copy()))
     full.save(tmp_path / "c.yaml")
     loaded = Calibration.load(tmp_path / "c.yaml")

@@ -243,5 +243,5 @@ def test_fronts_depend_neither_on_offset_nor_on_speed_nor_on_braking(offset: flo
 
 
 def test_no_fronts_in_noise() -> None:
-    theta = np.linspace(-0.87, 0.87, 500)
+    theta = np.linspace(-0.87, 0.87, 500, dtype=np.float64)
     assert find_fronts(theta, np.random.default_rng(1).standard_normal(500), 0.0, 1.0) is None

@@ -134,7 +134,7 @@ def test_turning_backwards_is_not_recognised(table: ToothTable) -> None:
 
 
 def test_equal_teeth_cannot_be_told_apart() -> None:
-    place = ToothTable(np.zeros(96)).place(100.0 * np.arange(96.0))
+    place = ToothTable(np.zeros(96)).place(100.0 * np.arange(96.0, dtype=np.float64))
     assert place is not None and not place.certain
 
 

@@ -43,7 +43,7 @@ def dynamic_drive(car: CarParameters = CarParameters(), *, road_seed: int, uneve
     """
     corners = np.array([0.0, 14.0, 14.4, 19.0, 19.4, 42.0, 42.15, 43.75, 43.9, 60.0])
     values = np.array([0.0, 0.0, 2.8, 2.8, 0.0, 0.0, -8.0, -8.0, 0.0, 0.0])
-    time = np.arange(0.0, 60.0, 1.0 / HISTORY_RATE)
+    time = np.arange(0.0, 60.0, 1.0 / HISTORY_RATE, dtype=np.float64)
     acceleration = np.interp(time, corners, values)
     speed = 8.0 + np.cumsum(acceleration) / HISTORY_RATE
     return _drive(car, time, speed, acceleration, road_seed, unevenness)
@@ -53,7 +53,7 @@ def quasi_static_drives(
     car: CarParameters = CarParameters(), *, road_seed: int, unevenness: float = 0.03
 ) -> tuple[Drive, Drive]:
     """Very slow acceleration from 10 to 25 m/s, after 8 s at 8 m/s, and coasting down from 25 to 10 m/s."""
-    time = np.arange(0.0, 110.0, 1.0 / HISTORY_RATE)
+    time = np.arange(0.0, 110.0, 1.0 / HISTORY_RATE, dtype=np.float64)
     acceleration = np.interp(time, [0.0, 8.0, 8.2, 9.8, 10.0], [0.0, 0.0, 1.0, 1.0, 0.16])
     up = _drive(car, time, 8.0 + np.cumsum(acceleration) / HISTORY_RATE, acceleration, road_seed, unevenness)
     speeds = [25.0]
@@ -69,7 +69,7 @@ def steady_drive(
     speed: float, duration: float, car: CarParameters = CarParameters(), *, road_seed: int, unevenness: float = 0.0
 ) -> Drive:
     """Constant `speed` [m/s] for `duration` [s]."""
-    time = np.arange(0.0, duration, 1.0 / HISTORY_RATE)
+    time = np.arange(0.0, duration, 1.0 / HISTORY_RATE, dtype=np.float64)
     return _drive(car, time, np.full(time.shape, speed), np.zeros(time.shape), road_seed, unevenness)
 
 

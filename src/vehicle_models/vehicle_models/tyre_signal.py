@@ -107,7 +107,7 @@ class TyreSignalSource:
         self._texture_filter, self._texture_state = band, np.zeros((band.shape[0], 2))
         self._sensor_filter = signal.butter(2, accelerometer.bandwidth, fs=sample_rate, output="sos")
         self._sensor_state = np.zeros((1, 2))
-        self._radio = np.zeros(round(accelerometer.delay * sample_rate))
+        self._radio: Array = np.zeros(round(accelerometer.delay * sample_rate))
 
     @property
     def next_sample(self) -> int:
