@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
+from threading import Event
 
 import rclpy
 from rclpy.experimental.events_executor import EventsExecutor
@@ -21,6 +22,7 @@ from friction_bringup.live_view import LiveView
 from friction_bringup.plots import write_plots
 from friction_bringup.recorded_run import read_run
 from friction_bringup.summary import print_summary
+from friction_runtime.spin import stop_on_signals
 
 _STARTUP_LIMIT = 40.0
 """Wall time [s] within which the processes must find each other, and then the first sample come."""
@@ -33,6 +35,9 @@ _INTERRUPTED = 130
 _FILE_WIDTH = 120
 _LINE_PERIOD = 0.25
 _TABLE_PERIOD = 0.1
+
+SpinUntil = Callable[[Callable[[], bool], float], None]
+"""Works until something is so, for at most a time [s]; raises KeyboardInterrupt after a signal."""
 
 
 def run_demo(options: DemoOptions) -> int:
@@ -55,16 +60,17 @@ def run_demo(options: DemoOptions) -> int:
     console.print(f"Friction graph on this machine alone, ROS_DOMAIN_ID={domain}. Ctrl-C ends it.")
     console.print(f"run   {directory}", soft_wrap=True)
     os.environ.update(demo.environment)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    stop = stop_on_signals()
     try:
         demo.start()
-        _watch(console, demo, what)
+        _watch(console, demo, what, stop)
     except KeyboardInterrupt:
-        demo.stop()
-        console.print(f"\nInterrupted. The bag is closed.\nbag   {demo.bag}", soft_wrap=True)
-        return _INTERRUPTED
+        pass  # said below, as is a signal that comes while the processes end
     finally:
         killed = demo.stop()
+    if stop.is_set():
+        console.print(f"\nInterrupted. The bag is closed.\nbag   {demo.bag}", soft_wrap=True)
+        return _INTERRUPTED
     if killed:
         raise DemoError(f"{', '.join(killed)} did not end in time and was killed; logs in {directory / 'log'}")
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -74,55 +80,57 @@ def run_demo(options: DemoOptions) -> int:
     return 0
 
 
-def _watch(console: Console, demo: DemoGraph, what: str) -> None:
+def _watch(console: Console, demo: DemoGraph, what: str, stop: Event) -> None:
     """Show the graph until its source ends and all that was sent has arrived."""
     rclpy.init(args=list(graph.QUIET_LOG), signal_handler_options=SignalHandlerOptions.NO)
     view = LiveView()
     executor = EventsExecutor()
     executor.add_node(view)
+
+    def spin_until(done: Callable[[], bool], limit: float) -> None:
+        deadline = time.monotonic() + limit
+        while not done() and (remaining := deadline - time.monotonic()) > 0.0:
+            executor.spin_once(timeout_sec=min(remaining, 0.05))
+            if stop.is_set():
+                raise KeyboardInterrupt
+
     try:
         with console.status("starting the processes and waiting for them to find each other"):
-            _bring_up(demo, view, executor)
+            _bring_up(demo, view, spin_until)
         if console.is_terminal:
             with Live(view.table(what), console=console, auto_refresh=False) as live:
-                _follow(demo, view, executor, _TABLE_PERIOD, lambda: live.update(view.table(what), refresh=True))
+                _follow(demo, view, spin_until, _TABLE_PERIOD, lambda: live.update(view.table(what), refresh=True))
         else:
             print(view.header())
-            _follow(demo, view, executor, _LINE_PERIOD, lambda: print(view.line(), flush=True))
+            _follow(demo, view, spin_until, _LINE_PERIOD, lambda: print(view.line(), flush=True))
         samples = -1
         while samples != view.samples:
             samples = view.samples
-            _spin_until(executor, lambda: False, _QUIET)
+            spin_until(lambda: False, _QUIET)
     finally:
         view.destroy_node()
         rclpy.try_shutdown()
 
 
-def _bring_up(demo: DemoGraph, view: LiveView, executor: EventsExecutor) -> None:
+def _bring_up(demo: DemoGraph, view: LiveView, spin_until: SpinUntil) -> None:
     """Wait until all processes hear each other, begin, and wait for the first sample."""
-    _spin_until(executor, lambda: demo.ended or not demo.missing(view), _STARTUP_LIMIT)
+    spin_until(lambda: demo.ended or not demo.missing(view), _STARTUP_LIMIT)
     if not demo.done and (missing := demo.missing(view)):
         raise DemoError(f"after {_STARTUP_LIMIT:.0f} s still not there: {', '.join(missing)}")
-    _spin_until(executor, lambda: False, _SETTLE)
+    spin_until(lambda: False, _SETTLE)
     demo.begin(view)
-    _spin_until(executor, lambda: demo.ended or view.samples > 0, _STARTUP_LIMIT)
+    spin_until(lambda: demo.ended or view.samples > 0, _STARTUP_LIMIT)
     if not demo.done and view.samples == 0:
         raise DemoError(f"no wheel_states within {_STARTUP_LIMIT:.0f} s from {demo.source}")
 
 
-def _follow(demo: DemoGraph, view: LiveView, executor: EventsExecutor, period: float, show: Callable[[], None]) -> None:
+def _follow(demo: DemoGraph, view: LiveView, spin_until: SpinUntil, period: float, show: Callable[[], None]) -> None:
     shown = 0
     while not demo.done:
-        _spin_until(executor, lambda: False, period)
+        spin_until(lambda: False, period)
         if view.samples != shown:
             shown = view.samples
             show()
-
-
-def _spin_until(executor: EventsExecutor, done: Callable[[], bool], limit: float) -> None:
-    deadline = time.monotonic() + limit
-    while not done() and (remaining := deadline - time.monotonic()) > 0.0:
-        executor.spin_once(timeout_sec=min(remaining, 0.05))
 
 
 def _report(console: Console, bag: Path, directory: Path, what: str) -> None:

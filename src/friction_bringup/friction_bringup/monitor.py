@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from time import monotonic
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from rclpy.experimental.events_executor import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.live import Live
 from rich.markup import escape
@@ -20,6 +20,7 @@ from rich.table import Table
 from rich.text import Text
 
 from friction_bringup.live_view import LiveView, WheelView
+from friction_runtime.spin import stop_on_signals
 
 _PERIOD = 0.1
 _STALE = 0.5
@@ -33,19 +34,18 @@ _COLUMNS = (
 def run_monitor() -> int:
     """Show the graph until q, Ctrl-C or SIGTERM; return the exit code 0."""
     console = Console()
-    rclpy.init()
+    stop = stop_on_signals()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     view = LiveView()
     executor = EventsExecutor()
     executor.add_node(view)
     try:
         with _pressed_keys() as key, Live(console=console, auto_refresh=False, screen=console.is_terminal) as live:
-            while key() != "q" and rclpy.ok():
+            while key() != "q" and not stop.is_set():
                 until = monotonic() + _PERIOD
-                while (remaining := until - monotonic()) > 0.0 and rclpy.ok():
+                while (remaining := until - monotonic()) > 0.0 and not stop.is_set():
                     executor.spin_once(timeout_sec=remaining)
                 live.update(wheels_table(view.wheels, monotonic()), refresh=True)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
     finally:
         view.destroy_node()
         rclpy.try_shutdown()
