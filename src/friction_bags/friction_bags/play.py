@@ -20,7 +20,7 @@ from friction_bags.bag_reader import BagReader
 from friction_bags.flow_control import FlowControl
 from friction_bags.player import Player, Span
 from friction_bags.topic_selection import TopicSelection, add_selection_arguments, selection_of
-from friction_runtime.spin import stop_on_signals
+from friction_runtime.spin import stop_on_signals, take_down
 
 _NANOSECONDS = 1_000_000_000
 _PROGRESS_PERIOD = 0.1
@@ -79,8 +79,7 @@ def run(args: Namespace, ros_args: list[str]) -> int:
         with reader:
             return _play(args, node, reader, stop)
     finally:
-        node.destroy_node()
-        rclpy.try_shutdown()
+        take_down(node)
 
 
 def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:

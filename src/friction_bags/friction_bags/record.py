@@ -17,7 +17,7 @@ from friction_bags.bag_format import BagError
 from friction_bags.bag_writer import BagWriter
 from friction_bags.recorder import Recorder
 from friction_bags.topic_selection import add_selection_arguments, selection_of
-from friction_runtime.spin import stop_on_signals
+from friction_runtime.spin import stop_on_signals, take_down
 
 _TAKE_PERIOD = 0.02
 _DISCOVER_PERIOD = 0.1
@@ -58,13 +58,12 @@ def run(args: Namespace, ros_args: list[str]) -> int:
     try:
         _loop(recorder, writer, stop, args.duration)
         writer.close()
+        _summarise(recorder, bag)
     except BagError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
     finally:
-        node.destroy_node()
-        rclpy.try_shutdown()
-    _summarise(recorder, bag)
+        take_down(node)
     return 0
 
 

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
-from threading import Event
 
 import rclpy
 from rclpy.experimental.events_executor import EventsExecutor
@@ -22,7 +21,7 @@ from friction_bringup.live_view import LiveView
 from friction_bringup.plots import write_plots
 from friction_bringup.recorded_run import read_run
 from friction_bringup.summary import print_summary
-from friction_runtime.spin import stop_on_signals
+from friction_runtime.spin import stop_on_signals, take_down
 
 _STARTUP_LIMIT = 40.0
 """Wall time [s] within which the processes must find each other, and then the first sample come."""
@@ -61,27 +60,6 @@ def run_demo(options: DemoOptions) -> int:
     console.print(f"run   {directory}", soft_wrap=True)
     os.environ.update(demo.environment)
     stop = stop_on_signals()
-    try:
-        demo.start()
-        _watch(console, demo, what, stop)
-    except KeyboardInterrupt:
-        pass  # said below, as is a signal that comes while the processes end
-    finally:
-        killed = demo.stop()
-    if stop.is_set():
-        console.print(f"\nInterrupted. The bag is closed.\nbag   {demo.bag}", soft_wrap=True)
-        return _INTERRUPTED
-    if killed:
-        raise DemoError(f"{', '.join(killed)} did not end in time and was killed; logs in {directory / 'log'}")
-    for number in (signal.SIGINT, signal.SIGTERM):
-        # Nothing is left to be ended; an exception in the middle of drawing would surface as any error.
-        signal.signal(number, lambda *_: os._exit(_INTERRUPTED))
-    _report(console, demo.bag, directory, what)
-    return 0
-
-
-def _watch(console: Console, demo: DemoGraph, what: str, stop: Event) -> None:
-    """Show the graph until its source ends and all that was sent has arrived."""
     rclpy.init(args=list(graph.QUIET_LOG), signal_handler_options=SignalHandlerOptions.NO)
     view = LiveView()
     executor = EventsExecutor()
@@ -95,21 +73,48 @@ def _watch(console: Console, demo: DemoGraph, what: str, stop: Event) -> None:
                 raise KeyboardInterrupt
 
     try:
-        with console.status("starting the processes and waiting for them to find each other"):
-            _bring_up(demo, view, spin_until)
-        if console.is_terminal:
-            with Live(view.table(what), console=console, auto_refresh=False) as live:
-                _follow(demo, view, spin_until, _TABLE_PERIOD, lambda: live.update(view.table(what), refresh=True))
-        else:
-            print(view.header())
-            _follow(demo, view, spin_until, _LINE_PERIOD, lambda: print(view.line(), flush=True))
-        samples = -1
-        while samples != view.samples:
-            samples = view.samples
-            spin_until(lambda: False, _QUIET)
+        interrupted = _run_graph(console, demo, view, what, spin_until) or stop.is_set()
+        if interrupted:
+            console.print(f"\nInterrupted. The bag is closed.\nbag   {demo.bag}", soft_wrap=True)
+            return _INTERRUPTED
+        for number in (signal.SIGINT, signal.SIGTERM):
+            # Nothing is left to be ended; an exception in the middle of drawing would surface as any error.
+            signal.signal(number, lambda *_: os._exit(_INTERRUPTED))
+        _report(console, demo.bag, directory, what)
+        return 0
     finally:
-        view.destroy_node()
-        rclpy.try_shutdown()
+        take_down(view, executor)  # last: it may end this process
+
+
+def _run_graph(console: Console, demo: DemoGraph, view: LiveView, what: str, spin_until: SpinUntil) -> bool:
+    """Start the processes, show what they do, end them; return whether a signal came."""
+    interrupted = False
+    try:
+        demo.start()
+        _watch(console, demo, view, what, spin_until)
+    except KeyboardInterrupt:
+        interrupted = True
+    finally:
+        killed = demo.stop()
+    if killed and not interrupted:
+        raise DemoError(f"{', '.join(killed)} did not end in time and was killed; logs in {demo.bag.parent / 'log'}")
+    return interrupted
+
+
+def _watch(console: Console, demo: DemoGraph, view: LiveView, what: str, spin_until: SpinUntil) -> None:
+    """Show the graph until its source ends and all that was sent has arrived."""
+    with console.status("starting the processes and waiting for them to find each other"):
+        _bring_up(demo, view, spin_until)
+    if console.is_terminal:
+        with Live(view.table(what), console=console, auto_refresh=False) as live:
+            _follow(demo, view, spin_until, _TABLE_PERIOD, lambda: live.update(view.table(what), refresh=True))
+    else:
+        print(view.header())
+        _follow(demo, view, spin_until, _LINE_PERIOD, lambda: print(view.line(), flush=True))
+    samples = -1
+    while samples != view.samples:
+        samples = view.samples
+        spin_until(lambda: False, _QUIET)
 
 
 def _bring_up(demo: DemoGraph, view: LiveView, spin_until: SpinUntil) -> None:

@@ -20,7 +20,7 @@ from rich.table import Table
 from rich.text import Text
 
 from friction_bringup.live_view import LiveView, WheelView
-from friction_runtime.spin import stop_on_signals
+from friction_runtime.spin import stop_on_signals, take_down
 
 _PERIOD = 0.1
 _STALE = 0.5
@@ -47,8 +47,7 @@ def run_monitor() -> int:
                     executor.spin_once(timeout_sec=remaining)
                 live.update(wheels_table(view.wheels, monotonic()), refresh=True)
     finally:
-        view.destroy_node()
-        rclpy.try_shutdown()
+        take_down(view, executor)
     return 0
 
 

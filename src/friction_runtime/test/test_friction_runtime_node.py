@@ -2,6 +2,7 @@
 
 import signal
 import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -89,3 +90,33 @@ def test_bad_parameter_at_start_ends_the_process_and_is_named(argument: str, tex
     assert process.returncode == 2
     assert text in output
     assert "Traceback" not in output
+
+
+TAKE_DOWN = """
+import os, sys, time
+import rclpy
+from rclpy.experimental.events_executor import EventsExecutor
+from friction_runtime.spin import take_down
+rclpy.init()
+executor, node = EventsExecutor(), rclpy.create_node("short_lived")
+executor.add_node(node)
+executor.spin_once(timeout_sec=0.1)
+if "stuck" in sys.argv:
+    node.destroy_node = lambda: time.sleep(60.0)
+take_down(node, executor)
+threads = [open(f"/proc/self/task/{task}/comm").read() for task in os.listdir("/proc/self/task")]
+print("left:", [name for name in threads if name.startswith(("dds.ev", "dds.udp"))])
+"""
+
+
+def test_nothing_of_the_middleware_is_left_once_a_node_is_taken_down() -> None:
+    done = subprocess.run([sys.executable, "-c", TAKE_DOWN], capture_output=True, text=True, timeout=30, check=False)
+    assert (done.returncode, done.stdout) == (0, "left: []\n"), done.stderr
+
+
+def test_a_middleware_that_hangs_while_it_is_taken_down_is_said_and_left() -> None:
+    command = [sys.executable, "-c", TAKE_DOWN, "stuck"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=False)
+    assert done.returncode == 1
+    assert "take_down" in done.stderr
+    assert done.stdout == ""
