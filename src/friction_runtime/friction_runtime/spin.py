@@ -49,8 +49,8 @@ def run(make_node: Callable[[], Node], args: Sequence[str] | None = None) -> int
 def take_down(node: Node | None, executor: Executor | None = None) -> None:
     """Take a node and the middleware of this process down, after all that matters has been published or written.
 
-    About one exit in five hundred finds Fast DDS waiting for itself forever, when other processes vanish while it
-    removes its participant. Such a process says so on stderr and ends with exit code 1, instead of never.
+    Fast DDS can wait for itself forever when other processes vanish while it removes its participant (seen in 2 of 800
+    exits, of many nodes at once). Such a process says so on stderr and ends with exit code 1, instead of never.
     """
     sys.stdout.flush()
     faulthandler.dump_traceback_later(_TAKE_DOWN_LIMIT, exit=True, file=_STDERR)
