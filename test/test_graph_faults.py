@@ -195,12 +195,16 @@ def test_resetting_the_plant_resets_the_whole_graph(client: DdsClient) -> None:
 
     client.until(lambda: all(len(epochs(received)[1]) > 150 for received in found.values()), timeout=90.0)
     for topic, received in found.items():
-        before, after = epochs(received)
-        assert len(before) > 150
-        for k, (first, again) in enumerate(zip(before[:150], after[:150], strict=True)):
+        before, after = (
+            {to_nanoseconds(each.header.stamp): each for each in epoch[:150]} for epoch in epochs(received)
+        )
+        both = before.keys() & after.keys()
+        assert len(both) > 100  # on a machine that stalls, the queue of this client loses some
+        for stamp in both:
+            first, again = before[stamp], after[stamp]
             if isinstance(first, SupervisorState):  # its counts and its cause tell of the reset
-                assert (first.state, first.reason) == (again.state, again.reason), k
+                assert (first.state, first.reason) == (again.state, again.reason), stamp
             else:
-                assert encode(first) == encode(again), (topic, k)
+                assert encode(first) == encode(again), (topic, stamp)
     states = epochs(found[f"{WHEEL}/abs_supervisor"])[0]
     assert any(message.state != SupervisorState.S0 for message in states[:150])
