@@ -20,6 +20,7 @@ BRAKE_DEMAND = "brake_demand"
 _NANOSECONDS = 1_000_000_000
 _OK, _LOW_SPEED = int(SupervisorState.OK), int(SupervisorState.LOW_SPEED)
 _SLOPE_LOW_SPEED = int(FrictionSlope.LOW_SPEED)
+"""Of the messages, kept: a message class looks its constants up by a Python function, here at every sample."""
 _ALIVE = (FrictionSlope.OK, FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION, FrictionSlope.LOW_SPEED)
 """Reasons of friction_slope with which the machine can go on."""
 

@@ -21,17 +21,11 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from friction_bags.bag_format import Topic
 from friction_bags.cdr_layout import Layout, Message, UnsupportedFieldError
-from friction_bags.message_definition import message_definition
+from friction_bags.message_definition import message_definition, type_name
 
 _LENGTH_SIZE = 4
 _MOST_LAYOUTS = 64
 """Kept of one class, before all are forgotten: texts of ever new lengths do not fill the memory."""
-
-
-@cache
-def type_name(kind: Any) -> str:
-    """Name of a message class, e.g. sensor_msgs/msg/JointState."""
-    return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
 
 
 def installed_topic(name: str, kind: type) -> Topic:
@@ -99,8 +93,7 @@ class _Codec:
         return self._layout(self._message, tuple(lengths)).write(values)
 
     def decode(self, data: bytes) -> Any:
-        key = (len(data), data[self._first_length : self._first_length + _LENGTH_SIZE])
-        known = self._tried.get(key)
+        known = self._tried.get(self._key(data))
         if known is not None:
             message = self._read(known, data)
             if message is not None:
@@ -113,8 +106,11 @@ class _Codec:
             layout = self._layout(self._message, tuple(self._message.lengths(message)))
             if layout.size == len(data):
                 self._first_length = layout.first_length
-                self._tried[(layout.size, data[layout.first_length : layout.first_length + _LENGTH_SIZE])] = layout
+                self._tried[self._key(data)] = layout
         return message
+
+    def _key(self, data: bytes) -> tuple[int, bytes]:
+        return len(data), data[self._first_length : self._first_length + _LENGTH_SIZE]
 
     def _read(self, layout: Layout, data: bytes) -> Any:
         try:
@@ -149,11 +145,6 @@ class _Numpy:
         return np.array(value, dtype=value.typecode) if isinstance(value, array) else value
 
 
-_codecs: dict[Any, _Codec] = {}
-
-
+@cache
 def _codec_of(kind: Any) -> _Codec:
-    codec = _codecs.get(kind)
-    if codec is None:
-        codec = _codecs[kind] = _Codec(kind)
-    return codec
+    return _Codec(kind)

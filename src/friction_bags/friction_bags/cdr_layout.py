@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from friction_bags.message_definition import message_class
+from friction_bags.message_definition import message_class, type_name
 
 _HEADER = b"\0\1\0\0"
 """Of little-endian CDR; alignment counts from behind it."""
@@ -67,7 +67,7 @@ class Message:
             UnsupportedFieldError: one is not covered.
         """
         self.name = name
-        self.type_name = f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
+        self.type_name = type_name(kind)
         self.children: list[Field | Message] = []
         for each, declared in kind.get_fields_and_field_types().items():
             found = _DECLARED.fullmatch(declared)
@@ -104,14 +104,7 @@ class Message:
                 yield from (slot, slot) if child.code == _TEXT else (slot,)
 
 
-class _Part:
-    """Makes what is not in the struct as it is, and is put behind its values."""
-
-    def make(self, values: list[Any], data: bytes) -> Any:
-        raise NotImplementedError
-
-
-class _Numbers(_Part):
+class _Numbers:
     """An array or a sequence of numbers."""
 
     def __init__(self, code: str, count: int, begin: int) -> None:
@@ -123,7 +116,7 @@ class _Numbers(_Part):
         return np.frombuffer(data, self._kind, self._count, self._begin)
 
 
-class _Texts(_Part):
+class _Texts:
     """A sequence of texts."""
 
     def __init__(self, places: list[int]) -> None:
@@ -133,7 +126,7 @@ class _Texts(_Part):
         return [values[place] for place in self._places]
 
 
-class _Fields(_Part):
+class _Fields:
     """A message."""
 
     def __init__(self, kind: Any, places: list[tuple[str, int]]) -> None:
@@ -145,6 +138,10 @@ class _Fields(_Part):
         for name, place in self._places:
             setattr(message, name, values[place])
         return message
+
+
+_Part = _Numbers | _Texts | _Fields
+"""Makes what is not in the struct as it is, and is put behind its values."""
 
 
 class Layout:

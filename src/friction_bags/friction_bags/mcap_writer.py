@@ -27,14 +27,13 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
+from mcap.writer import MCAP0_MAGIC
 from rosbags.rosbag2.metadata import dump_qos_v9
 
 from friction_bags.bag_format import Contents, Topic
 from friction_bags.mcap_chunk import McapChunk
 
 Compression = Literal["zstd", "lz4", "none"]
-MAGIC = b"\x89MCAP0\r\n"
-
 _FOOTER = Struct("<BQQQ")
 _FOOTER_FIELDS_SIZE = 20
 
@@ -65,7 +64,7 @@ class McapWriter:
         self._counts: dict[int, int] = {}
         self._start: int | None = None
         self._end = 0
-        self._file.write(MAGIC + _encoded(Header(profile="ros2", library="friction_bags")))
+        self._file.write(MCAP0_MAGIC + _encoded(Header(profile="ros2", library="friction_bags")))
 
     def add_topic(self, topic: Topic) -> int:
         """Declare a topic, once; return its channel."""
@@ -214,7 +213,7 @@ class McapWriter:
         head = _FOOTER.pack(Opcode.FOOTER, _FOOTER_FIELDS_SIZE, begin, offset_start)
         checksum = zlib.crc32(summary + head)
         footer = Footer(summary_start=begin, summary_offset_start=offset_start, summary_crc=checksum)
-        self._file.write(summary + _encoded(footer) + MAGIC)
+        self._file.write(summary + _encoded(footer) + MCAP0_MAGIC)
 
 
 def _encoded(record: McapRecord) -> bytes:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
 
@@ -68,6 +69,12 @@ def message_class(type_name: str) -> type:
         return getattr(import_module(module), name.removeprefix("msg/"))
     except (ImportError, AttributeError) as error:
         raise UnknownTypeError(f"type {type_name} is not installed: install or build package {package}") from error
+
+
+@cache
+def type_name(kind: Any) -> str:
+    """Name of a message class, e.g. sensor_msgs/msg/JointState."""
+    return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
 
 
 def _references(owner: str, text: str) -> list[str]:

@@ -17,10 +17,8 @@ class OfflineGraph:
             processors: all that take part, in any order.
         """
         self.inputs: dict[str, type] = {}
-        self.outputs: dict[str, type] = {}
         self._readers: dict[str, list[Processor]] = {}
         for processor in processors:
-            self.outputs.update(processor.outputs)
             for topics in (processor.sensors, processor.estimates):
                 self._connect(processor, topics)
 

@@ -10,8 +10,9 @@ from sensor_msgs.msg import JointState
 
 from friction_bags.bag_format import BagError
 from friction_bags.bag_reader import BagReader
-from friction_bags.cdr import decode, type_name
+from friction_bags.cdr import decode
 from friction_bags.estimators import SMART_TYRE, WHEEL_ESTIMATORS, build_processors
+from friction_bags.message_definition import type_name
 from friction_runtime.processor import Processor, Report
 
 _WHEEL_STATES = "wheel_states"
@@ -75,8 +76,8 @@ class SayOnce:
             print(f"{severity}: {text}", file=sys.stderr)
 
 
-def plan_for(reader: BagReader, options: ProcessOptions) -> OfflinePlan:
-    """Find out what a bag asks for.
+def plan_for(reader: BagReader, options: ProcessOptions, report: Report) -> tuple[OfflinePlan, list[Processor]]:
+    """Find out what a bag asks for; return also the processors of the plan.
 
     Raises:
         BagError: it names no wheels.
@@ -89,11 +90,11 @@ def plan_for(reader: BagReader, options: ProcessOptions) -> OfflinePlan:
         has_tyres = any(name.endswith(_TYRE_SIGNALS) for name in names)
         estimators = (*(WHEEL_ESTIMATORS if _WHEEL_STATES in names else ()), *((SMART_TYRE,) if has_tyres else ()))
     wheels = options.wheels or _wheels_of(reader, prefix)
-    processors = build_processors(estimators, wheels, options.parameter_files, lambda *_: None)
+    processors = build_processors(estimators, wheels, options.parameter_files, report)
     made = {topic for processor in processors for topic in processor.outputs}
     taken = _taken(reader, processors, made, prefix)
     copied = tuple(not options.outputs_only and name not in made for name in names)
-    return OfflinePlan(reader.bag, estimators, wheels, options.parameter_files, tuple(taken), copied)
+    return OfflinePlan(reader.bag, estimators, wheels, options.parameter_files, tuple(taken), copied), processors
 
 
 def output_numbers(processors: Sequence[Processor]) -> dict[str, int]:

@@ -58,8 +58,7 @@ def process_bag(
     begun = perf_counter()
     with ExitStack() as stack:
         reader = stack.enter_context(BagReader(bag))
-        plan = plan_for(reader, options)
-        processors = plan.processors(SayOnce())
+        plan, processors = plan_for(reader, options, SayOnce())
         stages = graph_stages(processors, processes)
         made = {topic: kind for processor in processors for topic, kind in processor.outputs.items()}
         writer = stack.enter_context(BagWriter(out, chunk_size=_CHUNK_SIZE, custom_data=reader.custom_data))

@@ -87,7 +87,7 @@ def _report(results: Iterable[ProcessResult | Exception]) -> int:
 def _process_all(
     pairs: Sequence[tuple[Path, Path]], options: ProcessOptions, jobs: int
 ) -> Iterator[ProcessResult | Exception]:
-    """Process a bag by wheels in several processes, or several bags at once; yield results in the order of the bags."""
+    """Process a bag in a chain of processes, or several bags at once; yield results in the order of the bags."""
     if len(pairs) == 1 or jobs == 1:
         for bag, out in pairs:
             with _bars([bag]) as show:

@@ -17,11 +17,11 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
+from mcap.writer import MCAP0_MAGIC
 from rosbags.rosbag2.metadata import parse_qos
 
 from friction_bags.bag_format import BagError, Topic
 
-MAGIC = b"\x89MCAP0\r\n"
 _RECORD_HEAD = struct.Struct("<BQ")
 _CHUNK_HEAD = struct.Struct("<QQQI")
 _LENGTH_32 = struct.Struct("<I")
@@ -42,10 +42,10 @@ class McapSalvage:
             OSError: it cannot be opened.
         """
         with path.open("rb") as stream:
-            magic = stream.read(len(MAGIC))
+            magic = stream.read(len(MCAP0_MAGIC))
         if not magic:
             raise BagError(f"{path} is empty")
-        if magic != MAGIC:
+        if magic != MCAP0_MAGIC:
             raise BagError(f"{path} is no mcap file (wrong magic)")
         self._path = path
         self._schemas: dict[int, Schema] = {}
@@ -67,7 +67,7 @@ class McapSalvage:
         self.problems.clear()
         size = self._path.stat().st_size
         with self._path.open("rb") as stream:
-            stream.seek(len(MAGIC))
+            stream.seek(len(MCAP0_MAGIC))
             while True:
                 offset = stream.tell()
                 head = stream.read(_RECORD_HEAD.size)
@@ -94,7 +94,7 @@ class McapSalvage:
         """Take the declarations outside of chunks: the summary at the end repeats those of a damaged chunk."""
         size = self._path.stat().st_size
         with self._path.open("rb") as stream:
-            stream.seek(len(MAGIC))
+            stream.seek(len(MCAP0_MAGIC))
             while len(head := stream.read(_RECORD_HEAD.size)) == _RECORD_HEAD.size:
                 opcode, length = _RECORD_HEAD.unpack(head)
                 if stream.tell() + length > size:
