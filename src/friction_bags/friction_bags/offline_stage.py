@@ -1,7 +1,7 @@
 """Stages of the estimators in processes of their own: a chain from the one that reads to the one that writes."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from fcntl import F_SETPIPE_SZ, fcntl
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
@@ -43,7 +43,8 @@ def steps_of_stages(plan: OfflinePlan, stages: int, problems: list[str]) -> Iter
     before: Connection | None = None
     for stage in range(stages - 1):
         here, there = context.Pipe(duplex=False)
-        fcntl(there.fileno(), F_SETPIPE_SZ, _PIPE_SIZE)
+        with suppress(PermissionError):  # the system may allow less
+            fcntl(there.fileno(), F_SETPIPE_SZ, _PIPE_SIZE)
         processes.append(context.Process(target=_run_stage, args=(plan, stage, stages, before, there), daemon=True))
         processes[-1].start()
         there.close()

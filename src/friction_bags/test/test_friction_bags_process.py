@@ -121,6 +121,21 @@ def test_the_bytes_depend_neither_on_the_run_nor_on_the_number_of_processes(
         assert (tmp_path / "out" / file).read_bytes() == (processed / file).read_bytes()
 
 
+def test_a_system_that_allows_small_pipes_only_gets_the_same_bytes(
+    bag: Path, processed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+
+    def refuse(*arguments: int) -> int:
+        asked.append(arguments)
+        raise PermissionError
+
+    monkeypatch.setattr("friction_bags.offline_stage.fcntl", refuse)
+    process(bag, tmp_path / "out", 2)
+    assert asked
+    assert (tmp_path / "out" / "out_0.mcap").read_bytes() == (processed / "out_0.mcap").read_bytes()
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_the_order_of_arrival_across_topics_does_not_matter(
     rows: Rows, processed: Path, tmp_path: Path, seed: int
