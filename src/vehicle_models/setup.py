@@ -1,7 +1,5 @@
 """Packaging of vehicle_models."""
 
-from glob import glob
-
 from setuptools import find_packages, setup
 
 package_name = "vehicle_models"
@@ -10,11 +8,10 @@ setup(
     name=package_name,
     version="0.1.0",
     packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["py.typed"]},
+    package_data={package_name: ["py.typed", "vehicles/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/" + package_name]),
         ("share/" + package_name, ["package.xml"]),
-        ("share/" + package_name + "/config", glob("config/*.yaml")),
     ],
     zip_safe=True,
     maintainer="friction developers",

@@ -15,6 +15,7 @@ from math import isfinite
 from typing import Generic, TypeVar
 
 from friction_runtime.stamps import NANOSECONDS
+from vehicle_models.plausible import LATEST_STAMP
 
 Payload = TypeVar("Payload")
 Key = tuple[int, int]
@@ -136,7 +137,7 @@ class Aligner(Generic[Payload]):
     def offer_primary(self, stamp: int, payload: Payload) -> str | None:
         """Take a primary sample with stamp [ns]; return the reason if it is refused."""
         newest = self._newest
-        if stamp <= 0 or stamp == newest:
+        if not 0 < stamp <= LATEST_STAMP or stamp == newest:
             return _refusal(self._primary, stamp)
         rewound = stamp < newest
         if rewound:
@@ -155,7 +156,7 @@ class Aligner(Generic[Payload]):
     def offer(self, topic: str, stamp: int, values: tuple[float, ...]) -> str | None:
         """Take a sample of an input with stamp [ns]; return the reason if it is refused."""
         stream = self._streams[topic]
-        if stamp <= 0 or stamp == stream.last_stamp:
+        if not 0 < stamp <= LATEST_STAMP or stamp == stream.last_stamp:
             return _refusal(topic, stamp)
         for value in values:
             if not isfinite(value):
@@ -206,4 +207,6 @@ class Aligner(Generic[Payload]):
 
 
 def _refusal(topic: str, stamp: int) -> str:
-    return f"{topic}: stamp is zero" if stamp <= 0 else f"{topic}: stamp repeats"
+    if stamp <= 0:
+        return f"{topic}: stamp is zero"
+    return f"{topic}: stamp is no time" if stamp > LATEST_STAMP else f"{topic}: stamp repeats"

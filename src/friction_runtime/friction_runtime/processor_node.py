@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from functools import partial
 from time import monotonic
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock
@@ -12,11 +12,24 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from std_srvs.srv import Trigger
 
+from friction_parameters.parameter import ParameterError
+from friction_parameters.values import ignored
 from friction_runtime import qos
-from friction_runtime.parameters import ParameterError, declare
+from friction_runtime.node_parameters import declare
 from friction_runtime.processor import Health, Level, Output, Processor, Report
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
-Parameters = TypeVar("Parameters")
+
+class NodeParameters(Protocol):
+    """What every node's dataclass has."""
+
+    @property
+    def vehicle_file(self) -> str:
+        """The car."""
+
+
+Parameters = TypeVar("Parameters", bound=NodeParameters)
 
 _WATCH_PERIOD = 0.02
 _DIAGNOSTICS_PERIOD = 1.0
@@ -35,18 +48,18 @@ class ProcessorNode(Node, Generic[Parameters]):
         self,
         name: str,
         parameter_class: type[Parameters],
-        build: Callable[[Parameters, Report], Sequence[Processor]],
+        build: Callable[[Parameters, Vehicle, Report], Sequence[Processor]],
     ) -> None:
         """Declare, build and connect.
 
         Args:
             name: of the node.
-            parameter_class: dataclass made with friction_runtime.parameters.parameter.
-            build: makes the processors from the parameters; called again when a parameter changes, which starts them
-                anew. Read-only parameters hold what decides topics.
+            parameter_class: dataclass of its parameters.
+            build: makes the processors from the parameters and the car; called again when a parameter changes, which
+                starts them anew. Topics that are no longer needed fall silent.
 
         Raises:
-            ParameterError: a parameter is bad.
+            ParameterError: a parameter or the vehicle file is bad.
         """
         super().__init__(name)
         self._build = build
@@ -55,38 +68,37 @@ class ProcessorNode(Node, Generic[Parameters]):
         self._arrivals: dict[str, float] = {}
         self._counts: dict[str, int] = {}
         self._readers: dict[str, list[Processor]] = {}
+        self._ignored: set[str] = set()
         parameters = declare(self, parameter_class, self._apply)
+        self._vehicle = load_vehicle(parameters.vehicle_file)
         try:
-            self._processors = list(build(parameters, self._report))
+            self._apply(parameters)
         except ValueError as error:
             raise ParameterError(str(error)) from error
-        self._connect()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_service(Trigger, "~/reset", self._on_reset)
         self.create_timer(_WATCH_PERIOD, self._on_watch, clock=steady)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self.create_timer(_DIAGNOSTICS_PERIOD, self._on_diagnostics, clock=steady)
 
-    def _connect(self) -> None:
+    def _apply(self, parameters: Parameters) -> None:
+        """Take parameters: new processors on their topics."""
+        self._processors = list(self._build(parameters, self._vehicle, self._report))
+        for text in ignored(parameters):
+            if text not in self._ignored:
+                self._ignored.add(text)
+                self._report("warning", text)
+        self._readers = {}
         for processor in self._processors:
             for topic, kind in processor.outputs.items():
                 if topic not in self._publishers_by_topic:
                     self._publishers_by_topic[topic] = qos.publish(self, kind, topic)
             for inputs, profile in ((processor.sensors, qos.SENSOR), (processor.estimates, qos.ESTIMATE)):
                 for topic, kind in inputs.items():
-                    if topic not in self._readers:
-                        self._readers[topic] = []
+                    if topic not in self._counts:
                         self._counts[topic] = 0
                         qos.subscribe(self, kind, topic, partial(self._on_message, topic), profile)
-                    self._readers[topic].append(processor)
-
-    def _apply(self, parameters: Parameters) -> None:
-        """Take changed parameters: new processors on the same topics."""
-        processors = list(self._build(parameters, self._report))
-        for old, new in zip(self._processors, processors, strict=True):
-            for readers in self._readers.values():
-                readers[:] = [new if reader is old else reader for reader in readers]
-        self._processors = processors
+                    self._readers.setdefault(topic, []).append(processor)
 
     def _report(self, severity: str, text: str) -> None:
         now = monotonic()
@@ -106,7 +118,7 @@ class ProcessorNode(Node, Generic[Parameters]):
     def _on_message(self, topic: str, message: Any) -> None:
         self._arrivals[topic] = monotonic()
         self._counts[topic] += 1
-        for processor in self._readers[topic]:
+        for processor in self._readers.get(topic, ()):
             self._send(processor.process(topic, message))
 
     def _send(self, outputs: Sequence[Output]) -> None:

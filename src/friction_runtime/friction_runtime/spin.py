@@ -4,6 +4,8 @@ import faulthandler
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from threading import Event
 
 import rclpy
@@ -12,7 +14,8 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from friction_runtime.parameters import ParameterError
+from friction_parameters.parameter import ParameterError
+from friction_runtime.parameter_arguments import with_checked_files
 
 _WAKE_PERIOD = 0.2
 """[s] EventsExecutor.spin() does not return on a signal; waking up now and then does."""
@@ -21,17 +24,26 @@ _TAKE_DOWN_LIMIT = 0.8
 _STDERR = 2
 
 
-def run(make_node: Callable[[], Node], args: Sequence[str] | None = None) -> int:
-    """Make the node and spin it until a signal, or until it calls rclpy.try_shutdown().
+def run(name: str, parameter_class: type, make_node: Callable[[], Node], args: Sequence[str] | None = None) -> int:
+    """Check the parameter files, make the node and spin it until a signal, or until it calls rclpy.try_shutdown().
+
+    Args:
+        name: of the node, unless it is remapped.
+        parameter_class: dataclass of its parameters.
+        make_node: makes it; rclpy is initialised.
+        args: command line, that of the process if None.
 
     Returns:
-        Exit code: 0, or 2 when a parameter is bad (which is printed).
+        Exit code: 0, or 2 when a parameter or a file is bad (which is printed).
     """
     stop = stop_on_signals()
-    rclpy.init(args=None if args is None else list(args), signal_handler_options=SignalHandlerOptions.NO)
-    executor = EventsExecutor()
+    executor: EventsExecutor | None = None
     node: Node | None = None
     try:
+        with TemporaryDirectory() as directory:
+            arguments = with_checked_files(sys.argv if args is None else args, name, parameter_class, Path(directory))
+            rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+        executor = EventsExecutor()
         node = make_node()
         executor.add_node(node)
         while rclpy.ok() and not stop.is_set():

@@ -1,4 +1,4 @@
-"""Speeds of chosen wheels from wheel_states messages."""
+"""Speeds of the wheels of a car from wheel_states messages."""
 
 from collections.abc import Sequence
 from math import nan
@@ -7,48 +7,61 @@ from sys import maxsize
 from sensor_msgs.msg import JointState
 
 from friction_runtime.processor import Report
+from vehicle_models.plausible import HIGHEST_WHEEL_SPEED
+from vehicle_models.vehicle import Vehicle
 
 WHEEL_STATES = "wheel_states"
-_FASTEST = 1000.0
-"""[rad/s]; what is beyond is garbage, not a measurement."""
 
 
 class WheelSpeeds:
-    """Reads the wheels of one car, or one of them; other joints are ignored.
+    """Reads the wheels of a car, or some of them, by the names of their joints.
 
     Names seldom change from one message to the next: places are looked up when they do. Of a name that stands twice
     the first counts.
     """
 
-    def __init__(self, wheels: Sequence[str], report: Report) -> None:
-        """Name the wheels; `report` is told of those that a message lacks."""
-        self._wheels = tuple(wheels)
+    def __init__(self, vehicle: Vehicle, wheels: Sequence[str], report: Report) -> None:
+        """Choose wheels of the car; `report` is told of those that a message lacks, and of joints that are no wheels.
+
+        Other joints are noted by whoever reads the first wheel, so that they are noted once.
+        """
+        self._wheels = tuple(vehicle.wheel(name) for name in wheels)
+        self._joints = set(vehicle.joints)
         self._report = report
+        self._notes_others = vehicle.wheel_names[0] in wheels
         self._names: list[str] = []
         self._places = [maxsize] * len(self._wheels)
 
     def read(self, message: JointState) -> tuple[float, ...]:
         """Speeds [rad/s] in the order of the wheels, NaN where one is missing or garbage."""
         if message.name != self._names:
-            self._names = list(message.name)
-            place_of = {name: place for place, name in reversed(list(enumerate(self._names)))}
-            self._places = [place_of.get(wheel, maxsize) for wheel in self._wheels]
+            self._look_up(list(message.name))
         velocities = message.velocity.tolist()
         count = len(velocities)
         speeds = tuple([velocities[place] if place < count else nan for place in self._places])
         for speed in speeds:
-            if not abs(speed) <= _FASTEST:
+            if not abs(speed) <= HIGHEST_WHEEL_SPEED:
                 return self._without_garbage(speeds, count)
         return speeds
+
+    def _look_up(self, names: list[str]) -> None:
+        self._names = names
+        place_of = {name: place for place, name in reversed(list(enumerate(names)))}
+        self._places = [place_of.get(wheel.joint, maxsize) for wheel in self._wheels]
+        others = [name for name in names if name not in self._joints]
+        if others and self._notes_others and len(others) < len(names):
+            self._notes_others = False
+            self._report("info", f"{WHEEL_STATES}: not wheels of the car, left aside: {', '.join(others)}")
 
     def _without_garbage(self, speeds: tuple[float, ...], count: int) -> tuple[float, ...]:
         for wheel, place, speed in zip(self._wheels, self._places, speeds, strict=True):
             if place >= count:
+                joint = "" if wheel.joint == wheel.name else f" (joint '{wheel.joint}')"
                 self._report(
                     "error",
-                    f"{WHEEL_STATES}: no velocity for wheel '{wheel}', names are: {', '.join(self._names)}; "
-                    "check the parameter 'wheels'",
+                    f"{WHEEL_STATES}: no velocity for wheel '{wheel.name}'{joint}, names are: "
+                    f"{', '.join(self._names)}; check the vehicle file",
                 )
-            elif not abs(speed) <= _FASTEST:
-                self._report("warning", f"{WHEEL_STATES}: velocity of wheel '{wheel}' is no wheel speed: {speed}")
-        return tuple(speed if abs(speed) <= _FASTEST else nan for speed in speeds)
+            elif not abs(speed) <= HIGHEST_WHEEL_SPEED:
+                self._report("warning", f"{WHEEL_STATES}: velocity of wheel '{wheel.name}' is no wheel speed: {speed}")
+        return tuple(speed if abs(speed) <= HIGHEST_WHEEL_SPEED else nan for speed in speeds)

@@ -28,26 +28,27 @@ REST_SPEED = 1e-3
 
 @dataclass(frozen=True)
 class CornerParameters:
-    """One corner of the vehicle; the defaults are those of the evaluation protocol."""
+    """A wheel and the share of the car that rests on it."""
 
-    radius: float = 0.3
+    radius: float
     """Effective rolling radius r [m]."""
-    inertia: float = 1.0
+    inertia: float
     """Wheel inertia J [kg m^2]."""
-    mass: float = 225.0
-    """Quarter-car mass m [kg]."""
-    gravity: float = GRAVITY
-    """[m/s^2]"""
+    mass: float
+    """Mass m that this wheel decelerates [kg]."""
+    vertical_load: float
+    """Fz at rest [N]."""
 
     def __post_init__(self) -> None:
         """Refuse values that make no corner."""
-        if not (self.radius > 0.0 and self.inertia > 0.0 and self.mass > 0.0 and self.gravity > 0.0):
-            raise ValueError(f"radius, inertia, mass and gravity must be > 0: {self}")
+        for name in ("radius", "inertia", "mass", "vertical_load"):
+            if not 0.0 < getattr(self, name) < np.inf:
+                raise ValueError(f"{name} must be finite and > 0, is {getattr(self, name)}")
 
     @property
-    def vertical_load(self) -> float:
-        """Fz = m g [N]."""
-        return self.mass * self.gravity
+    def gravity(self) -> float:
+        """Fz / m [m/s^2]."""
+        return self.vertical_load / self.mass
 
     def peak_torque(self, theta: ArrayLike) -> Array:
         """Brake torque [N m] that holds the corner at the peak: mu_max (r Fz + J (1 - lambda_max) g / r).

@@ -1,0 +1,110 @@
+"""One parameter: a dataclass field that carries its description, unit, range and choices.
+
+    @dataclass(frozen=True)
+    class DetectorParameters:
+        window: int = parameter(28, "samples of the fit that gives H", minimum=3, maximum=400)
+
+    @dataclass(frozen=True)
+    class FrictionSlopeParameters:
+        method: str = parameter("slip", "where the sign comes from", choices=("slip", "no_slip"))
+        detector: DetectorParameters = group(DetectorParameters())
+
+The algorithm's dataclass holds the field; a node's dataclass holds the algorithm's, so that its parameter is
+`detector.window`. Allowed types: bool, int, float, str, tuple[float, ...], tuple[str, ...]. A dataclass may refuse
+combinations of values by raising ValueError in __post_init__.
+"""
+
+from dataclasses import field
+from typing import Any
+
+
+class ParameterError(ValueError):
+    """A parameter has a value that makes no sense; the text names it."""
+
+
+def parameter(
+    default: Any,
+    description: str,
+    *,
+    unit: str = "",
+    minimum: float | None = None,
+    maximum: float | None = None,
+    choices: tuple[str, ...] = (),
+    read_only: bool = False,
+) -> Any:
+    """Field of a parameter dataclass.
+
+    Args:
+        default: its default; its type must be the annotated one.
+        description: one line, without the unit.
+        unit: SI unit, empty for a dimensionless number or no number.
+        minimum: smallest value allowed (of each element of a tuple).
+        maximum: largest value allowed (of each element of a tuple).
+        choices: the texts allowed (of each element of a tuple).
+        read_only: it can be set at start only.
+    """
+    metadata = {
+        "description": description,
+        "unit": unit,
+        "minimum": minimum,
+        "maximum": maximum,
+        "choices": choices,
+        "read_only": read_only,
+    }
+    return field(default=default, metadata=metadata)
+
+
+def group(default: Any, *, selector: str = "", methods: tuple[str, ...] = ()) -> Any:
+    """Field that holds a parameter dataclass: its parameters are named `field.parameter`.
+
+    Args:
+        default: an instance of the dataclass.
+        selector: name of the parameter that chooses a method, where the group serves some methods only.
+        methods: values of `selector` that the group serves; for others its parameters are ignored.
+    """
+    return field(default=default, metadata={"selector": selector, "methods": methods})
+
+
+def checked(name: str, hint: Any, limits: Any, value: Any) -> Any:
+    """Convert and check one value.
+
+    Args:
+        name: of the parameter, for the text of an error.
+        hint: its annotated type.
+        limits: metadata of its field, made by `parameter`.
+        value: what was given; an integer serves for a float, a list for a tuple.
+
+    Raises:
+        ParameterError: the type is wrong, or the value is outside range or choices.
+    """
+    elements: tuple[Any, ...]
+    if hint in (tuple[float, ...], tuple[str, ...]):
+        if not isinstance(value, (list, tuple)) and not hasattr(value, "tolist"):
+            raise ParameterError(f"parameter '{name}' = {value!r} must be a list")
+        kind = float if hint == tuple[float, ...] else str
+        elements = tuple(_converted(name, kind, element) for element in value)
+        result: Any = elements
+    else:
+        result = _converted(name, hint, value)
+        elements = (result,)
+    unit = f" {limits['unit']}" if limits["unit"] else ""
+    for element in elements:
+        if limits["choices"] and element not in limits["choices"]:
+            raise ParameterError(f"parameter '{name}' = '{element}' must be one of {', '.join(limits['choices'])}")
+        low, high = limits["minimum"], limits["maximum"]
+        # The comparisons are written so that NaN fails them.
+        if (low is not None and not element >= low) or (high is not None and not element <= high):
+            raise ParameterError(f"parameter '{name}' = {element}{unit} is outside [{low}, {high}]")
+        if isinstance(element, float) and element != element:
+            raise ParameterError(f"parameter '{name}' is not a number")
+    return result
+
+
+def _converted(name: str, kind: Any, value: Any) -> Any:
+    if kind is float and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if hasattr(value, "item"):
+        value = value.item()
+    if type(value) is not kind:
+        raise ParameterError(f"parameter '{name}' = {value!r} must be of type {kind.__name__}")
+    return value

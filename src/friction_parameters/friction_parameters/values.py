@@ -1,0 +1,139 @@
+"""Parameter dataclasses by the names of their parameters: flat, dotted, checked."""
+
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from functools import cache
+from typing import Any, TypeVar, get_type_hints
+
+from friction_parameters.parameter import ParameterError, checked
+
+Parameters = TypeVar("Parameters")
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A parameter as its dataclass declares it."""
+
+    name: str
+    """Dotted: that of the groups it stands in, then its own."""
+    hint: Any
+    """Annotated type."""
+    default: Any
+    limits: Mapping[str, Any]
+    """What `parameter` was given: description, unit, minimum, maximum, choices, read_only."""
+
+
+@cache
+def declared(cls: type) -> dict[str, Declared]:
+    """Parameters of a dataclass and of the dataclasses it holds, by dotted name, in the order of declaration.
+
+    Raises:
+        TypeError: a field was not made with `parameter` or `group`.
+    """
+    found: dict[str, Declared] = {}
+    hints = get_type_hints(cls)
+    for each in fields(cls):
+        if each.default is MISSING or not each.metadata:
+            raise TypeError(f"{cls.__name__}.{each.name} is no parameter: make it with parameter(...) or group(...)")
+        if is_dataclass(hints[each.name]):
+            for inner in declared(hints[each.name]).values():
+                name = f"{each.name}.{inner.name}"
+                found[name] = Declared(name, inner.hint, _value(each.default, inner.name), inner.limits)
+        else:
+            found[each.name] = Declared(each.name, hints[each.name], each.default, each.metadata)
+    return found
+
+
+def values_of(parameters: Any) -> dict[str, Any]:
+    """Values of a parameter dataclass by dotted name."""
+    return {name: _value(parameters, name) for name in declared(type(parameters))}
+
+
+def from_mapping(cls: type[Parameters], values: Mapping[str, Any]) -> Parameters:
+    """Make the dataclass from names and values; what is not named has its default.
+
+    Args:
+        cls: a parameter dataclass.
+        values: by dotted name, or nested as in a parameter file.
+
+    Raises:
+        ParameterError: a name is unknown, a type is wrong, a value is out of range, or the combination is refused.
+    """
+    return changed(cls(), flattened(values))
+
+
+def changed(parameters: Parameters, values: Mapping[str, Any]) -> Parameters:
+    """Make a copy of a parameter dataclass with other values, by dotted name.
+
+    Raises:
+        ParameterError: as from_mapping.
+    """
+    known = declared(type(parameters))
+    accepted = {}
+    for name, value in values.items():
+        if name not in known:
+            raise ParameterError(unknown(type(parameters), name))
+        accepted[name] = checked(name, known[name].hint, known[name].limits, value)
+    try:
+        return _replaced(parameters, accepted)
+    except ParameterError:
+        raise
+    except ValueError as error:
+        raise ParameterError(str(error)) from error
+
+
+def flattened(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Names and values of a nested mapping, dotted."""
+    found: dict[str, Any] = {}
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            found.update({f"{name}.{inner}": each for inner, each in flattened(value).items()})
+        else:
+            found[str(name)] = value
+    return found
+
+
+def unknown(cls: type, name: str) -> str:
+    """Say that a parameter is unknown: where it stands now, if it had the name once, or which there are."""
+    moved: Mapping[str, str] = getattr(cls, "MOVED", {})
+    if name in moved:
+        return f"parameter '{name}' is no more: {moved[name]}"
+    return f"unknown parameter '{name}': known are {', '.join(declared(cls))}"
+
+
+def ignored(parameters: Any) -> list[str]:
+    """Say which parameters were set although they belong to a method that is not chosen, a line for each group."""
+    lines = []
+    for each in fields(parameters):
+        selector, methods = each.metadata.get("selector", ""), each.metadata.get("methods", ())
+        if not selector or getattr(parameters, selector) in methods:
+            continue
+        inner, default = getattr(parameters, each.name), each.default
+        names = [f"{each.name}.{name}" for name in declared(type(inner)) if _value(inner, name) != _value(default, name)]
+        if names:
+            chosen = getattr(parameters, selector)
+            lines.append(f"{', '.join(names)}: ignored, as '{selector}' is '{chosen}', not {' or '.join(methods)}")
+    return lines
+
+
+def _value(parameters: Any, name: str) -> Any:
+    for part in name.split("."):
+        parameters = getattr(parameters, part)
+    return parameters
+
+
+def _replaced(parameters: Parameters, values: Mapping[str, Any]) -> Parameters:
+    own = {name: value for name, value in values.items() if "." not in name}
+    inner: dict[str, dict[str, Any]] = {}
+    for name, value in values.items():
+        outer, dot, rest = name.partition(".")
+        if dot:
+            inner.setdefault(outer, {})[rest] = value
+    for outer, changes in inner.items():
+        try:
+            own[outer] = _replaced(getattr(parameters, outer), changes)
+        except ParameterError:
+            raise
+        except ValueError as error:
+            raise ParameterError(f"{outer}: {error}") from error
+    return replace(parameters, **own)  # type: ignore[type-var]

@@ -1,0 +1,25 @@
+"""Brake torque of a wheel from <wheel>/brake_pressure messages, T_b = k p (1.1)."""
+
+from sensor_msgs.msg import FluidPressure
+
+from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
+from vehicle_models.plausible import HIGHEST_PRESSURE, HIGHEST_TORQUE
+from vehicle_models.vehicle import Vehicle
+
+
+class BrakeTorque:
+    """Reads the pressure of one wheel."""
+
+    def __init__(self, vehicle: Vehicle, wheel: str) -> None:
+        """Choose a wheel of the car."""
+        self.topic = f"{wheel}/brake_pressure"
+        self._gain = vehicle.wheel(wheel).brake_gain
+        self._delay = round(vehicle.brake_pressure_delay * NANOSECONDS)
+
+    def read(self, message: FluidPressure) -> tuple[int, float] | str:
+        """Time at which the pressure acted [ns] and its torque [N m], or why the message is refused."""
+        pressure = message.fluid_pressure
+        torque = self._gain * pressure
+        if not (abs(pressure) <= HIGHEST_PRESSURE and abs(torque) <= HIGHEST_TORQUE):
+            return f"{self.topic}: {pressure} Pa is no brake pressure"
+        return to_nanoseconds(message.header.stamp) - self._delay, torque

@@ -1,0 +1,197 @@
+"""The car: what is known of it and of each of its wheels, and how well. Files: see vehicle_file."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from math import nan
+from typing import Any
+
+from friction_parameters.parameter import parameter
+from vehicle_models.single_corner import GRAVITY, CornerParameters
+
+_REQUIRED = nan
+"""Default of what a file must give; NaN passes no check."""
+FRONT, REAR = "front", "rear"
+
+
+class SharedBy(Enum):
+    """Which wheels have the same error of a quantity: it decides whether errors of wheels average out."""
+
+    WHEEL = "wheel"
+    AXLE = "axle"
+    ALL = "all"
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How far a value may be off."""
+
+    stddev: float
+    """In the unit of the value, > 0."""
+    shared_by: SharedBy
+    """Where it was stated: for one wheel, for an axle, for all wheels (or the whole car)."""
+
+
+Deviations = Mapping[str, Deviation]
+"""By the name of the quantity. What is not named has no stated deviation, which does not mean that it is exact."""
+
+
+def _deviations() -> Any:
+    return field(default_factory=dict, metadata={"internal": True})
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """One wheel with its brake."""
+
+    name: str
+    """What its topics begin with."""
+    joint: str
+    """Its name in wheel_states."""
+    axle: str = parameter(FRONT, "axle it is on", choices=(FRONT, REAR))
+    side: str = parameter("left", "side it is on", choices=("left", "right"))
+    radius: float = parameter(_REQUIRED, "effective rolling radius r", unit="m", minimum=0.05, maximum=2.0)
+    inertia: float = parameter(_REQUIRED, "moment of inertia J", unit="kg m^2", minimum=0.01, maximum=100.0)
+    brake_gain: float = parameter(_REQUIRED, "k of T_b = k p (1.1)", unit="N m/Pa", minimum=1e-7, maximum=1.0)
+    encoder_teeth: int = parameter(48, "teeth of the encoder", minimum=8, maximum=1000)
+    driven: bool = parameter(False, "the engine drives it")
+    relaxation_length: float = parameter(
+        0.3, "distance over which its tyre answers to slip", unit="m", minimum=1e-3, maximum=3.0
+    )
+    deviations: Deviations = _deviations()
+
+
+@dataclass(frozen=True)
+class Accelerometer:
+    """How the accelerometer of `imu/data` is mounted, and what it is known to get wrong."""
+
+    axis: str = parameter("x", "its axis along the car", choices=("x", "y", "z"))
+    sign: float = parameter(1.0, "1 if that axis points forward, -1 if backward", minimum=-1.0, maximum=1.0)
+    offset: float = parameter(0.0, "what it reads at rest on a level road", unit="m/s^2", minimum=-20.0, maximum=20.0)
+    scale: float = parameter(1.0, "change of its reading over change of acceleration", minimum=0.5, maximum=2.0)
+    pitch_gain: float = parameter(
+        0.0, "pitch of the body, nose down, over deceleration", unit="rad s^2/m", minimum=0.0, maximum=0.02
+    )
+    deviations: Deviations = _deviations()
+
+    def __post_init__(self) -> None:
+        """Refuse a sign that is none."""
+        if abs(self.sign) != 1.0:
+            raise ValueError(f"'sign' = {self.sign} must be 1 or -1")
+
+    def forward(self, linear_acceleration: Any) -> float:
+        """Acceleration of the car [m/s^2], forward positive, on a level road.
+
+        A nose that dives adds gravity's share to the reading: f = scale (1 + g pitch_gain) a + offset.
+
+        Args:
+            linear_acceleration: with x, y, z [m/s^2], as in sensor_msgs/Imu.
+        """
+        reading = self.sign * float(getattr(linear_acceleration, self.axis))
+        return (reading - self.offset) / (self.scale * (1.0 + GRAVITY * self.pitch_gain))
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """A car on two axles, or a single corner: then all its wheels are on the front axle."""
+
+    name: str
+    wheels: tuple[Wheel, ...]
+    """In the order of every array per wheel."""
+    mass: float = parameter(_REQUIRED, "mass of the car as driven", unit="kg", minimum=1.0, maximum=1e5)
+    front_load_share: float = parameter(
+        1.0, "share of the weight on the front axle at rest", minimum=0.05, maximum=1.0
+    )
+    wheelbase: float = parameter(2.7, "distance of the axles", unit="m", minimum=0.5, maximum=20.0)
+    centre_of_gravity_height: float = parameter(
+        0.0, "height of the centre of gravity", unit="m", minimum=0.0, maximum=5.0
+    )
+    track: float = parameter(1.5, "distance of the wheels of an axle", unit="m", minimum=0.3, maximum=5.0)
+    drag_area: float = parameter(
+        0.0, "drag coefficient times frontal area", unit="m^2", minimum=0.0, maximum=20.0
+    )
+    rolling_resistance: float = parameter(0.0, "coefficient of rolling resistance", minimum=0.0, maximum=0.5)
+    engine_drag_torque: float = parameter(
+        0.0, "torque of the closed throttle at each driven wheel, braking positive", unit="N m", minimum=0.0, maximum=1e4
+    )
+    brake_pressure_delay: float = parameter(
+        0.0, "age of a pressure at its stamp", unit="s", minimum=0.0, maximum=0.5
+    )
+    accelerometer: Accelerometer = field(default_factory=Accelerometer, metadata={"internal": True})
+    deviations: Deviations = _deviations()
+
+    def __post_init__(self) -> None:
+        """Refuse what makes no car.
+
+        Raises:
+            ValueError: no wheels, two of one name, or a load share that does not fit the axles.
+        """
+        names = [wheel.name for wheel in self.wheels]
+        if not names or len(set(names)) != len(names):
+            raise ValueError(f"'wheels' = {names} must name at least one wheel, each once")
+        joints = [wheel.joint for wheel in self.wheels]
+        if len(set(joints)) != len(joints):
+            raise ValueError(f"'joint' names one joint for two wheels: {joints}")
+        corners = [(wheel.axle, wheel.side) for wheel in self.wheels]
+        if twice := [corner for corner in corners if corners.count(corner) > 1]:
+            raise ValueError(f"two wheels are {' '.join(twice[0])}")
+        axles = {wheel.axle for wheel in self.wheels}
+        if FRONT not in axles:
+            raise ValueError("no wheel is on the axle 'front'")
+        if (self.front_load_share < 1.0) != (REAR in axles):
+            where = "a wheel is" if REAR in axles else "no wheel is"
+            raise ValueError(f"'front_load_share' = {self.front_load_share} does not fit: {where} on the axle 'rear'")
+
+    @property
+    def wheel_names(self) -> tuple[str, ...]:
+        """Names of the wheels."""
+        return tuple(wheel.name for wheel in self.wheels)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the wheels in wheel_states."""
+        return tuple(wheel.joint for wheel in self.wheels)
+
+    @property
+    def radii(self) -> tuple[float, ...]:
+        """Effective rolling radii [m]."""
+        return tuple(wheel.radius for wheel in self.wheels)
+
+    @property
+    def height_ratio(self) -> float:
+        """Height of the centre of gravity over the wheelbase, h / L [-]."""
+        return self.centre_of_gravity_height / self.wheelbase
+
+    @property
+    def load_shares(self) -> tuple[float, ...]:
+        """Share of each wheel in the weight at rest [-], sum 1."""
+        return tuple(self._load_share(wheel) for wheel in self.wheels)
+
+    @property
+    def transfer_shares(self) -> tuple[float, ...]:
+        """Change of each of these shares per g of deceleration [-], sum 0: h / L, divided among an axle's wheels."""
+        if all(wheel.axle == FRONT for wheel in self.wheels):
+            return (0.0,) * len(self.wheels)
+        signs = {FRONT: 1.0, REAR: -1.0}
+        return tuple(signs[wheel.axle] * self.height_ratio / self._count(wheel.axle) for wheel in self.wheels)
+
+    def wheel(self, name: str) -> Wheel:
+        """Return a wheel by its name.
+
+        Raises:
+            KeyError: it has none of this name.
+        """
+        return next(wheel for wheel in self.wheels if wheel.name == name)
+
+    def corner(self, name: str) -> CornerParameters:
+        """Return a wheel with the share of the mass that rests on it."""
+        wheel = self.wheel(name)
+        mass = self.mass * self._load_share(wheel)
+        return CornerParameters(wheel.radius, wheel.inertia, mass, mass * GRAVITY)
+
+    def _load_share(self, wheel: Wheel) -> float:
+        share = self.front_load_share if wheel.axle == FRONT else 1.0 - self.front_load_share
+        return share / self._count(wheel.axle)
+
+    def _count(self, axle: str) -> int:
+        return sum(wheel.axle == axle for wheel in self.wheels)
