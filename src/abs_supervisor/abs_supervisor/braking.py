@@ -1,5 +1,25 @@
 """Does the driver brake? The condition between S0 and the other states."""
 
+from dataclasses import dataclass
+
+from friction_parameters.parameter import parameter
+
+
+@dataclass(frozen=True)
+class PressureParameters:
+    """When braking is over, as the wheel's own brake pressure tells."""
+
+    release_torque: float = parameter(
+        20.0, "braking is over after 'release_hold' below this torque", unit="N m", minimum=0.0, maximum=1e4
+    )
+    release_hold: float = parameter(
+        0.2,
+        "time below 'release_torque' that ends braking; longer than the supervisor's own release",
+        unit="s",
+        minimum=0.0,
+        maximum=5.0,
+    )
+
 
 class TorqueWithHysteresis:
     """Where there is no demand topic: from the wheel's own torque, which the supervisor's release takes to zero.
@@ -8,15 +28,14 @@ class TorqueWithHysteresis:
     which is longer than a release.
     """
 
-    def __init__(self, begin: float, end: float, hold: float) -> None:
+    def __init__(self, begin: float, end: PressureParameters) -> None:
         """Start not braking.
 
         Args:
-            begin: T-bar [N m].
-            end: lower threshold [N m], < begin.
-            hold: [s], >= 0.
+            begin: T-bar [N m], above the release torque.
+            end: when braking is over.
         """
-        self._begin, self._end, self._hold_ns = begin, end, round(hold * 1e9)
+        self._begin, self._end, self._hold_ns = begin, end.release_torque, round(end.release_hold * 1e9)
         self.reset()
 
     def reset(self) -> None:

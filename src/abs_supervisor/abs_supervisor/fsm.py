@@ -13,6 +13,8 @@ peak, to which a release time-out has given pressure again, would at once be rel
 from dataclasses import dataclass
 from enum import IntEnum
 
+from friction_parameters.parameter import parameter
+
 
 class State(IntEnum):
     """States; the values are those of friction_msgs/SupervisorState."""
@@ -60,14 +62,22 @@ COMMANDS = {
 class Thresholds:
     """What the transitions compare with."""
 
-    h_instability: float
-    """H_inst [rad/s^3], < 0: an indicator at or below it says that stability is lost."""
-    h_stability: float
-    """H_st [rad/s^3], > 0: an indicator at or above it says that stability is regained."""
-    wait: float
-    """n [s], >= 0: the least time in S21, for the release to act."""
-    release_timeout: float
-    """Longest time in S22 [s], > 0."""
+    h_instability: float = parameter(
+        -1.0,
+        "H_inst: stability is lost where the indicator is at or below it",
+        unit="rad/s^3",
+        minimum=-1e5,
+        maximum=-1e-3,
+    )
+    h_stability: float = parameter(
+        8000.0,
+        "H_st: stability is regained where the indicator is at or above it",
+        unit="rad/s^3",
+        minimum=1e-3,
+        maximum=1e6,
+    )
+    wait: float = parameter(0.035, "n: least time in S21, for the release to act", unit="s", minimum=0.0, maximum=1.0)
+    release_timeout: float = parameter(0.165, "longest time in S22", unit="s", minimum=0.005, maximum=10.0)
 
     def __post_init__(self) -> None:
         """Refuse thresholds of the wrong sign."""

@@ -7,12 +7,14 @@ from abs_supervisor.processor import build
 from friction_runtime.processor_node import ProcessorNode
 from friction_runtime.spin import run
 
+_NAME = "abs_supervisor"
+
 
 def make_node() -> ProcessorNode[SupervisorParameters]:
     """Make the node; rclpy is initialised."""
-    return ProcessorNode("abs_supervisor", SupervisorParameters, build)
+    return ProcessorNode(_NAME, SupervisorParameters, build)
 
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run until a signal; return the exit code."""
-    return run(make_node, args)
+    return run(_NAME, SupervisorParameters, make_node, args)

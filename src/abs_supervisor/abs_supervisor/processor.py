@@ -12,9 +12,12 @@ from abs_supervisor.fsm import COMMANDS
 from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.supervisor import Evidence, Supervisor
 from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
+from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.new_message import new_message
 from friction_runtime.processor import Health, Level, Output, Report, silent
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
+from vehicle_models.plausible import HIGHEST_PRESSURE, HIGHEST_TORQUE
+from vehicle_models.vehicle import Vehicle
 
 BRAKE_DEMAND = "brake_demand"
 _NANOSECONDS = 1_000_000_000
@@ -28,13 +31,14 @@ _ALIVE = (FrictionSlope.OK, FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATI
 class WheelProcessor:
     """Layer 2 of abs_supervisor. Fires for each friction_slope message, once the demand has reached its stamp."""
 
-    def __init__(self, wheel: str, parameters: SupervisorParameters, report: Report = silent) -> None:
-        """Build for one wheel; `report` takes what a person should know."""
+    def __init__(self, wheel: str, vehicle: Vehicle, parameters: SupervisorParameters, report: Report = silent) -> None:
+        """Build for one wheel of a car; `report` takes what a person should know."""
         self._wheel, self._p, self._report = wheel, parameters, report
-        self._gain = parameters.brake_gain(wheel)
+        self._gain = vehicle.wheel(wheel).brake_gain
+        self._brake_torque = BrakeTorque(vehicle, wheel)
         self._slope = f"{wheel}/friction_slope"
         by_demand = parameters.braking_source == "demand"
-        self._demand = BRAKE_DEMAND if by_demand else f"{wheel}/brake_pressure"
+        self._demand = BRAKE_DEMAND if by_demand else self._brake_torque.topic
         self.sensors: Mapping[str, type] = {} if by_demand else {self._demand: FluidPressure}
         self.estimates: Mapping[str, type] = {self._slope: FrictionSlope}
         if by_demand:
@@ -43,10 +47,8 @@ class WheelProcessor:
         if not parameters.shadow:
             self.outputs = {**self.outputs, f"{wheel}/brake_command": BrakeCommand}
         self._aligner: Aligner[FrictionSlope] = Aligner(self._slope, [AlignedInput(self._demand)], parameters.deadline)
-        self._supervisor = Supervisor(parameters.thresholds(), parameters.tolerance)
-        self._hysteresis = TorqueWithHysteresis(
-            parameters.braking_torque, parameters.release_torque, parameters.release_hold
-        )
+        self._supervisor = Supervisor(parameters.thresholds, parameters.tolerance)
+        self._hysteresis = TorqueWithHysteresis(parameters.braking_torque, parameters.pressure)
         self.reset()
 
     def reset(self) -> None:
@@ -102,9 +104,14 @@ class WheelProcessor:
             if message.wheel not in ("", self._wheel):
                 return None
             pressure = message.pressure
+            torque = self._gain * pressure
+            if not (abs(pressure) <= HIGHEST_PRESSURE and abs(torque) <= HIGHEST_TORQUE):
+                return f"{topic}: {pressure} Pa is no brake pressure"
         else:
-            pressure = message.fluid_pressure
-        torque = self._gain * pressure
+            read = self._brake_torque.read(message)
+            if isinstance(read, str):
+                return read
+            stamp, torque = read
         refusal = self._aligner.offer(topic, stamp, (torque,))
         if refusal is None:
             self._held = (stamp, torque)
@@ -198,6 +205,6 @@ class WheelProcessor:
         return outputs
 
 
-def build(parameters: SupervisorParameters, report: Report = silent) -> list[WheelProcessor]:
+def build(parameters: SupervisorParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:
     """Make the processors: one a wheel."""
-    return [WheelProcessor(wheel, parameters, report) for wheel in parameters.wheels]
+    return [WheelProcessor(wheel, vehicle, parameters, report) for wheel in vehicle.wheel_names]

@@ -3,11 +3,14 @@
 from dataclasses import dataclass
 from math import isfinite, isnan, nan
 
+from friction_parameters import shared
+from friction_parameters.parameter import parameter
 from friction_slope.crossing import CrossingDetector
 from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
-from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign
+from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign, slope_indicator
 from friction_slope.reference_speed import ReferenceSpeed
 from friction_slope.signals import SignalWindow
+from vehicle_models.single_corner import CornerParameters
 
 _NANOSECONDS = 1_000_000_000
 LOCKED_SLIP = 0.8
@@ -24,53 +27,80 @@ LOCKED_INDICATOR = -1e5
 
 @dataclass(frozen=True)
 class DetectorParameters:
-    """Of one wheel; config/friction_slope.yaml says what each is."""
+    """Windows, thresholds and dead zones, for both methods."""
 
-    method: Method
-    radius: float
-    """r [m]"""
-    inertia: float
-    """J [kg m^2]"""
-    vertical_load: float
-    """Fz [N]"""
-    window: int
-    """samples for H"""
-    rate_window: int
-    """samples for slip rate and eta"""
-    lead: float
-    """where H is read, see signals.SignalWindow"""
-    h_instability: float
-    """[rad/s^3], <= 0"""
-    h_stability: float
-    """[rad/s^3], >= 0"""
-    slip_rate_dead_zone: float
-    """[1/s]"""
-    eta_margin: float
-    """[-]"""
-    minimum_torque: float
-    """[N m] below it the wheel is not braked ..."""
-    braking_hold: float
-    """... but for this long [s]: it may still be on its way back"""
-    minimum_speed: float
-    """[m/s]"""
-    max_deceleration: float
-    """[m/s^2] of the reference speed"""
-    max_gap: float
-    """[s] between samples"""
+    window: int = parameter(28, "samples of the fit that gives H", minimum=3, maximum=400)
+    lead: float = parameter(
+        0.0, "where H is read: 0 window's centre, 1 newest sample, above 1 ahead of it", minimum=0.0, maximum=4.0
+    )
+    rate_window: int = parameter(28, "samples of the fits that give slip rate and eta", minimum=2, maximum=400)
+    h_instability: float = parameter(
+        -15.0, "indicator at or below it: stability is lost", unit="rad/s^3", minimum=-1e5, maximum=0.0
+    )
+    h_stability: float = parameter(
+        100.0, "indicator at or above it: stability is regained", unit="rad/s^3", minimum=0.0, maximum=1e5
+    )
+    slip_rate_dead_zone: float = parameter(
+        0.2, "slip rates up to it have no measurable sign", unit="1/s", minimum=0.0, maximum=100.0
+    )
+    minimum_torque: float = parameter(
+        30.0, "a wheel with less brake torque, for 'braking_hold', is not braked", unit="N m", minimum=0.1, maximum=1e4
+    )
+    braking_hold: float = parameter(
+        0.3, "a released wheel counts as braked for so long, as it takes time", unit="s", minimum=0.0, maximum=10.0
+    )
+    minimum_speed: float = shared.minimum_speed(1.5)
+    max_deceleration: float = parameter(
+        12.0,
+        "no car brakes harder: bounds the speed, where it is not known, that tells a locked wheel from standstill",
+        unit="m/s^2",
+        minimum=1.0,
+        maximum=50.0,
+    )
+    max_gap: float = shared.max_gap(0.03)
+
+    def __post_init__(self) -> None:
+        """Refuse a window too short for its polynomial."""
+        if self.lead > 0.0 and self.window < 4:
+            raise ValueError(f"'window' = {self.window} must be at least 4 with a 'lead' ({self.lead})")
+
+
+@dataclass(frozen=True)
+class NoSlipParameters:
+    """What only the method no_slip needs."""
+
+    slip_at_crossing: bool = parameter(
+        True, "wait for <wheel>/slip too, to tell the slip at a crossing (method slip always does)"
+    )
+    eta_margin: float = parameter(
+        0.1, "eta must be this much above the friction, or below 0, to have a sign", minimum=0.0, maximum=100.0
+    )
 
 
 class SlopeDetector:
     """One wheel. `update` takes all that is known at one stamp."""
 
-    def __init__(self, parameters: DetectorParameters) -> None:
-        """Build from the parameters.
+    def __init__(
+        self,
+        corner: CornerParameters,
+        method: Method,
+        parameters: DetectorParameters,
+        no_slip: NoSlipParameters = NoSlipParameters(),
+    ) -> None:
+        """Build for a wheel.
 
-        Raises:
-            ValueError: thresholds or windows make no sense.
+        Args:
+            corner: radius, inertia and vertical load of the wheel.
+            method: where the sign of the slip rate comes from.
+            parameters: of both methods.
+            no_slip: of the method no_slip; the method slip ignores them.
         """
+        self._method = method
         self._p = p = parameters
-        self._signals = SignalWindow(p.inertia, p.window, p.rate_window, p.lead)
-        self._reference = ReferenceSpeed(p.radius, p.max_deceleration)
+        self._eta_margin = no_slip.eta_margin
+        self._radius, self._inertia, self._vertical_load = corner.radius, corner.inertia, corner.vertical_load
+        self._signals = SignalWindow(corner.inertia, p.window, p.rate_window, p.lead)
+        self._reference = ReferenceSpeed(corner.radius, p.max_deceleration)
         self._crossing = CrossingDetector(p.h_instability, p.h_stability)
         self.reset()
 
@@ -98,7 +128,7 @@ class SlopeDetector:
                 self._forget_samples()
                 self._had_gap = True
                 # A wheel that turns belies a reference speed it cannot have come from; one that stands may be locked.
-                if not possible and sample.wheel_speed * self._p.radius > self._p.minimum_speed:
+                if not possible and sample.wheel_speed * self._radius > self._p.minimum_speed:
                     self._reference.reset()
             elif not possible:
                 return self._estimate(Reason.BAD_INPUT, f"wheel speed jumps to {sample.wheel_speed:.1f} rad/s")
@@ -117,25 +147,25 @@ class SlopeDetector:
     def _judge(self, sample: SlopeSample) -> SlopeEstimate:
         p, signals = self._p, self._signals
         speed = self._reference.speed
-        if p.method is Method.SLIP and isfinite(sample.vehicle_speed):
+        if self._method is Method.SLIP and isfinite(sample.vehicle_speed):
             speed = sample.vehicle_speed
         if speed < p.minimum_speed:
             return self._unknown(Reason.LOW_SPEED, f"speed is below {p.minimum_speed} m/s")
         h, delay = signals.h(), signals.delay
         if self._braked is None or sample.stamp - self._braked > p.braking_hold * _NANOSECONDS:
             return self._unknown(Reason.NOT_BRAKING, f"brake torque is below {p.minimum_torque} N m", h, delay)
-        slip_rate = signals.slip_rate() if p.method is Method.SLIP else 0.0
+        slip_rate = signals.slip_rate() if self._method is Method.SLIP else 0.0
         if isnan(slip_rate):
             return self._unknown(Reason.NO_SLIP, "slip was not valid throughout the window", h, delay)
         read_at = sample.stamp - round(delay * _NANOSECONDS)
-        if sample.wheel_speed * p.radius < (1.0 - LOCKED_SLIP) * speed:
+        if sample.wheel_speed * self._radius < (1.0 - LOCKED_SLIP) * speed:
             self._crossing.update(LOCKED_INDICATOR, 1, signals.slip, read_at)
             return self._estimate(Reason.OK, "", nan, delay, LOCKED_INDICATOR)
         growing = self._growing(slip_rate)
-        indicator = h * growing
+        indicator = slope_indicator(h, growing)
         self._crossing.update(indicator, growing, signals.slip, read_at)
         if growing == 0:
-            rate = "slip rate" if p.method is Method.SLIP else "eta"
+            rate = "slip rate" if self._method is Method.SLIP else "eta"
             return self._estimate(Reason.NO_EXCITATION, f"{rate} in its dead zone, sign is held", h, delay, indicator)
         if self._crossing.sign == 0:
             return self._estimate(Reason.NOT_READY, "indicator has not passed a threshold yet", h, delay, indicator)
@@ -144,17 +174,17 @@ class SlopeDetector:
     def _growing(self, slip_rate: float) -> int:
         """Sign of the slip rate by the method, 0 in the dead zone; `slip_rate` [1/s] is what the method slip reads."""
         p = self._p
-        if p.method is Method.SLIP:
+        if self._method is Method.SLIP:
             return slip_rate_sign(slip_rate, p.slip_rate_dead_zone)
-        friction = self._signals.friction_moment() / (p.radius * p.vertical_load)
-        eta = normalised_deceleration(self._signals.wheel_acceleration(), p.radius)
-        return eta_sign(eta, friction, p.eta_margin, p.slip_rate_dead_zone, self._reference.speed)
+        friction = self._signals.friction_moment() / (self._radius * self._vertical_load)
+        eta = normalised_deceleration(self._signals.wheel_acceleration(), self._radius)
+        return eta_sign(eta, friction, self._eta_margin, p.slip_rate_dead_zone, self._reference.speed)
 
     def _possible_jump(self, sample: SlopeSample, last: SlopeSample, gap: float) -> bool:
         """Can brake and road have turned the wheel to this speed? A spike must not raise the reference speed."""
-        p = self._p
-        torque = max(abs(sample.brake_torque), abs(last.brake_torque)) + HIGHEST_FRICTION * p.radius * p.vertical_load
-        return abs(sample.wheel_speed - last.wheel_speed) <= gap * torque / p.inertia + JITTER
+        braking = max(abs(sample.brake_torque), abs(last.brake_torque))
+        torque = braking + HIGHEST_FRICTION * self._radius * self._vertical_load
+        return abs(sample.wheel_speed - last.wheel_speed) <= gap * torque / self._inertia + JITTER
 
     def _forget_samples(self) -> None:
         self._signals.reset()

@@ -12,6 +12,10 @@ class Method(IntEnum):
     NO_SLIP = 2
 
 
+METHODS = {"slip": Method.SLIP, "no_slip": Method.NO_SLIP}
+"""By the names that the parameter `method` takes."""
+
+
 class Reason(IntEnum):
     """Why the sign may not be used; the values are those of friction_msgs/FrictionSlope."""
 

@@ -9,24 +9,36 @@ friction in use is known, mu = (J omega_dot + T_b) / (r Fz), so that this interv
 it, eta stands for a slip rate of at least (g / v)(eta - mu): the dead zone of the slip rate adds v / g times itself.
 """
 
-GRAVITY = 9.81
-"""As the chapter uses it [m/s^2]."""
+from vehicle_models.single_corner import GRAVITY
+
+
+def slope_indicator(h: float, growing: int) -> float:
+    """Indicator [rad/s^3], whose sign is that of the slope mu_1 of the friction curve.
+
+        method slip:     sign(mu_1) = sign(H) sign(slip_rate)    (8.4)
+        method no_slip:  sign(mu_1) = sign(H) sign(eta)          (8.5)
+
+    Args:
+        h: H of (8.3) [rad/s^3].
+        growing: sign of the slip rate (`slip_rate_sign`) or of eta (`eta_sign`): +1, -1, or 0 in its dead zone.
+    """
+    return h * growing
 
 
 def normalised_deceleration(wheel_acceleration: float, radius: float) -> float:
-    """Eta = -omega_dot r / g [-], positive in braking; omega_dot [rad/s^2], r [m]."""
+    """Eta of (8.5), -omega_dot r / g [-], positive in braking; omega_dot [rad/s^2], r [m]."""
     return -wheel_acceleration * radius / GRAVITY
 
 
 def slip_rate_sign(slip_rate: float, dead_zone: float) -> int:
-    """Sign of the slip rate [1/s]; 0 within the dead zone (>= 0) and for NaN."""
+    """Sign of the slip rate [1/s] for (8.4); 0 within the dead zone (>= 0) and for NaN."""
     if slip_rate > dead_zone:
         return 1
     return -1 if slip_rate < -dead_zone else 0
 
 
 def eta_sign(eta: float, friction: float, margin: float, dead_zone: float, speed: float) -> int:
-    """Sign of the slip rate as far as eta tells it.
+    """Sign of the slip rate as far as eta tells it by (8.6), for (8.5).
 
     Args:
         eta: normalised wheel deceleration [-].

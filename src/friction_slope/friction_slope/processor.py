@@ -8,13 +8,15 @@ from friction_msgs.msg import FrictionSlope, WheelSlip
 from sensor_msgs.msg import FluidPressure, JointState
 
 from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
+from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.new_message import new_message
 from friction_runtime.processor import Health, Level, Output, Report, silent
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from friction_slope.detector import SlopeDetector
-from friction_slope.estimate import Reason, SlopeEstimate, SlopeSample
+from friction_slope.estimate import METHODS, Reason, SlopeEstimate, SlopeSample
 from friction_slope.parameters import FrictionSlopeParameters
+from vehicle_models.vehicle import Vehicle
 
 _SILENT_AFTER = 0.25
 """[s]"""
@@ -22,9 +24,6 @@ _QUIET = (Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING, Rea
 """Reasons that belong to ordinary driving."""
 _BROKEN = (Reason.NO_TORQUE, Reason.NO_SLIP)
 """Reasons that no wait cures."""
-_HIGHEST_TORQUE = 1e5
-"""[N m] Above it a brake torque is garbage."""
-
 _UNKNOWN_SLIP = (nan, nan, 0.0, nan, 0.0)
 """Slip, slip rate, are they valid, vehicle speed, is it known."""
 
@@ -32,21 +31,23 @@ _UNKNOWN_SLIP = (nan, nan, 0.0, nan, 0.0)
 class WheelProcessor:
     """Layer 2 of friction_slope. Fires for each wheel_states sample, once the other inputs have reached its stamp."""
 
-    def __init__(self, wheel: str, parameters: FrictionSlopeParameters, report: Report = silent) -> None:
-        """Build for one wheel; `report` takes what a person should know."""
+    def __init__(
+        self, wheel: str, vehicle: Vehicle, parameters: FrictionSlopeParameters, report: Report = silent
+    ) -> None:
+        """Build for one wheel of a car; `report` takes what a person should know."""
         self._wheel = wheel
         self._report = report
-        self._gain = parameters.brake_gain(wheel)
-        self._pressure, self._slip = f"{wheel}/brake_pressure", f"{wheel}/slip"
+        self._brake_torque = BrakeTorque(vehicle, wheel)
+        self._pressure, self._slip = self._brake_torque.topic, f"{wheel}/slip"
         self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, self._pressure: FluidPressure}
         self.estimates: Mapping[str, type] = {self._slip: WheelSlip} if parameters.takes_slip else {}
         self.outputs: Mapping[str, type] = {f"{wheel}/friction_slope": FrictionSlope}
-        inputs = [AlignedInput(topic, parameters.max_gap) for topic in (self._pressure, *self.estimates)]
+        inputs = [AlignedInput(topic, parameters.detector.max_gap) for topic in (self._pressure, *self.estimates)]
         self._aligner: Aligner[float] = Aligner(WHEEL_STATES, inputs, parameters.deadline)
-        self._wheel_speeds = WheelSpeeds((wheel,), report)
-        settings = parameters.detector(wheel)
-        self._method = int(settings.method)
-        self._detector = SlopeDetector(settings)
+        self._wheel_speeds = WheelSpeeds(vehicle, (wheel,), report)
+        method = METHODS[parameters.method]
+        self._method = int(method)
+        self._detector = SlopeDetector(vehicle.corner(wheel), method, parameters.detector, parameters.no_slip)
         self.reset()
 
     def reset(self) -> None:
@@ -65,7 +66,7 @@ class WheelProcessor:
             (speed,) = self._wheel_speeds.read(message)
             refusal = self._aligner.offer_primary(stamp, speed)
         elif topic == self._pressure:
-            refusal = self._offer_pressure(stamp, message)
+            refusal = self._offer_pressure(message)
         else:
             refusal = self._offer_slip(stamp, message)
         if refusal is not None:
@@ -93,10 +94,11 @@ class WheelProcessor:
         level = Level.OK if last.reason in _QUIET else Level.ERROR if last.reason in _BROKEN else Level.WARN
         return Health(self._wheel, level, last.reason_text or "ok", values)
 
-    def _offer_pressure(self, stamp: int, message: FluidPressure) -> str | None:
-        torque = self._gain * message.fluid_pressure
-        if not abs(torque) <= _HIGHEST_TORQUE:
-            return f"{self._pressure}: {message.fluid_pressure} Pa is no brake pressure"
+    def _offer_pressure(self, message: FluidPressure) -> str | None:
+        read = self._brake_torque.read(message)
+        if isinstance(read, str):
+            return read
+        stamp, torque = read
         return self._aligner.offer(self._pressure, stamp, (torque,))
 
     def _offer_slip(self, stamp: int, message: WheelSlip) -> str | None:
@@ -153,6 +155,6 @@ class WheelProcessor:
         return message
 
 
-def build(parameters: FrictionSlopeParameters, report: Report = silent) -> list[WheelProcessor]:
+def build(parameters: FrictionSlopeParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:
     """Make the processors: one a wheel."""
-    return [WheelProcessor(wheel, parameters, report) for wheel in parameters.wheels]
+    return [WheelProcessor(wheel, vehicle, parameters, report) for wheel in vehicle.wheel_names]

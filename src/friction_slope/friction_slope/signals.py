@@ -1,6 +1,6 @@
 """Wheel signals of (8.3) from the last samples.
 
-    H = omega_ddot + T_b_dot / J = d^2 z / dt^2,    z = omega + (1/J) integral of T_b dt
+    H = omega_ddot + T_b_dot / J = d^2 z / dt^2,    z = omega + (1/J) integral of T_b dt    (8.3)
 
 The two terms of H are thousands of rad/s^3 while the torque changes, and cancel to tens. Taken from z as one second
 derivative they pass the same filter and cancel exactly; taken apart they would leave the difference of two filters.
@@ -60,7 +60,7 @@ class SignalWindow:
         self._rate_delay = 0.5 * self._rates.span
 
     def h(self) -> float:
-        """H of (8.3) [rad/s^3]."""
+        """H of (8.3), omega_ddot + T_b_dot / J = (r Fz / J) mu_1 slip_rate [rad/s^3]."""
         return float(self._window.derivative(2, self.delay)[_Z])
 
     def slip(self) -> float:
