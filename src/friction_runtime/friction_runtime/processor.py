@@ -3,7 +3,7 @@
 A node and the offline bag runner drive processors alike, so that what they give is the same, bit for bit.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Literal, Protocol
@@ -66,3 +66,9 @@ class Processor(Protocol):
 
     def health(self) -> Health:
         """State for diagnostics."""
+
+
+def optional_inputs(processor: Processor) -> Collection[str]:
+    """Topics of a processor that may never come, and are no fault then: those it lists as `optional`, if it does."""
+    listed: Collection[str] = getattr(processor, "optional", ())
+    return listed

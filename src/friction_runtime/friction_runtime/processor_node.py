@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import inf
 from time import monotonic
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -16,7 +17,7 @@ from friction_parameters.parameter import ParameterError
 from friction_parameters.values import ignored
 from friction_runtime import qos
 from friction_runtime.node_parameters import declare
-from friction_runtime.processor import Health, Level, Output, Processor, Report
+from friction_runtime.processor import Health, Level, Output, Processor, Report, optional_inputs
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -105,7 +106,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         if severity == "info":
             self.get_logger().info(text)
             return
-        if now - self._said.get(text, float("-inf")) < _REPEAT_REPORT_AFTER:
+        if now - self._said.get(text, -inf) < _REPEAT_REPORT_AFTER:
             return
         if len(self._said) > 1000:
             self._said.clear()
@@ -132,7 +133,7 @@ class ProcessorNode(Node, Generic[Parameters]):
 
     def _ages(self) -> dict[str, float]:
         now = monotonic()
-        return {topic: now - self._arrivals.get(topic, float("-inf")) for topic in self._readers}
+        return {topic: now - self._arrivals.get(topic, -inf) for topic in self._readers}
 
     def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         for processor in self._processors:
@@ -150,7 +151,11 @@ class ProcessorNode(Node, Generic[Parameters]):
         self._diagnostics.publish(message)
 
     def _inputs_status(self) -> DiagnosticStatus:
-        silent_topics = [topic for topic, age in self._ages().items() if age > _DIAGNOSTICS_PERIOD]
+        silent_topics = [
+            topic
+            for topic, age in self._ages().items()
+            if age > _DIAGNOSTICS_PERIOD and not (age == inf and self._may_never_come(topic))
+        ]
         values: dict[str, str] = {}
         for topic, age in self._ages().items():
             values[f"{topic} rate [1/s]"] = f"{self._counts[topic] / _DIAGNOSTICS_PERIOD:.0f}"
@@ -158,6 +163,9 @@ class ProcessorNode(Node, Generic[Parameters]):
             self._counts[topic] = 0
         text = f"no message within {_DIAGNOSTICS_PERIOD:.0f} s on {', '.join(silent_topics)}" if silent_topics else "ok"
         return self._status(Health("inputs", Level.WARN if silent_topics else Level.OK, text, values))
+
+    def _may_never_come(self, topic: str) -> bool:
+        return all(topic in optional_inputs(processor) for processor in self._readers[topic])
 
     def _status(self, health: Health) -> DiagnosticStatus:
         return DiagnosticStatus(
