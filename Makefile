@@ -26,8 +26,9 @@ lint: setup ## ruff and mypy
 test: build lint ## everything that must hold: lint, format, types, tests
 	@$(run) pytest
 
-demo: build ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow, or BAG=path to replay
-	@$(run) python -m friction_bringup demo $(if $(BAG),--bag "$(BAG)",--surface $(SURFACE)) --out "$(OUT)/demo"
+demo: build ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow, or BAG=path to replay; VEHICLE=name|file
+	@$(run) python -m friction_bringup demo $(if $(BAG),--bag "$(BAG)",--surface $(SURFACE)) \
+		$(if $(VEHICLE),--vehicle "$(VEHICLE)") --out "$(OUT)/demo"
 
 bench: build ## every table of the evaluation as text and JSON, or PARTS="slope abs"
 	@for part in $(PARTS); do $(run) python -m friction_evaluation $$part --json "$(OUT)/bench/$$part.json" || exit 1; done

@@ -1,74 +1,223 @@
-"""Launch files and parameter files: they fit the nodes, in any namespace."""
+"""Launch files and what they decide: files are checked before anything starts, and only the demo commands a brake."""
 
 from __future__ import annotations
 
 import importlib.util
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
 from ament_index_python.packages import get_package_share_directory
 
 from friction_bringup import graph
-from friction_runtime.parameters import shipped_file
+from friction_bringup.node_start import COMMANDING, WATCHING, node_starts
+from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter_file import NodeName, file_values
+from friction_runtime.shipped_files import shipped_file
+from vehicle_models.vehicle_file import shipped_vehicles
 
 ROOT = Path(__file__).resolve().parents[1]
 FILES = sorted(ROOT.glob("src/*/config/*.yaml"))
-LAUNCH_FILES = sorted(Path(get_package_share_directory("friction_bringup"), "launch").glob("*.launch.py"))
+LAUNCH_FILES = Path(get_package_share_directory("friction_bringup"), "launch")
+CAR = "compact_car"
+
+
+def write(directory: Path, sections: Mapping[str, Mapping[str, Any]]) -> str:
+    """Write a parameter file: parameters by section."""
+    path = directory / "my_car.yaml"
+    path.write_text(yaml.safe_dump({name: {"ros__parameters": dict(values)} for name, values in sections.items()}))
+    return str(path)
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
-def test_sections_of_a_parameter_file_match_a_node_in_any_namespace(path: Path) -> None:
-    for section, content in yaml.safe_load(path.read_text()).items():
-        assert section.startswith("/**"), f"{section} does not match a node in a namespace"
-        assert set(content) == {"ros__parameters"}
+def test_shipped_parameter_file_is_for_our_nodes_in_any_namespace_and_passes_their_checks(path: Path) -> None:
+    sections = set(yaml.safe_load(path.read_text()))
+    assert sections <= {f"/**/{node}" for node in graph.NODES}
+    for node in graph.NODES:
+        found = file_values(graph.parameter_class(node), path, NodeName(node, "/my_car"))
+        assert bool(found) == (f"/**/{node}" in sections), node
+
+
+@pytest.mark.parametrize("name", ["demo", "bmw_m8"])
+def test_shipped_parameter_file_starts_every_node(name: str) -> None:
+    starts = node_starts(graph.NODES, WATCHING, str(shipped_file("friction_bringup", name)), CAR)
+    assert [start.node for start in starts] == list(graph.NODES)
+
+
+def test_no_shipped_file_lets_the_supervisor_command() -> None:
+    for path in FILES:
+        values = file_values(graph.parameter_class(graph.SUPERVISOR), path, NodeName(graph.SUPERVISOR))
+        assert values.get("shadow", True) is True, path
+    assert graph.PLANT not in graph.ESTIMATORS
+
+
+def test_graph_holds_every_estimator_of_the_offline_runner() -> None:
+    from friction_bags.estimators import ESTIMATORS
+
+    assert set(graph.ESTIMATORS) == set(ESTIMATORS)
+
+
+@pytest.mark.parametrize("said", [False, True])
+def test_supervisor_only_watches_whatever_a_file_says_and_that_is_said(said: bool, tmp_path: Path) -> None:
+    file = write(tmp_path, {"/**/abs_supervisor": {"shadow": said}})
+    (start,) = node_starts([graph.SUPERVISOR], WATCHING, file, CAR)
+    assert start.decided["shadow"] is True
+    assert "never a brake_command" in start.notes[0]
+    assert any(f"not False as in {file}" in note for note in start.notes) != said
+
+
+def test_nothing_in_a_file_for_every_node_lets_the_supervisor_command(tmp_path: Path) -> None:
+    file = write(tmp_path, {"/**": {"shadow": False}, "/**/abs_supervisor": {"tolerance": 0.1}})
+    (start,) = node_starts([graph.SUPERVISOR], WATCHING, file, CAR)
+    made = graph.command(start.node, start.files, start.decided)
+    assert made.index("shadow:=true") > made.index(file)
+
+
+def test_estimator_without_a_car_is_refused_with_the_cars_there_are() -> None:
+    for node in graph.ESTIMATORS:
+        with pytest.raises(ParameterError, match="'vehicle_file'") as refused:
+            node_starts([node], WATCHING)
+        assert all(name in str(refused.value) for name in shipped_vehicles())
+        assert "\n" not in str(refused.value)
+
+
+def test_plant_alone_needs_no_car() -> None:
+    (start,) = node_starts([graph.PLANT], WATCHING)
+    assert "vehicle_file" not in start.decided
+
+
+def test_car_may_stand_in_the_parameter_file_and_the_argument_decides_and_says_so(tmp_path: Path) -> None:
+    file = write(tmp_path, {"/**/wheel_slip": {"vehicle_file": "indy_av21"}})
+    (start,) = node_starts(["wheel_slip"], WATCHING, file)
+    assert "vehicle_file" not in start.decided
+    (start,) = node_starts(["wheel_slip"], WATCHING, file, CAR)
+    assert start.decided["vehicle_file"] == CAR
+    assert any("indy_av21" in note and CAR in note for note in start.notes)
+
+
+def test_files_are_found_from_the_directory_of_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(tmp_path, {"/**/wheel_slip": {"deadline": 0.1}})
+    car = ROOT / "src/vehicle_models/vehicle_models/vehicles/compact_car.yaml"
+    (tmp_path / "car.yaml").write_text(car.read_text())
+    monkeypatch.chdir(tmp_path)
+    (start,) = node_starts(["wheel_slip"], WATCHING, "my_car.yaml", "car.yaml")
+    assert start.files[-1] == tmp_path / "my_car.yaml"
+    assert start.decided["vehicle_file"] == str(tmp_path / "car.yaml")
+
+
+@pytest.mark.parametrize("vehicle", ["no_such_car", "no/such/car.yaml"])
+def test_vehicle_file_that_does_not_exist_is_refused_with_its_name(vehicle: str) -> None:
+    with pytest.raises(ParameterError, match=vehicle):
+        node_starts(graph.ESTIMATORS, WATCHING, "", vehicle)
+
+
+def test_parameter_file_that_does_not_exist_is_refused_with_its_name(tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match=r"no\.yaml: No such file"):
+        node_starts(graph.ESTIMATORS, WATCHING, str(tmp_path / "no.yaml"), CAR)
 
 
 @pytest.mark.parametrize(
-    "path", [shipped_file("friction_bringup", name) for name in ("demo", "alongside", "bmw_m8")], ids=str
+    ("text", "said"),
+    [
+        ("/**/friction_slop: {ros__parameters: {method: slip}}", "is '/\\*\\*/friction_slope' meant"),
+        ("/**/friction_slope: {ros__parameters: {metod: slip}}", "unknown parameter 'metod'"),
+        ("/**/abs_supervisor: {ros__parameters: {wheels: [a]}}", "'wheels' is no more"),
+        ("/**/abs_supervisor: {ros__parameters: {tolerance: 7.0}}", "'tolerance' = 7.0 s is outside"),
+        ("friction_slope: {ros__parameters: {method: slip}}", "is not for the node /my_car/friction_slope"),
+        ("/other/friction_slope: {ros__parameters: {method: slip}}", "is not for the node /my_car/friction_slope"),
+        ("/**/wheel_slip: {ros__parameters: {}}\n/**/wheel_slip: {ros__parameters: {}}", "line 2.*line 1"),
+        ("/**/wheel_slip: {ros__parameters: {deadline: 0.1, deadline: 0.2}}", "'deadline' stands here again"),
+        ("/**/wheel_slip: [", "is no YAML"),
+    ],
 )
-def test_parameters_that_decide_are_known_to_the_files_they_decide_over(path: Path) -> None:
-    for section, content in yaml.safe_load(path.read_text()).items():
-        node = section.removeprefix("/**/")
-        below = yaml.safe_load(graph.parameter_files(node, path)[0].read_text())[section]
-        assert set(content["ros__parameters"]) <= set(below["ros__parameters"])
+def test_parameter_file_that_is_bad_for_a_node_is_refused_in_one_line(text: str, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "bad.yaml"
+    path.write_text(text)
+    with pytest.raises(ParameterError, match=said) as refused:
+        node_starts(graph.ESTIMATORS, WATCHING, str(path), CAR, "my_car")
+    assert "\n" not in str(refused.value)
+    assert str(path) in str(refused.value)
 
 
-def test_nothing_commands_beside_a_vehicle_stack() -> None:
-    sections = yaml.safe_load(shipped_file("friction_bringup", "alongside").read_text())
-    assert sections["/**/abs_supervisor"]["ros__parameters"]["shadow"] is True
-    assert graph.PLANT not in graph.ESTIMATORS
+@pytest.mark.parametrize("namespace", ["my_car", "/my_car", "/my_car/"])
+def test_full_names_and_other_nodes_in_a_file_are_fine(namespace: str, tmp_path: Path) -> None:
+    sections: dict[str, dict[str, Any]] = {
+        "/my_car/wheel_slip": {"use_sim_time": False, "start_type_description_service": True, "deadline": 0.1},
+        "/camera": {"anything": 1},
+        "/**": {"use_sim_time": False, "of_others": 1},
+    }
+    node_starts(graph.ESTIMATORS, WATCHING, write(tmp_path, sections), CAR, namespace)
+
+
+def test_combination_that_a_node_refuses_is_refused_before_it_starts(tmp_path: Path) -> None:
+    file = write(tmp_path, {"/**/corner_sim": {"real_time_factor": 0.0}})
+    with pytest.raises(ParameterError, match=r"corner_sim: .*lock_step"):
+        node_starts(graph.NODES, COMMANDING, file, CAR)
 
 
 def test_command_line_quotes_every_kind_of_parameter() -> None:
     overrides: dict[str, graph.ParameterValue] = {
         "surfaces": ["snow"],
         "shadow": True,
-        "radii": [0.345, 0.3465],
+        "surface_distances": [0.345, 0.3465],
         "level": 1,
     }
     made = graph.command("corner_sim", [Path("/a/b.yaml")], overrides, namespace="/car/")
     assert made[1:] == [
         *("-m", "corner_sim", "--ros-args", "--params-file", "/a/b.yaml"),
-        *("-p", 'surfaces:=["snow"]', "-p", "shadow:=true", "-p", "radii:=[0.345, 0.3465]", "-p", "level:=1"),
-        *("-r", "__ns:=/car"),
+        *("-p", 'surfaces:=["snow"]', "-p", "shadow:=true", "-p", "surface_distances:=[0.345, 0.3465]"),
+        *("-p", "level:=1", "-r", "__ns:=/car"),
     ]
 
 
-@pytest.mark.skipif(importlib.util.find_spec("launch_ros") is None, reason="launch_ros is not installed here")
-@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
-def test_launch_file_starts_nodes_of_the_one_list(path: Path) -> None:
+needs_launch = pytest.mark.skipif(
+    importlib.util.find_spec("launch_ros") is None, reason="launch_ros is not installed here"
+)
+
+
+def launched(name: str, **arguments: str) -> list[Any]:
+    """Return what a launch file does, with launch_ros."""
     from launch import LaunchContext, LaunchService
     from launch.launch_description_sources import get_launch_description_from_python_launch_file
+
+    description = get_launch_description_from_python_launch_file(str(LAUNCH_FILES / f"{name}.launch.py"))
+    context: LaunchContext = LaunchService().context
+    context.launch_configurations.update(arguments)
+    return [made for entity in description.entities for made in entity.visit(context) or []]
+
+
+@needs_launch
+@pytest.mark.parametrize(
+    ("name", "nodes", "arguments"),
+    [
+        ("demo", graph.NODES, {"surface": "snow"}),
+        ("demo", graph.NODES, {"use_sim_time": "True", "vehicle_file": CAR}),
+        ("alongside", graph.ESTIMATORS, {"vehicle_file": CAR, "namespace": "my_car"}),
+        ("node", [graph.PLANT], {"node": graph.PLANT}),
+        ("node", [graph.SUPERVISOR], {"node": graph.SUPERVISOR, "vehicle_file": CAR}),
+    ],
+)
+def test_launch_file_starts_nodes_of_the_one_list(name: str, nodes: list[str], arguments: dict[str, str]) -> None:
+    from launch.actions import LogInfo
     from launch_ros.actions import Node
 
-    description = get_launch_description_from_python_launch_file(str(path))
-    context: LaunchContext = LaunchService().context
-    context.launch_configurations.update(node=graph.PLANT, surface="snow")
-    found = []
-    for entity in description.entities:
-        for made in entity.visit(context) or []:
-            assert isinstance(made, Node)
-            found.append(made.node_package)
-    assert found
-    assert set(found) <= set(graph.NODES)
+    actions = launched(name, **arguments)
+    assert [made.node_package for made in actions if isinstance(made, Node)] == list(nodes)
+    watches = name != "demo" and graph.SUPERVISOR in nodes
+    assert any(isinstance(made, LogInfo) for made in actions) == watches
+
+
+@needs_launch
+@pytest.mark.parametrize("name", ["alongside", "node"])
+def test_launch_file_without_a_car_starts_nothing(name: str) -> None:
+    with pytest.raises(ParameterError, match="compact_car"):
+        launched(name, node="wheel_slip")
+
+
+@needs_launch
+@pytest.mark.parametrize("name", ["alongside", "node", "demo"])
+def test_launch_file_with_a_parameter_file_that_does_not_exist_starts_nothing(name: str) -> None:
+    with pytest.raises(ParameterError, match=r"my_cra\.yaml"):
+        launched(name, node="wheel_slip", vehicle_file=CAR, params_file="my_cra.yaml")

@@ -12,8 +12,13 @@ from friction_bringup import graph
 from friction_bringup.demo import run_demo
 from friction_bringup.demo_graph import DemoError, DemoOptions
 from friction_bringup.monitor import run_monitor
-from friction_bringup.recorded_run import parameters_of
-from friction_runtime.parameters import shipped_file
+from friction_bringup.recorded_run import notes_of
+from friction_parameters.parameter import ParameterError
+from friction_runtime.shipped_files import shipped_file
+from vehicle_models.vehicle_file import shipped_vehicles
+
+_BAD_INPUT = 2
+"""Exit code."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -27,6 +32,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     demo.add_argument("--surface", choices=graph.SURFACES, default="dry", help="road of the plant (default: dry)")
     demo.add_argument("--bag", type=Path, help="replay this bag in place of the plant")
     demo.add_argument(
+        "--vehicle",
+        default="",
+        metavar="NAME|FILE",
+        help=f"the car: a vehicle file, or one of those shipped: {', '.join(shipped_vehicles())} "
+        f"(default: {graph.DEMO_VEHICLE}, or the one the bag names)",
+    )
+    demo.add_argument(
         "--params", type=Path, help="parameter file (default: that of the demo, or the one the bag names)"
     )
     demo.add_argument("--out", type=Path, default=Path("out"), help="directory for the results (default: out)")
@@ -34,14 +46,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.command == "monitor":
         return run_monitor()
     try:
-        shipped = parameters_of(options.bag) if options.bag else "demo"
-        params = options.params or shipped_file("friction_bringup", shipped)
-        if not params.is_file():
-            parser.error(f"parameter file {params} does not exist")
-        return run_demo(DemoOptions(options.surface, options.bag, params.absolute(), options.out))
+        return run_demo(_demo_options(options))
+    except ParameterError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return _BAD_INPUT
     except (DemoError, BagError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
+
+
+def _demo_options(options: argparse.Namespace) -> DemoOptions:
+    """Take what the command line leaves open from the notes of the bag."""
+    notes = notes_of(options.bag) if options.bag else {"vehicle": graph.DEMO_VEHICLE}
+    vehicle = options.vehicle or notes.get("vehicle", "")
+    if not vehicle:
+        raise ParameterError(
+            f"{options.bag} does not say of which car it is: give --vehicle, a vehicle file "
+            f"or one of those shipped: {', '.join(shipped_vehicles())}"
+        )
+    params = options.params or shipped_file("friction_bringup", notes.get("parameters", "demo"))
+    return DemoOptions(options.surface, options.bag, vehicle, params.absolute(), options.out)
 
 
 def demo_main() -> int:

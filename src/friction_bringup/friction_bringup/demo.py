@@ -46,6 +46,7 @@ def run_demo(options: DemoOptions) -> int:
         Exit code: 0, 130 after an interruption.
 
     Raises:
+        ParameterError: the parameter file or the vehicle file is bad; nothing was started.
         DemoError: a process of the graph failed, or no sample came.
         BagError: the bag to be replayed, or the one of this run, cannot be read.
     """
@@ -58,6 +59,8 @@ def run_demo(options: DemoOptions) -> int:
     domain = demo.environment["ROS_DOMAIN_ID"]
     console.print(f"Friction graph on this machine alone, ROS_DOMAIN_ID={domain}. Ctrl-C ends it.")
     console.print(f"run   {directory}", soft_wrap=True)
+    for note in demo.notes:
+        console.print(note, soft_wrap=True, markup=False)
     os.environ.update(demo.environment)
     stop = stop_on_signals()
     rclpy.init(args=list(graph.QUIET_LOG), signal_handler_options=SignalHandlerOptions.NO)
@@ -80,7 +83,7 @@ def run_demo(options: DemoOptions) -> int:
         for number in (signal.SIGINT, signal.SIGTERM):
             # Nothing is left to be ended; an exception in the middle of drawing would surface as any error.
             signal.signal(number, lambda *_: os._exit(_INTERRUPTED))
-        _report(console, demo.bag, directory, what)
+        _report(console, demo, directory, what)
         return 0
     finally:
         take_down(view, executor)  # last: it may end this process
@@ -138,9 +141,9 @@ def _follow(demo: DemoGraph, view: LiveView, spin_until: SpinUntil, period: floa
             show()
 
 
-def _report(console: Console, bag: Path, directory: Path, what: str) -> None:
-    run = read_run(bag)
+def _report(console: Console, demo: DemoGraph, directory: Path, what: str) -> None:
+    run = read_run(demo.bag, demo.wheels)
     print_summary(console, run)
     for path in write_plots(run, directory, what):
         console.print(f"plot  {path}", soft_wrap=True)
-    console.print(f"bag   {bag}", soft_wrap=True)
+    console.print(f"bag   {demo.bag}", soft_wrap=True)

@@ -12,8 +12,9 @@ from std_srvs.srv import Trigger
 
 from friction_bringup import graph
 from friction_bringup.domain import free_domain_id, local_discovery
+from friction_bringup.node_start import COMMANDING, WATCHING, Decided, node_starts
 from friction_bringup.processes import ProcessGroup
-from friction_bringup.recorded_run import wheels_of
+from vehicle_models.vehicle_file import load_vehicle
 
 _RECORDER = "recorder"
 _PLAYER = "player"
@@ -30,6 +31,8 @@ class DemoOptions:
     surface: str
     bag: Path | None
     """Bag to be replayed in place of the plant."""
+    vehicle: str
+    """Vehicle file, or name of a shipped one."""
     params_file: Path
     out: Path
     """Directory that gets a directory for each run."""
@@ -39,13 +42,22 @@ class DemoGraph:
     """Recorder, estimators and the source of samples, each a process of its own on a domain of their own."""
 
     def __init__(self, options: DemoOptions, directory: Path) -> None:
-        """Choose the domain; nothing is started.
+        """Check what the nodes will be given, and choose the domain; nothing is started.
 
         Args:
             options: of the command line.
             directory: of this run.
+
+        Raises:
+            ParameterError: the parameter file or the vehicle file does not exist, or is bad for one of the nodes.
         """
         self._options = options
+        self.wheels = load_vehicle(options.vehicle).wheel_names
+        """Of the car."""
+        nodes = graph.ESTIMATORS if options.bag else (*graph.ESTIMATORS, graph.PLANT)
+        self._starts = node_starts(nodes, _decided(options), str(options.params_file), options.vehicle)
+        self.notes = tuple(note for start in self._starts for note in start.notes)
+        """What a person should know before the start."""
         self._processes = ProcessGroup(directory / "log")
         self.bag = directory / "bag"
         """The bag that is recorded."""
@@ -61,25 +73,11 @@ class DemoGraph:
         }
 
     def start(self) -> None:
-        """Start recorder, estimators, and the plant, which waits for `begin`.
-
-        Raises:
-            BagError: the bag to be replayed cannot be read.
-        """
-        overrides = self._overrides()
-        self._run(_RECORDER, [sys.executable, "-m", "friction_bags", "record", "--out", str(self.bag)])
-        for node in (*graph.ESTIMATORS, *([graph.PLANT] if self._options.bag is None else [])):
-            files = graph.parameter_files(node, self._options.params_file)
-            self._run(node, graph.command(node, files, overrides.get(node, {})))
-
-    def _overrides(self) -> dict[str, dict[str, graph.ParameterValue]]:
-        """Return what this run decides over the parameter files, by node."""
-        if self._options.bag is None:
-            return {graph.PLANT: {"surfaces": [self._options.surface], "exit_when_done": True, "autostart": False}}
-        wheels = wheels_of(self._options.bag)
-        decided: dict[str, dict[str, graph.ParameterValue]] = {node: {"wheels": wheels} for node in graph.ESTIMATORS}
-        decided["abs_supervisor"] = {"wheels": wheels, "shadow": True}
-        return decided
+        """Start recorder, estimators, and the plant, which waits for `begin`."""
+        record = ["friction_bags", "record", "--out", str(self.bag), "--vehicle", self._options.vehicle]
+        self._run(_RECORDER, [sys.executable, "-m", *record])
+        for start in self._starts:
+            self._run(start.node, graph.command(start.node, start.files, start.decided))
 
     def _run(self, name: str, command: list[str]) -> None:
         self._processes.start(name, [*command, *graph.QUIET_LOG], os.environ | self.environment)
@@ -130,6 +128,18 @@ class DemoGraph:
     def stop(self) -> list[str]:
         """End every process within two seconds and return the names of those that had to be killed."""
         return self._processes.stop()
+
+
+def _decided(options: DemoOptions) -> Decided:
+    """Return what the demo decides over the parameter files, by node."""
+    if options.bag:
+        return WATCHING
+    plant: dict[str, graph.ParameterValue] = {
+        "surfaces": [options.surface],
+        "exit_when_done": True,
+        "autostart": False,
+    }
+    return {**COMMANDING, graph.PLANT: plant}
 
 
 def _hears(observer: Node, name: str, topic: str) -> bool:

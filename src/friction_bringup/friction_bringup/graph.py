@@ -5,22 +5,29 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 
-from friction_runtime.parameters import shipped_file
+from friction_runtime.shipped_files import shipped_file
 
 PLANT = "corner_sim"
-ESTIMATORS = ("wheel_slip", "friction_slope", "friction_curve_id", "abs_supervisor")
+SUPERVISOR = "abs_supervisor"
+ESTIMATORS = ("wheel_slip", "friction_slope", "friction_curve_id", SUPERVISOR, "smart_tyre_forces")
 """In the order in which data flows. Package, module, node and parameter file of a node have one name."""
 NODES = (PLANT, *ESTIMATORS)
-ESTIMATES = ("slip", "friction_slope", "friction_curve", "abs_supervisor")
+ESTIMATES = ("slip", "friction_slope", "friction_curve", "abs_supervisor", "contact_patch", "tyre_force")
 """What the estimators publish below each wheel."""
 COMMAND = "brake_command"
 """What the supervisor publishes below each wheel unless it is in shadow mode."""
-INPUTS = ("wheel_states", "imu/data", "vehicle_velocity", "brake_demand", "*/brake_pressure", "truth/*")
+INPUTS = (
+    *("wheel_states", "imu/data", "vehicle_velocity", "brake_demand"),
+    *("*/brake_pressure", "*/tyre_signals", "truth/*"),
+)
 """What is replayed from a bag; the estimates in it are made anew."""
 VEHICLE = "vehicle"
 """Stands for the wheel where an estimate is of the whole vehicle."""
+DEMO_VEHICLE = "chapter_corner"
+"""The car of the demo unless another one is asked for."""
 SURFACES = ("dry", "wet", "cobblestone", "snow")
 QUIET_LOG = ("--ros-args", "--disable-external-lib-logs")
 """Arguments for processes whose output goes to a file already."""
@@ -28,9 +35,14 @@ QUIET_LOG = ("--ros-args", "--disable-external-lib-logs")
 ParameterValue = bool | int | float | str | Sequence[float] | Sequence[str]
 
 
-def parameter_files(node: str, params_file: Path) -> list[Path]:
+def parameter_class(node: str) -> type:
+    """Dataclass of the parameters of a node: that of the file its package ships."""
+    return type(import_module(f"{node}.parameters").SHIPPED[node].parameters)
+
+
+def parameter_files(node: str, params_file: Path | None) -> list[Path]:
     """Name the parameter files of a node: what its package ships, then what decides over it."""
-    return [shipped_file(node), params_file]
+    return [shipped_file(node), *([params_file] if params_file else [])]
 
 
 def executable(node: str) -> str:

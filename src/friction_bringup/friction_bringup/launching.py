@@ -2,33 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 
 from launch import LaunchContext, LaunchDescriptionEntity
-from launch.actions import DeclareLaunchArgument
+from launch.actions import DeclareLaunchArgument, LogInfo
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
+from launch_ros.utilities.namespace_utils import prefix_namespace
 
 from friction_bringup import graph
-from friction_runtime.parameters import shipped_file
+from friction_bringup.node_start import Decided, node_starts
+from vehicle_models.vehicle_file import shipped_vehicles
 
 
-def common_arguments(params_file: str) -> list[LaunchDescriptionEntity]:
-    """Declare the arguments every launch file takes.
-
-    Args:
-        params_file: name of the parameter file of this package that is the default.
-    """
+def common_arguments(params_file: str = "", vehicle_file: str = "") -> list[LaunchDescriptionEntity]:
+    """Declare the arguments every launch file takes, with their defaults."""
     return [
         DeclareLaunchArgument(
+            "vehicle_file",
+            default_value=vehicle_file,
+            description=f"the car: path of a vehicle file, or one of those shipped: {', '.join(shipped_vehicles())}",
+        ),
+        DeclareLaunchArgument(
             "params_file",
-            default_value=str(shipped_file("friction_bringup", params_file)),
+            default_value=params_file,
             description="parameter file that decides over those of the packages",
         ),
         DeclareLaunchArgument("namespace", default_value="", description="namespace of all nodes and topics"),
         DeclareLaunchArgument(
-            "use_sim_time", default_value="false", choices=["true", "false"], description="take the time from /clock"
+            "use_sim_time",
+            default_value="false",
+            choices=["true", "false", "True", "False"],
+            description="take the time from /clock",
         ),
     ]
 
@@ -38,28 +43,35 @@ def argument(context: LaunchContext, name: str) -> str:
     return str(LaunchConfiguration(name).perform(context))
 
 
-def node_actions(
-    context: LaunchContext, nodes: Sequence[str], overrides: Mapping[str, Mapping[str, graph.ParameterValue]]
-) -> list[LaunchDescriptionEntity]:
-    """Start nodes with the common arguments.
+def uses_sim_time(context: LaunchContext) -> bool:
+    """Return the launch argument use_sim_time."""
+    return argument(context, "use_sim_time").lower() == "true"
+
+
+def node_actions(context: LaunchContext, nodes: Sequence[str], decided: Decided) -> list[LaunchDescriptionEntity]:
+    """Start nodes with the common arguments, after a check of what they are given.
 
     Args:
         context: of the launch.
         nodes: names of the nodes.
-        overrides: by node, the parameters that decide over the files.
+        decided: parameters that decide over every file, by node.
+
+    Raises:
+        ParameterError: a file is bad; nothing has been started.
     """
-    params_file = Path(argument(context, "params_file"))
-    use_sim_time = argument(context, "use_sim_time") == "true"
+    namespace = argument(context, "namespace")
+    full = prefix_namespace(context.launch_configurations.get("ros_namespace"), namespace) or ""
+    starts = node_starts(nodes, decided, argument(context, "params_file"), argument(context, "vehicle_file"), full)
     return [
-        Node(
-            package=name,
-            executable=graph.executable(name),
-            namespace=argument(context, "namespace"),
-            parameters=[
-                *map(str, graph.parameter_files(name, params_file)),
-                {"use_sim_time": use_sim_time, **overrides.get(name, {})},
-            ],
-            output="screen",
-        )
-        for name in nodes
+        *(LogInfo(msg=note) for start in starts for note in start.notes),
+        *(
+            Node(
+                package=start.node,
+                executable=graph.executable(start.node),
+                namespace=namespace,
+                parameters=[*start.files, {"use_sim_time": uses_sim_time(context), **start.decided}],
+                output="screen",
+            )
+            for start in starts
+        ),
     ]

@@ -64,7 +64,6 @@ _TABLE_COLUMNS: tuple[tuple[str, int, JustifyMethod], ...] = (
 class WheelView:
     """The last message of each topic of one wheel, and how it reads."""
 
-    wheel_speed: float = nan
     messages: dict[str, Any] = field(default_factory=dict)
     arrivals: dict[str, float] = field(default_factory=dict)
     """Steady clock [s]."""
@@ -137,9 +136,6 @@ class LiveView(Node):
             self._first_stamp = stamp
         self._last_stamp = stamp
         self.samples += 1
-        for wheel, wheel_speed in zip(message.name, message.velocity, strict=False):
-            if wheel in self.wheels:
-                self.wheels[wheel].wheel_speed = wheel_speed
 
     def _discover(self) -> None:
         """Subscribe to topics of wheels as they appear, before the first sample comes."""

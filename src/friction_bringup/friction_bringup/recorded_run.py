@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from operator import attrgetter
@@ -21,6 +21,8 @@ from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
 
 Array = NDArray[np.float64]
 
+_NO_SAMPLES = "{} holds no wheel_states: nothing can be shown of it"
+
 _COLUMNS: Mapping[str, tuple[str, ...]] = {
     "friction_msgs/msg/WheelSlip": ("slip", "slip_rate", "vehicle_speed", "wheel_speed", "valid"),
     "friction_msgs/msg/FrictionSlope": (
@@ -29,6 +31,8 @@ _COLUMNS: Mapping[str, tuple[str, ...]] = {
     ),
     "friction_msgs/msg/FrictionCurve": ("lambda_max", "mu_max", "lambda_max_stddev", "mu_max_stddev", "mu", "valid"),
     "friction_msgs/msg/SupervisorState": ("state", "demand_torque", "valid"),
+    "friction_msgs/msg/ContactPatch": ("valid",),
+    "friction_msgs/msg/TyreForce": ("fx", "fz", "valid"),
     "friction_msgs/msg/BrakeCommand": ("command",),
     "friction_msgs/msg/BrakeDemand": ("pressure",),
     "sensor_msgs/msg/FluidPressure": ("fluid_pressure",),
@@ -56,13 +60,13 @@ class RecordedRun:
     """A run as a bag holds it."""
 
     wheels: tuple[str, ...]
-    """In the order of wheel_states."""
+    """Of the car."""
     start: int
     """First stamp of wheel_states [ns]."""
     series: Mapping[str, Series]
     """By topic, without the namespace's leading slash."""
-    wheel_speed: Mapping[str, tuple[Array, Array]]
-    """Time [s] and wheel speed [rad/s] of each wheel as measured."""
+    samples: Array
+    """Time [s] of each message of wheel_states."""
 
     def get(self, topic: str) -> Series | None:
         """Return the series of a topic, None where the bag has no message of it."""
@@ -88,11 +92,12 @@ class RecordedRun:
         ]
 
 
-def read_run(bag: Path) -> RecordedRun:
+def read_run(bag: Path, wheels: Sequence[str]) -> RecordedRun:
     """Read a bag of the graph.
 
     Args:
         bag: directory of the bag.
+        wheels: names of the wheels of the car.
 
     Raises:
         BagError: the bag cannot be read, or holds no wheel_states, without which there is nothing to show.
@@ -100,7 +105,7 @@ def read_run(bag: Path) -> RecordedRun:
     rows: dict[str, list[tuple[int, list[float]]]] = {}
     types: dict[str, str] = {}
     reasons: dict[str, Counter[str]] = {}
-    wheel_rows: dict[str, list[tuple[int, float]]] = {}
+    samples: list[int] = []
     with BagReader(bag) as reader:
         wanted = [topic for topic in reader.counts if topic.type in _COLUMNS or topic.name == "/wheel_states"]
         getters = {t: [attrgetter(column) for column in _COLUMNS.get(t.type, ())] for t in wanted}
@@ -109,48 +114,32 @@ def read_run(bag: Path) -> RecordedRun:
             stamp = to_nanoseconds(message.header.stamp)
             name = topic.name.lstrip("/")
             if name == "wheel_states":
-                for wheel, speed in zip(message.name, message.velocity, strict=False):
-                    wheel_rows.setdefault(wheel, []).append((stamp, speed))
+                samples.append(stamp)
                 continue
             types[name] = topic.type
             rows.setdefault(name, []).append((stamp, [float(get(message)) for get in getters[topic]]))
             if not getattr(message, "valid", True):
                 reasons.setdefault(name, Counter())[message.reason_text] += 1
-    if not wheel_rows:
-        raise BagError(f"{bag} holds no wheel_states: nothing can be shown of it")
-    start = min(stamps[0][0] for stamps in wheel_rows.values())
+    if not samples:
+        raise BagError(_NO_SAMPLES.format(bag))
+    start = samples[0]
     series = {
         name: _series(values, start, _COLUMNS[types[name]], reasons.get(name, Counter()))
         for name, values in rows.items()
     }
-    wheel_speed = {
-        wheel: (_seconds([stamp for stamp, _ in values], start), np.array([speed for _, speed in values]))
-        for wheel, values in wheel_rows.items()
-    }
-    return RecordedRun(tuple(wheel_speed), start, series, wheel_speed)
+    return RecordedRun(tuple(wheels), start, series, _seconds(samples, start))
 
 
-def wheels_of(bag: Path) -> tuple[str, ...]:
-    """Return the wheels that the first wheel_states message of a bag names.
+def notes_of(bag: Path) -> Mapping[str, str]:
+    """Return the notes of a bag of the graph: of which `vehicle` it is, which `parameters` of this package it asks for.
 
     Raises:
         BagError: the bag cannot be read, or holds no wheel_states.
     """
     with BagReader(bag) as reader:
-        topics = [topic for topic in reader.counts if topic.name == "/wheel_states"]
-        for topic, _, data in reader.messages(topics):
-            return tuple(deserialize_message(data, _message_class(topic.type)).name)
-    raise BagError(f"{bag} holds no wheel_states: nothing can be estimated from it")
-
-
-def parameters_of(bag: Path) -> str:
-    """Return which parameter file of this package a bag asks for in its notes; that of the demo where it asks for none.
-
-    Raises:
-        BagError: the bag cannot be read.
-    """
-    with BagReader(bag) as reader:
-        return reader.custom_data.get("parameters", "demo")
+        if not any(topic.name == "/wheel_states" for topic in reader.counts):
+            raise BagError(_NO_SAMPLES.format(bag))
+        return dict(reader.custom_data)
 
 
 def _series(

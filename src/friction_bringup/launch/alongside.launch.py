@@ -1,6 +1,7 @@
-"""The estimators beside a vehicle stack, without plant; the supervisor in shadow mode sends no command.
+"""The estimators beside a vehicle stack, without plant; the supervisor watches and sends no command.
 
-ros2 launch friction_bringup alongside.launch.py [params_file:=FILE] [namespace:=NAME] [use_sim_time:=true]
+ros2 launch friction_bringup alongside.launch.py vehicle_file:=FILE [params_file:=FILE] [namespace:=NAME]
+    [use_sim_time:=true]
 """
 
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
@@ -8,11 +9,12 @@ from launch.actions import OpaqueFunction
 
 from friction_bringup import graph
 from friction_bringup.launching import common_arguments, node_actions
+from friction_bringup.node_start import WATCHING
 
 
 def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
-    return node_actions(context, graph.ESTIMATORS, {})
+    return node_actions(context, graph.ESTIMATORS, WATCHING)
 
 
 def generate_launch_description() -> LaunchDescription:
-    return LaunchDescription([*common_arguments("alongside"), OpaqueFunction(function=_nodes)])
+    return LaunchDescription([*common_arguments(), OpaqueFunction(function=_nodes)])

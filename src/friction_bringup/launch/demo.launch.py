@@ -1,6 +1,7 @@
-"""The whole graph with the plant in the loop.
+"""The whole graph with the plant in the loop. The supervisor commands: the brake is simulated.
 
-ros2 launch friction_bringup demo.launch.py surface:=snow [params_file:=FILE] [namespace:=NAME] [use_sim_time:=true]
+ros2 launch friction_bringup demo.launch.py surface:=snow [vehicle_file:=FILE] [params_file:=FILE] [namespace:=NAME]
+    [use_sim_time:=true]
 
 Time comes from message stamps; use_sim_time makes the plant publish /clock for other nodes.
 """
@@ -9,20 +10,23 @@ from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 
 from friction_bringup import graph
-from friction_bringup.launching import argument, common_arguments, node_actions
+from friction_bringup.launching import argument, common_arguments, node_actions, uses_sim_time
+from friction_bringup.node_start import COMMANDING
+from friction_runtime.shipped_files import shipped_file
 
 
 def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     plant: dict[str, graph.ParameterValue] = {
         "surfaces": [argument(context, "surface")],
-        "publish_clock": argument(context, "use_sim_time") == "true",
+        "publish_clock": uses_sim_time(context),
         "use_sim_time": False,
     }
-    return node_actions(context, graph.NODES, {graph.PLANT: plant})
+    return node_actions(context, graph.NODES, {**COMMANDING, graph.PLANT: plant})
 
 
 def generate_launch_description() -> LaunchDescription:
     surface = DeclareLaunchArgument(
         "surface", default_value="dry", choices=list(graph.SURFACES), description="road of the plant"
     )
-    return LaunchDescription([surface, *common_arguments("demo"), OpaqueFunction(function=_nodes)])
+    shared = common_arguments(str(shipped_file("friction_bringup", "demo")), graph.DEMO_VEHICLE)
+    return LaunchDescription([surface, *shared, OpaqueFunction(function=_nodes)])

@@ -1,0 +1,89 @@
+"""How each node of a graph is started, checked before anything runs: for the launch files and for the demo."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from friction_bringup import graph
+from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter_file import NodeName, file_values, is_ros_own
+from friction_parameters.values import from_mapping
+from vehicle_models.vehicle_file import load_vehicle, shipped_vehicles, vehicle_path
+
+Decided = Mapping[str, Mapping[str, graph.ParameterValue]]
+"""Parameters that decide over every file, by node."""
+WATCHING: Decided = {graph.SUPERVISOR: {"shadow": True}}
+"""Whatever a file says, no brake is commanded ..."""
+COMMANDING: Decided = {graph.SUPERVISOR: {"shadow": False}}
+"""... but in the demo, whose brake is simulated."""
+
+
+@dataclass(frozen=True)
+class NodeStart:
+    """How one node is started."""
+
+    node: str
+    files: tuple[Path, ...]
+    """Parameter files, the later decides."""
+    decided: Mapping[str, graph.ParameterValue]
+    """Parameters that decide over the files."""
+    notes: tuple[str, ...]
+    """What a person should know: where a file is not followed."""
+
+
+def node_starts(
+    nodes: Sequence[str], decided: Decided, params_file: str = "", vehicle_file: str = "", namespace: str = ""
+) -> list[NodeStart]:
+    """Decide how nodes are started, and check what they will be given.
+
+    Args:
+        nodes: names of the nodes.
+        decided: parameters that decide over every file, by node.
+        params_file: parameter file that decides over those of the packages; empty for none.
+        vehicle_file: the car for all of them: path, or name of a shipped one; empty: as a file says.
+        namespace: of the nodes.
+
+    Raises:
+        ParameterError: in one line: a file does not exist, or is bad for one of the nodes.
+    """
+    path = Path(params_file).absolute() if params_file else None
+    car: dict[str, graph.ParameterValue] = {}
+    if vehicle_file:
+        car["vehicle_file"] = vehicle_file if vehicle_file in shipped_vehicles() else str(vehicle_path(vehicle_file))
+    return [_checked(node, {**car, **decided.get(node, {})}, path, namespace) for node in nodes]
+
+
+def _checked(
+    node: str, decided: Mapping[str, graph.ParameterValue], params_file: Path | None, namespace: str
+) -> NodeStart:
+    files = graph.parameter_files(node, params_file)
+    cls, name = graph.parameter_class(node), NodeName(node, f"/{namespace.strip('/')}")
+    found: list[dict[str, Any]] = []
+    for file in files:
+        try:
+            found.append(file_values(cls, file, name))
+        except OSError as error:
+            raise ParameterError(f"parameter file {file}: {error.strerror}") from error
+    values = {key: value for each in (*found, decided) for key, value in each.items() if not is_ros_own(key)}
+    try:
+        parameters: Any = from_mapping(cls, values)
+    except ParameterError as error:
+        raise ParameterError(f"{node}: {error}") from error
+    load_vehicle(parameters.vehicle_file)
+    users = found[1] if params_file else {}
+    return NodeStart(node, tuple(files), decided, tuple(_notes(node, decided, users, params_file)))
+
+
+def _notes(
+    node: str, decided: Mapping[str, graph.ParameterValue], users: Mapping[str, Any], params_file: Path | None
+) -> Iterator[str]:
+    """Say that the supervisor only watches, and where the user's file is not followed."""
+    if decided.get("shadow"):
+        yield f"{node}: shadow mode, whatever a file says: it publishes its state and never a {graph.COMMAND}"
+    for key, value in decided.items():
+        given = tuple(value) if isinstance(value, list) else value
+        if key in users and users[key] != given:
+            yield f"{node}: '{key}' is {value!r} here, not {users[key]!r} as in {params_file}"
