@@ -3,12 +3,16 @@
 import time
 
 from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from std_msgs.msg import Header
 
 from dds_client import dds_client, stop
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
+from vehicle_models.vehicle_file import shipped_vehicles
 
+CAR = ("-p", "vehicle_file:=chapter_corner")
 STEP = 5_000_000
 
 
@@ -18,7 +22,7 @@ def test_node_commands_a_release_and_falls_back_when_the_slope_goes_silent() -> 
     arrived: list[float] = []
     stale_after = 1.0
     with dds_client(30) as client:
-        arguments = ("-p", "shadow:=false", "-p", f"stale_after:={stale_after}")
+        arguments = (*CAR, "-p", "shadow:=false", "-p", f"stale_after:={stale_after}")
         process = client.start("-m", "abs_supervisor", "--ros-args", *arguments)
         demands = qos.publish(client.node, BrakeDemand, "brake_demand")
         slopes = qos.publish(client.node, FrictionSlope, "front_left/friction_slope")
@@ -51,9 +55,35 @@ def test_node_commands_a_release_and_falls_back_when_the_slope_goes_silent() -> 
     assert process.returncode == 0
 
 
-def test_node_in_shadow_mode_offers_no_command_topic() -> None:
+def text(name: str, value: str) -> Parameter:
+    return Parameter(name=name, value=ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=value))
+
+
+def test_node_commands_nothing_unless_started_to_do_so() -> None:
     with dds_client(31) as client:
-        process = client.start("-m", "abs_supervisor")
+        process = client.start("-m", "abs_supervisor", "--ros-args", *CAR)
         client.until(lambda: client.node.count_publishers("front_left/abs_supervisor") == 1)
         assert client.node.count_publishers("front_left/brake_command") == 0
-        stop(process)
+        false = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=False)
+        request = SetParameters.Request(parameters=[Parameter(name="shadow", value=false)])
+        answer = client.call(SetParameters, "/abs_supervisor/set_parameters", request)
+        assert [result.successful for result in answer.results] == [False]
+        # What tells that the driver brakes may change; with it the processors are made anew, without a command.
+        request = SetParameters.Request(parameters=[text("braking_source", "pressure")])
+        answer = client.call(SetParameters, "/abs_supervisor/set_parameters", request)
+        assert [result.successful for result in answer.results] == [True]
+        client.until(lambda: client.node.count_subscribers("front_left/brake_pressure") == 1)
+        assert client.node.count_publishers("front_left/brake_command") == 0
+        output, _ = stop(process)
+    assert process.returncode == 0
+    assert "Traceback" not in output
+
+
+def test_node_without_a_car_ends_and_names_the_shipped_ones() -> None:
+    with dds_client(32) as client:
+        process = client.start("-m", "abs_supervisor")
+        output, _ = process.communicate(timeout=30)
+    assert process.returncode == 2
+    (line,) = output.splitlines()
+    assert line.startswith("error: ")
+    assert all(name in line for name in shipped_vehicles())

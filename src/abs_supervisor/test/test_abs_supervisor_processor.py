@@ -13,19 +13,28 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import FluidPressure
 from std_msgs.msg import Header
 
-from abs_supervisor.parameters import SupervisorParameters
+from abs_supervisor.braking import PressureParameters
+from abs_supervisor.fsm import Thresholds
+from abs_supervisor.parameters import SHIPPED, SupervisorParameters
 from abs_supervisor.processor import WheelProcessor, build
-from friction_runtime.parameters import ParameterError, from_mapping, load
+from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter_file import load
+from friction_parameters.values import changed, from_mapping, ignored
 from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds
 from friction_slope.parameters import FrictionSlopeParameters
+from vehicle_models.vehicle_file import load_vehicle
 
 CONFIG = Path(__file__).parents[1] / "config" / "abs_supervisor.yaml"
 STEP = 5_000_000
 SLOPE = "front_left/friction_slope"
+VEHICLE = load_vehicle("chapter_corner")
 P = SupervisorParameters(
-    shadow=False, h_instability=-100.0, h_stability=1000.0, wait=0.04, release_timeout=0.08, tolerance=0.02
+    shadow=False,
+    thresholds=Thresholds(h_instability=-100.0, h_stability=1000.0, wait=0.04, release_timeout=0.08),
+    tolerance=0.02,
 )
+BY_PRESSURE = replace(P, braking_source="pressure")
 K = 1e-4
 
 
@@ -52,7 +61,7 @@ class Bench:
     def __init__(self, parameters: SupervisorParameters = P) -> None:
         self.said: list[tuple[str, str]] = []
         self.processor = WheelProcessor(
-            "front_left", parameters, lambda severity, text: self.said.append((severity, text))
+            "front_left", VEHICLE, parameters, lambda severity, text: self.said.append((severity, text))
         )
         self.stamp = 0
         self.state = SupervisorState()
@@ -97,7 +106,7 @@ def test_a_cycle_is_commanded_counted_and_logged_with_its_causes() -> None:
     while bench.sample(2000.0, growing=-1) == "S21":
         pass
     assert bench.name == "S22"
-    assert (bench.stamp - began) * 1e-9 == pytest.approx(P.wait)
+    assert (bench.stamp - began) * 1e-9 == pytest.approx(P.thresholds.wait)
     assert bench.sample(2000.0, growing=-1) == "S1"
     assert bench.sample(0.0, torque=0.0) == "S0"
     state = bench.state
@@ -116,7 +125,7 @@ def test_release_time_out_is_measured_from_the_entry_into_s22() -> None:
     while bench.sample(-200.0) == "S22":
         pass
     assert bench.name == "S1"
-    assert (bench.stamp - entered) * 1e-9 == pytest.approx(P.release_timeout)
+    assert (bench.stamp - entered) * 1e-9 == pytest.approx(P.thresholds.release_timeout)
     assert bench.state.release_timeouts == 1
 
 
@@ -236,12 +245,48 @@ def pressed(processor: WheelProcessor, stamp: int, torque: float) -> str:
 
 
 def test_without_a_demand_topic_braking_follows_the_torque_with_hysteresis() -> None:
-    processor = WheelProcessor("front_left", replace(P, braking_source="pressure"))
+    processor = WheelProcessor("front_left", VEHICLE, BY_PRESSURE)
     assert "front_left/brake_pressure" in processor.sensors
     stamps = iter(range(STEP, 10**12, STEP))
     assert [pressed(processor, next(stamps), torque) for torque in (0.0, 49.0, 50.0, 21.0)] == ["S0", "S0", "S1", "S1"]
     held = [pressed(processor, next(stamps), 0.0) for _ in range(60)]
-    assert held.index("S0") * STEP * 1e-9 == pytest.approx(P.release_hold, abs=0.0051)
+    assert held.index("S0") * STEP * 1e-9 == pytest.approx(P.pressure.release_hold, abs=0.0051)
+
+
+def test_garbage_is_refused_as_demand_and_as_pressure() -> None:
+    said: list[str] = []
+    for parameters, topic, kind in (
+        (P, "brake_demand", BrakeDemand),
+        (BY_PRESSURE, "front_left/brake_pressure", FluidPressure),
+    ):
+        processor = WheelProcessor("front_left", VEHICLE, parameters, lambda severity, text: said.append(text))
+        message = kind(header=Header(stamp=from_nanoseconds(STEP)))
+        field = "pressure" if kind is BrakeDemand else "fluid_pressure"
+        for garbage in (nan, inf, 1e12):
+            setattr(message, field, garbage)
+            assert processor.process(topic, message) == []
+            assert topic in said[-1]
+            assert "no brake pressure" in said[-1]
+    assert len(said) == 6
+
+
+def test_pressure_is_taken_for_the_time_at_which_it_acted() -> None:
+    processor = WheelProcessor("front_left", replace(VEHICLE, brake_pressure_delay=0.01), BY_PRESSURE)
+    torques = [0.0] * 9 + [500.0] * 9
+    for k, torque in enumerate(torques, 1):
+        stamp = from_nanoseconds((k + 2) * STEP)
+        pressure = FluidPressure(header=Header(stamp=stamp), fluid_pressure=torque / K)
+        processor.process("front_left/brake_pressure", pressure)
+        ((_, state), _) = processor.process(SLOPE, slope(k * STEP, nan, reason=FrictionSlope.NO_EXCITATION))
+        assert state.demand_torque == pytest.approx(torque)
+
+
+def test_brake_gain_is_that_of_the_wheel() -> None:
+    wheel = VEHICLE.wheel("front_left")
+    strong = replace(VEHICLE, wheels=(replace(wheel, brake_gain=2.0 * K),))
+    processor = WheelProcessor("front_left", strong, P)
+    processor.process("brake_demand", demand(STEP, 300.0))
+    assert processor.process(SLOPE, slope(STEP, 0.0))[0][1].demand_torque == pytest.approx(600.0)
 
 
 def test_reset_starts_anew() -> None:
@@ -259,7 +304,7 @@ MESSAGES = st.tuples(st.booleans(), st.integers(-2, 20), NUMBERS, NUMBERS, st.in
 
 @given(st.lists(MESSAGES, max_size=60))
 def test_hostile_streams_give_known_states_and_commands_and_no_exception(stream: list[Any]) -> None:
-    processor = WheelProcessor("front_left", P)
+    processor = WheelProcessor("front_left", VEHICLE, P)
     for is_slope, step, a, b, reason in stream:
         stamp = from_nanoseconds(max(step, 0) * STEP)
         if is_slope:
@@ -275,35 +320,71 @@ def test_hostile_streams_give_known_states_and_commands_and_no_exception(stream:
                 assert answer.valid == (answer.reason == SupervisorState.OK)
 
 
-def test_shipped_parameter_file_loads_and_builds_and_holds_the_defaults_but_shadow() -> None:
+def test_shipped_parameter_file_holds_the_defaults_and_commands_no_brake() -> None:
     parameters = load(SupervisorParameters, CONFIG, "abs_supervisor")
-    assert parameters == SupervisorParameters(shadow=False)
-    assert [processor.outputs for processor in build(parameters)] == [
-        {"front_left/abs_supervisor": SupervisorState, "front_left/brake_command": BrakeCommand}
+    assert parameters == SHIPPED["abs_supervisor"].parameters == SupervisorParameters()
+    assert parameters.shadow
+    for vehicle in (VEHICLE, load_vehicle("chapter_car")):
+        assert [processor.outputs for processor in build(parameters, vehicle)] == [
+            {f"{wheel}/abs_supervisor": SupervisorState} for wheel in vehicle.wheel_names
+        ]
+
+
+def test_every_wheel_of_the_car_is_commanded_where_that_is_chosen() -> None:
+    car = load_vehicle("chapter_car")
+    assert [processor.outputs for processor in build(SupervisorParameters(shadow=False), car)] == [
+        {f"{wheel}/abs_supervisor": SupervisorState, f"{wheel}/brake_command": BrakeCommand}
+        for wheel in car.wheel_names
     ]
 
 
 def test_thresholds_are_those_of_the_slope_file_it_goes_with() -> None:
     shipped = CONFIG.parents[2] / "friction_slope" / "config" / "friction_slope.yaml"
-    slope = load(FrictionSlopeParameters, shipped, "friction_slope")
-    supervisor = load(SupervisorParameters, CONFIG, "abs_supervisor")
-    assert (slope.h_instability, slope.h_stability) == (supervisor.h_instability, supervisor.h_stability)
+    detector = load(FrictionSlopeParameters, shipped, "friction_slope").detector
+    thresholds = load(SupervisorParameters, CONFIG, "abs_supervisor").thresholds
+    assert (detector.h_instability, detector.h_stability) == (thresholds.h_instability, thresholds.h_stability)
 
 
 @pytest.mark.parametrize(
     ("values", "named"),
     [
-        ({"h_instability": 1.0}, "h_instability"),
-        ({"h_stability": -1.0}, "h_stability"),
-        ({"wheels": ["a", "a"]}, "wheels"),
-        ({"release_torque": 60.0}, "release_torque"),
+        ({"thresholds": {"h_instability": 1.0}}, "thresholds.h_instability"),
+        ({"thresholds": {"h_stability": -1.0}}, "thresholds.h_stability"),
+        ({"braking_source": "pressure", "pressure": {"release_torque": 60.0}}, "pressure.release_torque"),
+        ({"braking_source": "pressure", "braking_torque": 20.0}, "braking_torque"),
         ({"braking_source": "pedal"}, "braking_source"),
-        ({"brake_gains": [1e-4, 1e-4]}, "brake_gains"),
     ],
 )
 def test_bad_parameters_are_refused_by_name(values: dict[str, Any], named: str) -> None:
     with pytest.raises(ParameterError, match=named):
         from_mapping(SupervisorParameters, values)
+
+
+@pytest.mark.parametrize(
+    ("name", "place"),
+    [
+        ("wheels", "vehicle file"),
+        ("brake_gains", "'brake_gain' of the vehicle file"),
+        ("h_instability", "'thresholds.h_instability'"),
+        ("h_stability", "'thresholds.h_stability'"),
+        ("wait", "'thresholds.wait'"),
+        ("release_timeout", "'thresholds.release_timeout'"),
+        ("release_torque", "'pressure.release_torque'"),
+        ("release_hold", "'pressure.release_hold'"),
+    ],
+)
+def test_old_name_of_a_parameter_is_refused_with_its_new_place(name: str, place: str) -> None:
+    with pytest.raises(ParameterError, match=f"'{name}' is no more: .*{place}"):
+        from_mapping(SupervisorParameters, {name: 1.0})
+
+
+def test_hysteresis_set_for_a_demand_is_ignored_and_said() -> None:
+    beside = changed(SupervisorParameters(), {"pressure.release_torque": 60.0})
+    assert ignored(beside) == [
+        "pressure.release_torque: ignored, as 'braking_source' is 'demand', not pressure",
+    ]
+    by_pressure = replace(SupervisorParameters(), braking_source="pressure", pressure=PressureParameters(10.0))
+    assert ignored(by_pressure) == []
 
 
 def test_locked_wheel_whose_h_is_unknown_is_released() -> None:

@@ -9,33 +9,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_slope.detector import LOCKED_INDICATOR, DetectorParameters, SlopeDetector
+from friction_slope.detector import LOCKED_INDICATOR, DetectorParameters, NoSlipParameters, SlopeDetector
 from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
+from vehicle_models.vehicle_file import load_vehicle
 
 DT = 0.005
 STEP = 5_000_000
-CORNER = CornerParameters()
-EXACT = DetectorParameters(
-    method=Method.SLIP,
-    radius=CORNER.radius,
-    inertia=CORNER.inertia,
-    vertical_load=CORNER.vertical_load,
-    window=3,
-    rate_window=3,
-    lead=0.0,
-    h_instability=0.0,
-    h_stability=0.0,
-    slip_rate_dead_zone=0.0,
-    eta_margin=0.0,
-    minimum_torque=30.0,
-    braking_hold=0.3,
-    minimum_speed=1.5,
-    max_deceleration=12.0,
-    max_gap=0.03,
-)
+CORNER = load_vehicle("chapter_corner").corner("front_left")
+EXACT = DetectorParameters(window=3, rate_window=3, h_instability=0.0, h_stability=0.0, slip_rate_dead_zone=0.0)
+
+
+def exact(method: Method = Method.SLIP) -> SlopeDetector:
+    return SlopeDetector(CORNER, method, EXACT, NoSlipParameters(eta_margin=0.0))
 
 
 def through_the_peak(name: str) -> tuple[list[SlopeSample], np.ndarray]:
@@ -60,8 +48,7 @@ def through_the_peak(name: str) -> tuple[list[SlopeSample], np.ndarray]:
     return samples, np.array(signs)
 
 
-def run(parameters: DetectorParameters, samples: list[SlopeSample]) -> list[SlopeEstimate]:
-    detector = SlopeDetector(parameters)
+def run(detector: SlopeDetector, samples: list[SlopeSample]) -> list[SlopeEstimate]:
     return [detector.update(sample) for sample in samples]
 
 
@@ -69,7 +56,7 @@ def run(parameters: DetectorParameters, samples: list[SlopeSample]) -> list[Slop
 @pytest.mark.parametrize("method", Method)
 def test_sign_follows_both_crossings_within_the_documented_delay_and_one_sample(name: str, method: Method) -> None:
     samples, truth = through_the_peak(name)
-    found = run(replace(EXACT, method=method), samples)
+    found = run(exact(method), samples)
     signs = np.array([estimate.sign for estimate in found])
     for change in (-1, 1):
         true = int(np.flatnonzero(np.diff(truth) == 2 * change)[0]) + 1
@@ -85,7 +72,7 @@ def test_sign_follows_both_crossings_within_the_documented_delay_and_one_sample(
 def test_slip_at_the_crossing_is_lambda_max(name: str) -> None:
     samples, _ = through_the_peak(name)
     peak = float(burckhardt.peak(surface(name))[0])
-    lost = next(estimate for estimate in run(EXACT, samples) if estimate.crossing_sign == -1)
+    lost = next(estimate for estimate in run(exact(), samples) if estimate.crossing_sign == -1)
     one_sample = max(abs(b.slip - a.slip) for a, b in pairwise(samples) if b.slip < 2 * peak)
     assert lost.slip_at_crossing == pytest.approx(peak, abs=one_sample)
     at = next(sample for sample in samples if sample.stamp == lost.crossing_stamp)
@@ -94,13 +81,13 @@ def test_slip_at_the_crossing_is_lambda_max(name: str) -> None:
 
 def test_sign_is_not_known_before_braking_and_says_so() -> None:
     samples, _ = through_the_peak("dry")
-    found = run(EXACT, samples)
+    found = run(exact(), samples)
     assert [estimate.reason for estimate in found[:4]] == [Reason.NOT_READY] * 2 + [Reason.NOT_BRAKING] * 2
     assert all(estimate.sign == 0 and np.isnan(estimate.indicator) for estimate in found[:20])
 
 
 def test_released_wheel_is_still_seen_and_then_is_no_longer_braked() -> None:
-    detector = SlopeDetector(EXACT)
+    detector = exact()
     for k in range(40):
         detector.update(SlopeSample((k + 1) * STEP, 90.0, 400.0, 0.05, 0.0, 30.0))
     reasons = [detector.update(SlopeSample((k + 41) * STEP, 90.0, 0.0, 0.05, 0.0, 30.0)).reason for k in range(80)]
@@ -108,7 +95,7 @@ def test_released_wheel_is_still_seen_and_then_is_no_longer_braked() -> None:
 
 
 def test_locked_wheel_is_no_standstill_without_a_speed_sensor() -> None:
-    detector = SlopeDetector(replace(EXACT, method=Method.NO_SLIP))
+    detector = exact(Method.NO_SLIP)
     for k in range(20):
         detector.update(SlopeSample((k + 1) * STEP, 100.0, 500.0))
     reasons = [detector.update(SlopeSample((k + 21) * STEP, 0.0, 500.0)).reason for k in range(600)]
@@ -117,7 +104,7 @@ def test_locked_wheel_is_no_standstill_without_a_speed_sensor() -> None:
 
 
 def test_method_slip_stops_below_the_minimum_vehicle_speed() -> None:
-    detector = SlopeDetector(EXACT)
+    detector = exact()
     for k in range(20):
         estimate = detector.update(SlopeSample((k + 1) * STEP, 40.0, 500.0, 0.1, 0.5, 1.4))
     assert estimate.reason is Reason.LOW_SPEED
@@ -127,26 +114,44 @@ def test_method_slip_stops_below_the_minimum_vehicle_speed() -> None:
 def test_method_slip_without_slip_says_so_and_no_slip_goes_on() -> None:
     samples, _ = through_the_peak("wet")
     blind = [replace(sample, slip=nan, slip_rate=nan) for sample in samples]
-    assert {estimate.reason for estimate in run(EXACT, blind)[30:]} == {Reason.NO_SLIP}
-    found = run(replace(EXACT, method=Method.NO_SLIP), blind)
+    assert {estimate.reason for estimate in run(exact(), blind)[30:]} == {Reason.NO_SLIP}
+    found = run(exact(Method.NO_SLIP), blind)
     assert found[-1].crossings == 2
     assert np.isnan(found[-1].slip_at_crossing)
 
 
 def test_slip_rate_in_the_dead_zone_holds_the_sign() -> None:
     samples, _ = through_the_peak("dry")
-    found = run(replace(EXACT, slip_rate_dead_zone=1e3), samples)
+    found = run(SlopeDetector(CORNER, Method.SLIP, replace(EXACT, slip_rate_dead_zone=1e3)), samples)
     braked = [estimate for estimate in found if estimate.reason is Reason.NO_EXCITATION]
     assert len(braked) > 50
     assert all(estimate.indicator == 0.0 and estimate.sign == 0 for estimate in braked)
 
 
+def test_eta_margin_widens_the_dead_zone_of_no_slip_and_is_nothing_to_slip() -> None:
+    samples, _ = through_the_peak("dry")
+    wide = NoSlipParameters(eta_margin=100.0)
+    assert {e.indicator for e in run(SlopeDetector(CORNER, Method.NO_SLIP, EXACT, wide), samples)[30:]} == {0.0}
+    assert repr(run(SlopeDetector(CORNER, Method.SLIP, EXACT, wide), samples)) == repr(run(exact(), samples))
+
+
+def test_load_of_the_wheel_decides_what_friction_it_uses() -> None:
+    samples, _ = through_the_peak("dry")
+    light = replace(CORNER, vertical_load=0.1 * CORNER.vertical_load)
+    no_slip = NoSlipParameters(eta_margin=0.0)
+    signed = [
+        sum(estimate.reason is Reason.OK for estimate in run(SlopeDetector(c, Method.NO_SLIP, EXACT, no_slip), samples))
+        for c in (light, CORNER)
+    ]
+    assert signed[0] < signed[1]
+
+
 def test_gap_fills_the_window_anew_and_says_so() -> None:
     samples, _ = through_the_peak("dry")
     late = samples[:60] + [replace(s, stamp=s.stamp + 100_000_000) for s in samples[60:]]
-    found = run(EXACT, late)
+    found = run(exact(), late)
     assert [estimate.reason for estimate in found[60:63]] == [Reason.GAP, Reason.GAP, Reason.OK]
-    assert found[62].h == pytest.approx(run(EXACT, samples)[62].h)
+    assert found[62].h == pytest.approx(run(exact(), samples)[62].h)
 
 
 @pytest.mark.parametrize(
@@ -160,8 +165,8 @@ def test_gap_fills_the_window_anew_and_says_so() -> None:
 )
 def test_garbage_is_refused_and_leaves_no_trace(bad: dict[str, float], reason: Reason) -> None:
     samples, _ = through_the_peak("dry")
-    clean = run(EXACT, samples)
-    detector = SlopeDetector(EXACT)
+    clean = run(exact(), samples)
+    detector = exact()
     for k, sample in enumerate(samples):
         if k == 50:
             garbage = replace(sample, stamp=sample.stamp - STEP // 2)
@@ -173,12 +178,12 @@ def test_garbage_is_refused_and_leaves_no_trace(bad: dict[str, float], reason: R
 
 def test_reset_is_a_new_detector() -> None:
     samples, _ = through_the_peak("snow")
-    detector = SlopeDetector(EXACT)
+    detector = exact()
     for sample in samples:
         detector.update(sample)
     detector.reset()
     again = [detector.update(sample) for sample in samples]
-    assert repr(again) == repr(run(EXACT, samples))
+    assert repr(again) == repr(run(exact(), samples))
 
 
 NUMBERS = st.one_of(st.floats(), st.sampled_from([0.0, nan, inf, -inf, 100.0]))
@@ -189,7 +194,7 @@ NUMBERS = st.one_of(st.floats(), st.sampled_from([0.0, nan, inf, -inf, 100.0]))
     st.sampled_from(Method),
 )
 def test_hostile_samples_give_known_signs_and_no_exception(stream: list[tuple[float, ...]], method: Method) -> None:
-    detector = SlopeDetector(replace(EXACT, method=method))
+    detector = exact(method)
     stamp = STEP
     for step, *values in stream:
         stamp += int(step) * STEP
@@ -205,7 +210,7 @@ def test_hostile_samples_give_known_signs_and_no_exception(stream: list[tuple[fl
 
 @pytest.mark.parametrize("method", Method)
 def test_locked_wheel_is_beyond_the_peak_although_nothing_moves(method: Method) -> None:
-    detector = SlopeDetector(replace(EXACT, method=method))
+    detector = exact(method)
     for k in range(20):
         detector.update(SlopeSample((k + 1) * STEP, 100.0 - k**2 * 0.01, 300.0 + 50.0 * k, 0.0, 0.5, 30.0))
     for k in range(40):
@@ -216,7 +221,7 @@ def test_locked_wheel_is_beyond_the_peak_although_nothing_moves(method: Method) 
 
 @pytest.mark.parametrize("method", Method)
 def test_slip_of_a_braked_wheel_below_the_limit_is_no_lock(method: Method) -> None:
-    detector = SlopeDetector(replace(EXACT, method=method))
+    detector = exact(method)
     for k in range(40):
         found = detector.update(SlopeSample((k + 1) * STEP, 0.21 * 100.0 if k > 20 else 100.0, 500.0, 0.5, 0.0, 30.0))
     assert found.indicator != LOCKED_INDICATOR
@@ -224,9 +229,8 @@ def test_slip_of_a_braked_wheel_below_the_limit_is_no_lock(method: Method) -> No
 
 def test_spike_of_the_wheel_speed_is_refused_and_leaves_no_trace() -> None:
     samples, _ = through_the_peak("dry")
-    parameters = replace(EXACT, method=Method.NO_SLIP)
-    clean = run(parameters, samples)
-    detector = SlopeDetector(parameters)
+    clean = run(exact(Method.NO_SLIP), samples)
+    detector = exact(Method.NO_SLIP)
     for k, sample in enumerate(samples):
         if k == 60:
             spike = detector.update(replace(sample, stamp=sample.stamp - STEP // 2, wheel_speed=900.0))
@@ -236,7 +240,7 @@ def test_spike_of_the_wheel_speed_is_refused_and_leaves_no_trace() -> None:
 
 
 def test_spike_as_the_first_sample_is_forgotten_within_a_gap() -> None:
-    detector = SlopeDetector(replace(EXACT, method=Method.NO_SLIP))
+    detector = exact(Method.NO_SLIP)
     detector.update(SlopeSample(STEP, 900.0, 500.0))
     found = [detector.update(SlopeSample(k * STEP, 80.0 - 0.1 * k, 500.0)) for k in range(2, 30)]
     assert all(estimate.indicator != LOCKED_INDICATOR for estimate in found)

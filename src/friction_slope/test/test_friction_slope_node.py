@@ -1,24 +1,28 @@
 """The node as a real process over DDS: what it says is what the processor says, and it ends cleanly."""
 
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import pytest
 from friction_msgs.msg import FrictionSlope
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
 from dds_client import dds_client, stop
+from friction_parameters.parameter_file import load
+from friction_parameters.values import changed
 from friction_runtime import qos
-from friction_runtime.parameters import load
 from friction_runtime.stamps import from_nanoseconds
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.processor import WheelProcessor
+from vehicle_models.vehicle_file import load_vehicle, shipped_vehicles
 
 CONFIG = Path(__file__).parents[1] / "config" / "friction_slope.yaml"
 STEP = 5_000_000
 PRESSURE = "front_left/brake_pressure"
+SLIP = "front_left/slip"
 SLOPE = "front_left/friction_slope"
 
 
@@ -32,9 +36,8 @@ def sample(k: int) -> tuple[FluidPressure, JointState]:
 
 
 def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
-    processor = WheelProcessor(
-        "front_left", replace(load(FrictionSlopeParameters, CONFIG, "friction_slope"), slip_at_crossing=False)
-    )
+    parameters = changed(load(FrictionSlopeParameters, CONFIG, "friction_slope"), {"no_slip.slip_at_crossing": False})
+    processor = WheelProcessor("front_left", load_vehicle("chapter_corner"), parameters)
     expected: list[FrictionSlope] = []
     for k in range(1, 61):
         pressure, speed = sample(k)
@@ -42,7 +45,10 @@ def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
         expected += [message for _, message in processor.process("wheel_states", speed)]
     received: list[FrictionSlope] = []
     with dds_client(20) as client:
-        arguments = ("--params-file", str(CONFIG), "-p", "slip_at_crossing:=false")
+        arguments = (
+            *("--params-file", str(CONFIG)),
+            *("-p", "vehicle_file:=chapter_corner", "-p", "no_slip.slip_at_crossing:=false"),
+        )
         process = client.start("-m", "friction_slope", "--ros-args", *arguments)
         pressures = qos.publish(client.node, FluidPressure, PRESSURE)
         speeds = qos.publish(client.node, JointState, "wheel_states")
@@ -65,3 +71,29 @@ def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
     assert process.returncode == 0
     assert seconds < 2.0
     assert "Traceback" not in output
+
+
+def test_method_can_be_changed_while_the_node_runs() -> None:
+    with dds_client(21) as client:
+        arguments = ("vehicle_file:=chapter_corner", "method:=no_slip", "no_slip.slip_at_crossing:=false")
+        process = client.start("-m", "friction_slope", "--ros-args", *(word for a in arguments for word in ("-p", a)))
+        client.until(lambda: client.node.count_publishers(SLOPE) == 1)
+        assert client.node.count_subscribers(SLIP) == 0
+        value = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value="slip")
+        request = SetParameters.Request(parameters=[Parameter(name="method", value=value)])
+        answer = client.call(SetParameters, "/friction_slope/set_parameters", request)
+        assert [result.successful for result in answer.results] == [True]
+        client.until(lambda: client.node.count_subscribers(SLIP) == 1)
+        output, _ = stop(process)
+    assert process.returncode == 0
+    assert "Traceback" not in output
+
+
+def test_node_without_a_car_ends_and_names_the_shipped_ones() -> None:
+    with dds_client(22) as client:
+        process = client.start("-m", "friction_slope")
+        output, _ = process.communicate(timeout=30)
+    assert process.returncode == 2
+    (line,) = output.splitlines()
+    assert line.startswith("error: ")
+    assert all(name in line for name in shipped_vehicles())

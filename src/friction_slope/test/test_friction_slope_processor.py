@@ -15,17 +15,24 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
-from friction_runtime.parameters import ParameterError, from_mapping, load
+from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter_file import load
+from friction_parameters.values import changed, from_mapping, ignored
 from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
-from friction_slope.estimate import Method, Reason
-from friction_slope.parameters import FrictionSlopeParameters
+from friction_slope.detector import DetectorParameters, NoSlipParameters
+from friction_slope.estimate import METHODS, Method, Reason
+from friction_slope.parameters import SHIPPED, FrictionSlopeParameters
 from friction_slope.processor import WheelProcessor, build
+from vehicle_models.vehicle_file import load_vehicle
 
 CONFIG = Path(__file__).parents[1] / "config"
 STEP = 5_000_000
 PRESSURE, SLIP = "front_left/brake_pressure", "front_left/slip"
-P = FrictionSlopeParameters(window=5, rate_window=5)
+VEHICLE = load_vehicle("chapter_corner")
+P = FrictionSlopeParameters(detector=DetectorParameters(window=5, rate_window=5))
+NO_SLIP = replace(P, method="no_slip")
+ALONE = replace(NO_SLIP, no_slip=NoSlipParameters(slip_at_crossing=False))
 Fed = tuple[str, Any]
 
 
@@ -67,7 +74,7 @@ def run(processor: WheelProcessor, fed: list[Fed]) -> list[FrictionSlope]:
 
 
 def test_stable_side_is_told_with_h_of_the_equation() -> None:
-    last = run(WheelProcessor("front_left", P), stream(30))[-1]
+    last = run(WheelProcessor("front_left", VEHICLE, P), stream(30))[-1]
     assert last.valid
     assert (last.sign, last.method, last.reason) == (1, FrictionSlope.METHOD_SLIP, FrictionSlope.OK)
     assert last.h == pytest.approx(60.0 + 100.0, rel=1e-6)
@@ -80,7 +87,7 @@ def test_stable_side_is_told_with_h_of_the_equation() -> None:
 
 def test_output_does_not_depend_on_the_order_of_arrival() -> None:
     fed = stream(60)
-    straight = run(WheelProcessor("front_left", P), fed)
+    straight = run(WheelProcessor("front_left", VEHICLE, P), fed)
     shuffled: list[Fed] = []
     random = Random(3)
     for k in range(0, len(fed), 12):
@@ -90,12 +97,12 @@ def test_output_does_not_depend_on_the_order_of_arrival() -> None:
             topic = random.choice([name for name, items in streams.items() if items])
             shuffled.append(streams[topic].pop(0))
     assert shuffled != fed
-    assert repr(run(WheelProcessor("front_left", P), shuffled)) == repr(straight)
+    assert repr(run(WheelProcessor("front_left", VEHICLE, P), shuffled)) == repr(straight)
 
 
 def test_pressure_that_never_arrives_is_named_after_the_deadline() -> None:
     fed = [item for item in stream(40) if item[0] != PRESSURE]
-    found = run(WheelProcessor("front_left", P), fed)
+    found = run(WheelProcessor("front_left", VEHICLE, P), fed)
     assert len(found) == 40 - round(P.deadline / 0.005)
     assert {message.reason for message in found} == {FrictionSlope.NO_TORQUE}
     assert all(PRESSURE in message.reason_text and not message.valid for message in found)
@@ -108,35 +115,34 @@ def test_slip_that_is_not_valid_is_named_with_its_own_reason() -> None:
         if topic == SLIP:
             message.valid, message.slip, message.reason_text = False, nan, "front_left: no vehicle speed"
         fed.append((topic, message))
-    last = run(WheelProcessor("front_left", P), fed)[-1]
+    last = run(WheelProcessor("front_left", VEHICLE, P), fed)[-1]
     assert last.reason == FrictionSlope.NO_SLIP
     assert SLIP in last.reason_text
     assert "no vehicle speed" in last.reason_text
 
 
 def test_method_no_slip_does_not_wait_for_slip_unless_it_is_to_tell_the_slip_at_a_crossing() -> None:
-    alone = replace(P, method="no_slip", slip_at_crossing=False)
-    processor = WheelProcessor("front_left", alone)
+    processor = WheelProcessor("front_left", VEHICLE, ALONE)
     assert not processor.estimates
     fed = [item for item in stream(30) if item[0] != SLIP]
     assert len(run(processor, fed)) == 30
-    beside = WheelProcessor("front_left", replace(alone, slip_at_crossing=True))
+    beside = WheelProcessor("front_left", VEHICLE, NO_SLIP)
     assert list(beside.estimates) == [SLIP]
 
 
 def test_slip_beside_no_slip_changes_no_indicator() -> None:
     fed = stream(40)
     alone = run(
-        WheelProcessor("front_left", replace(P, method="no_slip", slip_at_crossing=False)),
+        WheelProcessor("front_left", VEHICLE, ALONE),
         [item for item in fed if item[0] != SLIP],
     )
-    beside = run(WheelProcessor("front_left", replace(P, method="no_slip")), fed)
+    beside = run(WheelProcessor("front_left", VEHICLE, NO_SLIP), fed)
     assert repr([(m.h, m.indicator, m.sign) for m in alone]) == repr([(m.h, m.indicator, m.sign) for m in beside])
 
 
 def test_missing_wheel_name_is_reported_with_the_names_there_are() -> None:
     said: list[tuple[str, str]] = []
-    processor = WheelProcessor("front_left", P, lambda severity, text: said.append((severity, text)))
+    processor = WheelProcessor("front_left", VEHICLE, P, lambda severity, text: said.append((severity, text)))
     fed = [*stream(3)[:2], speed(STEP, 90.0, name="FL")]
     found = run(processor, fed)
     assert found[0].reason == FrictionSlope.BAD_INPUT
@@ -149,7 +155,7 @@ def test_missing_wheel_name_is_reported_with_the_names_there_are() -> None:
 def test_garbage_in_any_input_is_refused_and_the_estimate_goes_on(garbage: float) -> None:
     fed = stream(30)
     for bad in (speed(31 * STEP, garbage), pressure(31 * STEP, garbage), slip(31 * STEP, garbage, 0.5)):
-        processor = WheelProcessor("front_left", P)
+        processor = WheelProcessor("front_left", VEHICLE, P)
         run(processor, fed)
         rest = [item for item in stream(31)[-3:] if item[0] != bad[0]]
         for message in run(processor, [bad, *rest, *stream(40, first=32)]):
@@ -160,29 +166,30 @@ def test_garbage_in_any_input_is_refused_and_the_estimate_goes_on(garbage: float
 @pytest.mark.parametrize("stamp", [0, 30 * STEP])
 def test_zero_and_repeated_stamps_are_refused_by_topic(stamp: int) -> None:
     said: list[str] = []
-    processor = WheelProcessor("front_left", P, lambda severity, text: said.append(text))
+    processor = WheelProcessor("front_left", VEHICLE, P, lambda severity, text: said.append(text))
     run(processor, stream(30))
     assert run(processor, [speed(stamp, 90.0)]) == []
     assert run(processor, [pressure(stamp, 90.0)]) == []
-    assert ["wheel_states" in said[0], PRESSURE in said[1]] == [True, True]
+    refused = [text for text in said if text.endswith("refused")]
+    assert ["wheel_states" in refused[0], PRESSURE in refused[1]] == [True, True]
 
 
 def test_jump_back_in_time_starts_anew() -> None:
-    processor = WheelProcessor("front_left", P)
+    processor = WheelProcessor("front_left", VEHICLE, P)
     first = run(processor, stream(50))
     again = run(processor, stream(50))
     assert repr(again) == repr(first)
 
 
 def test_reset_is_a_new_processor() -> None:
-    processor = WheelProcessor("front_left", P)
+    processor = WheelProcessor("front_left", VEHICLE, P)
     first = run(processor, stream(50))
     processor.reset()
     assert repr(run(processor, stream(50))) == repr(first)
 
 
 def test_health_tells_what_is_wrong() -> None:
-    processor = WheelProcessor("front_left", P)
+    processor = WheelProcessor("front_left", VEHICLE, P)
     assert processor.health().level is Level.ERROR
     run(processor, stream(30))
     assert processor.health().level is Level.OK
@@ -196,7 +203,7 @@ VALUES = st.one_of(st.floats(), st.sampled_from([0.0, 90.0, nan, inf, -inf]))
 
 @given(st.lists(st.tuples(TOPICS, st.integers(-1, 30), VALUES, VALUES, st.booleans()), max_size=80), st.booleans())
 def test_hostile_streams_give_consistent_messages_and_no_exception(fed: list[Any], with_slip: bool) -> None:
-    processor = WheelProcessor("front_left", replace(P, method="slip" if with_slip else "no_slip"))
+    processor = WheelProcessor("front_left", VEHICLE, replace(P, method="slip" if with_slip else "no_slip"))
     for topic, k, a, b, valid in fed:
         stamp = max(k, 0) * STEP
         if topic == SLIP:
@@ -215,21 +222,21 @@ def test_hostile_streams_give_consistent_messages_and_no_exception(fed: list[Any
 )
 def test_shipped_parameter_files_load_and_build(name: str, method: int) -> None:
     parameters = load(FrictionSlopeParameters, CONFIG / f"{name}.yaml", "friction_slope")
-    processor = build(parameters)[0]
+    assert parameters == SHIPPED[name].parameters
+    assert ignored(parameters) == []
+    processor = build(parameters, VEHICLE)[0]
     assert run(processor, stream(40))[-1].method == method
 
 
 @pytest.mark.parametrize(
     ("values", "named"),
     [
-        ({"window": 2}, "window"),
-        ({"window": 3, "lead": 1.0}, "window"),
-        ({"h_instability": 1.0}, "h_instability"),
-        ({"h_stability": -1.0}, "h_stability"),
+        ({"detector": {"window": 2}}, "detector.window"),
+        ({"detector": {"window": 3, "lead": 1.0}}, "detector: 'window'"),
+        ({"detector": {"h_instability": 1.0}}, "h_instability"),
+        ({"detector": {"h_stability": -1.0}}, "h_stability"),
+        ({"no_slip": {"eta_margin": nan}}, "no_slip.eta_margin"),
         ({"method": "guess"}, "method"),
-        ({"wheels": []}, "wheels"),
-        ({"inertias": [1.0, 1.0]}, "inertias"),
-        ({"radii": [nan]}, "radii"),
     ],
 )
 def test_bad_parameters_are_refused_by_name(values: dict[str, Any], named: str) -> None:
@@ -237,9 +244,59 @@ def test_bad_parameters_are_refused_by_name(values: dict[str, Any], named: str) 
         from_mapping(FrictionSlopeParameters, values)
 
 
+@pytest.mark.parametrize(
+    ("name", "place"),
+    [
+        ("wheels", "vehicle file"),
+        ("radii", "'radius' of the vehicle file"),
+        ("inertias", "'inertia' of the vehicle file"),
+        ("vertical_loads", "'mass' and 'front_load_share' of the vehicle file"),
+        ("brake_gains", "'brake_gain' of the vehicle file"),
+        ("window", "'detector.window'"),
+        ("max_gap", "'detector.max_gap'"),
+        ("eta_margin", "'no_slip.eta_margin'"),
+        ("slip_at_crossing", "'no_slip.slip_at_crossing'"),
+    ],
+)
+def test_old_name_of_a_parameter_is_refused_with_its_new_place(name: str, place: str) -> None:
+    with pytest.raises(ParameterError, match=f"'{name}' is no more: .*{place}"):
+        from_mapping(FrictionSlopeParameters, {name: 1.0})
+
+
+def test_parameters_of_no_slip_set_for_slip_are_said_to_be_ignored() -> None:
+    beside = changed(FrictionSlopeParameters(), {"no_slip.eta_margin": 0.3})
+    assert ignored(beside) == ["no_slip.eta_margin: ignored, as 'method' is 'slip', not no_slip"]
+    assert ignored(replace(beside, method="no_slip")) == []
+
+
 def test_defaults_are_those_of_the_monitor_file() -> None:
     monitor = load(FrictionSlopeParameters, CONFIG / "friction_slope_monitor.yaml", "friction_slope")
     assert monitor == FrictionSlopeParameters()
+
+
+def test_every_wheel_of_the_car_has_a_processor_that_reads_its_joint() -> None:
+    car = load_vehicle("chapter_car")
+    renamed = replace(car, wheels=tuple(replace(wheel, joint=f"car::{wheel.name}") for wheel in car.wheels))
+    processors = build(P, renamed)
+    assert [topic for processor in processors for topic in processor.outputs] == [
+        f"{name}/friction_slope" for name in car.wheel_names
+    ]
+    fed = [(topic, given) for topic, given in stream(30) if topic != "wheel_states"]
+    fed += [speed(k * STEP, 90.0 + 30.0 * (0.005 * (k - 1)) ** 2, name="car::front_left") for k in range(1, 31)]
+    straight = run(WheelProcessor("front_left", VEHICLE, P), stream(30))
+    assert repr(run(processors[0], fed)) == repr(straight)
+
+
+def test_pressure_is_taken_for_the_time_at_which_it_acted() -> None:
+    late = replace(VEHICLE, brake_pressure_delay=0.02)
+    fed = [
+        pressure((given.header.stamp.sec * 10**9 + given.header.stamp.nanosec) + 4 * STEP, given.fluid_pressure * 1e-4)
+        if topic == PRESSURE
+        else (topic, given)
+        for topic, given in stream(30)
+    ]
+    straight = run(WheelProcessor("front_left", VEHICLE, P), stream(30))
+    assert repr(run(WheelProcessor("front_left", late, P), fed)) == repr(straight)
 
 
 def test_numbers_are_those_of_the_messages() -> None:
@@ -247,3 +304,4 @@ def test_numbers_are_those_of_the_messages() -> None:
         assert getattr(FrictionSlope, reason.name) == reason
     for method in Method:
         assert getattr(FrictionSlope, f"METHOD_{method.name}") == method
+    assert set(METHODS.values()) == set(Method)

@@ -10,16 +10,17 @@ from hypothesis import strategies as st
 
 from friction_slope.crossing import CrossingDetector
 from friction_slope.estimate import SlopeSample
-from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign
+from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign, slope_indicator
 from friction_slope.reference_speed import ReferenceSpeed
 from friction_slope.signals import SignalWindow
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
+from vehicle_models.vehicle_file import load_vehicle
 
 DT = 0.005
 STEP = 5_000_000
-CORNER = CornerParameters()
+CORNER = load_vehicle("chapter_corner").corner("front_left")
 
 
 def fed(window: SignalWindow, speeds: np.ndarray, torques: np.ndarray, first: int = 1) -> SignalWindow:
@@ -133,6 +134,17 @@ def test_slip_rate_sign_is_odd_and_zero_within_the_dead_zone(rate: float, zone: 
 
 def test_unknown_slip_rate_has_no_sign() -> None:
     assert slip_rate_sign(nan, 0.0) == 0
+
+
+@given(st.floats(-1e3, 1e3), st.floats(-2.0, 2.0), st.floats(0.1, 1e4))
+def test_sign_of_the_indicator_is_that_of_the_slope(slope: float, slip_rate: float, gain: float) -> None:
+    """(8.4): H = gain mu_1 slip_rate by (8.3), so its sign times that of the slip rate is the sign of mu_1."""
+    h = gain * slope * slip_rate
+    assert np.sign(slope_indicator(h, slip_rate_sign(slip_rate, 0.0))) == (np.sign(slope) if h != 0.0 else 0.0)
+
+
+def test_indicator_keeps_the_size_of_h_and_is_zero_in_the_dead_zone() -> None:
+    assert [slope_indicator(-30.0, growing) for growing in (1, 0, -1)] == [-30.0, 0.0, 30.0]
 
 
 def test_sign_is_held_between_the_thresholds_and_crossings_are_recorded() -> None:
