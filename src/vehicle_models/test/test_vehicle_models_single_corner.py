@@ -1,14 +1,17 @@
 """Single-corner dynamics (2.15): against a reference integrator, conservation laws and the behaviour at its limits."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import SURFACES, TABLE_8_1
+from vehicle_models.vehicle_file import load_vehicle
 
-CORNER = CornerParameters()
+CORNER = load_vehicle("chapter_corner").corner("front_left")
 
 
 def ramp_and_hold(time: float, peak: float) -> float:
@@ -119,9 +122,27 @@ def test_many_runs_at_once_equal_the_same_runs_one_by_one() -> None:
         assert alone.slip[0] == together.slip[k]
 
 
-def test_impossible_parameters_are_refused() -> None:
-    with pytest.raises(ValueError, match="must be > 0"):
-        CornerParameters(radius=0.0)
+def test_corners_with_parameters_of_their_own_equal_the_same_corners_one_by_one() -> None:
+    own = [CORNER, replace(CORNER, radius=0.32, inertia=1.4), replace(CORNER, mass=300.0, vertical_load=2500.0)]
+    together = SingleCorner(own, np.full(3, 30.0))
+    for _ in range(60):
+        together.step(500.0, 500.0, SURFACES["dry"], 0.005)
+    for k, parameters in enumerate(own):
+        alone = SingleCorner(parameters, [30.0])
+        for _ in range(60):
+            alone.step(500.0, 500.0, SURFACES["dry"], 0.005)
+        assert (alone.speed[0], alone.wheel_speed[0]) == (together.speed[k], together.wheel_speed[k])
+        assert alone.acceleration(SURFACES["dry"])[0] == together.acceleration(SURFACES["dry"])[k]
+
+
+@pytest.mark.parametrize("name", ["radius", "inertia", "mass", "vertical_load"])
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
+def test_impossible_parameters_are_refused(name: str, value: float) -> None:
+    with pytest.raises(ValueError, match=f"{name} must be finite and > 0"):
+        replace(CORNER, **{name: value})
+
+
+def test_impossible_states_are_refused() -> None:
     with pytest.raises(ValueError, match="finite and >= 0"):
         SingleCorner(CORNER, [np.nan])
     with pytest.raises(ValueError, match="max_step"):

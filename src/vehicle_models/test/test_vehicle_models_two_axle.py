@@ -9,17 +9,27 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from vehicle_models import burckhardt, load_transfer
-from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import SURFACES
-from vehicle_models.two_axle import CarParameters, TwoAxleCar
+from vehicle_models.two_axle import TwoAxleCar, four_wheels, peak_torque, split_torque, wheel_loads
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
-CAR = CarParameters()
-FLAT_AND_FREE = replace(CAR, height=0.0, drag_area=0.0, rolling_resistance=0.0)
+CAR = load_vehicle("compact_car")
+FLAT_AND_FREE = replace(CAR, centre_of_gravity_height=0.0, drag_area=0.0, rolling_resistance=0.0)
+
+
+def with_wheels(car: Vehicle, radii: list[float], inertias: list[float]) -> Vehicle:
+    wheels = [
+        replace(wheel, radius=radius, inertia=inertia)
+        for wheel, radius, inertia in zip(car.wheels, radii, inertias, strict=True)
+    ]
+    return replace(car, wheels=tuple(wheels))
 
 
 def test_loads_by_hand() -> None:
     """1500 kg, 0.5 m over 2.7 m, -9 m/s^2: 2500 N go from the rear axle to the front."""
-    loads = CAR.wheel_loads(-9.0)
+    loads = wheel_loads(CAR, -9.0)
     half = 0.25 * 1500.0 * 9.81
     assert loads == pytest.approx([half + 1250.0, half + 1250.0, half - 1250.0, half - 1250.0])
 
@@ -37,7 +47,7 @@ def test_acceleration_agrees_with_the_forces_of_the_loads_it_causes(
 
 
 def test_without_load_transfer_and_resistance_each_wheel_is_the_single_corner() -> None:
-    corner = SingleCorner(CornerParameters(mass=375.0), [30.0])
+    corner = SingleCorner(CAR.corner("front_left"), [30.0])
     car = TwoAxleCar(FLAT_AND_FREE, [30.0])
     for k in range(80):
         begin, end = 1300.0 * min(k / 60, 1.0), 1300.0 * min((k + 1) / 60, 1.0)
@@ -50,14 +60,14 @@ def test_without_load_transfer_and_resistance_each_wheel_is_the_single_corner() 
 
 def test_braking_agrees_with_a_reference_integrator() -> None:
     theta, grade = SURFACES["wet"], 0.02
-    torques = CAR.split_torque(np.array(2600.0))
+    torques = split_torque(CAR, np.array(2600.0))
 
     def derivative(time: float, state: np.ndarray) -> list[float]:
         v, omega = state[0], state[1:]
         mu = burckhardt.friction(theta, 1.0 - 0.3 * omega / v)
         drag = 0.5 * 1.2 * 0.65 * v**2 / 1500.0 + 9.81 * np.sin(grade)
         a = load_transfer.acceleration((mu[0] + mu[1]) / 2, (mu[2] + mu[3]) / 2, drag, 0.5, 0.5 / 2.7, 9.81)
-        loads = CAR.wheel_loads(a)
+        loads = wheel_loads(CAR, a)
         return [float(a), *(0.3 * loads * (mu - 0.012) - torques * min(time / 0.25, 1.0))]
 
     reference = solve_ivp(derivative, (0.0, 0.5), [30.0, *[100.0] * 4], rtol=1e-10, atol=1e-10, max_step=0.005)
@@ -72,7 +82,7 @@ def test_error_falls_with_the_square_of_the_step() -> None:
     def final(max_step: float) -> float:
         car = TwoAxleCar(CAR, [30.0], max_step=max_step)
         for k in range(40):
-            begin, end = CAR.split_torque([100.0 * k]), CAR.split_torque([100.0 * (k + 1)])
+            begin, end = split_torque(CAR, [100.0 * k]), split_torque(CAR, [100.0 * (k + 1)])
             car.step(begin, end, SURFACES["dry"], 0.005)
         return float(car.wheel_speed[0, 2])
 
@@ -97,7 +107,7 @@ def test_peak_torque_holds_the_wheels_at_the_peak() -> None:
     lambda_max, mu_max = burckhardt.peak(theta)
     bare = replace(CAR, drag_area=0.0, rolling_resistance=0.0)
     car = TwoAxleCar(bare, [20.0], wheel_speed=(1.0 - lambda_max) * 20.0 / 0.3)
-    torque = bare.peak_torque(theta)
+    torque = peak_torque(bare, theta)
     assert car.acceleration(theta) == pytest.approx([-float(mu_max) * 9.81])
     held = (1.0 - float(lambda_max)) * -float(mu_max) * 9.81 / 0.3
     assert car.wheel_acceleration(theta, torque)[0] == pytest.approx(np.full(4, held))
@@ -121,7 +131,7 @@ def test_drive_torque_pushes_the_rear_wheels_and_the_car() -> None:
 @pytest.mark.parametrize("name", ["dry", "snow"])
 def test_stop_with_and_without_lock_ends_at_rest_without_oscillation(name: str, max_step: float) -> None:
     car = TwoAxleCar(CAR, [4.0, 4.0], max_step=max_step)
-    peak = CAR.peak_torque(SURFACES[name])
+    peak = peak_torque(CAR, SURFACES[name])
     torques = np.stack([0.7 * peak, 3.0 * peak])
     speeds = [car.speed]
     for _ in range(800):
@@ -155,11 +165,67 @@ def test_runs_are_independent_of_each_other() -> None:
     assert both.wheel_speed[1] == pytest.approx(alone.wheel_speed[0], abs=0.0)
 
 
+UNEVEN = with_wheels(CAR, [0.3, 0.301, 0.32, 0.318], [1.0, 1.1, 1.4, 1.3])
+
+
+def test_momentum_and_spin_balance_holds_with_wheels_that_differ() -> None:
+    car = TwoAxleCar(replace(UNEVEN, drag_area=0.0, rolling_resistance=0.0), [25.0])
+    radius, inertia = np.array(UNEVEN.radii), np.array([wheel.inertia for wheel in UNEVEN.wheels])
+    torques = np.array([500.0, 400.0, 300.0, 200.0])
+    start = 1500.0 * 25.0 + (inertia / radius * car.wheel_speed[0]).sum()
+    for _ in range(150):
+        car.step(torques, torques, SURFACES["dry"], 0.005)
+    now = 1500.0 * car.speed[0] + (inertia / radius * car.wheel_speed[0]).sum()
+    assert start - now == pytest.approx((torques / radius).sum() * 0.75, rel=2e-3)
+    assert car.slip[0, 0] > car.slip[0, 1] > 0.0
+
+
+def test_each_wheel_is_held_at_the_peak_by_its_own_torque() -> None:
+    theta = SURFACES["wet"]
+    lambda_max, mu_max = (float(each) for each in burckhardt.peak(theta))
+    bare, radius = replace(UNEVEN, drag_area=0.0, rolling_resistance=0.0), np.array(UNEVEN.radii)
+    car = TwoAxleCar(bare, [20.0], wheel_speed=(1.0 - lambda_max) * 20.0 / radius)
+    assert car.slip[0] == pytest.approx(np.full(4, lambda_max))
+    held = (1.0 - lambda_max) * -mu_max * 9.81 / radius
+    assert car.wheel_acceleration(theta, peak_torque(bare, theta))[0] == pytest.approx(held)
+
+
+def test_the_order_of_the_wheels_in_the_vehicle_does_not_matter() -> None:
+    mixed = replace(UNEVEN, wheels=tuple(UNEVEN.wheels[k] for k in (3, 0, 2, 1)))
+    assert four_wheels(mixed) == UNEVEN.wheels
+    first, second = TwoAxleCar(UNEVEN, [30.0]), TwoAxleCar(mixed, [30.0])
+    for car in (first, second):
+        for _ in range(50):
+            car.step([700.0, 600.0, 300.0, 200.0], [700.0, 600.0, 300.0, 200.0], SURFACES["dry"], 0.005)
+    np.testing.assert_array_equal(first.wheel_speed, second.wheel_speed)
+
+
+def test_brake_torque_splits_as_the_gains_and_the_engine_turns_what_it_drives() -> None:
+    assert split_torque(CAR, [1000.0, 2000.0]) == pytest.approx(
+        np.array([[325.0, 325.0, 175.0, 175.0], [650.0, 650.0, 350.0, 350.0]])
+    )
+    front_driven = replace(CAR, wheels=tuple(replace(each, driven=each.axle == "front") for each in CAR.wheels))
+    none_driven = replace(CAR, wheels=tuple(replace(each, driven=False) for each in CAR.wheels))
+    free, front, none = (TwoAxleCar(car, [10.0]) for car in (CAR, front_driven, none_driven))
+    still = free.wheel_acceleration(SURFACES["dry"], 0.0)[0]
+    assert front.wheel_acceleration(SURFACES["dry"], 0.0, 400.0)[0] - still == pytest.approx([200.0, 200.0, 0.0, 0.0])
+    assert none.wheel_acceleration(SURFACES["dry"], 0.0, 400.0)[0] == pytest.approx(still)
+
+
+def test_a_vehicle_that_is_no_car_with_four_wheels_is_refused_with_its_wheels() -> None:
+    with pytest.raises(ValueError, match="'chapter corner' are front_left \\(front left\\)"):
+        TwoAxleCar(load_vehicle("chapter_corner"), [30.0])
+    with pytest.raises(ValueError, match="four wheels"):
+        split_torque(replace(CAR, wheels=CAR.wheels[:3]), 100.0)
+
+
 def test_nonsense_is_refused() -> None:
-    with pytest.raises(ValueError, match="mass"):
-        CarParameters(mass=0.0)
-    with pytest.raises(ValueError, match="front_share"):
-        CarParameters(front_share=1.0)
+    with pytest.raises(ValueError, match="'mass' = 0.0 must be finite and > 0"):
+        replace(CAR, mass=0.0)
+    with pytest.raises(ValueError, match="'drag_area' = -1.0 must be finite and >= 0"):
+        replace(CAR, drag_area=-1.0)
+    with pytest.raises(ValueError, match="front_load_share"):
+        replace(CAR, front_load_share=1.0)
     with pytest.raises(ValueError, match="speed"):
         TwoAxleCar(CAR, [-1.0])
     with pytest.raises(ValueError, match="max_step"):

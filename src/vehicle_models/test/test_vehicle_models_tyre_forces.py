@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -5,11 +7,12 @@ from hypothesis import strategies as st
 from scipy import signal
 
 from vehicle_models.force_history import dynamic_drive, quasi_static_drives, steady_drive
+from vehicle_models.single_corner import GRAVITY
 from vehicle_models.straight_forces import coasting_acceleration, drag, wheel_forces
-from vehicle_models.two_axle import CarParameters
+from vehicle_models.vehicle_file import load_vehicle
 
-CAR = CarParameters()
-STATIC = CAR.mass * CAR.gravity / 4.0
+CAR = load_vehicle("smart_tyre_car")
+STATIC = CAR.mass * GRAVITY / 4.0
 
 
 @given(speed=st.floats(0.0, 40.0), acceleration=st.floats(-9.0, 5.0))
@@ -17,9 +20,9 @@ def test_forces_move_the_car_and_carry_its_weight(speed: float, acceleration: fl
     f = wheel_forces(CAR, speed, acceleration)
     total = 2.0 * (f.fx_front + f.fx_rear)
     assert total == pytest.approx(CAR.mass * acceleration + drag(CAR, speed), abs=1e-6)
-    assert 2.0 * (f.fz_front + f.fz_rear) == pytest.approx(CAR.mass * CAR.gravity)
+    assert 2.0 * (f.fz_front + f.fz_rear) == pytest.approx(CAR.mass * GRAVITY)
     moment = 2.0 * CAR.wheelbase * (f.fz_rear - STATIC)
-    assert moment == pytest.approx(CAR.mass * acceleration * CAR.height, abs=1e-6)
+    assert moment == pytest.approx(CAR.mass * acceleration * CAR.centre_of_gravity_height, abs=1e-6)
 
 
 def test_coasting_needs_neither_engine_nor_brakes() -> None:
@@ -35,6 +38,24 @@ def test_engine_drives_the_rear_and_brakes_share() -> None:
     front = braking.fx_front + CAR.rolling_resistance * braking.fz_front
     rear = braking.fx_rear + CAR.rolling_resistance * braking.fz_rear
     assert front / (front + rear) == pytest.approx(0.65)
+
+
+def test_smaller_wheels_brake_and_drive_harder_at_the_same_torque() -> None:
+    smaller_rear = replace(
+        CAR,
+        wheels=tuple(replace(each, radius=0.32 if each.axle == "front" else 0.16, driven=True) for each in CAR.wheels),
+    )
+    driving, braking = wheel_forces(smaller_rear, 15.0, 2.5), wheel_forces(smaller_rear, 15.0, -8.0)
+    for f, ratio in ((driving, 2.0), (braking, 2.0 * 0.35 / 0.65)):
+        front, rear = f.fx_front + 0.012 * f.fz_front, f.fx_rear + 0.012 * f.fz_rear
+        assert rear / front == pytest.approx(ratio)
+
+
+def test_a_car_that_nothing_drives_cannot_hold_its_speed() -> None:
+    undriven = replace(CAR, wheels=tuple(replace(each, driven=False) for each in CAR.wheels))
+    with pytest.raises(ValueError, match="driven"):
+        wheel_forces(undriven, 20.0, 0.0)
+    assert wheel_forces(undriven, 20.0, -5.0) == wheel_forces(CAR, 20.0, -5.0)
 
 
 def test_dynamic_drive_has_the_five_parts_of_figure_8_20() -> None:

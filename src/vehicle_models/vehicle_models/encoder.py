@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vehicle_models.vehicle import Wheel
+
 Array = NDArray[np.float64]
 
 
@@ -12,7 +14,7 @@ Array = NDArray[np.float64]
 class EncoderParameters:
     """Imperfections of an ABS encoder."""
 
-    teeth: int = 48
+    teeth: int = Wheel.encoder_teeth
     amplitude_per_speed: float = 0.05
     """Amplitude over wheel speed [V s/rad]: an inductive sensor sees the rate of change of flux."""
     modulation: float = 0.06

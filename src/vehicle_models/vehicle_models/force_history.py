@@ -9,10 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
+from vehicle_models.single_corner import GRAVITY
 from vehicle_models.straight_forces import WheelForces, coasting_acceleration, wheel_forces
-from vehicle_models.two_axle import CarParameters
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]
+CAR = load_vehicle("smart_tyre_car")
+"""That of the experiments."""
 HISTORY_RATE = 1000.0
 """Samples a second of a drive [Hz]."""
 
@@ -33,7 +37,7 @@ class Drive:
     """The same on a perfectly even road: what load transfer alone tells."""
 
 
-def dynamic_drive(car: CarParameters = CarParameters(), *, road_seed: int, unevenness: float = 0.03) -> Drive:
+def dynamic_drive(car: Vehicle = CAR, *, road_seed: int, unevenness: float = 0.03) -> Drive:
     """The minute of Figure 8.20: 8 m/s, full acceleration to 22 m/s, cruise, hard braking, 8 m/s again.
 
     Args:
@@ -49,9 +53,7 @@ def dynamic_drive(car: CarParameters = CarParameters(), *, road_seed: int, uneve
     return _drive(car, time, speed, acceleration, road_seed, unevenness)
 
 
-def quasi_static_drives(
-    car: CarParameters = CarParameters(), *, road_seed: int, unevenness: float = 0.03
-) -> tuple[Drive, Drive]:
+def quasi_static_drives(car: Vehicle = CAR, *, road_seed: int, unevenness: float = 0.03) -> tuple[Drive, Drive]:
     """Very slow acceleration from 10 to 25 m/s, after 8 s at 8 m/s, and coasting down from 25 to 10 m/s."""
     time = np.arange(0.0, 110.0, 1.0 / HISTORY_RATE, dtype=np.float64)
     acceleration = np.interp(time, [0.0, 8.0, 8.2, 9.8, 10.0], [0.0, 0.0, 1.0, 1.0, 0.16])
@@ -66,16 +68,14 @@ def quasi_static_drives(
 
 
 def steady_drive(
-    speed: float, duration: float, car: CarParameters = CarParameters(), *, road_seed: int, unevenness: float = 0.0
+    speed: float, duration: float, car: Vehicle = CAR, *, road_seed: int, unevenness: float = 0.0
 ) -> Drive:
     """Constant `speed` [m/s] for `duration` [s]."""
     time = np.arange(0.0, duration, 1.0 / HISTORY_RATE, dtype=np.float64)
     return _drive(car, time, np.full(time.shape, speed), np.zeros(time.shape), road_seed, unevenness)
 
 
-def _drive(
-    car: CarParameters, time: Array, speed: Array, acceleration: Array, road_seed: int, unevenness: float
-) -> Drive:
+def _drive(car: Vehicle, time: Array, speed: Array, acceleration: Array, road_seed: int, unevenness: float) -> Drive:
     smooth = wheel_forces(car, speed, acceleration)
     band = signal.butter(4, (1.0, 12.0), "bandpass", fs=HISTORY_RATE, output="sos")
     lead = round(2.0 * HISTORY_RATE)
@@ -83,6 +83,6 @@ def _drive(
     road = signal.sosfilt(band, white)[:, lead:]
     impulse = np.zeros(lead)
     impulse[0] = 1.0
-    road *= unevenness * 0.25 * car.mass * car.gravity / np.sqrt(np.sum(signal.sosfilt(band, impulse) ** 2))
+    road *= unevenness * 0.25 * car.mass * GRAVITY / np.sqrt(np.sum(signal.sosfilt(band, impulse) ** 2))
     forces = WheelForces(smooth.fx_front, smooth.fx_rear, smooth.fz_front + road[0], smooth.fz_rear + road[1])
     return Drive(time, speed, acceleration, forces, smooth)

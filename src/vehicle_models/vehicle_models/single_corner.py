@@ -7,7 +7,9 @@ speed; a linearly implicit, L-stable method of second order (Rosenbrock, gamma =
 standstill.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -61,26 +63,51 @@ class CornerParameters:
         )
 
 
+class _Corners(NamedTuple):
+    """Parameters of n corners, each of shape () if they are the same for all, else (n,)."""
+
+    radius: Array
+    inertia: Array
+    mass: Array
+    vertical_load: Array
+    gravity: Array
+
+    @classmethod
+    def of(cls, parameters: CornerParameters | Sequence[CornerParameters]) -> "_Corners":
+        def values(name: str) -> Array:
+            if isinstance(parameters, CornerParameters):
+                return np.asarray(getattr(parameters, name), dtype=np.float64)
+            return np.array([getattr(each, name) for each in parameters], dtype=np.float64)
+
+        return cls(*map(values, cls._fields))
+
+
 class SingleCorner:
-    """State of n corners (wheels or Monte Carlo runs) that share their parameters."""
+    """State of n corners (wheels or Monte Carlo runs)."""
 
     def __init__(
         self,
-        parameters: CornerParameters,
+        parameters: CornerParameters | Sequence[CornerParameters],
         speed: ArrayLike,
         wheel_speed: ArrayLike | None = None,
         *,
         max_step: float = 1e-3,
     ) -> None:
-        """Start at `speed` [m/s], shape (n,), and `wheel_speed` [rad/s] (free rolling when None).
+        """Start at `speed`.
+
+        Args:
+            parameters: of all corners, or n of them, one for each.
+            speed: [m/s], >= 0, shape (n,).
+            wheel_speed: [rad/s], >= 0, broadcasts to (n,); rolling without slip when None.
+            max_step: longest inner step [s], > 0.
 
         Raises:
-            ValueError: a speed is negative or not finite, or max_step [s] is not positive.
+            ValueError: a speed is negative or not finite, or max_step is not positive.
         """
-        self.parameters = parameters
+        self._parameters = _Corners.of(parameters)
         self.speed: Array = np.atleast_1d(np.asarray(speed, dtype=np.float64)).copy()
         """Vehicle speed v [m/s]."""
-        rolling = self.speed / parameters.radius if wheel_speed is None else wheel_speed
+        rolling = self.speed / self._parameters.radius if wheel_speed is None else wheel_speed
         self.wheel_speed: Array = np.broadcast_to(np.asarray(rolling, dtype=np.float64), self.speed.shape).copy()
         """Wheel speed omega [rad/s]."""
         self.distance: Array = np.zeros_like(self.speed)
@@ -102,11 +129,11 @@ class SingleCorner:
 
     def acceleration(self, theta: ArrayLike) -> Array:
         """Vehicle acceleration v_dot [m/s^2], negative in braking, shape (n,)."""
-        return -self.parameters.gravity * self.friction(theta)
+        return -self._parameters.gravity * self.friction(theta)
 
     def wheel_acceleration(self, theta: ArrayLike, brake_torque: ArrayLike) -> Array:
         """Wheel acceleration omega_dot [rad/s^2] under `brake_torque` [N m], shape (n,); 0 when locked."""
-        p = self.parameters
+        p = self._parameters
         free = (
             p.radius * p.vertical_load * self.friction(theta) - np.asarray(brake_torque, dtype=np.float64)
         ) / p.inertia
@@ -138,15 +165,15 @@ class SingleCorner:
         return np.maximum(speed, SLIP_SPEED_FLOOR)
 
     def _slip(self, speed: Array, wheel_speed: Array) -> Array:
-        return np.asarray((speed - wheel_speed * self.parameters.radius) / self._reference(speed))
+        return np.asarray((speed - wheel_speed * self._parameters.radius) / self._reference(speed))
 
     def _derivative(self, speed: Array, wheel_speed: Array, torque: Array, theta: Array) -> tuple[Array, Array]:
-        p = self.parameters
+        p = self._parameters
         force = p.vertical_load * burckhardt.friction(theta, self._slip(speed, wheel_speed))
         return -force / p.mass, (p.radius * force - torque) / p.inertia
 
     def _rosenbrock(self, torque: Array, torque_rate: Array, theta: Array, h: float) -> None:
-        p = self.parameters
+        p = self._parameters
         v, w = self.speed, self.wheel_speed
         reference = self._reference(v)
         slope = p.vertical_load * burckhardt.slope(theta, self._slip(v, w))

@@ -1,98 +1,74 @@
-"""A two-axle rear-wheel-drive car on a straight road: four wheels that share one body.
+"""A car on two axles on a straight road: four wheels that share one body.
 
-    J omega_dot_i = r Fx_i - T_i - T_roll_i + T_drive_i,    m v_dot = -sum Fx_i - c v^2 - m g sin(grade),
-    Fx_i = Fz_i mu(slip_i),    T_roll_i = c_r r Fz_i,    slip_i = (v - omega_i r) / v,
+    J_i omega_dot_i = r_i Fx_i - T_i - T_roll_i + T_drive_i,    m v_dot = -sum Fx_i - c v^2 - m g sin(grade),
+    Fx_i = Fz_i mu(slip_i),    T_roll_i = c_r r_i Fz_i,    slip_i = (v - omega_i r_i) / v,
 
 with braking forces Fx positive, as in the book (2.15), and the loads Fz_i of load_transfer. Left and right wheels of an
 axle carry the same load. The same linearly implicit, L-stable method as in single_corner, of second order whatever the
 matrix (Verwer's ROS2): the matrix here leaves out the change of load, and is an arrow that solves in closed form.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vehicle_models import burckhardt, load_transfer
 from vehicle_models.single_corner import GRAVITY, REST_SPEED, ROSENBROCK_GAMMA, SLIP_SPEED_FLOOR
+from vehicle_models.vehicle import AIR_DENSITY, FRONT, REAR, Vehicle, Wheel
 
 Array = NDArray[np.float64]
 
-WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
+_CORNERS = ((FRONT, "left"), (FRONT, "right"), (REAR, "left"), (REAR, "right"))
 """Order of the last dimension of every array per wheel."""
 
 
-@dataclass(frozen=True)
-class CarParameters:
-    """The car."""
+def four_wheels(vehicle: Vehicle) -> tuple[Wheel, ...]:
+    """Wheels in the order of the arrays: front left, front right, rear left, rear right.
 
-    mass: float = 1500.0
-    """[kg]"""
-    radius: float = 0.3
-    """Effective rolling radius of every wheel [m]."""
-    inertia: float = 1.0
-    """Of each wheel [kg m^2]."""
-    wheelbase: float = 2.7
-    """[m]"""
-    height: float = 0.5
-    """Of the centre of gravity [m]."""
-    front_share: float = 0.5
-    """Share of the weight on the front axle at rest."""
-    front_braking: float = 0.65
-    """Share of the brake torque on the front axle."""
-    drag_area: float = 0.65
-    """Drag coefficient times frontal area [m^2]."""
-    air_density: float = 1.2
-    """[kg/m^3]"""
-    rolling_resistance: float = 0.012
-    """Coefficient of rolling resistance c_r [-]."""
-    gravity: float = GRAVITY
-    """[m/s^2]"""
-
-    def __post_init__(self) -> None:
-        """Refuse values that make no car."""
-        positive = (self.mass, self.radius, self.inertia, self.wheelbase, self.gravity)
-        if not all(value > 0.0 for value in positive):
-            raise ValueError(f"mass, radius, inertia, wheelbase and gravity must be > 0: {self}")
-        if not (self.height >= 0.0 and self.drag_area >= 0.0 and self.air_density >= 0.0):
-            raise ValueError(f"height, drag_area and air_density must be >= 0: {self}")
-        if not (0.0 < self.front_share < 1.0 and 0.0 <= self.front_braking <= 1.0 and self.rolling_resistance >= 0.0):
-            raise ValueError(f"front_share must be in (0, 1), front_braking in [0, 1], rolling_resistance >= 0: {self}")
-
-    @property
-    def height_ratio(self) -> float:
-        """Height over wheelbase, h / L [-]."""
-        return self.height / self.wheelbase
-
-    def wheel_loads(self, acceleration: ArrayLike) -> Array:
-        """Vertical loads [N] of the wheels, shape (..., 4), under `acceleration` [m/s^2] of shape (...)."""
-        front, rear = load_transfer.axle_loads(
-            acceleration, self.mass, self.front_share, self.height_ratio, self.gravity
+    Raises:
+        ValueError: the vehicle does not have these four.
+    """
+    at = {(wheel.axle, wheel.side): wheel for wheel in vehicle.wheels}
+    if set(at) != set(_CORNERS):
+        raise ValueError(
+            f"a car on two axles has four wheels, left and right on each axle; those of '{vehicle.name}' are "
+            f"{', '.join(f'{wheel.name} ({wheel.axle} {wheel.side})' for wheel in vehicle.wheels)}"
         )
-        return np.stack([0.5 * front, 0.5 * front, 0.5 * rear, 0.5 * rear], axis=-1)
+    return tuple(at[corner] for corner in _CORNERS)
 
-    def split_torque(self, total: ArrayLike) -> Array:
-        """Brake torques [N m] of the wheels, shape (..., 4), for the torque `total` of all brakes, shape (...)."""
-        shares = np.array([self.front_braking, self.front_braking, 1.0 - self.front_braking, 1.0 - self.front_braking])
-        return np.asarray(0.5 * shares * np.asarray(total, dtype=np.float64)[..., np.newaxis])
 
-    def peak_torque(self, theta: ArrayLike) -> Array:
-        """Brake torques [N m] that hold every wheel at the peak of the road `theta`, shape (..., 4).
+def wheel_loads(vehicle: Vehicle, acceleration: ArrayLike) -> Array:
+    """Vertical loads [N] of the wheels, shape (..., 4), under `acceleration` [m/s^2] of shape (...)."""
+    front, rear = load_transfer.axle_loads(
+        acceleration, vehicle.mass, vehicle.front_load_share, vehicle.height_ratio, GRAVITY
+    )
+    return np.stack([0.5 * front, 0.5 * front, 0.5 * rear, 0.5 * rear], axis=-1)
 
-        Drag and rolling resistance are left out.
-        """
-        lambda_max, mu_max = burckhardt.peak(theta)
-        loads = self.wheel_loads(-mu_max * self.gravity)
-        inertial = self.inertia * (1.0 - lambda_max) * mu_max * self.gravity / self.radius
-        return np.asarray(mu_max[..., np.newaxis] * self.radius * loads + inertial[..., np.newaxis])
+
+def split_torque(vehicle: Vehicle, total: ArrayLike) -> Array:
+    """Brake torques [N m] of the wheels, shape (..., 4), for the torque `total` of all brakes at one pressure."""
+    gains = np.array([wheel.brake_gain for wheel in four_wheels(vehicle)])
+    return np.asarray(gains / gains.sum() * np.asarray(total, dtype=np.float64)[..., np.newaxis])
+
+
+def peak_torque(vehicle: Vehicle, theta: ArrayLike) -> Array:
+    """Brake torques [N m] that hold every wheel at the peak of the road `theta`, shape (..., 4).
+
+    Drag and rolling resistance are left out.
+    """
+    wheels = four_wheels(vehicle)
+    radius, inertia = np.array([wheel.radius for wheel in wheels]), np.array([wheel.inertia for wheel in wheels])
+    lambda_max, mu_max = (peak[..., np.newaxis] for peak in burckhardt.peak(theta))
+    loads = wheel_loads(vehicle, -mu_max[..., 0] * GRAVITY)
+    inertial = inertia * (1.0 - lambda_max) * mu_max * GRAVITY / radius
+    return np.asarray(mu_max * radius * loads + inertial)
 
 
 class TwoAxleCar:
-    """State of n cars (Monte Carlo runs) that share their parameters."""
+    """State of n equal cars (Monte Carlo runs)."""
 
     def __init__(
         self,
-        parameters: CarParameters,
+        vehicle: Vehicle,
         speed: ArrayLike,
         wheel_speed: ArrayLike | None = None,
         *,
@@ -102,20 +78,28 @@ class TwoAxleCar:
         """Start at `speed` [m/s], shape (n,).
 
         Args:
-            parameters: of the cars.
+            vehicle: the car; arrays are in the order of four_wheels, wherever these stand in it.
             speed: >= 0, shape (n,).
             wheel_speed: [rad/s], >= 0, broadcasts to (n, 4); rolling without slip when None.
             grade: slope of the road [rad], uphill positive, broadcasts to (n,); may be set at any time.
             max_step: longest inner step [s], > 0.
 
         Raises:
-            ValueError: a speed is negative or not finite, or max_step is not positive.
+            ValueError: a speed is negative or not finite, max_step is not positive, or the car has not four wheels.
         """
-        self.parameters = parameters
+        wheels = four_wheels(vehicle)
+        self.vehicle = vehicle
+        """The car."""
+        self.radius: Array = np.array([wheel.radius for wheel in wheels])
+        """Effective rolling radii [m], shape (4,)."""
+        self.inertia: Array = np.array([wheel.inertia for wheel in wheels])
+        """Wheel inertias [kg m^2], shape (4,)."""
+        driven = np.array([wheel.driven for wheel in wheels], dtype=np.float64)
+        self._drive_shares: Array = driven / max(driven.sum(), 1.0)
         self.speed: Array = np.atleast_1d(np.asarray(speed, dtype=np.float64)).copy()
         """Vehicle speed v [m/s], shape (n,)."""
-        rolling = self.speed[:, np.newaxis] / parameters.radius if wheel_speed is None else wheel_speed
-        shape = (*self.speed.shape, len(WHEELS))
+        rolling = self.speed[:, np.newaxis] / self.radius if wheel_speed is None else wheel_speed
+        shape = (*self.speed.shape, len(wheels))
         self.wheel_speed: Array = np.broadcast_to(np.asarray(rolling, dtype=np.float64), shape).copy()
         """Wheel speeds omega [rad/s], shape (n, 4)."""
         self.distance: Array = np.zeros_like(self.speed)
@@ -142,11 +126,11 @@ class TwoAxleCar:
 
     def specific_force(self, theta: ArrayLike) -> Array:
         """What an accelerometer along the car reads [m/s^2]: v_dot + g sin(grade), shape (n,)."""
-        return np.asarray(self.acceleration(theta) + self.parameters.gravity * np.sin(self.grade))
+        return np.asarray(self.acceleration(theta) + GRAVITY * np.sin(self.grade))
 
     def wheel_loads(self, theta: ArrayLike) -> Array:
         """Vertical loads [N] at the present acceleration, shape (n, 4)."""
-        return self.parameters.wheel_loads(self.acceleration(theta))
+        return wheel_loads(self.vehicle, self.acceleration(theta))
 
     def wheel_acceleration(self, theta: ArrayLike, brake_torque: ArrayLike, drive_torque: ArrayLike = 0.0) -> Array:
         """Wheel accelerations [rad/s^2], shape (n, 4); 0 while a wheel is locked. Arguments as in step."""
@@ -172,7 +156,8 @@ class TwoAxleCar:
             torque_end: of each wheel, >= 0, broadcasts to (n, 4).
             theta: shape (3,), one road for all; (n, 3), one a car; or (n, 4, 3), one a wheel.
             dt: > 0.
-            drive_torque: on the rear axle [N m], negative for engine braking, broadcasts to (n,); an open differential.
+            drive_torque: of the engine at all driven wheels together [N m], negative for engine braking, broadcasts to
+                (n,); they share it equally (open differential). A car without a driven wheel has no use for it.
         """
         steps = max(1, int(np.ceil(dt / self._max_step - 1e-9)))
         h = dt / steps
@@ -187,7 +172,8 @@ class TwoAxleCar:
     def _net_torque(self, brake_torque: ArrayLike, drive_torque: ArrayLike) -> Array:
         """Brake minus drive [N m], shape (n, 4)."""
         net = np.broadcast_to(np.asarray(brake_torque, dtype=np.float64), self.wheel_speed.shape).copy()
-        net[:, 2:] -= 0.5 * np.broadcast_to(np.asarray(drive_torque, dtype=np.float64), self.speed.shape)[:, np.newaxis]
+        drive = np.broadcast_to(np.asarray(drive_torque, dtype=np.float64), self.speed.shape)
+        net -= self._drive_shares * drive[:, np.newaxis]
         return net
 
     @staticmethod
@@ -195,52 +181,51 @@ class TwoAxleCar:
         return np.maximum(speed, SLIP_SPEED_FLOOR)[:, np.newaxis]
 
     def _slip(self, speed: Array, wheel_speed: Array) -> Array:
-        return np.asarray((speed[:, np.newaxis] - wheel_speed * self.parameters.radius) / self._reference(speed))
+        return np.asarray((speed[:, np.newaxis] - wheel_speed * self.radius) / self._reference(speed))
 
     def _acceleration(self, speed: Array, friction: Array) -> Array:
-        p = self.parameters
-        drag = 0.5 * p.air_density * p.drag_area / p.mass * speed**2
+        p = self.vehicle
+        drag = 0.5 * AIR_DENSITY * p.drag_area / p.mass * speed**2
         return load_transfer.acceleration(
             0.5 * (friction[:, 0] + friction[:, 1]),
             0.5 * (friction[:, 2] + friction[:, 3]),
-            drag + p.gravity * np.sin(self.grade),
-            p.front_share,
+            drag + GRAVITY * np.sin(self.grade),
+            p.front_load_share,
             p.height_ratio,
-            p.gravity,
+            GRAVITY,
         )
 
     def _derivative(self, speed: Array, wheel_speed: Array, torque: Array, theta: Array) -> tuple[Array, Array]:
-        p = self.parameters
         friction = burckhardt.friction(theta, self._slip(speed, wheel_speed))
         acceleration = self._acceleration(speed, friction)
-        loads = p.wheel_loads(acceleration)
-        moment = p.radius * loads * (friction - p.rolling_resistance)
-        return acceleration, (moment - torque) / p.inertia
+        loads = wheel_loads(self.vehicle, acceleration)
+        moment = self.radius * loads * (friction - self.vehicle.rolling_resistance)
+        return acceleration, (moment - torque) / self.inertia
 
     def _rosenbrock(self, torque: Array, torque_rate: Array, theta: Array, h: float) -> None:
-        p = self.parameters
+        mass, radius, inertia = self.vehicle.mass, self.radius, self.inertia
         v, w = self.speed, self.wheel_speed
         reference = self._reference(v)
-        loads = p.wheel_loads(self._acceleration(v, burckhardt.friction(theta, self._slip(v, w))))
+        loads = wheel_loads(self.vehicle, self._acceleration(v, burckhardt.friction(theta, self._slip(v, w))))
         # Beyond the peak the true slope would make the implicit step divide by zero; any matrix keeps the second order.
         slope = loads * np.maximum(burckhardt.slope(theta, self._slip(v, w)), 0.0)
-        force_v = slope * np.where(v[:, np.newaxis] > SLIP_SPEED_FLOOR, w * p.radius / reference**2, 1.0 / reference)
-        force_w = -slope * p.radius / reference
+        force_v = slope * np.where(v[:, np.newaxis] > SLIP_SPEED_FLOOR, w * radius / reference**2, 1.0 / reference)
+        force_w = -slope * radius / reference
         f_v, f_w = self._derivative(v, w, torque, theta)
         # A locked wheel has no equation: left in, its pull below zero would reach the body through the matrix.
         turns = (w > 0.0) | (f_w >= 0.0)
         gh = ROSENBROCK_GAMMA * h
-        by_wheel = np.where(turns, gh * force_w / p.mass, 0.0)
-        wheel_by_v = np.where(turns, -gh * p.radius * force_v / p.inertia, 0.0)
-        wheel_own = 1.0 - np.where(turns, gh * p.radius * force_w / p.inertia, 0.0)
-        body = 1.0 + gh * force_v.sum(axis=1) / p.mass - (by_wheel * wheel_by_v / wheel_own).sum(axis=1)
+        by_wheel = np.where(turns, gh * force_w / mass, 0.0)
+        wheel_by_v = np.where(turns, -gh * radius * force_v / inertia, 0.0)
+        wheel_own = 1.0 - np.where(turns, gh * radius * force_w / inertia, 0.0)
+        body = 1.0 + gh * force_v.sum(axis=1) / mass - (by_wheel * wheel_by_v / wheel_own).sum(axis=1)
 
         def solve(b_v: Array, b_w: Array) -> tuple[Array, Array]:
             b_w = np.where(turns, b_w, 0.0)
             x_v = (b_v - (by_wheel * b_w / wheel_own).sum(axis=1)) / body
             return x_v, (b_w - wheel_by_v * x_v[:, np.newaxis]) / wheel_own
 
-        time_term = -gh * torque_rate / p.inertia
+        time_term = -gh * torque_rate / inertia
         k1_v, k1_w = solve(f_v, f_w + time_term)
         f_v, f_w = self._derivative(v + h * k1_v, np.maximum(w + h * k1_w, 0.0), torque + h * torque_rate, theta)
         k2_v, k2_w = solve(f_v - 2.0 * k1_v, f_w - 2.0 * k1_w - time_term)

@@ -18,8 +18,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
+from vehicle_models.vehicle_file import load_vehicle
+
 Array = NDArray[np.float64]
 
+_CORNER = load_vehicle("smart_tyre_car").corner("front_left")
+"""Where the tyre of section 8.4 is mounted."""
 _STEP = 5e-4
 """Grid of the tabulated wave [rad]; linear interpolation on it is good to 1e-5 of the spike."""
 
@@ -28,11 +32,11 @@ _STEP = 5e-4
 class TyreRing:
     """One tyre. The defaults give a patch of 25 degrees and shifts of a few degrees, as in section 8.4."""
 
-    radius: float = 0.32
+    radius: float = _CORNER.radius
     """Radius R0 of the free belt [m]."""
     half_patch: float = float(np.radians(12.5))
     """Half angle theta_c of the patch at static load, nominal pressure and rest [rad]."""
-    static_load: float = 1500.0 * 9.81 / 4.0
+    static_load: float = _CORNER.vertical_load
     """Fz0 [N]."""
     nominal_pressure: float = 2.0e5
     """p0, gauge [Pa]."""

@@ -1,9 +1,9 @@
 """The car: what is known of it and of each of its wheels, and how well. Files: see vehicle_file."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
-from math import nan
+from math import inf, nan
 from typing import Any
 
 from friction_parameters.parameter import parameter
@@ -12,6 +12,8 @@ from vehicle_models.single_corner import GRAVITY, CornerParameters
 _REQUIRED = nan
 """Default of what a file must give; NaN passes no check."""
 FRONT, REAR = "front", "rear"
+AIR_DENSITY = 1.2
+"""[kg/m^3]"""
 
 
 class SharedBy(Enum):
@@ -40,6 +42,14 @@ def _deviations() -> Any:
     return field(default_factory=dict, metadata={"internal": True})
 
 
+def _refuse_impossible(part: Any) -> None:
+    """Refuse what no car has. The ranges of the fields are for files: what is merely unusual passes."""
+    for each in fields(part):
+        low, value = each.metadata.get("minimum"), getattr(part, each.name)
+        if low is not None and not (0.0 < value < inf or (low == 0.0 == value)):
+            raise ValueError(f"'{each.name}' = {value} must be finite and {'>=' if low == 0.0 else '>'} 0")
+
+
 @dataclass(frozen=True)
 class Wheel:
     """One wheel with its brake."""
@@ -60,6 +70,14 @@ class Wheel:
     )
     deviations: Deviations = _deviations()
 
+    def __post_init__(self) -> None:
+        """Refuse what makes no wheel.
+
+        Raises:
+            ValueError: a value is missing, not finite or not positive.
+        """
+        _refuse_impossible(self)
+
 
 @dataclass(frozen=True)
 class Accelerometer:
@@ -67,7 +85,9 @@ class Accelerometer:
 
     axis: str = parameter("x", "its axis along the car", choices=("x", "y", "z"))
     sign: float = parameter(1.0, "1 if that axis points forward, -1 if backward", minimum=-1.0, maximum=1.0)
-    offset: float = parameter(0.0, "what it reads at rest on a level road", unit="m/s^2", minimum=-20.0, maximum=20.0)
+    offset: float = parameter(
+        0.0, "its reading at rest on a level road, after 'sign'", unit="m/s^2", minimum=-20.0, maximum=20.0
+    )
     scale: float = parameter(1.0, "change of its reading over change of acceleration", minimum=0.5, maximum=2.0)
     pitch_gain: float = parameter(
         0.0, "pitch of the body, nose down, over deceleration", unit="rad s^2/m", minimum=0.0, maximum=0.02
@@ -82,13 +102,17 @@ class Accelerometer:
     def forward(self, linear_acceleration: Any) -> float:
         """Acceleration of the car [m/s^2], forward positive, on a level road.
 
-        A nose that dives adds gravity's share to the reading: f = scale (1 + g pitch_gain) a + offset.
+        A nose that dives adds gravity's share to the reading: sign f = scale (1 + g pitch_gain) a + offset.
 
         Args:
             linear_acceleration: with x, y, z [m/s^2], as in sensor_msgs/Imu.
         """
         reading = self.sign * float(getattr(linear_acceleration, self.axis))
         return (reading - self.offset) / (self.scale * (1.0 + GRAVITY * self.pitch_gain))
+
+    def reading(self, acceleration: float) -> float:
+        """What `axis` reads [m/s^2] at an acceleration of the car [m/s^2], the inverse of `forward`."""
+        return self.sign * (self.scale * (1.0 + GRAVITY * self.pitch_gain) * acceleration + self.offset)
 
 
 @dataclass(frozen=True)
@@ -99,24 +123,22 @@ class Vehicle:
     wheels: tuple[Wheel, ...]
     """In the order of every array per wheel."""
     mass: float = parameter(_REQUIRED, "mass of the car as driven", unit="kg", minimum=1.0, maximum=1e5)
-    front_load_share: float = parameter(
-        1.0, "share of the weight on the front axle at rest", minimum=0.05, maximum=1.0
-    )
+    front_load_share: float = parameter(1.0, "share of the weight on the front axle at rest", minimum=0.05, maximum=1.0)
     wheelbase: float = parameter(2.7, "distance of the axles", unit="m", minimum=0.5, maximum=20.0)
     centre_of_gravity_height: float = parameter(
         0.0, "height of the centre of gravity", unit="m", minimum=0.0, maximum=5.0
     )
     track: float = parameter(1.5, "distance of the wheels of an axle", unit="m", minimum=0.3, maximum=5.0)
-    drag_area: float = parameter(
-        0.0, "drag coefficient times frontal area", unit="m^2", minimum=0.0, maximum=20.0
-    )
+    drag_area: float = parameter(0.0, "drag coefficient times frontal area", unit="m^2", minimum=0.0, maximum=20.0)
     rolling_resistance: float = parameter(0.0, "coefficient of rolling resistance", minimum=0.0, maximum=0.5)
     engine_drag_torque: float = parameter(
-        0.0, "torque of the closed throttle at each driven wheel, braking positive", unit="N m", minimum=0.0, maximum=1e4
+        0.0,
+        "torque of the closed throttle at each driven wheel, braking positive",
+        unit="N m",
+        minimum=0.0,
+        maximum=1e4,
     )
-    brake_pressure_delay: float = parameter(
-        0.0, "age of a pressure at its stamp", unit="s", minimum=0.0, maximum=0.5
-    )
+    brake_pressure_delay: float = parameter(0.0, "age of a pressure at its stamp", unit="s", minimum=0.0, maximum=0.5)
     accelerometer: Accelerometer = field(default_factory=Accelerometer, metadata={"internal": True})
     deviations: Deviations = _deviations()
 
@@ -124,20 +146,22 @@ class Vehicle:
         """Refuse what makes no car.
 
         Raises:
-            ValueError: no wheels, two of one name, or a load share that does not fit the axles.
+            ValueError: beginning with the field: a value is missing, not finite or not positive, there are no wheels,
+                two have one name, joint or place, or the load share does not fit the axles.
         """
-        names = [wheel.name for wheel in self.wheels]
-        if not names or len(set(names)) != len(names):
-            raise ValueError(f"'wheels' = {names} must name at least one wheel, each once")
-        joints = [wheel.joint for wheel in self.wheels]
-        if len(set(joints)) != len(joints):
-            raise ValueError(f"'joint' names one joint for two wheels: {joints}")
-        corners = [(wheel.axle, wheel.side) for wheel in self.wheels]
-        if twice := [corner for corner in corners if corners.count(corner) > 1]:
-            raise ValueError(f"two wheels are {' '.join(twice[0])}")
+        _refuse_impossible(self)
+        if not self.wheels:
+            raise ValueError("'wheels' must name at least one wheel")
+        for what, of_wheels in (
+            ("name", self.wheel_names),
+            ("joint", self.joints),
+            ("place", tuple(f"{wheel.axle} {wheel.side}" for wheel in self.wheels)),
+        ):
+            if twice := [each for each in of_wheels if of_wheels.count(each) > 1]:
+                raise ValueError(f"'wheels': two have the {what} '{twice[0]}'")
         axles = {wheel.axle for wheel in self.wheels}
         if FRONT not in axles:
-            raise ValueError("no wheel is on the axle 'front'")
+            raise ValueError("'wheels': none is on the axle 'front'")
         if (self.front_load_share < 1.0) != (REAR in axles):
             where = "a wheel is" if REAR in axles else "no wheel is"
             raise ValueError(f"'front_load_share' = {self.front_load_share} does not fit: {where} on the axle 'rear'")
