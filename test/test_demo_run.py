@@ -7,27 +7,32 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 
 from friction_bags.bag_reader import BagReader
+from friction_bags.message_bag import write_bag
 from friction_bringup.recorded_run import RecordedRun, read_run
-from friction_runtime.parameters import shipped_file
+from friction_runtime.shipped_files import shipped_file
+from friction_runtime.stamps import from_nanoseconds
 
 SHORT = {"initial_speed": 20.0, "end_speed": 5.0, "real_time_factor": 0.0}
 """A braking of two seconds, as fast as the commands come."""
 ENDLESS = {"end_speed": -1.0}
+WHEELS = ("front_left",)
 
 
-def parameters(directory: Path, **plant: float | bool | str) -> Path:
-    """Write the demo's parameter file with other values for the plant."""
+def parameters(directory: Path, values: Mapping[str, float | str], node: str = "corner_sim") -> Path:
+    """Write the demo's parameter file with other values for a node."""
     shipped = yaml.safe_load(shipped_file("friction_bringup", "demo").read_text())
-    shipped["/**/corner_sim"]["ros__parameters"].update(plant)
+    shipped.setdefault(f"/**/{node}", {"ros__parameters": {}})["ros__parameters"].update(values)
     path = directory / "parameters.yaml"
     path.write_text(yaml.safe_dump(shipped))
     return path
@@ -71,7 +76,7 @@ def run(out: Path, *arguments: str) -> Finished:
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Finished:
     directory = tmp_path_factory.mktemp("demo")
-    return run(directory / "out", "--surface", "wet", "--params", str(parameters(directory, **SHORT)))
+    return run(directory / "out", "--surface", "wet", "--params", str(parameters(directory, SHORT)))
 
 
 def test_demo_prints_the_summary_and_leaves_plot_and_bag_and_no_process(demo: Finished) -> None:
@@ -89,16 +94,16 @@ def test_demo_shows_each_quantity_while_it_runs(demo: Finished) -> None:
 def test_bag_holds_the_answer_of_every_node_to_every_sample(demo: Finished) -> None:
     with BagReader(demo.bag) as reader:
         assert reader.problems == []
-    found = read_run(demo.bag)
-    samples, _ = found.wheel_speed["front_left"]
-    assert samples.size > 100
+        assert reader.custom_data["vehicle"] == "chapter_corner"
+    found = read_run(demo.bag, WHEELS)
+    assert found.samples.size > 100
     for topic in ("slip", "friction_slope", "abs_supervisor", "brake_command"):
-        assert np.isin(samples, found.series[f"front_left/{topic}"].time).all(), topic
+        assert np.isin(found.samples, found.series[f"front_left/{topic}"].time).all(), topic
 
 
 def test_supervisor_is_in_the_loop(demo: Finished) -> None:
     """The driver asks for 1.5 times the peak torque: without release the wheel locks."""
-    found = read_run(demo.bag)
+    found = read_run(demo.bag, WHEELS)
     truth, command = found.series["truth/front_left/slip"], found.series["front_left/brake_command"]
     assert np.any(command["command"] == 3.0)
     locked = (truth["slip"] > 0.95) & (truth["vehicle_speed"] > 5.0)
@@ -107,14 +112,15 @@ def test_supervisor_is_in_the_loop(demo: Finished) -> None:
 
 
 def test_same_seed_gives_the_same_run_and_another_surface_another(demo: Finished, tmp_path: Path) -> None:
-    again = run(tmp_path / "out", "--surface", "wet", "--params", str(parameters(tmp_path, **SHORT)))
-    first, second = (read_run(each.bag).series["truth/front_left/slip"] for each in (demo, again))
+    again = run(tmp_path / "out", "--surface", "wet", "--params", str(parameters(tmp_path, SHORT)))
+    first, second = (read_run(each.bag, WHEELS).series["truth/front_left/slip"] for each in (demo, again))
     assert np.array_equal(first["slip"], second["slip"], equal_nan=True)
 
 
 def test_replay_of_the_bag_gives_the_same_estimates_and_no_command(demo: Finished, tmp_path: Path) -> None:
-    replayed = run(tmp_path / "out", "--bag", str(demo.bag))
-    live, again = read_run(demo.bag), read_run(replayed.bag)
+    replayed = run(tmp_path / "out", "--bag", str(demo.bag))  # its notes name the car
+    assert "shadow mode" in replayed.output
+    live, again = read_run(demo.bag, WHEELS), read_run(replayed.bag, WHEELS)
     for topic, column in (
         ("front_left/slip", "slip"),
         ("front_left/friction_slope", "indicator"),
@@ -126,10 +132,9 @@ def test_replay_of_the_bag_gives_the_same_estimates_and_no_command(demo: Finishe
 
 def answers(run: RecordedRun, topic: str, column: str) -> np.ndarray:
     """Return what a topic answered to each sample, without what its watchdog said when samples ceased."""
-    samples, _ = run.wheel_speed["front_left"]
     series = run.series[topic]
-    first = np.searchsorted(series.time, samples)
-    assert np.array_equal(series.time[first], samples)
+    first = np.searchsorted(series.time, run.samples)
+    assert np.array_equal(series.time[first], run.samples)
     return series[column][first]
 
 
@@ -137,7 +142,7 @@ def answers(run: RecordedRun, topic: str, column: str) -> np.ndarray:
 def running(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
     """Start a demo that does not end by itself; it is under way when the test begins."""
     out = tmp_path / "out"
-    arguments = ["--params", str(parameters(tmp_path, **ENDLESS))]
+    arguments = ["--params", str(parameters(tmp_path, ENDLESS))]
     with subprocess.Popen(command(out, *arguments), stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         for line in process.stdout:
@@ -170,23 +175,44 @@ def test_killed_demo_leaves_no_process_behind(running: tuple[subprocess.Popen[st
     while processes_of(directory):
         assert time.monotonic() < deadline, processes_of(directory)
         time.sleep(0.05)
-    assert read_run(directory / "bag").wheels == ("front_left",)
+    assert read_run(directory / "bag", WHEELS).samples.size > 0
 
 
-def test_bad_parameter_is_named_and_ends_the_demo(tmp_path: Path) -> None:
-    arguments = ["--params", str(parameters(tmp_path, radius=-0.3))]
+def refused(out: Path, *arguments: str) -> str:
+    """Return what a demo says that does not start: one line."""
+    result = subprocess.run(command(out, *arguments), capture_output=True, text=True, check=False, timeout=60)
+    assert result.returncode != 0
+    assert result.stdout == ""
+    assert not out.exists()
+    assert len(result.stderr.splitlines()) == 1, result.stderr
+    return result.stderr
+
+
+def test_bad_file_is_named_and_nothing_starts(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert "'initial_speed' = -0.3 m/s" in refused(out, "--params", str(parameters(tmp_path, {"initial_speed": -0.3})))
+    assert "no_such.yaml" in refused(out, "--params", str(tmp_path / "no_such.yaml"))
+    assert "compact_car" in refused(out, "--vehicle", "no_such_car")
+
+
+def test_node_that_ends_too_soon_is_named_with_its_log_and_ends_the_demo(tmp_path: Path) -> None:
+    bad = parameters(tmp_path, {"calibration_file": "/no/such/file"}, "smart_tyre_forces")
+    arguments = ["--params", str(bad)]
     result = subprocess.run(command(tmp_path / "out", *arguments), capture_output=True, text=True, check=False)
     assert result.returncode == 1
-    assert "corner_sim ended with exit code 2" in result.stderr
-    assert "radius" in result.stderr
+    assert "smart_tyre_forces ended with exit code 2" in result.stderr
+    assert "/no/such/file" in result.stderr
     assert processes_of(tmp_path / "out") == []
 
 
 def test_bag_without_wheels_is_refused_with_what_it_lacks(tmp_path: Path) -> None:
     (tmp_path / "bag").mkdir()
-    result = subprocess.run(
-        command(tmp_path / "out", "--bag", str(tmp_path / "bag")), capture_output=True, text=True, check=False
-    )
-    assert result.returncode == 1
-    assert str(tmp_path / "bag") in result.stderr
-    assert "Traceback" not in result.stderr
+    assert str(tmp_path / "bag") in refused(tmp_path / "out", "--bag", str(tmp_path / "bag"))
+
+
+def test_bag_that_does_not_name_its_car_is_refused_with_the_cars_there_are(tmp_path: Path) -> None:
+    message = JointState(header=Header(stamp=from_nanoseconds(1_000_000_000)), name=["FL"], velocity=[1.0])
+    write_bag(tmp_path / "bag", [("/wheel_states", message)], {})
+    said = refused(tmp_path / "out", "--bag", str(tmp_path / "bag"))
+    assert "--vehicle" in said
+    assert "compact_car" in said

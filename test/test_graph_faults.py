@@ -22,7 +22,7 @@ from friction_bags.cdr import encode
 from friction_bringup import graph
 from friction_evaluation.live import LOOP
 from friction_runtime import qos
-from friction_runtime.parameters import shipped_file
+from friction_runtime.shipped_files import shipped_file
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 
 WHEEL = "front_left"
@@ -46,8 +46,8 @@ def client() -> Iterator[DdsClient]:
 
 
 def start(client: DdsClient, node: str, *extra: str, **parameters: graph.ParameterValue) -> subprocess.Popen[str]:
-    """Start a node with its shipped parameter file, some parameters and further ROS arguments."""
-    command = graph.command(node, [shipped_file(node)], parameters)
+    """Start a node with its shipped parameter file, the demo's car, some parameters and further ROS arguments."""
+    command = graph.command(node, [shipped_file(node)], {"vehicle_file": graph.DEMO_VEHICLE, **parameters})
     return client.start(*command[1:], *extra)
 
 

@@ -8,12 +8,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from friction_bags.bag_format import BagError
+from friction_bags.bag_reader import BagReader
+from friction_bags.bag_vehicle import vehicle_for
 from friction_bringup import graph
 from friction_bringup.demo import run_demo
 from friction_bringup.demo_graph import DemoError, DemoOptions
 from friction_bringup.monitor import run_monitor
-from friction_bringup.recorded_run import notes_of
+from friction_bringup.recorded_run import require_samples
 from friction_parameters.parameter import ParameterError
+from friction_runtime.processor import silent
 from friction_runtime.shipped_files import shipped_file
 from vehicle_models.vehicle_file import shipped_vehicles
 
@@ -56,15 +59,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _demo_options(options: argparse.Namespace) -> DemoOptions:
-    """Take what the command line leaves open from the notes of the bag."""
-    notes = notes_of(options.bag) if options.bag else {"vehicle": graph.DEMO_VEHICLE}
-    vehicle = options.vehicle or notes.get("vehicle", "")
-    if not vehicle:
-        raise ParameterError(
-            f"{options.bag} does not say of which car it is: give --vehicle, a vehicle file "
-            f"or one of those shipped: {', '.join(shipped_vehicles())}"
-        )
-    params = options.params or shipped_file("friction_bringup", notes.get("parameters", "demo"))
+    """Take what the command line leaves open from the notes of the bag.
+
+    Raises:
+        ParameterError: the bag does not say of which car it is, nor does the command line.
+        BagError: the bag cannot be read, or holds no wheel_states.
+    """
+    vehicle, parameters = options.vehicle or graph.DEMO_VEHICLE, "demo"
+    if options.bag:
+        with BagReader(options.bag) as reader:
+            require_samples(reader)
+            vehicle = vehicle_for(reader, options.vehicle, "", silent)
+            parameters = reader.custom_data.get("parameters", parameters)
+    params = options.params or shipped_file("friction_bringup", parameters)
     return DemoOptions(options.surface, options.bag, vehicle, params.absolute(), options.out)
 
 

@@ -21,7 +21,7 @@ from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
 
 Array = NDArray[np.float64]
 
-_NO_SAMPLES = "{} holds no wheel_states: nothing can be shown of it"
+_SAMPLES = "/wheel_states"
 
 _COLUMNS: Mapping[str, tuple[str, ...]] = {
     "friction_msgs/msg/WheelSlip": ("slip", "slip_rate", "vehicle_speed", "wheel_speed", "valid"),
@@ -107,21 +107,20 @@ def read_run(bag: Path, wheels: Sequence[str]) -> RecordedRun:
     reasons: dict[str, Counter[str]] = {}
     samples: list[int] = []
     with BagReader(bag) as reader:
-        wanted = [topic for topic in reader.counts if topic.type in _COLUMNS or topic.name == "/wheel_states"]
+        require_samples(reader)
+        wanted = [topic for topic in reader.counts if topic.type in _COLUMNS or topic.name == _SAMPLES]
         getters = {t: [attrgetter(column) for column in _COLUMNS.get(t.type, ())] for t in wanted}
         for topic, _, data in reader.messages(wanted):
             message = deserialize_message(data, _message_class(topic.type))
             stamp = to_nanoseconds(message.header.stamp)
-            name = topic.name.lstrip("/")
-            if name == "wheel_states":
+            if topic.name == _SAMPLES:
                 samples.append(stamp)
                 continue
+            name = topic.name.lstrip("/")
             types[name] = topic.type
             rows.setdefault(name, []).append((stamp, [float(get(message)) for get in getters[topic]]))
             if not getattr(message, "valid", True):
                 reasons.setdefault(name, Counter())[message.reason_text] += 1
-    if not samples:
-        raise BagError(_NO_SAMPLES.format(bag))
     start = samples[0]
     series = {
         name: _series(values, start, _COLUMNS[types[name]], reasons.get(name, Counter()))
@@ -130,16 +129,14 @@ def read_run(bag: Path, wheels: Sequence[str]) -> RecordedRun:
     return RecordedRun(tuple(wheels), start, series, _seconds(samples, start))
 
 
-def notes_of(bag: Path) -> Mapping[str, str]:
-    """Return the notes of a bag of the graph: of which `vehicle` it is, which `parameters` of this package it asks for.
+def require_samples(reader: BagReader) -> None:
+    """Refuse a bag of which nothing can be shown.
 
     Raises:
-        BagError: the bag cannot be read, or holds no wheel_states.
+        BagError: it holds no wheel_states.
     """
-    with BagReader(bag) as reader:
-        if not any(topic.name == "/wheel_states" for topic in reader.counts):
-            raise BagError(_NO_SAMPLES.format(bag))
-        return dict(reader.custom_data)
+    if not any(topic.name == _SAMPLES and count for topic, count in reader.counts.items()):
+        raise BagError(f"{reader.bag} holds no {_SAMPLES}: nothing can be shown of it")
 
 
 def _series(
