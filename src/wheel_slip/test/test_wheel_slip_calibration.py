@@ -3,15 +3,13 @@
 import numpy as np
 import pytest
 
-from friction_runtime.parameters import from_mapping
-from wheel_slip.estimator import SlipEstimator
-from wheel_slip.parameters import WheelSlipParameters
+from vehicle_models.vehicle_file import load_vehicle
+from wheel_slip.estimator import EstimatorParameters, SlipEstimator
 from wheel_slip.radius_calibration import CalibrationParameters, Radii, RadiusCalibration
 from wheel_slip.speed_sample import SpeedSample
 
 STEP = 5_000_000
 TRUE = np.array([0.301, 0.299, 0.304, 0.3035])
-FOUR = ["front_left", "front_right", "rear_left", "rear_right"]
 
 
 def coasting(seconds: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -63,9 +61,9 @@ def test_braking_spin_curves_gaps_and_garbage_do_not_count() -> None:
 
 
 def test_online_radii_are_used_once_they_are_certain() -> None:
-    parameters = from_mapping(WheelSlipParameters, {"wheels": FOUR, "radii": [0.3], "learn_radii": True})
-    estimator = SlipEstimator(parameters.estimator())
+    estimator = SlipEstimator(load_vehicle("chapter_car"), EstimatorParameters(learn_radii=True))
     before = estimator.radii
+    assert before == (0.3,) * 4
     for k, (stamp, speed, omega) in enumerate(zip(*coasting(24.0), strict=True)):
         measured = [SpeedSample(int(stamp), float(speed), 0.01)] if k % 10 == 0 else []
         row = estimator.update(int(stamp), omega.tolist(), -0.5, measured)

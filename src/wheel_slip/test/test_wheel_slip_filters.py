@@ -7,14 +7,14 @@ from hypothesis import strategies as st
 
 from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
 from wheel_slip.speed_queue import SpeedQueue
-from wheel_slip.wheel_speed_filter import WheelSpeedFilter
+from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
 MS = 1_000_000
 QUIET = SpeedFilterParameters(acceleration_stddev=1e-3, offset_stddev=0.4, offset_walk=1e-4)
 
 
 def wheel_filter() -> WheelSpeedFilter:
-    return WheelSpeedFilter(variance=0.005, jerk_density=3e3, max_gap=0.1)
+    return WheelSpeedFilter(WheelFilterParameters(speed_stddev=0.005**0.5, jerk_density=3e3), max_gap=0.1)
 
 
 @given(st.lists(st.floats(0.001, 0.08), min_size=60, max_size=60), st.floats(-100.0, 100.0))

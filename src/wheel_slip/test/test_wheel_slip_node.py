@@ -3,19 +3,24 @@
 from functools import partial
 from pathlib import Path
 
+import pytest
 from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from sensor_msgs.msg import Imu, JointState
 from std_srvs.srv import Trigger
 
 from dds_client import dds_client, stop
+from friction_parameters.parameter_file import load
 from friction_runtime import qos
-from friction_runtime.parameters import load
 from friction_runtime.stamps import from_nanoseconds
+from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.processor import CarProcessor
 
 CONFIG = Path(__file__).parents[1] / "config" / "wheel_slip.yaml"
+CAR = "chapter_corner"
 SLIP = "front_left/slip"
 
 
@@ -35,7 +40,7 @@ def answered(received: list[WheelSlip], k: int) -> bool:
 
 
 def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
-    processor = CarProcessor(load(WheelSlipParameters, CONFIG, "wheel_slip"))
+    processor = CarProcessor(load_vehicle(CAR), load(WheelSlipParameters, CONFIG, "wheel_slip"))
     expected = [
         out
         for k in range(1, 61)
@@ -44,7 +49,8 @@ def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
     ]
     received: list[WheelSlip] = []
     with dds_client(50) as client:
-        process = client.start("-m", "wheel_slip", "--ros-args", "--params-file", str(CONFIG))
+        given = ("--params-file", str(CONFIG), "-p", f"vehicle_file:={CAR}")
+        process = client.start("-m", "wheel_slip", "--ros-args", *given)
         publishers = {topic: qos.publish(client.node, type(message), topic) for topic, message in sample(1).items()}
         qos.subscribe(client.node, WheelSlip, SLIP, received.append, qos.ESTIMATE)
         client.until(lambda: all(publisher.get_subscription_count() == 1 for publisher in publishers.values()))
@@ -63,9 +69,52 @@ def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
     assert seconds < 5.0
 
 
-def test_node_refuses_a_bad_parameter_at_start() -> None:
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (("vehicle_file:=chapter_corner", "deadline:=0.0"), "deadline"),
+        (("vehicle_file:=chapter_corner", "radii:=[0.3]"), "'radius' of the vehicle file"),
+        (("use_imu:=true",), "chapter_corner"),
+    ],
+    ids=["bad value", "old name", "no car"],
+)
+def test_node_refuses_bad_parameters_at_start(given: tuple[str, ...], said: str) -> None:
     with dds_client(51) as client:
-        process = client.start("-m", "wheel_slip", "--ros-args", "-p", "radii:=[0.0]")
+        arguments = [word for each in given for word in ("-p", each)]
+        process = client.start("-m", "wheel_slip", "--ros-args", *arguments)
         output, _ = process.communicate(timeout=60)
     assert process.returncode == 2
-    assert "radii" in output
+    assert said in output
+
+
+def test_accelerometer_is_left_out_and_taken_again_while_the_node_runs() -> None:
+    received: list[WheelSlip] = []
+    with dds_client(51) as client:
+        process = client.start("-m", "wheel_slip", "--ros-args", "-p", f"vehicle_file:={CAR}")
+        publisher = qos.publish(client.node, JointState, "wheel_states")
+        accelerations = qos.publish(client.node, Imu, "imu/data")
+        qos.subscribe(client.node, WheelSlip, SLIP, received.append, qos.ESTIMATE)
+        client.until(lambda: publisher.get_subscription_count() == accelerations.get_subscription_count() == 1)
+        client.until(lambda: client.node.count_publishers(SLIP) == 1)
+
+        def sets(use_imu: bool) -> bool:
+            wanted = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=use_imu)
+            request = SetParameters.Request(parameters=[Parameter(name="use_imu", value=wanted)])
+            return bool(client.call(SetParameters, "/wheel_slip/set_parameters", request).results[0].successful)
+
+        def speaks_from_sample(k: int) -> bool:
+            publisher.publish(sample(k)["wheel_states"])
+            client.executor.spin_once(timeout_sec=0.1)
+            return bool(received)
+
+        # A sample of the wheels waits for the accelerometer, which is silent, until others have come for the deadline.
+        assert not speaks_from_sample(1)
+        assert sets(False)
+        client.until(partial(speaks_from_sample, 2))
+        assert sets(True)
+        received.clear()
+        assert not speaks_from_sample(3)
+        accelerations.publish(sample(3)["imu/data"])
+        client.until(lambda: bool(received))
+        output, _ = stop(process)
+    assert process.returncode == 0, output

@@ -13,15 +13,21 @@ from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import Imu, JointState
 
-from friction_runtime.parameters import ParameterError, from_mapping, load
+from friction_parameters.generated import parameter_file
+from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter_file import load
+from friction_parameters.values import declared, from_mapping
+from friction_runtime.processor import optional_inputs
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from vehicle_models.vehicle import Accelerometer
+from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimate import Reason, SpeedSource
-from wheel_slip.parameters import WheelSlipParameters
+from wheel_slip.parameters import SHIPPED, SpeedSensorParameters, WheelSlipParameters
 from wheel_slip.processor import CarProcessor, build
 
 CONFIG = Path(__file__).parents[1] / "config" / "wheel_slip.yaml"
 PERIOD = 5_000_000
-FOUR = ("front_left", "front_right", "rear_left", "rear_right")
+CORNER = load_vehicle("chapter_corner")
 Message = tuple[str, Any]
 
 
@@ -74,12 +80,18 @@ def numbers(message: WheelSlip) -> tuple[Any, ...]:
 
 @pytest.fixture
 def processor() -> CarProcessor:
-    return CarProcessor(load(WheelSlipParameters, CONFIG, "wheel_slip"))
+    return CarProcessor(CORNER, load(WheelSlipParameters, CONFIG, "wheel_slip"))
 
 
 def test_shipped_parameter_file_holds_the_defaults() -> None:
     assert load(WheelSlipParameters, CONFIG, "wheel_slip") == WheelSlipParameters()
-    assert len(build(WheelSlipParameters())) == 1
+    assert CONFIG.read_text() == parameter_file("wheel_slip", SHIPPED["wheel_slip"])
+
+
+def test_one_processor_serves_every_wheel_of_the_car() -> None:
+    (processor,) = build(WheelSlipParameters(), load_vehicle("chapter_car"))
+    assert optional_inputs(processor) == ("vehicle_velocity",)
+    assert list(processor.outputs) == [f"{wheel}/slip" for wheel in load_vehicle("chapter_car").wheel_names]
 
 
 def test_enums_are_those_of_the_message() -> None:
@@ -112,8 +124,8 @@ def test_output_does_not_depend_on_the_order_of_arrival_across_topics() -> None:
         arrivals.append((to_nanoseconds(message.header.stamp) + delay[topic], len(arrivals), (topic, message)))
     shuffled = [message for _, _, message in sorted(arrivals)]
     assert [m for m, _ in shuffled] != [m for m, _ in in_order]
-    a = [numbers(m) for m in run(CarProcessor(WheelSlipParameters()), in_order)]
-    b = [numbers(m) for m in run(CarProcessor(WheelSlipParameters()), shuffled)]
+    a = [numbers(m) for m in run(CarProcessor(CORNER, WheelSlipParameters()), in_order)]
+    b = [numbers(m) for m in run(CarProcessor(CORNER, WheelSlipParameters()), shuffled)]
     assert a[: len(b)] == b[: len(a)]
 
 
@@ -126,7 +138,7 @@ def test_output_never_waits_for_a_slow_speed_sensor(processor: CarProcessor) -> 
 
 
 def test_late_speed_is_used_at_its_own_time(processor: CarProcessor) -> None:
-    late = CarProcessor(replace(WheelSlipParameters(), speed_latency=0.2))
+    late = CarProcessor(CORNER, WheelSlipParameters(speed_sensor=SpeedSensorParameters(latency=0.2)))
     messages = []
     for topic, message in stop(500):
         if topic == "vehicle_velocity":
@@ -157,13 +169,14 @@ def test_reset_starts_anew(processor: CarProcessor) -> None:
         (imu(300 * PERIOD + 1, nan), "imu/data: value is not finite"),
         (velocity(0, 20.0), "vehicle_velocity: stamp is zero"),
         (velocity(301 * PERIOD, float("inf")), "vehicle_velocity: inf is no vehicle speed"),
+        (velocity((2**31 - 1) * 10**9, 20.0), "vehicle_velocity: stamp is no time"),
         (wheel_states(300 * PERIOD, [50.0]), "wheel_states: stamp repeats"),
     ],
 )
 def test_bad_sample_is_refused_by_name_and_changes_nothing(bad: Message, named: str) -> None:
     said: list[str] = []
-    disturbed = CarProcessor(WheelSlipParameters(), lambda _severity, text: said.append(text))
-    calm = CarProcessor(WheelSlipParameters())
+    disturbed = CarProcessor(CORNER, WheelSlipParameters(), lambda _severity, text: said.append(text))
+    calm = CarProcessor(CORNER, WheelSlipParameters())
     messages = stop(400)
     cut = next(i for i, (_, m) in enumerate(messages) if to_nanoseconds(m.header.stamp) > 300 * PERIOD)
     outputs = run(disturbed, [*messages[:cut], bad, *messages[cut:]])
@@ -173,8 +186,8 @@ def test_bad_sample_is_refused_by_name_and_changes_nothing(bad: Message, named: 
 
 def test_missing_and_not_finite_wheels_are_invalid_and_named_while_others_go_on() -> None:
     said: list[str] = []
-    p = from_mapping(WheelSlipParameters, {"wheels": FOUR})
-    processor = CarProcessor(p, lambda _severity, text: said.append(text))
+    car = load_vehicle("chapter_car")
+    processor = CarProcessor(car, WheelSlipParameters(), lambda _severity, text: said.append(text))
     rolling = 20.0 / 0.3
     outputs: list[tuple[str, WheelSlip]] = []
     for k in range(1, 100):
@@ -255,15 +268,42 @@ def test_every_output_of_a_hostile_stream_is_consistent(processor: CarProcessor)
 @pytest.mark.parametrize(
     ("values", "named"),
     [
-        ({"wheels": []}, "wheels"),
-        ({"wheels": ["a", "a"]}, "wheels"),
-        ({"wheels": ["a", "b"], "radii": [0.3, 0.3, 0.3]}, "radii"),
-        ({"radii": [0.0]}, "radii"),
-        ({"minimum_speed": 0.0}, "minimum_speed"),
-        ({"imu_sign": 0.5}, "imu_sign"),
-        ({"imu_axis": "w"}, "imu_axis"),
+        ({"estimator": {"minimum_speed": 0.0}}, "estimator.minimum_speed"),
+        ({"estimator.max_gap": -1.0}, "estimator.max_gap"),
+        ({"estimator.wheel_filter.speed_stddev": 0.0}, "speed_stddev"),
+        ({"estimator.vehicle_speed.slide.roll_below": 4.0}, "roll_below"),
+        ({"speed_sensor.wait": 1.0}, "speed_sensor.wait"),
+        ({"use_imu": "yes"}, "use_imu"),
     ],
 )
 def test_bad_parameter_is_refused_by_name(values: dict[str, Any], named: str) -> None:
     with pytest.raises(ParameterError, match=named):
         from_mapping(WheelSlipParameters, values)
+
+
+OLD = """wheels radii driven_wheels wheel_speed_stddev wheel_jerk_density imu_axis imu_sign imu_offset
+acceleration_stddev offset_stddev offset_walk blind_offset_walk slide_window slide_threshold slide_above roll_below
+slip_per_acceleration radius_uncertainty speed_stddev speed_latency speed_wait speed_timeout minimum_speed
+max_slip_stddev learn_radii max_gap"""
+
+
+@pytest.mark.parametrize("name", OLD.split())
+def test_old_parameter_is_refused_with_its_new_place(name: str) -> None:
+    with pytest.raises(ParameterError, match=f"'{name}' is no more: ") as refused:
+        from_mapping(WheelSlipParameters, {name: 1.0})
+    place = str(refused.value).split("'")[3]
+    assert "vehicle file" in str(refused.value) or place in declared(WheelSlipParameters)
+
+
+def test_mounting_of_the_accelerometer_is_that_of_the_car(processor: CarProcessor) -> None:
+    mounted = Accelerometer(axis="y", sign=-1.0, offset=0.5, scale=1.02, pitch_gain=0.001)
+    turned = CarProcessor(replace(CORNER, accelerometer=mounted), WheelSlipParameters())
+    messages: list[Message] = []
+    for topic, message in stop():
+        if topic == "imu/data":
+            forward = message.linear_acceleration.x
+            message = imu(to_nanoseconds(message.header.stamp), 99.0)[1]
+            message.linear_acceleration.y = -(1.02 * (1.0 + 9.81 * 0.001) * forward + 0.5)
+        messages.append((topic, message))
+    found, expected = run(turned, messages), run(processor, stop())
+    assert [m.slip for m in found] == pytest.approx([m.slip for m in expected], abs=1e-9, nan_ok=True)

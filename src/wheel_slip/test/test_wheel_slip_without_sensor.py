@@ -7,16 +7,17 @@ from math import isnan, pi, sin, sqrt
 import numpy as np
 import pytest
 
-from friction_runtime.parameters import from_mapping
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
-from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.speed_sample import SpeedSample
 
 STEP = 5_000_000
 RADIUS = 0.3
 OFFSET = 0.25
-FOUR = ("front_left", "front_right", "rear_left", "rear_right")
+CAR = load_vehicle("chapter_car")
+"""Four wheels of RADIUS; nothing is known of which the engine drives."""
 
 
 @dataclass
@@ -65,8 +66,9 @@ def snow_slide() -> Drive:
     )
 
 
-def parameters(**changes: object) -> WheelSlipParameters:
-    return from_mapping(WheelSlipParameters, {"wheels": FOUR, "radii": [RADIUS], **changes})
+def driven(*wheels: str) -> Vehicle:
+    """The car with an engine on these wheels."""
+    return replace(CAR, wheels=tuple(replace(wheel, driven=wheel.name in wheels) for wheel in CAR.wheels))
 
 
 def follow(
@@ -81,7 +83,7 @@ def follow(
 
 @pytest.fixture
 def estimator() -> SlipEstimator:
-    return SlipEstimator(parameters().estimator())
+    return SlipEstimator(CAR)
 
 
 @pytest.mark.parametrize(("make", "bound"), [(hard_stop, 0.1), (snow_slide, 0.15)])
@@ -104,7 +106,7 @@ def test_offset_is_learned_while_rolling_and_its_injection_does_not_matter() -> 
     d = hard_stop()
     speeds = []
     for injected in (0.0, 0.35, -0.35):
-        estimator = SlipEstimator(parameters().estimator())
+        estimator = SlipEstimator(CAR)
         shifted = replace(d, acceleration=d.acceleration + injected)
         speeds.append(follow(shifted, estimator)[1])
         assert estimator.vehicle.filter.offset == pytest.approx(OFFSET + injected, abs=0.03)
@@ -148,7 +150,7 @@ def test_wheels_released_for_a_moment_take_back_what_a_drifting_offset_does_to_t
     d = drive(lambda t: -1.8 if t > 3.0 else 0.0, released_now_and_then, 12.0, 20.0)
     speeds, offsets = [], []
     for drift in (0.01, -0.01):
-        estimator = SlipEstimator(parameters().estimator())
+        estimator = SlipEstimator(CAR)
         drifting = d.acceleration + np.where(np.arange(d.speed.size) > 600, drift, 0.0)
         estimates, speed = follow(replace(d, acceleration=drifting), estimator)
         assert all(each[0].source is SpeedSource.INTEGRATED for each in estimates[700:])
@@ -191,12 +193,22 @@ def test_car_returns_to_the_wheels_even_if_the_integrated_speed_is_far_off(
 
 
 def test_launch_with_spinning_driven_wheels_follows_the_free_ones() -> None:
-    estimator = SlipEstimator(parameters(driven_wheels=FOUR[2:]).estimator())
+    estimator = SlipEstimator(driven("rear_left", "rear_right"))
     d = drive(lambda t: 4.0 if t > 2.0 else 0.0, lambda _t: 0.0, 5.0, 5.0)
     spinning = d.wheel_speed.copy()
     spinning[420:, 2:] *= 1.4
     _, speed = follow(replace(d, wheel_speed=spinning), estimator)
     assert np.max(np.abs(speed - d.speed)[200:]) < 0.1
+
+
+def test_car_that_drives_all_its_wheels_is_as_one_of_which_nothing_is_known() -> None:
+    d = drive(lambda t: 4.0 if t > 2.0 else -6.0 if t > 4.0 else 0.0, lambda _t: 0.0, 5.0, 10.0)
+    spinning = d.wheel_speed.copy()
+    spinning[420:, 2:] *= 1.4
+    launch = replace(d, wheel_speed=spinning)
+    unknown, all_driven = (follow(launch, SlipEstimator(car)) for car in (CAR, driven(*CAR.wheel_names)))
+    assert repr(unknown) == repr(all_driven)
+    assert repr(unknown) != repr(follow(launch, SlipEstimator(driven("rear_left", "rear_right"))))
 
 
 @pytest.mark.parametrize("reading", [0.0, 300.0], ids=["dead", "spinning"])

@@ -5,42 +5,37 @@ from dataclasses import dataclass
 from math import isfinite, nan, sqrt
 from typing import NamedTuple
 
+from friction_parameters import shared
+from friction_parameters.parameter import group, parameter
+from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
 from wheel_slip.online_radii import OnlineRadii
 from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.vehicle_speed import VehicleSpeed, VehicleSpeedParameters
-from wheel_slip.wheel_speed_filter import WheelSpeedFilter
+from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
 
 @dataclass(frozen=True)
 class EstimatorParameters:
-    """Of one car."""
+    """When there is a slip, and those of the filters below it."""
 
-    radii: tuple[float, ...]
-    """Effective rolling radius of each wheel [m]."""
-    driven: tuple[bool, ...]
-    """Which wheels the engine drives; none, where that is not known or all are."""
-    vehicle_speed: VehicleSpeedParameters
-    wheel_speed_stddev: float = 0.07
-    """Noise of a wheel speed [rad/s]."""
-    wheel_jerk_density: float = 3e3
-    """[rad^2/s^5], see wheel_speed_filter."""
-    minimum_speed: float = 1.0
-    """No slip below this vehicle speed [m/s]."""
-    max_gap: float = 0.1
-    """Longer gaps of wheel speeds [s] start the wheel's filter anew."""
-    max_slip_stddev: float = 0.07
-    """No slip where its standard deviation is larger [-]."""
-    learn_radii: bool = False
-    """Calibrate the radii while the car coasts, and use them."""
+    minimum_speed: float = shared.minimum_speed(1.0)
+    max_gap: float = shared.max_gap(0.1)
+    max_slip_stddev: float = parameter(
+        0.07, "no slip where its standard deviation is larger", minimum=1e-3, maximum=1.0
+    )
+    learn_radii: bool = parameter(False, "calibrate the radii while the car coasts, and use them")
+    wheel_filter: WheelFilterParameters = group(WheelFilterParameters())
+    vehicle_speed: VehicleSpeedParameters = group(VehicleSpeedParameters())
 
 
 class SlipEstimator:
     """One car. `update` takes all that is known at one stamp."""
 
-    def __init__(self, parameters: EstimatorParameters) -> None:
+    def __init__(self, vehicle: Vehicle, parameters: EstimatorParameters = EstimatorParameters()) -> None:
         """Start anew."""
+        self._car = vehicle
         self._p = parameters
         self._largest_variance = parameters.max_slip_stddev**2
         self.reset()
@@ -48,11 +43,11 @@ class SlipEstimator:
     def reset(self) -> None:
         """Forget everything."""
         p = self._p
-        self._wheels = [WheelSpeedFilter(p.wheel_speed_stddev**2, p.wheel_jerk_density, p.max_gap) for _ in p.radii]
-        self.vehicle = VehicleSpeed(p.vehicle_speed, p.driven)
-        self.radii = p.radii
-        """In use [m]: the parameters, or what has been learned."""
-        self._online = OnlineRadii(p.radii) if p.learn_radii else None
+        self._wheels = [WheelSpeedFilter(p.wheel_filter, p.max_gap) for _ in self._car.wheels]
+        self.vehicle = VehicleSpeed(self._car, p.vehicle_speed, p.wheel_filter.speed_stddev)
+        self.radii = self._car.radii
+        """In use [m]: those of the car, or what has been learned."""
+        self._online = OnlineRadii(self.radii) if p.learn_radii else None
 
     def update(
         self,

@@ -12,6 +12,8 @@ from friction_runtime.new_message import new_message
 from friction_runtime.processor import Health, Level, Output, Report, silent
 from friction_runtime.stamps import NANOSECONDS, header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from vehicle_models.plausible import HIGHEST_ACCELERATION, HIGHEST_SPEED
+from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
@@ -22,29 +24,29 @@ IMU = "imu/data"
 VEHICLE_VELOCITY = "vehicle_velocity"
 _SILENT_AFTER = 0.25
 """[s]"""
-_FASTEST_CAR = 200.0
-_STRONGEST_ACCELERATION = 200.0
-"""[m/s], [m/s^2]: what is beyond is garbage, not a measurement."""
 
 
 class CarProcessor:
     """Layer 2 of wheel_slip. Fires for each wheel_states sample, once the accelerometer has reached its stamp."""
 
-    def __init__(self, parameters: WheelSlipParameters, report: Report = silent) -> None:
-        """Build from the parameters; `report` takes what a person should know."""
+    def __init__(self, vehicle: Vehicle, parameters: WheelSlipParameters, report: Report = silent) -> None:
+        """Build for a car; `report` takes what a person should know."""
         self._p = parameters
+        self._wheels = vehicle.wheel_names
+        self._accelerometer = vehicle.accelerometer
         self._report = report
         self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, VEHICLE_VELOCITY: TwistWithCovarianceStamped}
+        self.optional = (VEHICLE_VELOCITY,)
         inputs: list[AlignedInput] = []
         if parameters.use_imu:
             self.sensors = {**self.sensors, IMU: Imu}
-            inputs.append(AlignedInput(IMU, parameters.max_gap))
+            inputs.append(AlignedInput(IMU, parameters.estimator.max_gap))
         self.estimates: Mapping[str, type] = {}
-        self.outputs: Mapping[str, type] = {f"{wheel}/slip": WheelSlip for wheel in parameters.wheels}
+        self.outputs: Mapping[str, type] = {f"{wheel}/slip": WheelSlip for wheel in self._wheels}
         self._aligner: Aligner[tuple[float, ...]] = Aligner(WHEEL_STATES, inputs, parameters.deadline)
-        self._wheel_speeds = WheelSpeeds(parameters.wheels, report)
-        self._speeds: SpeedQueue[tuple[float, float]] = SpeedQueue(parameters.speed_wait)
-        self._estimator = SlipEstimator(parameters.estimator())
+        self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
+        self._speeds: SpeedQueue[tuple[float, float]] = SpeedQueue(parameters.speed_sensor.wait)
+        self._estimator = SlipEstimator(vehicle, parameters.estimator)
         self.reset()
 
     def reset(self) -> None:
@@ -114,15 +116,15 @@ class CarProcessor:
 
     def _acceleration(self, message: Imu) -> float:
         """Acceleration forward [m/s^2], NaN where it is garbage."""
-        acceleration = self._p.imu_sign * getattr(message.linear_acceleration, self._p.imu_axis) - self._p.imu_offset
-        return float(acceleration) if abs(acceleration) <= _STRONGEST_ACCELERATION else nan
+        acceleration = self._accelerometer.forward(message.linear_acceleration)
+        return acceleration if abs(acceleration) <= HIGHEST_ACCELERATION else nan
 
     def _offer_speed(self, stamp: int, message: TwistWithCovarianceStamped) -> str | None:
         speed, variance = float(message.twist.twist.linear.x), float(message.twist.covariance[0])
-        if not abs(speed) <= _FASTEST_CAR:
+        if not abs(speed) <= HIGHEST_SPEED:
             return f"{VEHICLE_VELOCITY}: {speed} is no vehicle speed"
         if not (isfinite(variance) and variance > 0.0):
-            variance = self._p.speed_stddev**2
+            variance = self._p.speed_sensor.stddev**2
         refusal = self._speeds.offer(stamp, (speed, variance))
         return None if refusal is None else f"{VEHICLE_VELOCITY}: {refusal}"
 
@@ -132,22 +134,22 @@ class CarProcessor:
             self._report("info", f"{WHEEL_STATES}: stamps jumped back, started anew")
         self._stamp = sample.stamp
         self._missing = sample.missing.get(IMU, "")
-        latency = round(self._p.speed_latency * NANOSECONDS)
+        latency = round(self._p.speed_sensor.latency * NANOSECONDS)
         measured = [
             SpeedSample(when - latency, *value) for when, value in self._speeds.due(sample.stamp, sample.rewound)
         ]
         acceleration = sample.values[IMU][0] if IMU in sample.values else None
         estimates = self._estimator.update(sample.stamp, sample.payload, acceleration, measured)
         outputs: list[Output] = []
-        for wheel, topic, estimate in zip(self._p.wheels, self.outputs, estimates, strict=True):
+        for wheel, topic, estimate in zip(self._wheels, self.outputs, estimates, strict=True):
             self._last[wheel] = estimate
             outputs.append((topic, _message(sample.stamp, wheel, estimate)))
         return outputs
 
 
-def build(parameters: WheelSlipParameters, report: Report = silent) -> list[CarProcessor]:
+def build(parameters: WheelSlipParameters, vehicle: Vehicle, report: Report = silent) -> list[CarProcessor]:
     """Make the processors: one, for the whole car."""
-    return [CarProcessor(parameters, report)]
+    return [CarProcessor(vehicle, parameters, report)]
 
 
 def _message(stamp: int, wheel: str, estimate: WheelEstimate) -> WheelSlip:

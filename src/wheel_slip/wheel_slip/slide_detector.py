@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp, isfinite, nan
 
+from friction_parameters.parameter import parameter
 from friction_runtime.stamps import NANOSECONDS
 
 _LAG = 0.015
@@ -36,29 +37,43 @@ _BLIND = 0.6
 """Rim speed [m/s] below which a wheel may as well be locked."""
 _STRONGEST = 14.0
 """Without an accelerometer a wheel that changes faster [m/s^2] does not roll."""
+_SETTLE = 0.3
+"""Time [s] the wheels have to roll before they are believed again."""
 
 
 @dataclass(frozen=True)
 class SlideParameters:
     """When a wheel, and the car, count as rolling."""
 
-    window: float = 0.2
-    """T [s]."""
-    threshold: float = 0.15
-    """Largest |D| of a rolling wheel [m/s]."""
-    slide_above: float = 3.0
-    """Acceleration [m/s^2] above which the wheels are not believed."""
-    roll_below: float = 2.5
-    """Acceleration [m/s^2] below which they may be believed again."""
-    settle: float = 0.3
-    """Time [s] they have to roll before they are."""
+    window: float = parameter(
+        0.2, "window T over which wheels are compared with the accelerometer", unit="s", minimum=0.02, maximum=1.0
+    )
+    threshold: float = parameter(
+        0.15, "difference |D| over that window above which a wheel slides", unit="m/s", minimum=0.01, maximum=5.0
+    )
+    slide_above: float = parameter(
+        3.0, "acceleration above which wheels are not believed", unit="m/s^2", minimum=0.1, maximum=20.0
+    )
+    roll_below: float = parameter(
+        2.5, "acceleration below which they may be believed again", unit="m/s^2", minimum=0.1, maximum=20.0
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse thresholds in the wrong order."""
+        if self.roll_below > self.slide_above:
+            raise ValueError(f"parameter 'roll_below' = {self.roll_below} must not exceed 'slide_above'")
 
 
 class SlideDetector:
     """Mode of the car, and the wheels that roll."""
 
     def __init__(self, parameters: SlideParameters, driven: Sequence[bool]) -> None:
-        """Start sliding: nothing is believed before it has shown to roll. `driven`: which wheels the engine drives."""
+        """Start sliding: nothing is believed before it has shown to roll.
+
+        Args:
+            parameters: of the detector.
+            driven: which wheels the engine drives. All and none come to the same: no wheel is freer than another.
+        """
         self._p = parameters
         self._free = [index for index, by_engine in enumerate(driven) if not by_engine]
         self._all = list(range(len(driven)))
@@ -174,7 +189,7 @@ class SlideDetector:
         rolled = (stamp - self._rolled_since) / NANOSECONDS
         agree = integrated is None or abs(middle - integrated[0]) <= integrated[1] + 0.02 * abs(middle) + 0.1
         calm = abs(a) < _CALM and rolled >= _PATIENCE
-        if rolled >= self._p.settle and (agree or calm or pulled):
+        if rolled >= _SETTLE and (agree or calm or pulled):
             self.sliding, self.since, self.contradicted = False, stamp, False
 
     def _watch_steadiness(self, stamp: int, judged: list[int], rim_speeds: Sequence[float], middle: float) -> None:

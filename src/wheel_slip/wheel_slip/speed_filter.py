@@ -19,6 +19,7 @@ from collections import deque
 from dataclasses import dataclass
 from math import isfinite, sqrt
 
+from friction_parameters.parameter import parameter
 from friction_runtime.stamps import NANOSECONDS
 
 _HISTORY = 1 * NANOSECONDS
@@ -38,14 +39,26 @@ _NOTHING = (0.0, 0.0, 0.0)
 class SpeedFilterParameters:
     """Noise of the accelerometer and of its offset."""
 
-    acceleration_stddev: float = 0.1
-    """Noise of one sample [m/s^2]."""
-    offset_stddev: float = 0.4
-    """What the offset may be before anything is learned [m/s^2]: bias 0.35 and a slope of 2 %."""
-    offset_walk: float = 0.001
-    """Change of offset [m/s^2] in the square root of a second while it is observed: how long the learning averages."""
-    blind_offset_walk: float = 0.06
-    """The same while nothing observes it: how fast the road may change its slope, unseen."""
+    acceleration_stddev: float = parameter(
+        0.1, "noise of an accelerometer sample", unit="m/s^2", minimum=1e-3, maximum=10.0
+    )
+    offset_stddev: float = parameter(
+        0.4, "offset (bias and road slope) to expect before it is learned", unit="m/s^2", minimum=1e-3, maximum=10.0
+    )
+    offset_walk: float = parameter(
+        0.001,
+        "change of the offset in the square root of a second while the wheels roll and teach it",
+        unit="m/s^2",
+        minimum=1e-4,
+        maximum=10.0,
+    )
+    blind_offset_walk: float = parameter(
+        0.06,
+        "the same while the wheels slide and nothing shows it: change of road slope",
+        unit="m/s^2",
+        minimum=1e-4,
+        maximum=10.0,
+    )
 
 
 class SpeedFilter:

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import Generic, TypeVar
 
 from friction_runtime.stamps import NANOSECONDS
+from vehicle_models.plausible import LATEST_STAMP
 
 Payload = TypeVar("Payload")
 
@@ -41,6 +42,8 @@ class SpeedQueue(Generic[Payload]):
         """Take a sample with its stamp [ns]; return the reason if it is refused."""
         if stamp <= 0:
             return "stamp is zero"
+        if stamp > LATEST_STAMP:
+            return "stamp is no time"
         if stamp == self._newest:
             return "stamp repeats"
         if self._newest is not None and stamp < self._newest:

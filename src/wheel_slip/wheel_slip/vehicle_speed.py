@@ -15,7 +15,9 @@ from dataclasses import dataclass
 from math import isfinite, sqrt
 from statistics import median
 
+from friction_parameters.parameter import group, parameter
 from friction_runtime.stamps import NANOSECONDS
+from vehicle_models.vehicle import Vehicle
 from wheel_slip.carried_wheels import CarriedWheels
 from wheel_slip.estimate import SpeedSource
 from wheel_slip.slide_detector import SlideDetector, SlideParameters
@@ -53,29 +55,41 @@ _BOUND_LATENCY = 0.03
 
 @dataclass(frozen=True)
 class VehicleSpeedParameters:
-    """Of one car."""
+    """What is believed when, and how much."""
 
-    speed_filter: SpeedFilterParameters
-    slide: SlideParameters
-    rim_speed_variance: float
-    """Noise of a rim speed r omega [m^2/s^2]."""
-    slip_per_acceleration: float = 0.004
-    """Uncertainty of the slip of a rolling wheel per acceleration of the car [s^2/m]."""
-    radius_uncertainty: float = 0.002
-    """Of the radii all together, as a share: speed from the wheels is no better [-]."""
-    sensor_timeout: float = 0.5
-    """Silence [s] after which the speed sensor counts as gone."""
+    slip_per_acceleration: float = parameter(
+        0.004,
+        "uncertainty of a rolling wheel's slip per acceleration of the car",
+        unit="s^2/m",
+        minimum=0.0,
+        maximum=0.1,
+    )
+    radius_uncertainty: float = parameter(
+        0.002, "uncertainty of all radii together, as a share: speed from wheels is no better", minimum=0.0, maximum=0.1
+    )
+    sensor_timeout: float = parameter(
+        0.5, "silence of vehicle_velocity after which the wheels take over", unit="s", minimum=0.01, maximum=10.0
+    )
+    speed_filter: SpeedFilterParameters = group(SpeedFilterParameters())
+    slide: SlideParameters = group(SlideParameters())
 
 
 class VehicleSpeed:
     """Speed of one car. `speed`, `variance` and so on mean something unless `source` is NONE."""
 
-    def __init__(self, parameters: VehicleSpeedParameters, driven: Sequence[bool]) -> None:
-        """Start anew; `driven`: which wheels the engine drives (none, if that is not known)."""
+    def __init__(self, vehicle: Vehicle, parameters: VehicleSpeedParameters, wheel_speed_stddev: float) -> None:
+        """Start anew.
+
+        Args:
+            vehicle: the car.
+            parameters: of the estimate.
+            wheel_speed_stddev: noise of a wheel speed [rad/s].
+        """
         self._p = parameters
+        self._rim_speed_variance = (wheel_speed_stddev * max(vehicle.radii)) ** 2
         self.filter = SpeedFilter(parameters.speed_filter)
-        self.slide = SlideDetector(parameters.slide, driven)
-        self._carried = CarriedWheels(len(driven), parameters.rim_speed_variance)
+        self.slide = SlideDetector(parameters.slide, [wheel.driven for wheel in vehicle.wheels])
+        self._carried = CarriedWheels(len(vehicle.wheels), self._rim_speed_variance)
         self._repetition = StuckSensor()
         self.reset()
 
@@ -173,7 +187,7 @@ class VehicleSpeed:
             if not blind or abs(a) < _AT_REST:
                 slip = self._p.slip_per_acceleration * speed * a
                 many = max(_SLIP_CORRELATION / dt, 1.0)
-                noise = _BLIND_STDDEV**2 * many if blind else self._p.rim_speed_variance / len(believed)
+                noise = _BLIND_STDDEV**2 * many if blind else self._rim_speed_variance / len(believed)
                 variance = noise + slip**2 * many
                 self._not_yet_believed.append((stamp, speed, variance))
         if self.source is SpeedSource.NONE and self._not_yet_believed:
@@ -196,7 +210,7 @@ class VehicleSpeed:
             believed = [speed for speed in smooth_rim_speeds if isfinite(speed)]
         speed = median(believed)
         slip = self._p.slip_per_acceleration * speed * (self.slide.acceleration or 0.0)
-        self.filter.start(speed, self._p.rim_speed_variance + slip**2)
+        self.filter.start(speed, self._rim_speed_variance + slip**2)
         if self.slide.contradicted:
             self.filter.doubt_offset(self._p.speed_filter.offset_stddev**2)
 
@@ -212,7 +226,7 @@ class VehicleSpeed:
         known = sorted(speed for speed in rim_speeds if abs(speed) > _BLIND_SPEED)
         if a is None or not known:
             return
-        noise = 3.0 * sqrt(self._p.rim_speed_variance)
+        noise = 3.0 * sqrt(self._rim_speed_variance)
         margin = _BOUND_MARGIN * abs(self.filter.speed) + _BOUND_LATENCY * abs(a) + noise
         second = min(1, len(known) - 1)
         if a < -1.0:

@@ -13,6 +13,9 @@ innovation over the last samples, in units of what it is for a quiet wheel,
 Noise alone hardly reaches m = 2, so that the smoothing of a quiet wheel stays what q_0 makes it.
 """
 
+from dataclasses import dataclass
+
+from friction_parameters.parameter import parameter
 from friction_runtime.stamps import NANOSECONDS
 
 _FIRST_ACCELERATION_VARIANCE = 100.0**2
@@ -27,19 +30,32 @@ _SAMPLES_TO_SETTLE = 5
 """From there on the acceleration is measured, not assumed."""
 
 
-class WheelSpeedFilter:
-    """Filter of one wheel. `speed` and `acceleration` mean something once `started`."""
+@dataclass(frozen=True)
+class WheelFilterParameters:
+    """Of the filter of every wheel."""
 
-    def __init__(self, variance: float, jerk_density: float, max_gap: float) -> None:
+    speed_stddev: float = parameter(0.07, "noise of a wheel speed", unit="rad/s", minimum=1e-4, maximum=10.0)
+    jerk_density: float = parameter(
+        3e3,
+        "how fast a quiet wheel changes its acceleration, q_0 (bandwidth of the filter)",
+        unit="rad^2/s^5",
+        minimum=1.0,
+        maximum=1e9,
+    )
+
+
+class WheelSpeedFilter:
+    """Filter of one wheel. `speed` and `acceleration` mean something after the first update."""
+
+    def __init__(self, parameters: WheelFilterParameters, max_gap: float) -> None:
         """Start empty.
 
         Args:
-            variance: of the measured wheel speed [rad^2/s^2], > 0.
-            jerk_density: power spectral density q_0 of the jerk of a quiet wheel [rad^2/s^5], > 0.
+            parameters: of the filter.
             max_gap: longer gaps [s] start the filter anew.
         """
-        self._variance = variance
-        self._jerk_density = jerk_density
+        self._variance = parameters.speed_stddev**2
+        self._jerk_density = parameters.jerk_density
         self._max_gap = max_gap
         self.reset()
 
