@@ -1,13 +1,16 @@
 """Parameter files and tables written from the dataclasses, so that nothing is said twice."""
 
-import json
-from dataclasses import dataclass
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
 from friction_parameters.parameter_file import EVERY_NODE
-from friction_parameters.values import Declared, declared, values_of
+from friction_parameters.values import declared, only_with, values_of
+from friction_parameters.yaml_source import yaml_text
 
 _COMMENT_COLUMN = 44
+_INDENT = "  "
 
 
 @dataclass(frozen=True)
@@ -24,16 +27,7 @@ def parameter_file(node: str, shipped: ShippedFile) -> str:
     """Text of a parameter file of a node with every parameter."""
     lines = [f"# {line}" for line in shipped.heading.splitlines()]
     lines += ["# Written by `make docs` from the dataclass of the node: change it there.", f"{EVERY_NODE}/{node}:"]
-    lines.append("  ros__parameters:")
-    known, above = declared(type(shipped.parameters)), ""
-    for name, value in values_of(shipped.parameters).items():
-        outer, _, own = name.rpartition(".")
-        for depth, part in enumerate(outer.split(".") if outer != above and outer else ()):
-            if outer.split(".")[: depth + 1] != above.split(".")[: depth + 1]:
-                lines.append(f"{' ' * (4 + 2 * depth)}{part}:")
-        above = outer
-        text = f"{' ' * (4 + 2 * (outer.count('.') + 1 if outer else 0))}{own}: {_text(value)}"
-        lines.append(f"{text:<{_COMMENT_COLUMN}}  # {_comment(known[name])}")
+    lines += [f"{_INDENT}ros__parameters:", *_lines(shipped.parameters, 2 * _INDENT)]
     return "\n".join(lines) + "\n"
 
 
@@ -42,20 +36,16 @@ def parameter_table(shipped: ShippedFile) -> str:
     lines = ["| parameter | shipped value | unit | range | |", "|---|---|---|---|---|"]
     values = values_of(shipped.parameters)
     for name, each in declared(type(shipped.parameters)).items():
-        start_only = " Start only." if each.limits["read_only"] else ""
-        cells = f"`{name}`", f"`{_text(values[name])}`", each.limits["unit"], _range(each), each.limits["description"]
-        lines.append(f"| {' | '.join(cells)}.{start_only} |")
+        notes = [each.limits["description"], each.only, "start only" if each.limits["read_only"] else ""]
+        text = "; ".join(note for note in notes if note)
+        lines.append(
+            table_row(f"`{name}`", f"`{yaml_text(values[name])}`", each.limits["unit"], range_text(each.limits), text)
+        )
     return "\n".join(lines) + "\n"
 
 
-def _comment(each: Declared) -> str:
-    unit = f"[{each.limits['unit']}] " if each.limits["unit"] else ""
-    allowed = f" ({_range(each)})" if _range(each) else ""
-    return f"{unit}{each.limits['description']}{allowed}{'; start only' if each.limits['read_only'] else ''}"
-
-
-def _range(each: Declared) -> str:
-    limits = each.limits
+def range_text(limits: Mapping[str, Any]) -> str:
+    """What values a parameter may have, in words; empty if any."""
     if limits["choices"]:
         return ", ".join(limits["choices"])
     if limits["minimum"] is None and limits["maximum"] is None:
@@ -67,12 +57,27 @@ def _range(each: Declared) -> str:
     return f"{limits['minimum']:g} to {limits['maximum']:g}"
 
 
-def _text(value: Any) -> str:
-    """A value as YAML that ROS and PyYAML read alike."""
-    if isinstance(value, tuple):
-        return f"[{', '.join(_text(each) for each in value)}]"
-    if isinstance(value, float):
-        text = repr(value)
-        mantissa, exponent, power = text.partition("e")
-        return f"{mantissa if '.' in mantissa else mantissa + '.0'}{exponent}{power}"
-    return json.dumps(value)
+def table_row(*cells: str) -> str:
+    """Row of a Markdown table."""
+    escaped = [re.sub(r"([|<])", r"\\\1", cell) for cell in cells]
+    return f"| {' | '.join(escaped)} |"
+
+
+def _lines(parameters: Any, indent: str) -> Iterator[str]:
+    for each in fields(parameters):
+        value = getattr(parameters, each.name)
+        if is_dataclass(value):
+            yield _commented(f"{indent}{each.name}:", only_with(each.metadata))
+            yield from _lines(value, indent + _INDENT)
+        else:
+            yield _commented(f"{indent}{each.name}: {yaml_text(value)}", _comment(each.metadata))
+
+
+def _commented(text: str, comment: str) -> str:
+    return f"{text:<{_COMMENT_COLUMN}}  # {comment}" if comment else text
+
+
+def _comment(limits: Mapping[str, Any]) -> str:
+    unit = f"[{limits['unit']}] " if limits["unit"] else ""
+    allowed = f" ({range_text(limits)})" if range_text(limits) else ""
+    return f"{unit}{limits['description']}{allowed}{'; start only' if limits['read_only'] else ''}"

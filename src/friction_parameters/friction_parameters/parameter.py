@@ -10,16 +10,21 @@
         detector: DetectorParameters = group(DetectorParameters())
 
 The algorithm's dataclass holds the field; a node's dataclass holds the algorithm's, so that its parameter is
-`detector.window`. Allowed types: bool, int, float, str, tuple[float, ...], tuple[str, ...]. A dataclass may refuse
-combinations of values by raising ValueError in __post_init__.
+`detector.window`. Allowed types: bool, int, float, str, tuple[float, ...], tuple[str, ...]; tuples are never empty, as
+ROS cannot tell what an empty list is of. A dataclass may refuse combinations of values by raising ValueError in
+__post_init__.
 """
 
 from dataclasses import field
+from math import isfinite
 from typing import Any
 
 
 class ParameterError(ValueError):
-    """A parameter has a value that makes no sense; the text names it."""
+    """A parameter, or a file of them, makes no sense; the text, one line, names what and where."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(" ".join(text.split()))
 
 
 def parameter(
@@ -83,28 +88,34 @@ def checked(name: str, hint: Any, limits: Any, value: Any) -> Any:
             raise ParameterError(f"parameter '{name}' = {value!r} must be a list")
         kind = float if hint == tuple[float, ...] else str
         elements = tuple(_converted(name, kind, element) for element in value)
+        if not elements:
+            raise ParameterError(f"parameter '{name}' is empty")
         result: Any = elements
     else:
         result = _converted(name, hint, value)
         elements = (result,)
     unit = f" {limits['unit']}" if limits["unit"] else ""
+    low, high = limits["minimum"], limits["maximum"]
     for element in elements:
         if limits["choices"] and element not in limits["choices"]:
-            raise ParameterError(f"parameter '{name}' = '{element}' must be one of {', '.join(limits['choices'])}")
-        low, high = limits["minimum"], limits["maximum"]
+            raise ParameterError(f"parameter '{name}' = {element!r} must be one of {', '.join(limits['choices'])}")
         # The comparisons are written so that NaN fails them.
         if (low is not None and not element >= low) or (high is not None and not element <= high):
-            raise ParameterError(f"parameter '{name}' = {element}{unit} is outside [{low}, {high}]")
-        if isinstance(element, float) and element != element:
-            raise ParameterError(f"parameter '{name}' is not a number")
+            allowed = f"[{'-inf' if low is None else low}, {'inf' if high is None else high}]"
+            raise ParameterError(f"parameter '{name}' = {element}{unit} is outside {allowed}")
+        if isinstance(element, float) and not isfinite(element):
+            raise ParameterError(f"parameter '{name}' = {element} is no finite number")
     return result
 
 
 def _converted(name: str, kind: Any, value: Any) -> Any:
-    if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
     if hasattr(value, "item"):
         value = value.item()
+    if kind is float and isinstance(value, int) and not isinstance(value, bool):
+        try:
+            return float(value)
+        except OverflowError:
+            raise ParameterError(f"parameter '{name}' is too large a number") from None
     if type(value) is not kind:
         raise ParameterError(f"parameter '{name}' = {value!r} must be of type {kind.__name__}")
     return value

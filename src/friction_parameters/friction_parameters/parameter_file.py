@@ -18,13 +18,14 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from friction_parameters.parameter import ParameterError, checked
-from friction_parameters.values import declared, from_mapping, unknown
-from friction_parameters.yaml_source import Entry, plain, read_yaml, refuse_repeated
+from friction_parameters.values import declared, from_mapping, moved, unknown
+from friction_parameters.yaml_source import Entry, occurrences, read_yaml, refuse_repeated
 
 Parameters = TypeVar("Parameters")
 
 EVERY_NODE = "/**"
 _KEY = "ros__parameters"
+_ANY = ("*", "**")
 _ROS_OWN = ("use_sim_time", "start_type_description_service")
 _QOS = "qos_overrides."
 _ALIKE = 0.85
@@ -37,11 +38,24 @@ class NodeName:
 
     name: str
     namespace: str = "/"
+    remapped: bool = False
+    """Is it a name that the user gave? Then one like it may be that of a second node: friction_slope_fl and _fr."""
 
     @property
     def full(self) -> str:
         """Full name, such as /my_car/friction_slope."""
         return f"/{self.namespace.strip('/')}/{self.name}".replace("//", "/")
+
+
+@dataclass(frozen=True)
+class _Section:
+    """What a file holds below the name of a node."""
+
+    name: str
+    """With its namespace, from the root."""
+    entry: Entry
+    repeated: str = ""
+    """Says that its name, or a namespace of it, stands twice."""
 
 
 def is_ros_own(name: str) -> bool:
@@ -64,18 +78,30 @@ def file_values(cls: type, path: str | Path, node: NodeName) -> dict[str, Any]:
         OSError: the file cannot be read.
     """
     found: dict[str, Any] = {}
-    for name, entry in _sections(path, "", read_yaml(path)):
-        if name == EVERY_NODE:
-            found.update(_section_values(cls, path, name, entry, strict=False))
-        elif name.rpartition("/")[2] == node.name:
-            if not re.fullmatch(_pattern(name), node.full):
-                raise ParameterError(
-                    f"{path}: line {entry.line}: section '{name}' is not for the node {node.full}: "
-                    f"name it '/**/{node.name}' or '{node.full}'"
-                )
-            found.update(_section_values(cls, path, name, entry, strict=True))
-        elif _is_misspelt(name.rpartition("/")[2], node.name):
-            raise ParameterError(f"{path}: line {entry.line}: section '{name}': is '/**/{node.name}' meant?")
+    lines: dict[str, int] = {}
+    misspelt = ""
+    for section in _sections(node, "", "", read_yaml(path)):
+        where = f"{path}: line {section.entry.line}"
+        own = section.name.rpartition("/")[2]
+        if own not in (node.name, *_ANY):
+            if _is_misspelt(own, node.name):
+                misspelt = misspelt or f"{where}: section '{section.name}': is '/**/{node.name}' meant?"
+            continue
+        if not re.fullmatch(_pattern(section.name), node.full):
+            if own in _ANY:
+                continue
+            raise ParameterError(
+                f"{where}: section '{section.name}' is not for the node {node.full}: "
+                f"name it '/**/{node.name}' or '{node.full}'"
+            )
+        if section.repeated:
+            raise ParameterError(f"{path}: {section.repeated}")
+        if section.name in lines:
+            raise ParameterError(f"{where}: '{section.name}' stands here again, first in line {lines[section.name]}")
+        lines[section.name] = section.entry.line
+        found.update(_section_values(cls, path, section, strict=own not in _ANY))
+    if misspelt and not (node.remapped and any(name.endswith(f"/{node.name}") for name in lines)):
+        raise ParameterError(misspelt)
     return found
 
 
@@ -97,42 +123,62 @@ def load(cls: type[Parameters], path: str | Path, node: str) -> Parameters:
     return from_mapping(cls, {name: value for name, value in values.items() if not is_ros_own(name)})
 
 
-def _sections(path: str | Path, namespace: str, entries: dict[str, Entry]) -> Iterator[tuple[str, Entry]]:
-    """Names of nodes, with their namespaces, and what stands below each."""
-    for key, entry in entries.items():
-        name = f"{namespace}/{key.lstrip('/')}"
-        if isinstance(entry.value, dict) and not _is_section(entry.value):
-            yield from _sections(path, name, entry.value)
-        else:
-            yield name, entry
+def _sections(node: NodeName, namespace: str, repeated: str, entries: dict[str, Entry]) -> Iterator[_Section]:
+    """Sections of a file, however their namespaces are written, in its order."""
+    for key, last in entries.items():
+        name = f"{namespace}/{key.strip('/')}"
+        again = f"line {last.line}: '{key}' stands here again, first in line {next(occurrences(last)).line}"
+        for entry in occurrences(last):
+            twice = repeated or (again if last.before else "")
+            below = entry.value
+            meant = key.strip("/").rpartition("/")[2] in (node.name, *_ANY)
+            if isinstance(below, dict) and _KEY not in below and not (meant and not _holds_section(below)):
+                yield from _sections(node, name, twice, below)
+            else:
+                yield _Section(name, entry, twice)
 
 
-def _is_section(entries: dict[str, Entry]) -> bool:
-    return _KEY in entries or not all(isinstance(each.value, dict) for each in entries.values())
+def _holds_section(entries: dict[str, Entry]) -> bool:
+    return any(
+        isinstance(each.value, dict) and (_KEY in each.value or _holds_section(each.value)) for each in entries.values()
+    )
 
 
-def _section_values(cls: type, path: str | Path, section: str, entry: Entry, *, strict: bool) -> dict[str, Any]:
+def _section_values(cls: type, path: str | Path, section: _Section, *, strict: bool) -> dict[str, Any]:
     """Values of one section; a section that is not `strict` may hold what other nodes understand."""
-    refuse_repeated(path, section, entry)
-    entries = entry.value if isinstance(entry.value, dict) else {}
-    strangers = [key for key in entries if key != _KEY]
-    if (strict or strangers) and (strangers or _KEY not in entries):
-        raise ParameterError(f"{path}: line {entry.line}: section '{section}' must hold '{_KEY}' and nothing else")
-    if not isinstance(entries.get(_KEY, Entry(0, {})).value, dict):
-        raise ParameterError(f"{path}: line {entry.line}: '{_KEY}' of section '{section}' must hold names and values")
-    found = {}
+    refuse_repeated(path, section.name, section.entry)
+    entries = section.entry.value if isinstance(section.entry.value, dict) else {}
+    strangers = set(entries) - {_KEY}
+    if strangers or (strict and _KEY not in entries):
+        raise ParameterError(
+            f"{path}: line {section.entry.line}: section '{section.name}' must hold '{_KEY}' and nothing else"
+        )
+    values = entries[_KEY].value if entries else {}
+    if values is not None and not isinstance(values, dict):
+        raise ParameterError(f"{path}: line {entries[_KEY].line}: '{_KEY}' must hold names and values")
     known = declared(cls)
-    for name, each in _flat(entries[_KEY].value if entries else {}):
-        if is_ros_own(name):
-            found[name] = plain(each.value)
-        elif name in known:
-            try:
+    found: dict[str, Any] = {}
+    lines: dict[str, int] = {}
+    for name, each in _flat(values or {}):
+        if name in lines:
+            raise ParameterError(f"{path}: line {each.line}: '{name}' stands here again, first in line {lines[name]}")
+        lines[name] = each.line
+        try:
+            if is_ros_own(name):
+                found[name] = _ros_value(name, each.value)
+            elif name in known:
                 found[name] = checked(name, known[name].hint, known[name].limits, each.value)
-            except ParameterError as error:
-                raise ParameterError(f"{path}: line {each.line}: {error}") from error
-        elif strict or any(_is_misspelt(name, right) for right in known):
-            raise ParameterError(f"{path}: line {each.line}: {unknown(cls, name)}")
+            elif strict or moved(cls, name):
+                raise ParameterError(unknown(cls, name))
+        except ParameterError as error:
+            raise ParameterError(f"{path}: line {each.line}: {error}") from error
     return found
+
+
+def _ros_value(name: str, value: Any) -> Any:
+    if not isinstance(value, bool if name in _ROS_OWN else (bool, int, str)):
+        raise ParameterError(f"parameter '{name}' = {value!r} has the wrong type")
+    return value
 
 
 def _flat(entries: dict[str, Entry]) -> Iterator[tuple[str, Entry]]:
@@ -150,4 +196,10 @@ def _pattern(section: str) -> str:
 
 
 def _is_misspelt(found: str, right: str) -> bool:
-    return found != right and SequenceMatcher(None, found, right).ratio() >= _ALIKE
+    """Is one name nearly another? friction_slope_rear and friction_slope2 are not: they name a second node."""
+    if found != f"{right}_node" and re.fullmatch(re.escape(right) + "(_.*|[0-9]+)", found):
+        return False
+    letters = [re.sub("[^a-z0-9]", "", name.lower()) for name in (found, right, f"{right}_node")]
+    if letters[0] in letters[1:]:
+        return True
+    return 2 * abs(len(found) - len(right)) < len(right) and SequenceMatcher(None, found, right).ratio() >= _ALIKE

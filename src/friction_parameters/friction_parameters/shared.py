@@ -23,6 +23,4 @@ def minimum_speed(default: float) -> Any:
 
 def deadline(default: float = 0.05) -> Any:
     """Message time for which the primary input waits for the others [s]."""
-    return parameter(
-        default, "message time a sample waits for the other inputs", unit="s", minimum=0.001, maximum=1.0
-    )
+    return parameter(default, "message time a sample waits for the other inputs", unit="s", minimum=0.001, maximum=1.0)

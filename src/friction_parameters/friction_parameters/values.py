@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
-from functools import cache
 from typing import Any, TypeVar, get_type_hints
 
 from friction_parameters.parameter import ParameterError, checked
@@ -21,9 +20,10 @@ class Declared:
     default: Any
     limits: Mapping[str, Any]
     """What `parameter` was given: description, unit, minimum, maximum, choices, read_only."""
+    only: str = ""
+    """Says which methods it serves, if not all."""
 
 
-@cache
 def declared(cls: type) -> dict[str, Declared]:
     """Parameters of a dataclass and of the dataclasses it holds, by dotted name, in the order of declaration.
 
@@ -38,10 +38,16 @@ def declared(cls: type) -> dict[str, Declared]:
         if is_dataclass(hints[each.name]):
             for inner in declared(hints[each.name]).values():
                 name = f"{each.name}.{inner.name}"
-                found[name] = Declared(name, inner.hint, _value(each.default, inner.name), inner.limits)
+                only = ", ".join(filter(None, (only_with(each.metadata), inner.only)))
+                found[name] = Declared(name, inner.hint, _value(each.default, inner.name), inner.limits, only)
         else:
             found[each.name] = Declared(each.name, hints[each.name], each.default, each.metadata)
     return found
+
+
+def only_with(metadata: Mapping[str, Any]) -> str:
+    """Say which methods a group serves, from the metadata of its field; empty if all."""
+    return f"only with {metadata['selector']} {' or '.join(metadata['methods'])}" if metadata["selector"] else ""
 
 
 def values_of(parameters: Any) -> dict[str, Any]:
@@ -95,10 +101,15 @@ def flattened(values: Mapping[str, Any]) -> dict[str, Any]:
 
 def unknown(cls: type, name: str) -> str:
     """Say that a parameter is unknown: where it stands now, if it had the name once, or which there are."""
-    moved: Mapping[str, str] = getattr(cls, "MOVED", {})
-    if name in moved:
-        return f"parameter '{name}' is no more: {moved[name]}"
+    if place := moved(cls, name):
+        return f"parameter '{name}' is no more: {place}"
     return f"unknown parameter '{name}': known are {', '.join(declared(cls))}"
+
+
+def moved(cls: type, name: str) -> str:
+    """Where a parameter stands that once had this name; empty if none had. The class says so in MOVED."""
+    places: Mapping[str, str] = getattr(cls, "MOVED", {})
+    return places.get(name, "")
 
 
 def ignored(parameters: Any) -> list[str]:
@@ -109,7 +120,9 @@ def ignored(parameters: Any) -> list[str]:
         if not selector or getattr(parameters, selector) in methods:
             continue
         inner, default = getattr(parameters, each.name), each.default
-        names = [f"{each.name}.{name}" for name in declared(type(inner)) if _value(inner, name) != _value(default, name)]
+        names = [
+            f"{each.name}.{name}" for name in declared(type(inner)) if _value(inner, name) != _value(default, name)
+        ]
         if names:
             chosen = getattr(parameters, selector)
             lines.append(f"{', '.join(names)}: ignored, as '{selector}' is '{chosen}', not {' or '.join(methods)}")

@@ -1,6 +1,10 @@
-"""YAML that remembers its lines, and which keys stand twice."""
+"""YAML that remembers its lines and which keys stand twice; scalars mean what the parser of ROS makes of them.
+
+So a value in a file, behind `-p` and in a vehicle file is read alike. Aliases and tags are refused, as ROS does.
+"""
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,8 +13,18 @@ import yaml
 
 from friction_parameters.parameter import ParameterError
 
-_EXPONENT = re.compile(r"[-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]+")
-"""Floats such as 1e-4, which YAML 1.1 takes for texts and ROS for numbers."""
+_DEEPEST = 20
+_WORDS = {
+    **dict.fromkeys("true True TRUE yes Yes YES on On ON y Y".split(), True),
+    **dict.fromkeys("false False FALSE no No NO off Off OFF n N".split(), False),
+    **dict.fromkeys(("", "~", "null", "Null", "NULL")),
+    **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
+    **dict.fromkeys((".inf", ".Inf", ".INF", "+.inf", "+.Inf", "+.INF"), float("inf")),
+    **dict.fromkeys(("-.inf", "-.Inf", "-.INF"), float("-inf")),
+}
+_INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]{0,17})")
+_FLOAT = re.compile(r"[-+]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]+)?")
+_TAGS = {yaml.ScalarNode: "str", yaml.SequenceNode: "seq", yaml.MappingNode: "map"}
 
 
 @dataclass(frozen=True)
@@ -21,8 +35,8 @@ class Entry:
     """Of its key, from 1."""
     value: Any
     """A scalar, a list, or a dict of Entry."""
-    first_line: int = 0
-    """Line in which the same key stands before, 0 if it does not; the last of them counts."""
+    before: "Entry | None" = None
+    """What the same key holds further up, if it stands there too."""
 
 
 def read_yaml(path: str | Path) -> dict[str, Entry]:
@@ -33,14 +47,42 @@ def read_yaml(path: str | Path) -> dict[str, Entry]:
         OSError: it cannot be read.
     """
     try:
-        node = yaml.compose(Path(path).read_text(encoding="utf-8"), Loader=yaml.SafeLoader)
+        node = _node(Path(path).read_text(encoding="utf-8"))
         if node is None:
             return {}
         if not isinstance(node, yaml.MappingNode):
-            raise ParameterError(f"{path}: line {node.start_mark.line + 1}: a mapping is expected")
-        return _mapping(path, node)
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{path} is no YAML: {' '.join(str(error).split())}") from error
+            raise ParameterError(f"line {node.start_mark.line + 1}: a mapping is expected")
+        return _mapping(node, 0)
+    except UnicodeDecodeError as error:
+        raise ParameterError(f"{path}: no text in UTF-8: {error}") from error
+    except ParameterError as error:
+        raise ParameterError(f"{path}: {error}") from error
+
+
+def read_value(text: str) -> Any:
+    """Read a value as it stands behind `name:=` on a command line.
+
+    Raises:
+        ParameterError: it is no YAML.
+    """
+    node = _node(text)
+    return None if node is None else plain(_value(node, 0))
+
+
+def yaml_text(value: Any) -> str:
+    """Write a scalar, a list or a tuple as YAML in one line, which ROS and `read_value` read alike."""
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(yaml_text(each) for each in value)}]"
+    if isinstance(value, float):
+        if value != value or abs(value) == float("inf"):
+            return f"{value}".replace("inf", ".inf").replace("nan", ".nan")
+        mantissa, exponent, power = repr(value).partition("e")
+        return f"{mantissa if '.' in mantissa else mantissa + '.0'}{exponent}{power}"
+    if isinstance(value, str):
+        return yaml.safe_dump(value, default_style='"', width=float("inf")).strip()
+    return (
+        {True: "true", False: "false", None: "null"}[value] if value is None or isinstance(value, bool) else str(value)
+    )
 
 
 def plain(value: Any) -> Any:
@@ -50,37 +92,74 @@ def plain(value: Any) -> Any:
     return value
 
 
+def occurrences(entry: Entry) -> Iterator[Entry]:
+    """What a key holds, from the first place where it stands to the last."""
+    if entry.before is not None:
+        yield from occurrences(entry.before)
+    yield entry
+
+
 def refuse_repeated(path: str | Path, key: str, entry: Entry) -> None:
     """Refuse a key that stands twice: this one, or one below it.
 
     Raises:
         ParameterError: with both lines.
     """
-    if entry.first_line:
-        raise ParameterError(f"{path}: line {entry.line}: '{key}' stands here again, first in line {entry.first_line}")
+    if entry.before is not None:
+        raise ParameterError(f"{path}: line {entry.line}: '{key}' stands here again, first in line {entry.before.line}")
     if isinstance(entry.value, dict):
         for inner, below in entry.value.items():
             refuse_repeated(path, inner, below)
 
 
-def _mapping(path: str | Path, node: yaml.MappingNode) -> dict[str, Entry]:
+class _Loader(yaml.BaseLoader):
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        if self.check_event(yaml.AliasEvent):
+            raise yaml.composer.ComposerError(None, None, "an alias is not taken", self.peek_event().start_mark)
+        return super().compose_node(parent, index)
+
+
+def _node(text: str) -> yaml.Node | None:
+    try:
+        return yaml.compose(text, Loader=_Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        where = f"line {mark.line + 1}: " if mark else ""
+        raise ParameterError(f"{where}no YAML: {error.problem or error.context}") from error
+    except yaml.YAMLError as error:
+        raise ParameterError(f"no YAML: {error}") from error
+    except RecursionError:
+        raise ParameterError("nested too deep") from None
+
+
+def _mapping(node: yaml.MappingNode, depth: int) -> dict[str, Entry]:
     found: dict[str, Entry] = {}
     for key_node, value_node in node.value:
         line = key_node.start_mark.line + 1
         if not isinstance(key_node, yaml.ScalarNode):
-            raise ParameterError(f"{path}: line {line}: a key must be a text")
+            raise ParameterError(f"line {line}: a key must be a text")
         key = str(key_node.value)
-        first_line = found[key].line if key in found else 0
-        found[key] = Entry(line, _value(path, value_node), first_line)
+        found[key] = Entry(line, _value(value_node, depth + 1), found.get(key))
     return found
 
 
-def _value(path: str | Path, node: yaml.Node) -> Any:
+def _value(node: yaml.Node, depth: int) -> Any:
+    line = node.start_mark.line + 1
+    if node.tag != f"tag:yaml.org,2002:{_TAGS[type(node)]}":
+        raise ParameterError(f"line {line}: the tag '{node.tag}' is not taken")
+    if depth > _DEEPEST:
+        raise ParameterError(f"line {line}: nested too deep")
     if isinstance(node, yaml.MappingNode):
-        return _mapping(path, node)
+        return _mapping(node, depth)
     if isinstance(node, yaml.SequenceNode):
-        return [plain(_value(path, each)) for each in node.value]
-    if node.style is None and _EXPONENT.fullmatch(node.value):
-        return float(node.value)
-    loader = yaml.SafeLoader("")
-    return loader.construct_object(node)
+        return [plain(_value(each, depth + 1)) for each in node.value]
+    text = str(node.value)
+    return text if isinstance(node, yaml.ScalarNode) and node.style else _scalar(text)
+
+
+def _scalar(text: str) -> Any:
+    if text in _WORDS:
+        return _WORDS[text]
+    if _INTEGER.fullmatch(text):
+        return int(text)
+    return float(text) if _FLOAT.fullmatch(text) else text
