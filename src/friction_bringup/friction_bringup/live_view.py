@@ -141,7 +141,7 @@ class LiveView(Node):
         """Subscribe to topics of wheels as they appear, before the first sample comes."""
         for topic, _ in self.get_topic_names_and_types():
             wheel, _, name = topic.removeprefix(self.get_namespace()).strip("/").rpartition("/")
-            if name in TOPICS and topic not in self._listening and not wheel.startswith("truth/"):
+            if name in TOPICS and topic not in self._listening and "truth" not in wheel.split("/"):
                 self._listening.add(topic)
                 self.wheels.setdefault(wheel, WheelView())
                 self.wheels = dict(sorted(self.wheels.items()))
