@@ -13,11 +13,11 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from friction_evaluation.parts import PARTS, Row, part, plain
+from friction_evaluation.parts import PARTS, JudgingPart, Row, part, plain
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one part, print its table and write its rows."""
+    """Run one part, print its table and write its rows; return 1 where the part judges its rows and they fail."""
     parser = argparse.ArgumentParser(prog="python -m friction_evaluation", description=__doc__)
     parser.add_argument("part", choices=PARTS, help="; ".join(f"{name}: {text}" for name, text in PARTS.items()))
     name = parser.parse_args(list(arguments if arguments is not None else sys.argv[1:])[:1]).part
@@ -28,10 +28,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = own.parse_args(list(arguments if arguments is not None else sys.argv[1:])[1:])
     rows = list(chosen.run(options))
     print_rows(PARTS[name], rows)
+    judge = chosen if isinstance(chosen, JudgingPart) else None
     if options.json is not None:
         options.json.parent.mkdir(parents=True, exist_ok=True)
-        options.json.write_text(json.dumps([plain(row) for row in rows], indent=1) + "\n", encoding="utf-8")
-    return 0
+        written = [plain(row) for row in rows]
+        text = json.dumps({"rows": written} if judge is not None else written, indent=1)
+        options.json.write_text(text + "\n", encoding="utf-8")
+    return int(judge is not None and judge.failed(rows))
 
 
 def print_rows(title: str, rows: Sequence[Row]) -> None:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from importlib import import_module
 from math import isfinite
-from typing import Any, Protocol, cast
+from typing import Any, Protocol, cast, runtime_checkable
 
 Row = dict[str, Any]
 """One flat row of a result: names and numbers or texts."""
@@ -20,6 +20,7 @@ PARTS = {
     "smart_tyre": "Fz and Fx from the in-tyre accelerometer",
     "bags": "offline processing of bags: real-time factor, memory over length",
     "live": "the graph over DDS: lost samples, delay, agreement with the offline processors",
+    "checkouts": "the estimates of two built checkouts over every bag, compared field by field",
     "report": "every table and figure of the chapter beside its own numbers, as one page",
 }
 """Names and one-line descriptions."""
@@ -48,6 +49,14 @@ class Part(Protocol):
 
     def run(self, options: argparse.Namespace) -> Sequence[Row]:
         """Do it, with a progress bar, and return flat rows."""
+
+
+@runtime_checkable
+class JudgingPart(Part, Protocol):
+    """A part whose rows are right or wrong. Its JSON file holds them as `rows`."""
+
+    def failed(self, rows: Sequence[Row]) -> bool:
+        """Are they wrong?"""
 
 
 def part(name: str) -> Part:
