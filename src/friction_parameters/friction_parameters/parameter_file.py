@@ -77,10 +77,13 @@ def file_values(cls: type, path: str | Path, node: NodeName) -> dict[str, Any]:
             without matching its full name.
         OSError: the file cannot be read.
     """
+    entries = read_yaml(path)
+    if _KEY in entries:
+        raise ParameterError(f"{path}: line {entries[_KEY].line}: '{_KEY}' stands below no name of a node")
     found: dict[str, Any] = {}
     lines: dict[str, int] = {}
     misspelt = ""
-    for section in _sections(node, "", "", read_yaml(path)):
+    for section in _sections(node, "", "", entries):
         where = f"{path}: line {section.entry.line}"
         own = section.name.rpartition("/")[2]
         if own not in (node.name, *_ANY):

@@ -135,7 +135,7 @@ def _value(parameters: Any, name: str) -> Any:
     return parameters
 
 
-def _replaced(parameters: Parameters, values: Mapping[str, Any]) -> Parameters:
+def _replaced(parameters: Parameters, values: Mapping[str, Any], group: str = "") -> Parameters:
     own = {name: value for name, value in values.items() if "." not in name}
     inner: dict[str, dict[str, Any]] = {}
     for name, value in values.items():
@@ -144,9 +144,9 @@ def _replaced(parameters: Parameters, values: Mapping[str, Any]) -> Parameters:
             inner.setdefault(outer, {})[rest] = value
     for outer, changes in inner.items():
         try:
-            own[outer] = _replaced(getattr(parameters, outer), changes)
+            own[outer] = _replaced(getattr(parameters, outer), changes, f"{group}{outer}.")
         except ParameterError:
             raise
         except ValueError as error:
-            raise ParameterError(f"{outer}: {error}") from error
+            raise ParameterError(f"{group}{outer}: {error}") from error
     return replace(parameters, **own)  # type: ignore[type-var]
