@@ -18,6 +18,7 @@ from friction_runtime.processor import Output
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import SensorNoise
+from vehicle_models.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from vehicle_models.tyre_signal import TyreBlock
@@ -50,10 +51,10 @@ def topics(wheels: Sequence[str], vehicle_velocity: bool, brake_demand: bool, ty
     return given
 
 
-def wheel_states(stamp: Time, wheels: Sequence[str], measured: Measurement) -> JointState:
+def wheel_states(stamp: Time, joints: Sequence[str], measured: Measurement) -> JointState:
     """Make the wheel encoders' message."""
     return JointState(
-        header=Header(stamp=stamp), name=list(wheels), velocity=[float(speed) for speed in measured.wheel_speed]
+        header=Header(stamp=stamp), name=list(joints), velocity=[float(speed) for speed in measured.wheel_speed]
     )
 
 
@@ -62,11 +63,11 @@ def brake_pressure(stamp: Time, wheel: str, pressure: float, variance: float) ->
     return FluidPressure(header=Header(stamp=stamp, frame_id=wheel), fluid_pressure=pressure, variance=variance)
 
 
-def imu(stamp: Time, acceleration: float, variance: float) -> Imu:
-    """Make the accelerometer's message: x measured [m/s^2], no orientation and no rates (their covariance says so)."""
+def imu(stamp: Time, acceleration: float, variance: float, axis: str = "x") -> Imu:
+    """Make the message of an accelerometer: one axis [m/s^2], no orientation and no rates (the covariances say so)."""
     message = Imu(header=Header(stamp=stamp, frame_id=BASE_FRAME))
-    message.linear_acceleration.x = acceleration
-    message.linear_acceleration_covariance[0] = variance
+    setattr(message.linear_acceleration, axis, acceleration)
+    message.linear_acceleration_covariance[4 * "xyz".index(axis)] = variance
     message.orientation_covariance[0] = -1.0
     message.angular_velocity_covariance[0] = -1.0
     return message
@@ -86,23 +87,19 @@ def brake_demand(stamp_ns: int, pressure: float) -> BrakeDemand:
 
 
 def sensors(
-    stamp_ns: int,
-    wheels: Sequence[str],
-    measured: Measurement,
-    noise: SensorNoise,
-    brake_gain: Sequence[float],
-    acceleration_variance: float,
+    stamp_ns: int, vehicle: Vehicle, measured: Measurement, noise: SensorNoise, acceleration_variance: float
 ) -> list[Output]:
-    """Make the messages of all sensors for one sample: vehicle, wheels, then pressures."""
+    """Make the messages of all sensors of a vehicle for one sample: vehicle, wheels, then pressures."""
     stamp = from_nanoseconds(stamp_ns)
     outputs: list[Output] = [
         ("vehicle_velocity", velocity(stamp, measured.speed, noise.speed_variance)),
-        ("imu/data", imu(stamp, measured.acceleration, acceleration_variance)),
+        ("imu/data", imu(stamp, measured.acceleration, acceleration_variance, vehicle.accelerometer.axis)),
     ]
-    for wheel, pressure, gain in zip(wheels, measured.brake_pressure, brake_gain, strict=True):
-        variance = noise.torque_variance / gain**2
-        outputs.append((f"{wheel}/brake_pressure", brake_pressure(stamp, wheel, float(pressure), variance)))
-    outputs.append(("wheel_states", wheel_states(stamp, wheels, measured)))
+    for wheel, pressure in zip(vehicle.wheels, measured.brake_pressure, strict=True):
+        variance = noise.torque_variance / wheel.brake_gain**2
+        message = brake_pressure(stamp, wheel.name, float(pressure), variance)
+        outputs.append((f"{wheel.name}/brake_pressure", message))
+    outputs.append(("wheel_states", wheel_states(stamp, vehicle.joints, measured)))
     return outputs
 
 

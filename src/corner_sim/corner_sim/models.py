@@ -1,44 +1,47 @@
 """The vehicle models to choose from: the parameter `model`."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
-from corner_sim.parameters import SimParameters
-from corner_sim.vehicle import JoinedCorners, Vehicle
-from vehicle_models.single_corner import CornerParameters
-from vehicle_models.two_axle import CarParameters, TwoAxleCar
+from corner_sim.vehicle_model import JoinedCorners, VehicleModel
+from vehicle_models.two_axle import TwoAxleCar, four_wheels, peak_torque
+from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
+_TWO_AXLE = "two_axle"
 
-def build_vehicle(p: SimParameters) -> Vehicle:
-    """Make the vehicle in its first state.
+
+def in_order(model: str, vehicle: Vehicle) -> Vehicle:
+    """Return the vehicle with its wheels in the order of the model's arrays.
 
     Raises:
-        ValueError: the parameters make no vehicle.
+        ValueError: the model needs other wheels.
     """
-    if p.model == "two_axle":
-        car = CarParameters(
-            mass=4.0 * p.mass,
-            radius=p.radius,
-            inertia=p.inertia,
-            wheelbase=p.wheelbase,
-            height=p.height,
-            front_share=p.front_share,
-            drag_area=p.drag_area,
-            rolling_resistance=p.rolling_resistance,
-        )
-        return Car(car, p.initial_speed)
-    return JoinedCorners(len(p.wheels), CornerParameters(p.radius, p.inertia, p.mass), p.initial_speed)
+    if model != _TWO_AXLE:
+        return vehicle
+    try:
+        return replace(vehicle, wheels=four_wheels(vehicle))
+    except ValueError as error:
+        raise ValueError(f"parameter 'model' = '{model}': {error}") from error
+
+
+def build_model(model: str, vehicle: Vehicle, speed: float) -> VehicleModel:
+    """Make the model of a vehicle `in_order`, rolling freely at `speed` [m/s]."""
+    if model == _TWO_AXLE:
+        return Car(vehicle, speed)
+    return JoinedCorners([vehicle.corner(name) for name in vehicle.wheel_names], speed)
 
 
 class Car:
     """One car of vehicle_models.two_axle, in neutral; its brake lines are the plant's."""
 
-    def __init__(self, parameters: CarParameters, speed: float) -> None:
+    def __init__(self, vehicle: Vehicle, speed: float) -> None:
         """Start free rolling at `speed` [m/s]."""
-        self._parameters = parameters
-        self._car = TwoAxleCar(parameters, [speed])
+        self._vehicle = vehicle
+        self._car = TwoAxleCar(vehicle, [speed])
 
     @property
     def speed(self) -> float:
@@ -48,7 +51,7 @@ class Car:
     @property
     def distance(self) -> Array:
         """Distance of each wheel from where the front axle started [m], shape (4,)."""
-        behind = self._parameters.wheelbase
+        behind = self._vehicle.wheelbase
         return self._car.distance[0] - np.array([0.0, 0.0, behind, behind])
 
     @property
@@ -64,16 +67,16 @@ class Car:
     @property
     def radius(self) -> Array:
         """Radii [m], shape (4,)."""
-        return np.full(4, self._parameters.radius)
+        return self._car.radius
 
     @property
     def inertia(self) -> Array:
         """Wheel inertias [kg m^2], shape (4,)."""
-        return np.full(4, self._parameters.inertia)
+        return self._car.inertia
 
     def peak_torque(self, theta: Array) -> float:
-        """Brake torque [N m] that holds a front wheel at the peak while all wheels are there."""
-        return float(self._parameters.peak_torque(theta)[0])
+        """Brake torque [N m] that holds the front left wheel at the peak while all wheels are there."""
+        return float(peak_torque(self._vehicle, theta)[0])
 
     def vertical_load(self, theta: Array) -> Array:
         """Loads [N], shape (4,), with what the present acceleration moves to the front."""

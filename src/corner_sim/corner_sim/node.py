@@ -20,12 +20,15 @@ from corner_sim.pace import Pace
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME
 from corner_sim.simulation import Simulation
+from friction_parameters.parameter import ParameterError
 from friction_runtime import qos
-from friction_runtime.parameters import ParameterError, declare
+from friction_runtime.node_parameters import declare
 from friction_runtime.processor import Level
 from friction_runtime.spin import run
 from friction_runtime.stamps import from_nanoseconds
+from vehicle_models.vehicle_file import load_vehicle
 
+_NAME = "corner_sim"
 _DIAGNOSTICS_PERIOD = 1.0
 """[s]"""
 _LINGER = Duration(seconds=0.5)
@@ -49,16 +52,17 @@ class CornerSimNode(Node):
         """Declare parameters, build the run, connect.
 
         Raises:
-            ParameterError: a parameter is bad.
+            ParameterError: a parameter or the vehicle file is bad.
         """
-        super().__init__("corner_sim")
+        super().__init__(_NAME)
         self.exit_code = 0
         """Exit code for the process: 1 when a time-out ended it."""
         self._requested = declare(self, SimParameters, self._check)
         p = self._requested
+        self._vehicle = load_vehicle(p.vehicle_file)
         self._start_stamp = p.start_stamp or Clock().now().nanoseconds
         try:
-            self._simulation = Simulation(p, self._start_stamp)
+            self._simulation = Simulation(p, self._vehicle, self._start_stamp)
         except ValueError as error:
             raise ParameterError(str(error)) from error
         self._in_force = p
@@ -71,13 +75,14 @@ class CornerSimNode(Node):
         self._settled_at = 0.0
         self._shift_reported = 0.0
         self._phase = Phase.WAITING_FOR_SUBSCRIBERS if p.autostart else Phase.WAITING_FOR_START
-        given = messages.topics(p.wheels, p.vehicle_velocity, p.demand_source == "profile", p.tyre_signals)
+        wheels = self._vehicle.wheel_names
+        given = messages.topics(wheels, p.vehicle_velocity, p.demand_source == "profile", p.tyre_signals)
         self._outputs = {topic: qos.publish(self, kind, topic) for topic, kind in given.items()}
         self._clock_output = qos.publish(self, ClockMessage, "/clock") if p.publish_clock else None
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._command_inputs = {
             topic: qos.subscribe(self, BrakeCommand, topic, partial(self._on_command, wheel), qos.ESTIMATE)
-            for wheel, topic in ((wheel, f"{wheel}/brake_command") for wheel in p.wheels)
+            for wheel, topic in ((wheel, f"{wheel}/brake_command") for wheel in wheels)
         }
         if p.demand_source == "topic":
             qos.subscribe(self, BrakeDemand, "brake_demand", self._on_demand, qos.ESTIMATE)
@@ -89,7 +94,7 @@ class CornerSimNode(Node):
 
     def _check(self, parameters: SimParameters) -> None:
         """Refuse changes that make no run; keep the others for the next reset."""
-        Simulation(parameters, self._start_stamp)
+        Simulation(parameters, self._vehicle, self._start_stamp)
         self._requested = parameters
         self.get_logger().info("parameters changed: they take effect at the next ~/reset")
 
@@ -195,7 +200,7 @@ class CornerSimNode(Node):
 
     def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._in_force = self._requested
-        self._simulation = Simulation(self._in_force, self._start_stamp)
+        self._simulation = Simulation(self._in_force, self._vehicle, self._start_stamp)
         self._published = False
         self._failure = None
         if self._in_force.autostart:
@@ -249,5 +254,5 @@ def main(args: Sequence[str] | None = None) -> int:
         made.append(CornerSimNode())
         return made[0]
 
-    code = run(make, args)
+    code = run(_NAME, SimParameters, make, args)
     return code or (made[0].exit_code if made else 0)

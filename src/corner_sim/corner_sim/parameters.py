@@ -1,35 +1,26 @@
 """Parameters of the plant."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
-from friction_runtime.parameters import check_wheels, parameter
+from friction_parameters.generated import ShippedFile
+from friction_parameters.parameter import group, parameter
+from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.surfaces import SURFACES
+from vehicle_models.vehicle_file import moved, vehicle_file_parameter
 
 
 @dataclass(frozen=True)
 class SimParameters:
-    """Every parameter of the node; see config/corner_sim.yaml."""
+    """Every parameter of the node, with unit and range. The car is in the vehicle file."""
 
-    wheels: tuple[str, ...] = parameter(("front_left",), "names of the wheels", read_only=True)
+    vehicle_file: str = vehicle_file_parameter("chapter_corner")
     model: str = parameter(
         "single_corner",
-        "vehicle: equal corners that share one body, or a car whose load moves between its axles",
+        "vehicle model: corners that share one body, or a car whose load moves between its axles",
         choices=("single_corner", "two_axle"),
         read_only=True,
-    )
-    radius: float = parameter(0.3, "effective rolling radius", unit="m", minimum=0.05, maximum=2.0)
-    inertia: float = parameter(1.0, "wheel inertia", unit="kg m^2", minimum=0.01, maximum=100.0)
-    mass: float = parameter(225.0, "mass a wheel: a car has four times that", unit="kg", minimum=1.0, maximum=1e5)
-    wheelbase: float = parameter(2.7, "of the car (two_axle)", unit="m", minimum=0.5, maximum=20.0)
-    height: float = parameter(0.5, "of the car's centre of gravity (two_axle)", unit="m", minimum=0.0, maximum=5.0)
-    front_share: float = parameter(
-        0.5, "share of the weight on the front axle at rest (two_axle)", minimum=0.05, maximum=0.95
-    )
-    drag_area: float = parameter(
-        0.65, "drag coefficient times frontal area (two_axle)", unit="m^2", minimum=0.0, maximum=20.0
-    )
-    rolling_resistance: float = parameter(
-        0.012, "coefficient of rolling resistance (two_axle)", minimum=0.0, maximum=0.5
     )
     initial_speed: float = parameter(30.0, "speed at the start, rolling freely", unit="m/s", minimum=0.0, maximum=150.0)
 
@@ -55,12 +46,7 @@ class SimParameters:
     demand_hold: float = parameter(1000.0, "time at the full demand", unit="s", minimum=0.0, maximum=1e5)
     demand_release: float = parameter(0.0, "time back to none, 0: a step", unit="s", minimum=0.0, maximum=1e5)
 
-    brake_gain: tuple[float, ...] = parameter(
-        (1e-4,), "k of T_b = k p, one value or one a wheel", unit="N m/Pa", minimum=1e-9, maximum=1.0
-    )
-    actuator_delay: float = parameter(0.01, "transport delay of the hydraulics", unit="s", minimum=0.0, maximum=1.0)
-    apply_rate: float = parameter(5000.0, "fastest rise of brake torque", unit="N m/s", minimum=1.0, maximum=1e7)
-    release_rate: float = parameter(5000.0, "fastest fall of brake torque", unit="N m/s", minimum=1.0, maximum=1e7)
+    actuator: ActuatorParameters = group(ActuatorParameters())
     command_timeout: float = parameter(
         0.1, "a brake_command older than this (message time) counts as NONE", unit="s", minimum=0.005, maximum=10.0
     )
@@ -70,7 +56,11 @@ class SimParameters:
         0.0, "noise of the accelerometer (the chapter gives none)", unit="m^2/s^4", minimum=0.0, maximum=100.0
     )
     acceleration_offset: float = parameter(
-        0.0, "constant error of the accelerometer", unit="m/s^2", minimum=-10.0, maximum=10.0
+        0.0,
+        "constant error of the accelerometer that nobody knows; a known one stands in the vehicle file",
+        unit="m/s^2",
+        minimum=-10.0,
+        maximum=10.0,
     )
     seed: int = parameter(0, "seed of the noise", minimum=0, maximum=2**31 - 1)
 
@@ -118,17 +108,36 @@ class SimParameters:
     )
     exit_when_done: bool = parameter(False, "leave with exit code 0 when the run has ended", read_only=True)
 
+    MOVED: ClassVar[Mapping[str, str]] = {
+        "wheels": "they are the wheels of the vehicle file (parameter 'vehicle_file')",
+        "radius": moved("radius"),
+        "inertia": moved("inertia"),
+        "mass": f"{moved('mass')}: of the whole car, not of a wheel",
+        "wheelbase": moved("wheelbase"),
+        "height": moved("centre_of_gravity_height"),
+        "front_share": moved("front_load_share"),
+        "drag_area": moved("drag_area"),
+        "rolling_resistance": moved("rolling_resistance"),
+        "brake_gain": moved("brake_gain"),
+        "actuator_delay": "it is 'actuator.delay'",
+        "apply_rate": "it is 'actuator.apply_rate'",
+        "release_rate": "it is 'actuator.release_rate'",
+    }
+
     def __post_init__(self) -> None:
         """Refuse combinations that make no run.
 
         Raises:
             ValueError: what does not fit, by name.
         """
-        check_wheels(self.wheels)
-        if self.model == "two_axle" and len(self.wheels) != 4:
-            raise ValueError(
-                "parameter 'wheels' must name the four wheels of model two_axle, in the order front left, front right, "
-                f"rear left, rear right: {list(self.wheels)}"
-            )
         if self.real_time_factor == 0.0 and not self.lock_step:
             raise ValueError("parameter 'real_time_factor' = 0 needs lock_step: nothing else would hold the plant back")
+
+
+SHIPPED: Mapping[str, ShippedFile] = {
+    "corner_sim": ShippedFile(
+        "The plant: the single corner of section 8.3.2 under a panic stop on a dry road.\n"
+        "What is not marked 'start only' may be set live; it takes effect at the next ~/reset.",
+        SimParameters(),
+    ),
+}

@@ -1,14 +1,16 @@
 """The plant: vehicle, brake lines and road, advanced one sample at a time; no middleware and no clock."""
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from corner_sim.road import Road
-from corner_sim.vehicle import Vehicle
+from corner_sim.vehicle_model import VehicleModel
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
+from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
@@ -36,6 +38,8 @@ class PlantSample:
     """[rad/s]"""
     brake_torque: Array
     """[N m]"""
+    pressure_torque: Array
+    """What the pressure signals show: the brake torque of their delay earlier [N m]."""
     slip: Array
     """[-], braking positive."""
     slip_rate: Array
@@ -57,47 +61,51 @@ class PlantSample:
 class Plant:
     """A vehicle with one brake line per wheel on a road."""
 
-    def __init__(self, vehicle: Vehicle, road: Road, actuator: ActuatorParameters, brake_gain: Array) -> None:
+    def __init__(self, model: VehicleModel, road: Road, actuator: ActuatorParameters, vehicle: Vehicle) -> None:
         """Put the vehicle at the begin of the road, brakes released.
 
         Args:
-            vehicle: in its first state; the plant moves it.
+            model: of the vehicle, in its first state; the plant moves it.
             road: the surfaces.
             actuator: delay and rate limits of the hydraulics.
-            brake_gain: k of T_b = k p (1.1) [N m/Pa], one per wheel, > 0.
+            vehicle: brakes, drag of the engine and delay of the pressure signals; wheels in the order of the model.
 
         Raises:
-            ValueError: brake_gain does not have one positive value per wheel.
+            ValueError: the model has not as many wheels as the vehicle.
         """
         self._road = road
-        self._brake_gain = np.asarray(brake_gain, dtype=np.float64)
-        self._vehicle = vehicle
-        count = self._vehicle.wheel_speed.size
-        if self._brake_gain.shape != (count,) or not np.all(self._brake_gain > 0.0):
-            raise ValueError(f"brake_gain must hold {count} values > 0, is {self._brake_gain.tolist()}")
+        self._model = model
+        count = len(vehicle.wheels)
+        if model.wheel_speed.shape != (count,):
+            raise ValueError(f"the model has {model.wheel_speed.size} wheels, '{vehicle.name}' has {count}")
+        self._brake_gain = np.array([wheel.brake_gain for wheel in vehicle.wheels])
+        self._engine_drag = np.array([vehicle.engine_drag_torque * wheel.driven for wheel in vehicle.wheels])
         self._actuator = BrakeActuator(count, SAMPLE_TIME, actuator)
+        self._pressure_lag = vehicle.brake_pressure_delay / SAMPLE_TIME
+        self._past_torques = deque([self._actuator.torque], maxlen=int(self._pressure_lag) + 2)
         self._index = 0
 
     def sample(self) -> PlantSample:
         """Return the true state now."""
-        vehicle = self._vehicle
-        surface = self._road.index(vehicle.distance)
-        theta = self._road.theta(vehicle.distance)
-        slip = vehicle.slip
-        acceleration = vehicle.acceleration(theta)
+        model = self._model
+        surface = self._road.index(model.distance)
+        theta = self._road.theta(model.distance)
+        slip = model.slip
+        acceleration = model.acceleration(theta)
         slip_rate = np.full_like(slip, np.nan)
-        if vehicle.speed > SLIP_MIN_SPEED:
-            wheel_acceleration = vehicle.wheel_acceleration(theta, self._actuator.torque)
-            slip_rate = ((1.0 - slip) * acceleration - vehicle.radius * wheel_acceleration) / vehicle.speed
+        if model.speed > SLIP_MIN_SPEED:
+            wheel_acceleration = model.wheel_acceleration(theta, self._actuator.torque + self._engine_drag)
+            slip_rate = ((1.0 - slip) * acceleration - model.radius * wheel_acceleration) / model.speed
         slope = burckhardt.slope(theta, slip)
-        vertical_load = vehicle.vertical_load(theta)
+        vertical_load = model.vertical_load(theta)
         return PlantSample(
             index=self._index,
-            speed=vehicle.speed,
+            speed=model.speed,
             acceleration=acceleration,
-            distance=float(vehicle.distance[0]),
-            wheel_speed=vehicle.wheel_speed.copy(),
+            distance=float(model.distance[0]),
+            wheel_speed=model.wheel_speed.copy(),
             brake_torque=self._actuator.torque.copy(),
+            pressure_torque=self._pressure_torque(),
             slip=slip,
             slip_rate=slip_rate,
             theta=theta,
@@ -105,7 +113,7 @@ class Plant:
             vertical_load=vertical_load,
             friction=burckhardt.friction(theta, slip),
             slope=slope,
-            h=vehicle.radius * vertical_load / vehicle.inertia * slope * slip_rate,
+            h=model.radius * vertical_load / model.inertia * slope * slip_rate,
         )
 
     def advance(self, demand_pressure: ArrayLike, command: ArrayLike) -> None:
@@ -115,8 +123,17 @@ class Plant:
             demand_pressure: line pressure the driver asks for [Pa], scalar or shape (n,).
             command: vehicle_models.brake_actuator.Command for each wheel, scalar or shape (n,).
         """
-        vehicle = self._vehicle
+        model = self._model
         begin = self._actuator.torque
         end = self._actuator.step(self._brake_gain * np.asarray(demand_pressure, dtype=np.float64), command)
-        vehicle.step(begin, end, self._road.theta(vehicle.distance), SAMPLE_TIME)
+        theta = self._road.theta(model.distance)
+        model.step(begin + self._engine_drag, end + self._engine_drag, theta, SAMPLE_TIME)
+        self._past_torques.appendleft(end)
         self._index += 1
+
+    def _pressure_torque(self) -> Array:
+        """Brake torque of the delay earlier, linear between samples; the brakes were released before the first."""
+        past = self._past_torques
+        whole = int(self._pressure_lag)
+        newer, older = (past[min(place, len(past) - 1)] for place in (whole, whole + 1))
+        return newer + (self._pressure_lag - whole) * (older - newer)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from corner_sim.plant import PlantSample
 from vehicle_models.sensor_noise import SensorNoise
+from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
@@ -22,28 +23,29 @@ class Measurement:
     speed: float
     """Vehicle speed [m/s]."""
     acceleration: float
-    """Longitudinal acceleration [m/s^2], forward positive."""
+    """Of the accelerometer's axis along the car [m/s^2]."""
 
 
 class Sensors:
     """Sensors of n wheels; each kind draws from its own stream, so that one does not shift the others."""
 
     def __init__(
-        self, noise: SensorNoise, acceleration_variance: float, acceleration_offset: float, brake_gain: Array, seed: int
+        self, noise: SensorNoise, acceleration_variance: float, acceleration_offset: float, vehicle: Vehicle, seed: int
     ) -> None:
         """Seed the sensors.
 
         Args:
             noise: variances of wheel speed, vehicle speed and torque (section 8.3.2).
             acceleration_variance: of the accelerometer [m^2/s^4], >= 0.
-            acceleration_offset: constant error of the accelerometer [m/s^2].
-            brake_gain: k of T_b = k p (1.1) [N m/Pa], shape (n,).
+            acceleration_offset: constant error of the accelerometer beside what the vehicle says of it [m/s^2].
+            vehicle: its brakes and the mounting of its accelerometer; wheels in the order of the samples.
             seed: same seed, same noise.
         """
         self._noise = noise
         self._acceleration_stddev = float(np.sqrt(acceleration_variance))
         self._acceleration_offset = acceleration_offset
-        self._brake_gain = brake_gain
+        self._accelerometer = vehicle.accelerometer
+        self._brake_gain = np.array([wheel.brake_gain for wheel in vehicle.wheels])
         streams = (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(4))
         self._wheel_speed, self._torque, self._speed, self._acceleration = streams
 
@@ -55,9 +57,9 @@ class Sensors:
         return Measurement(
             wheel_speed=sample.wheel_speed
             + np.sqrt(noise.wheel_speed_variance) * self._wheel_speed.standard_normal(count),
-            brake_pressure=(sample.brake_torque + torque_error) / self._brake_gain,
+            brake_pressure=(sample.pressure_torque + torque_error) / self._brake_gain,
             speed=sample.speed + float(np.sqrt(noise.speed_variance) * self._speed.standard_normal()),
-            acceleration=sample.acceleration
+            acceleration=self._accelerometer.reading(sample.acceleration)
             + self._acceleration_offset
             + self._acceleration_stddev * float(self._acceleration.standard_normal()),
         )

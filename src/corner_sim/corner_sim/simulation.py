@@ -3,22 +3,20 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
 from friction_msgs.msg import BrakeCommand, BrakeDemand
 
 from corner_sim import messages
 from corner_sim.commands import CommandInbox, DemandInbox
 from corner_sim.driver import DriverProfile
-from corner_sim.models import build_vehicle
+from corner_sim.models import build_model, in_order
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant
 from corner_sim.road import Road
 from corner_sim.sensors import Sensors
 from corner_sim.slope_truth import SlopeCrossings
-from friction_runtime.parameters import per_wheel
 from friction_runtime.processor import Output
-from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
+from vehicle_models.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from corner_sim.tyre_signals import TyreSensors
@@ -28,34 +26,29 @@ if TYPE_CHECKING:
 class Simulation:
     """A run from the first sample on. `messages` gives the present sample, `advance` goes to the next."""
 
-    def __init__(self, parameters: SimParameters, start_stamp: int) -> None:
+    def __init__(self, parameters: SimParameters, vehicle: Vehicle, start_stamp: int) -> None:
         """Build the run.
 
         Args:
             parameters: of the run.
+            vehicle: the car; the model two_axle takes its wheels front left, front right, rear left, rear right.
             start_stamp: stamp of the first sample [ns], > 0.
 
         Raises:
-            ValueError: parameters do not fit each other, by name.
+            ValueError: parameters and vehicle do not fit each other, by name.
         """
         self._parameters = parameters
         self._start_stamp = start_stamp
-        wheels = parameters.wheels
-        gains = per_wheel("brake_gain", parameters.brake_gain, wheels)
-        self._brake_gain = np.array([gains[wheel] for wheel in wheels])
-        vehicle = build_vehicle(parameters)
+        self._vehicle = vehicle = in_order(parameters.model, vehicle)
+        wheels = vehicle.wheel_names
+        model = build_model(parameters.model, vehicle, parameters.initial_speed)
         road = Road(parameters.surfaces, parameters.surface_distances)
-        self._plant = Plant(
-            vehicle,
-            road,
-            ActuatorParameters(parameters.actuator_delay, parameters.apply_rate, parameters.release_rate),
-            self._brake_gain,
-        )
+        self._plant = Plant(model, road, parameters.actuator, vehicle)
         level = parameters.demand_level
         if parameters.demand_unit == "peak_ratio":
-            level *= vehicle.peak_torque(road.theta(0.0))
+            level *= model.peak_torque(road.theta(0.0))
         self._driver = DriverProfile(
-            level / gains[wheels[0]],
+            level / vehicle.wheels[0].brake_gain,
             parameters.demand_start,
             parameters.demand_rise,
             parameters.demand_hold,
@@ -63,17 +56,13 @@ class Simulation:
         )
         self._noise = CHAPTER_NOISE if parameters.noise == "chapter" else NO_NOISE
         self._sensors = Sensors(
-            self._noise,
-            parameters.acceleration_variance,
-            parameters.acceleration_offset,
-            self._brake_gain,
-            parameters.seed,
+            self._noise, parameters.acceleration_variance, parameters.acceleration_offset, vehicle, parameters.seed
         )
         self._demand = DemandInbox(wheels)
         self._commands = CommandInbox(wheels, parameters.command_timeout)
         self._crossings = SlopeCrossings(len(wheels))
         self._profile_in_force = parameters.demand_source == "profile"
-        self._tyre_sensors = _tyre_sensors(parameters)
+        self._tyre_sensors = _tyre_sensors(parameters, vehicle)
         self._sample = self._plant.sample()
         self._blocks: list[TyreBlock] = []
         self._crossings.update(self._sample, self.stamp)
@@ -125,21 +114,16 @@ class Simulation:
 
     def messages(self) -> Sequence[Output]:
         """Measure the present sample and make all its messages. Call it once a sample: each call draws noise."""
-        p = self._parameters
-        outputs = messages.truth(self.stamp, p.wheels, self._sample, self._crossings)
+        p, wheels = self._parameters, self._vehicle.wheel_names
+        outputs = messages.truth(self.stamp, wheels, self._sample, self._crossings)
         if self._profile_in_force:
             outputs.append(("brake_demand", messages.brake_demand(self.stamp, self._driver.demand(self.time))))
         outputs += messages.sensors(
-            self.stamp,
-            p.wheels,
-            self._sensors.measure(self._sample),
-            self._noise,
-            self._brake_gain.tolist(),
-            p.acceleration_variance,
+            self.stamp, self._vehicle, self._sensors.measure(self._sample), self._noise, p.acceleration_variance
         )
         if self._blocks:
             block_stamp = self.stamp - SAMPLE_TIME_NS
-            outputs += messages.tyre_signals(block_stamp, p.wheels, self._blocks, p.inflation_pressure)
+            outputs += messages.tyre_signals(block_stamp, wheels, self._blocks, p.inflation_pressure)
         return [output for output in outputs if p.vehicle_velocity or output[0] != "vehicle_velocity"]
 
     def take_command(self, wheel: str, message: BrakeCommand) -> str | None:
@@ -160,10 +144,10 @@ class Simulation:
         self._crossings.update(self._sample, self.stamp)
 
 
-def _tyre_sensors(p: SimParameters) -> "TyreSensors | None":
+def _tyre_sensors(p: SimParameters, vehicle: Vehicle) -> "TyreSensors | None":
     if not p.tyre_signals:
         return None
     # here, because scipy.signal behind it takes a second to load
     from corner_sim.tyre_signals import TyreSensors
 
-    return TyreSensors(len(p.wheels), p.noise != "none", p.inflation_pressure, p.seed)
+    return TyreSensors(vehicle, p.noise != "none", p.inflation_pressure, p.seed)

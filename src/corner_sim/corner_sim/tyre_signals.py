@@ -1,4 +1,9 @@
-"""The smart tyres of the plant: encoder voltage and in-tyre acceleration at 10 kHz, in blocks of one sample time."""
+"""The smart tyres of the plant: encoder voltage and in-tyre acceleration at 10 kHz, in blocks of one sample time.
+
+The tyres are those of section 8.4 on any car; the encoders are those of the car's wheels.
+"""
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +13,7 @@ from corner_sim.plant import SAMPLE_TIME, PlantSample
 from vehicle_models.encoder import EncoderParameters
 from vehicle_models.tyre_ring import TyreRing
 from vehicle_models.tyre_signal import AccelerometerParameters, TyreBlock, TyreSignalSource
+from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
@@ -18,26 +24,27 @@ _SMALLEST_LOAD = 1.0
 class TyreSensors:
     """One instrumented tyre per wheel."""
 
-    def __init__(self, count: int, noise: bool, inflation_pressure: float, seed: int) -> None:
+    def __init__(self, vehicle: Vehicle, noise: bool, inflation_pressure: float, seed: int) -> None:
         """Mount the sensors.
 
         Args:
-            count: wheels.
+            vehicle: whose wheels these are.
             noise: with the imperfections of the sensors, or ideal.
             inflation_pressure: gauge [Pa].
             seed: of noise and starting angles; teeth and mounting belong to the wheel and do not change with it.
         """
+        encoder = EncoderParameters() if noise else EncoderParameters.ideal()
         self._sources = [
             TyreSignalSource(
                 TyreRing(),
                 AccelerometerParameters() if noise else AccelerometerParameters.ideal(),
-                EncoderParameters() if noise else EncoderParameters.ideal(),
-                wheel_seed=wheel,
-                noise_seed=seed * 1000 + wheel,
+                replace(encoder, teeth=wheel.encoder_teeth),
+                wheel_seed=number,
+                noise_seed=seed * 1000 + number,
                 pressure=inflation_pressure,
                 sample_rate=TYRE_SAMPLE_RATE,
             )
-            for wheel in range(count)
+            for number, wheel in enumerate(vehicle.wheels)
         ]
         self._within = np.arange(round(SAMPLE_TIME * TYRE_SAMPLE_RATE)) / (SAMPLE_TIME * TYRE_SAMPLE_RATE)
 

@@ -5,11 +5,12 @@ import signal
 import subprocess
 import time
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
-from friction_msgs.msg import BrakeCommand
+from friction_msgs.msg import BrakeCommand, WheelSlip
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue, SetParametersResult
 from rcl_interfaces.srv import SetParameters
 from rosgraph_msgs.msg import Clock
@@ -23,6 +24,7 @@ from dds_client import DdsClient, dds_client, stop
 from friction_bags.cdr import encode
 from friction_runtime import qos
 from friction_runtime.stamps import to_nanoseconds
+from vehicle_models.vehicle_file import load_vehicle
 
 DOMAIN = 10 + os.getpid() % 10
 START = 1_000_000_000
@@ -95,9 +97,9 @@ def test_every_topic_comes_at_200_hz_with_the_stamps_of_the_schedule(client: Dds
 
 def test_what_goes_over_dds_is_the_simulation_bit_for_bit(client: DdsClient) -> None:
     found = record(client)
-    start(client, end_time=1.0, seed=5, demand_start=0.2, wheels="[front_left]", exit_when_done="true")
+    start(client, end_time=1.0, seed=5, demand_start=0.2, vehicle_file="chapter_corner", exit_when_done="true")
     client.until(lambda: all(len(received) >= 201 for received in found.values()))
-    simulation = Simulation(SimParameters(seed=5, demand_start=0.2), START)
+    simulation = Simulation(SimParameters(seed=5, demand_start=0.2), load_vehicle("chapter_corner"), START)
     for k in range(201):
         for topic, message in simulation.messages():
             assert encode(found[topic][k]) == encode(message), (topic, k)
@@ -191,11 +193,11 @@ def test_a_bad_value_is_refused_live_by_name_and_the_plant_goes_on(client: DdsCl
     start(client)
     client.until(lambda: len(found["wheel_states"]) > 5)
     for name, value in {
-        "mass": ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=-1.0),
+        "initial_speed": ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=-1.0),
+        "actuator.apply_rate": ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=0.0),
         "surfaces": ParameterValue(type=ParameterType.PARAMETER_STRING_ARRAY, string_array_value=["ice"]),
         "surface_distances": ParameterValue(type=ParameterType.PARAMETER_DOUBLE_ARRAY, double_array_value=[0.0, 1.0]),
-        "brake_gain": ParameterValue(type=ParameterType.PARAMETER_DOUBLE_ARRAY, double_array_value=[1.0, 1.0]),
-        "wheels": ParameterValue(type=ParameterType.PARAMETER_STRING_ARRAY, string_array_value=["rear_left"]),
+        "vehicle_file": ParameterValue(type=ParameterType.PARAMETER_STRING, string_value="chapter_car"),
     }.items():
         result = set_parameter(client, name, value)
         assert not result.successful
@@ -205,7 +207,15 @@ def test_a_bad_value_is_refused_live_by_name_and_the_plant_goes_on(client: DdsCl
 
 
 @pytest.mark.parametrize(
-    "given", [{"mass": -1.0}, {"surfaces": "[ice]"}, {"surface_distances": "[0.0, 1.0]"}, {"real_time_factor": 0.0}]
+    "given",
+    [
+        {"initial_speed": -1.0},
+        {"surfaces": "[ice]"},
+        {"surface_distances": "[0.0, 1.0]"},
+        {"real_time_factor": 0.0},
+        {"mass": 300.0},
+        {"model": "two_axle"},
+    ],
 )
 def test_a_bad_value_at_start_ends_the_process_with_the_name(client: DdsClient, given: dict[str, object]) -> None:
     process = start(client, **given)
@@ -215,6 +225,34 @@ def test_a_bad_value_at_start_ends_the_process_with_the_name(client: DdsClient, 
     output = process.stdout.read()
     assert next(iter(given)) in output
     assert "Traceback" not in output
+
+
+def test_an_unknown_vehicle_ends_the_process_with_those_that_are_shipped(client: DdsClient) -> None:
+    process = start(client, vehicle_file="chapter_croner")
+    client.until(lambda: process.poll() is not None)
+    assert process.returncode == 2
+    assert process.stdout is not None
+    output = process.stdout.read()
+    assert "'chapter_croner'" in output
+    assert "chapter_corner, compact_car" in output
+    assert "Traceback" not in output
+
+
+def test_topics_bear_the_names_of_the_wheels_of_the_vehicle_file(client: DdsClient, tmp_path: Path) -> None:
+    file = tmp_path / "my_car.yaml"
+    file.write_text(
+        "name: my car\nmass: 500.0\nall_wheels: {radius: 0.3, inertia: 1.0, brake_gain: 1.0e-4}\n"
+        "wheels:\n  FL: {axle: front, side: left, joint: 'car::wheel-fl'}\n  FR: {axle: front, side: right}\n"
+    )
+    wheel_states: list[JointState] = []
+    slips: list[WheelSlip] = []
+    qos.subscribe(client.node, JointState, "wheel_states", wheel_states.append, qos.ESTIMATE)
+    qos.subscribe(client.node, WheelSlip, "truth/FR/slip", slips.append, qos.ESTIMATE)
+    start(client, vehicle_file=file)
+    client.until(lambda: bool(wheel_states and slips))
+    assert list(wheel_states[0].name) == ["car::wheel-fl", "FR"]
+    assert slips[0].wheel == "FR"
+    client.until(lambda: client.node.count_subscribers("FL/brake_command") == 1)
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])

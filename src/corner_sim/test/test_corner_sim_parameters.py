@@ -4,39 +4,37 @@ from pathlib import Path
 
 import pytest
 
-from corner_sim.parameters import SimParameters
+from corner_sim.parameters import SHIPPED, SimParameters
 from corner_sim.simulation import Simulation
-from friction_runtime.parameters import ParameterError, from_mapping, load
+from friction_parameters.generated import parameter_file
+from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter_file import load
+from friction_parameters.values import from_mapping
+from vehicle_models.vehicle_file import load_vehicle
 
 FILE = Path(__file__).parents[1] / "config" / "corner_sim.yaml"
 
 
 def test_the_shipped_file_holds_every_parameter_at_its_default() -> None:
     assert load(SimParameters, FILE, "corner_sim") == SimParameters()
-    text = FILE.read_text(encoding="utf-8")
-    assert all(f"    {name}: " in text for name in SimParameters.__dataclass_fields__)
+    assert FILE.read_text(encoding="utf-8") == parameter_file("corner_sim", SHIPPED["corner_sim"])
 
 
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("wheels", []),
-        ("wheels", ["front_left", "front_left"]),
-        ("wheels", [""]),
         ("model", "bicycle"),
-        ("radius", 0.0),
-        ("inertia", float("nan")),
-        ("mass", -1.0),
+        ("model", "two_axle"),
         ("initial_speed", float("inf")),
         ("surfaces", ["ice"]),
         ("surface_distances", [-1.0]),
         ("surface_distances", [0.0, 40.0]),
         ("demand_source", "nobody"),
         ("demand_level", -0.1),
-        ("brake_gain", [0.0]),
-        ("brake_gain", [1e-4, 1e-4]),
-        ("actuator_delay", -0.01),
-        ("apply_rate", 0.0),
+        ("actuator.delay", -0.01),
+        ("actuator.apply_rate", 0.0),
+        ("actuator.release_rate", float("nan")),
+        ("acceleration_variance", -1.0),
         ("noise", "loud"),
         ("seed", -1),
         ("seed", 1.5),
@@ -47,9 +45,26 @@ def test_the_shipped_file_holds_every_parameter_at_its_default() -> None:
 )
 def test_a_bad_value_is_refused_by_the_name_of_its_parameter(name: str, value: object) -> None:
     with pytest.raises(ValueError, match=name):
-        Simulation(from_mapping(SimParameters, {name: value}), 1)
+        Simulation(from_mapping(SimParameters, {name: value}), load_vehicle("chapter_corner"), 1)
 
 
 def test_an_unknown_parameter_is_refused_by_name() -> None:
     with pytest.raises(ParameterError, match="surfcae"):
         from_mapping(SimParameters, {"surfcae": "dry"})
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("wheels", "vehicle_file"),
+        ("mass", "'mass' of the vehicle file .* of the whole car"),
+        ("height", "'centre_of_gravity_height' of the vehicle file"),
+        ("front_share", "'front_load_share' of the vehicle file"),
+        ("brake_gain", "'brake_gain' of the vehicle file"),
+        ("actuator_delay", r"'actuator\.delay'"),
+        ("apply_rate", r"'actuator\.apply_rate'"),
+    ],
+)
+def test_an_old_name_is_refused_with_its_new_place(old: str, new: str) -> None:
+    with pytest.raises(ParameterError, match=f"'{old}' is no more.*{new}"):
+        from_mapping(SimParameters, {old: 1.0})

@@ -1,28 +1,46 @@
 """The plant against closed forms, conservation laws and its own derivatives."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from corner_sim.models import build_model
 from corner_sim.plant import SAMPLE_TIME, Plant
 from corner_sim.road import Road
-from corner_sim.vehicle import JoinedCorners
+from corner_sim.vehicle_model import JoinedCorners
 from vehicle_models.brake_actuator import ActuatorParameters, Command
-from vehicle_models.single_corner import CornerParameters
 from vehicle_models.surfaces import SURFACES, surface
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
-CORNER = CornerParameters()
+FOUR_CORNERS = load_vehicle("chapter_car")
+CORNER = load_vehicle("chapter_corner").corner("front_left")
 GAIN = 1e-4
 IMMEDIATE = ActuatorParameters(delay=0.0, apply_rate=1e9, release_rate=1e9)
 
 
+def corners(count: int) -> Vehicle:
+    """So many corners of the chapter: all four, or one or two at the front."""
+    if count == 4:
+        return FOUR_CORNERS
+    return replace(FOUR_CORNERS, mass=225.0 * count, front_load_share=1.0, wheels=FOUR_CORNERS.wheels[:count])
+
+
 def plant(
-    count: int = 1,
+    count: int = 1, speed: float = 30.0, road: Road | None = None, actuator: ActuatorParameters = IMMEDIATE
+) -> Plant:
+    return plant_of(corners(count), speed, road, actuator)
+
+
+def plant_of(
+    vehicle: Vehicle,
     speed: float = 30.0,
     road: Road | None = None,
     actuator: ActuatorParameters = IMMEDIATE,
-    gain: float = GAIN,
+    model: str = "single_corner",
 ) -> Plant:
-    return Plant(JoinedCorners(count, CORNER, speed), road or Road(["dry"], [0.0]), actuator, np.full(count, gain))
+    return Plant(build_model(model, vehicle, speed), road or Road(["dry"], [0.0]), actuator, vehicle)
 
 
 def test_a_vehicle_that_nobody_brakes_keeps_its_speed() -> None:
@@ -164,7 +182,73 @@ def test_the_road_changes_at_its_distances() -> None:
     assert 12.5 <= seen[2] < 12.5 + step + 1e-9
 
 
-@pytest.mark.parametrize("gain", [np.array([1e-4, 1e-4]), np.array([0.0]), np.array([np.nan])])
-def test_a_brake_gain_that_does_not_fit_is_refused_by_name(gain: np.ndarray) -> None:
-    with pytest.raises(ValueError, match="brake_gain"):
-        Plant(JoinedCorners(1, CORNER, 30.0), Road(["dry"], [0.0]), IMMEDIATE, gain)
+def test_corners_that_differ_share_one_speed_and_conserve_momentum() -> None:
+    wheels = tuple(
+        replace(wheel, radius=radius, inertia=inertia)
+        for wheel, radius, inertia in zip(
+            FOUR_CORNERS.wheels, (0.3, 0.29, 0.32, 0.33), (1.0, 1.1, 1.4, 1.2), strict=True
+        )
+    )
+    car = replace(FOUR_CORNERS, front_load_share=0.6, wheels=wheels)
+    sut = plant_of(car)
+    radius, inertia = np.array(car.radii), np.array([wheel.inertia for wheel in wheels])
+    impulse = np.zeros(4)
+    before = sut.sample()
+    for _ in range(40):
+        begin = sut.sample().brake_torque
+        sut.advance(np.array([600.0, 500.0, 300.0, 200.0]) / GAIN, Command.NONE)
+        impulse += 0.5 * (begin + sut.sample().brake_torque) * SAMPLE_TIME
+    after = sut.sample()
+    assert np.all(after.wheel_speed > 0.0)
+    change = (inertia / radius * (after.wheel_speed - before.wheel_speed)).sum() + 900.0 * (after.speed - before.speed)
+    assert change == pytest.approx(-(impulse / radius).sum(), rel=1e-6)
+    np.testing.assert_allclose(after.vertical_load, 900.0 * 9.81 * np.array([0.3, 0.3, 0.2, 0.2]))
+    # (2.15) of the body: the sum of the forces over the sum of the masses
+    assert after.acceleration == pytest.approx(-(after.vertical_load * after.friction).sum() / 900.0)
+
+
+@pytest.mark.parametrize("model", ["single_corner", "two_axle"])
+def test_the_drag_of_the_engine_slows_the_driven_wheels_like_a_brake_that_no_pressure_shows(model: str) -> None:
+    wheels = tuple(replace(wheel, driven=wheel.axle == "rear") for wheel in FOUR_CORNERS.wheels)
+    still = replace(FOUR_CORNERS, wheels=wheels, drag_area=0.0, rolling_resistance=0.0)
+    sut = plant_of(replace(still, engine_drag_torque=60.0), model=model)
+    braked = plant_of(still, model=model)
+    first = sut.sample()
+    np.testing.assert_allclose(first.slip_rate, np.array([0.0, 0.0, 1.0, 1.0]) * 0.3 * 60.0 / 30.0)
+    braked.advance([0.0, 0.0, 60.0 / GAIN, 60.0 / GAIN], Command.NONE)  # its torque rises within this sample
+    for _ in range(60):
+        sut.advance(0.0, Command.NONE)
+        braked.advance([0.0, 0.0, 60.0 / GAIN, 60.0 / GAIN], Command.NONE)
+    sample, by_brake = sut.sample(), braked.sample()
+    np.testing.assert_array_equal(sample.brake_torque, np.zeros(4))
+    np.testing.assert_array_equal(sample.pressure_torque, np.zeros(4))
+    np.testing.assert_allclose(sample.slip, by_brake.slip, rtol=0.01, atol=1e-12)
+    assert sample.slip[2] > 0.0
+    spin = 1.0 * (sample.wheel_speed - 100.0).sum() / 0.3
+    assert spin + 900.0 * (sample.speed - 30.0) == pytest.approx(-2.0 * 60.0 / 0.3 * 60 * SAMPLE_TIME, rel=1e-3)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.003, 0.005, 0.0125, 0.02])
+def test_the_pressure_signal_shows_the_torque_of_its_delay_earlier(delay: float) -> None:
+    now = plant(2, actuator=ActuatorParameters(delay=0.0, apply_rate=2000.0, release_rate=3000.0))
+    late = plant_of(
+        replace(corners(2), brake_pressure_delay=delay),
+        actuator=ActuatorParameters(delay=0.0, apply_rate=2000.0, release_rate=3000.0),
+    )
+    times, torques = [], []
+    for k in range(40):
+        sample, delayed = now.sample(), late.sample()
+        times.append(k * SAMPLE_TIME)
+        torques.append(sample.brake_torque)
+        np.testing.assert_array_equal(sample.pressure_torque, sample.brake_torque)
+        np.testing.assert_array_equal(delayed.brake_torque, sample.brake_torque)  # it acts without delay
+        expected = [np.interp(times[-1] - delay, times, of_wheel) for of_wheel in np.array(torques).T]
+        np.testing.assert_allclose(delayed.pressure_torque, expected, atol=1e-9)
+        for sut in (now, late):
+            sut.advance([600.0 / GAIN, 300.0 / GAIN], Command.DECREASE if 20 <= k < 30 else Command.NONE)
+    assert delay == 0.0 or not np.allclose(late.sample().pressure_torque, late.sample().brake_torque)
+
+
+def test_a_model_with_other_wheels_than_the_vehicle_is_refused() -> None:
+    with pytest.raises(ValueError, match="the model has 1 wheels, 'chapter car' has 4"):
+        Plant(JoinedCorners([CORNER], 30.0), Road(["dry"], [0.0]), IMMEDIATE, FOUR_CORNERS)

@@ -15,21 +15,32 @@ from corner_sim.simulation import Simulation
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
+from vehicle_models.vehicle import Accelerometer, Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
 START = 1_000_000_000
+CORNER = load_vehicle("chapter_corner")
+FOUR_CORNERS = load_vehicle("chapter_car")
 Supervisor = Callable[[int], int]
 
 
-def run(parameters: SimParameters, samples: int, supervisor: Supervisor | None = None) -> dict[str, list[Any]]:
+def with_gains(vehicle: Vehicle, *gains: float) -> Vehicle:
+    wheels = zip(vehicle.wheels, gains, strict=True)
+    return replace(vehicle, wheels=tuple(replace(wheel, brake_gain=gain) for wheel, gain in wheels))
+
+
+def run(
+    parameters: SimParameters, samples: int, supervisor: Supervisor | None = None, vehicle: Vehicle = CORNER
+) -> dict[str, list[Any]]:
     """Messages by topic of the first samples, under a supervisor that maps sample number to command."""
-    simulation = Simulation(parameters, START)
+    simulation = Simulation(parameters, vehicle, START)
     found: dict[str, list[Any]] = {}
     for k in range(samples):
         for topic, message in simulation.messages():
             found.setdefault(topic, []).append(message)
         if supervisor is not None:
             header = Header(stamp=from_nanoseconds(simulation.stamp))
-            for wheel in parameters.wheels:
+            for wheel in vehicle.wheel_names:
                 order = BrakeCommand(header=header, wheel=wheel, command=supervisor(k))
                 assert simulation.take_command(wheel, order) is None
         simulation.advance()
@@ -41,16 +52,13 @@ def cycling(k: int) -> int:
 
 
 def test_every_topic_carries_every_sample_with_the_stamps_of_the_schedule() -> None:
-    parameters = SimParameters(wheels=("front_left", "rear_right"))
-    found = run(parameters, 30)
-    assert set(found) == set(
-        messages.topics(parameters.wheels, vehicle_velocity=True, brake_demand=True, tyre_signals=False)
-    )
+    found = run(SimParameters(), 30, vehicle=FOUR_CORNERS)
+    topics = messages.topics(FOUR_CORNERS.wheel_names, vehicle_velocity=True, brake_demand=True, tyre_signals=False)
+    assert set(found) == set(topics)
     for topic, list_of_messages in found.items():
         stamps = [to_nanoseconds(message.header.stamp) for message in list_of_messages]
         assert stamps == [START + 5_000_000 * k for k in range(30)], topic
-        kind = messages.topics(parameters.wheels, vehicle_velocity=True, brake_demand=True, tyre_signals=False)[topic]
-        assert all(type(message) is kind for message in list_of_messages), topic
+        assert all(type(message) is topics[topic] for message in list_of_messages), topic
 
 
 def test_topics_that_are_not_wanted_are_not_published() -> None:
@@ -68,8 +76,7 @@ def test_the_same_seed_repeats_every_message_and_another_seed_does_not() -> None
 
 
 def test_pressure_times_gain_is_the_torque_that_slows_wheel_and_vehicle() -> None:
-    parameters = SimParameters(noise="none", brake_gain=(2e-4,), demand_start=0.0)
-    found = run(parameters, 60)
+    found = run(SimParameters(noise="none", demand_start=0.0), 60, vehicle=with_gains(CORNER, 2e-4))
     speed = np.array([m.twist.twist.linear.x for m in found["vehicle_velocity"]])
     wheel_speed = np.array([m.velocity[0] for m in found["wheel_states"]])
     torque = 2e-4 * np.array([m.fluid_pressure for m in found["front_left/brake_pressure"]])
@@ -91,13 +98,15 @@ def test_demand_is_a_multiple_of_the_peak_torque_of_the_first_surface() -> None:
 
 def test_demand_by_torque_is_that_torque_at_the_wheel() -> None:
     found = run(
-        SimParameters(noise="none", demand_unit="torque", demand_level=300.0, demand_start=0.0, brake_gain=(2e-4,)), 40
+        SimParameters(noise="none", demand_unit="torque", demand_level=300.0, demand_start=0.0),
+        40,
+        vehicle=with_gains(CORNER, 2e-4),
     )
     assert found["front_left/brake_pressure"][-1].fluid_pressure * 2e-4 == pytest.approx(300.0)
 
 
 def test_the_topic_brakes_when_it_is_the_source() -> None:
-    simulation = Simulation(SimParameters(noise="none", demand_source="topic"), START)
+    simulation = Simulation(SimParameters(noise="none", demand_source="topic"), CORNER, START)
     assert simulation.take_demand(BrakeDemand(pressure=2e6)) is None
     for _ in range(20):
         simulation.advance()
@@ -182,7 +191,7 @@ def test_at_standstill_the_truth_says_that_slip_is_not_defined() -> None:
     ("changes", "named"), [({"end_speed": 12.0}, "end_speed"), ({"end_time": 0.1}, "end_time"), ({}, "end_speed")]
 )
 def test_a_run_ends_at_its_speed_or_its_time(changes: dict[str, float], named: str) -> None:
-    simulation = Simulation(SimParameters(**changes), START)  # type: ignore[arg-type]
+    simulation = Simulation(SimParameters(**changes), CORNER, START)  # type: ignore[arg-type]
     while simulation.end is None:
         simulation.advance()
         assert simulation.index < 2000
@@ -194,26 +203,20 @@ def test_a_run_ends_at_its_speed_or_its_time(changes: dict[str, float], named: s
 
 
 def test_a_run_without_an_end_goes_on_at_standstill() -> None:
-    simulation = Simulation(SimParameters(initial_speed=1.0, demand_start=0.0, end_speed=-1.0), START)
+    simulation = Simulation(SimParameters(initial_speed=1.0, demand_start=0.0, end_speed=-1.0), CORNER, START)
     for _ in range(400):
         simulation.advance()
     assert simulation.speed == 0.0
     assert simulation.end is None
 
 
-CAR = SimParameters(
-    model="two_axle",
-    wheels=("front_left", "front_right", "rear_left", "rear_right"),
-    brake_gain=(1.6e-4, 1.6e-4, 0.8e-4, 0.8e-4),
-    noise="none",
-    demand_start=0.0,
-    demand_level=0.6,
-)
+CAR = with_gains(FOUR_CORNERS, 1.6e-4, 1.6e-4, 0.8e-4, 0.8e-4)
+BRAKING = SimParameters(model="two_axle", noise="none", demand_start=0.0, demand_level=0.6)
 
 
 def test_a_car_carries_its_weight_and_moves_it_to_the_front_in_braking() -> None:
-    found = run(CAR, 100)
-    first, last = (np.array([found[f"truth/{wheel}/tyre_force"][k].fz for wheel in CAR.wheels]) for k in (0, -1))
+    found = run(BRAKING, 100, vehicle=CAR)
+    first, last = (np.array([found[f"truth/{wheel}/tyre_force"][k].fz for wheel in CAR.wheel_names]) for k in (0, -1))
     assert first.sum() == last.sum() == pytest.approx(4.0 * 225.0 * 9.81)
     deceleration = -found["imu/data"][-1].linear_acceleration.x
     assert deceleration > 3.0
@@ -222,40 +225,82 @@ def test_a_car_carries_its_weight_and_moves_it_to_the_front_in_braking() -> None
 
 
 def test_tyres_and_air_slow_the_car_by_their_sum() -> None:
-    found = run(CAR, 100)
-    fx = sum(found[f"truth/{wheel}/tyre_force"][-1].fx for wheel in CAR.wheels)
+    found = run(BRAKING, 100, vehicle=CAR)
+    fx = sum(found[f"truth/{wheel}/tyre_force"][-1].fx for wheel in CAR.wheel_names)
     speed = found["truth/vehicle_velocity"][-1].twist.twist.linear.x
     drag = 0.5 * 1.2 * 0.65 * speed**2
     assert 900.0 * found["imu/data"][-1].linear_acceleration.x == pytest.approx(fx - drag)
 
 
 def test_each_brake_line_of_a_car_obeys_its_own_command() -> None:
-    simulation = Simulation(CAR, START)
+    simulation = Simulation(BRAKING, CAR, START)
     for _ in range(40):
         header = Header(stamp=from_nanoseconds(simulation.stamp))
         order = BrakeCommand(header=header, wheel="rear_left", command=BrakeCommand.DECREASE)
         assert simulation.take_command("rear_left", order) is None
         simulation.advance()
     found = dict(simulation.messages())
-    pressures = {wheel: found[f"{wheel}/brake_pressure"].fluid_pressure for wheel in CAR.wheels}
+    pressures = {wheel: found[f"{wheel}/brake_pressure"].fluid_pressure for wheel in CAR.wheel_names}
     assert pressures["rear_left"] == 0.0
     assert pressures["front_left"] == pytest.approx(pressures["front_right"])
     assert pressures["rear_right"] > 1e6
 
 
 def test_the_rear_axle_meets_a_new_surface_one_wheelbase_later() -> None:
-    found = run(replace(CAR, demand_level=0.0, surfaces=("dry", "snow"), surface_distances=(0.0, 2.95)), 60)
+    rolling = replace(BRAKING, demand_level=0.0, surfaces=("dry", "snow"), surface_distances=(0.0, 2.95))
+    found = run(rolling, 60, vehicle=CAR)
     changed = {
         wheel: next(k for k, curve in enumerate(found[f"truth/{wheel}/friction_curve"]) if curve.restarted)
-        for wheel in CAR.wheels
+        for wheel in CAR.wheel_names
     }
     # 2.95 m and 5.65 m at 0.15 m a sample
     assert changed == {"front_left": 20, "front_right": 20, "rear_left": 38, "rear_right": 38}
 
 
-def test_a_car_without_four_wheels_is_refused_by_name() -> None:
-    with pytest.raises(ValueError, match="wheels"):
-        SimParameters(model="two_axle")
+def test_a_car_without_four_wheels_is_refused_with_those_it_has() -> None:
+    with pytest.raises(ValueError, match=r"'model' = 'two_axle': .*'chapter corner' are front_left \(front left\)"):
+        Simulation(BRAKING, CORNER, START)
+
+
+def test_the_wheels_of_a_car_may_stand_in_any_order_in_its_file() -> None:
+    mixed = replace(CAR, wheels=tuple(CAR.wheels[k] for k in (2, 1, 3, 0)))
+    found, same = run(BRAKING, 40, cycling, mixed), run(BRAKING, 40, cycling, CAR)
+    assert repr(found) == repr(same)
+    corners = run(replace(BRAKING, model="single_corner"), 2, vehicle=mixed)
+    assert list(corners["wheel_states"][0].name) == ["rear_left", "front_right", "rear_right", "front_left"]
+
+
+def test_wheel_states_name_the_joints_and_topics_the_wheels() -> None:
+    joints = ("car::wheel_fl", "front-right", "rear_left", "4")
+    wheels = tuple(replace(wheel, joint=joint) for wheel, joint in zip(CAR.wheels, joints, strict=True))
+    found, plain = run(BRAKING, 5, cycling, replace(CAR, wheels=wheels)), run(BRAKING, 5, cycling, CAR)
+    assert set(found) == set(plain)
+    assert all(tuple(message.name) == joints for message in found["wheel_states"])
+    assert [message.velocity for message in found["wheel_states"]] == [m.velocity for m in plain["wheel_states"]]
+
+
+def test_the_imu_message_is_read_back_by_the_mounting_of_the_car() -> None:
+    mounting = Accelerometer(axis="y", sign=-1.0, offset=0.3, scale=1.02, pitch_gain=0.004)
+    parameters = replace(BRAKING, acceleration_variance=0.0)
+    found = run(parameters, 60, vehicle=replace(CAR, accelerometer=mounting))["imu/data"]
+    plain = run(parameters, 60, vehicle=CAR)["imu/data"]
+    for message, truth in zip(found, plain, strict=True):
+        assert mounting.forward(message.linear_acceleration) == pytest.approx(truth.linear_acceleration.x, abs=1e-12)
+        assert message.linear_acceleration.x == message.linear_acceleration.z == 0.0
+    assert found[-1].linear_acceleration.y > 3.0
+    noisy = run(replace(parameters, acceleration_variance=0.5), 1, vehicle=replace(CAR, accelerometer=mounting))
+    assert list(noisy["imu/data"][0].linear_acceleration_covariance) == [0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0]
+
+
+def test_the_pressure_of_a_late_sensor_is_that_of_its_delay_earlier() -> None:
+    late, now = (
+        run(BRAKING, 60, cycling, replace(CAR, brake_pressure_delay=delay))["rear_left/brake_pressure"]
+        for delay in (0.0075, 0.0)
+    )
+    pressure = [message.fluid_pressure for message in now]
+    halfway = [0.5 * (pressure[k - 2] + pressure[k - 1]) for k in range(2, 60)]
+    assert [message.fluid_pressure for message in late[2:]] == pytest.approx(halfway, rel=1e-12)
+    assert [message.header.stamp for message in late] == [message.header.stamp for message in now]
 
 
 def test_tyre_blocks_follow_each_other_without_gap_and_stop_where_the_sample_begins() -> None:
@@ -272,6 +317,16 @@ def test_the_encoder_of_a_smart_tyre_turns_with_the_wheel() -> None:
     voltage = np.concatenate([block.encoder_voltage for block in found["front_left/tyre_signals"]])
     rises = np.count_nonzero((voltage[:-1] < 0.0) & (voltage[1:] >= 0.0))
     assert rises == pytest.approx(48 * 100.0 / (2.0 * np.pi) * 1.0, abs=1.0)  # 48 teeth at 100 rad/s for 1 s
+
+
+def test_the_encoder_of_a_smart_tyre_has_the_teeth_of_the_wheel() -> None:
+    wheels = (replace(CORNER.wheels[0], encoder_teeth=96),)
+    found = run(
+        SimParameters(tyre_signals=True, demand_level=0.0, noise="none"), 101, vehicle=replace(CORNER, wheels=wheels)
+    )
+    voltage = np.concatenate([block.encoder_voltage for block in found["front_left/tyre_signals"]])
+    rises = np.count_nonzero((voltage[:-1] < 0.0) & (voltage[1:] >= 0.0))
+    assert rises == pytest.approx(96 * 100.0 / (2.0 * np.pi) * 0.5, abs=1.0)
 
 
 def test_smart_tyres_repeat_with_their_seed() -> None:

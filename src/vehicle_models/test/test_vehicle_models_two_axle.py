@@ -220,9 +220,9 @@ def test_a_vehicle_that_is_no_car_with_four_wheels_is_refused_with_its_wheels() 
 
 
 def test_nonsense_is_refused() -> None:
-    with pytest.raises(ValueError, match="'mass' = 0.0 must be finite and > 0"):
+    with pytest.raises(ValueError, match=r"'mass' = 0\.0 must be finite and > 0"):
         replace(CAR, mass=0.0)
-    with pytest.raises(ValueError, match="'drag_area' = -1.0 must be finite and >= 0"):
+    with pytest.raises(ValueError, match=r"'drag_area' = -1\.0 must be finite and >= 0"):
         replace(CAR, drag_area=-1.0)
     with pytest.raises(ValueError, match="front_load_share"):
         replace(CAR, front_load_share=1.0)

@@ -10,6 +10,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from friction_parameters.parameter import parameter
+
 Array = NDArray[np.float64]
 
 
@@ -26,12 +28,9 @@ class Command(IntEnum):
 class ActuatorParameters:
     """Delay and rate limits of the hydraulics."""
 
-    delay: float = 0.010
-    """Transport delay of demand and command [s], >= 0."""
-    apply_rate: float = 5000.0
-    """Fastest rise of brake torque [N m/s], > 0."""
-    release_rate: float = 5000.0
-    """Fastest fall of brake torque [N m/s], > 0."""
+    delay: float = parameter(0.01, "transport delay of demand and command", unit="s", minimum=0.0, maximum=1.0)
+    apply_rate: float = parameter(5000.0, "fastest rise of brake torque", unit="N m/s", minimum=1.0, maximum=1e7)
+    release_rate: float = parameter(5000.0, "fastest fall of brake torque", unit="N m/s", minimum=1.0, maximum=1e7)
 
     def __post_init__(self) -> None:
         """Refuse values that make no actuator."""

@@ -1,5 +1,6 @@
-"""What the plant asks of a vehicle model, and the model made of equal corners."""
+"""What the plant asks of a vehicle model, and the model made of single corners."""
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -10,7 +11,7 @@ from vehicle_models.single_corner import CornerParameters, SingleCorner
 Array = NDArray[np.float64]
 
 
-class Vehicle(Protocol):
+class VehicleModel(Protocol):
     """A vehicle with n braked wheels; arrays have shape (n,), theta has shape (n, 3)."""
 
     @property
@@ -54,16 +55,18 @@ class Vehicle(Protocol):
 
 
 class JoinedCorners:
-    """Equal corners, (2.15), that carry one body: they share its speed and do not shift load.
+    """Corners, (2.15), that carry one body: they share its speed and do not shift load.
 
-    The corners are integrated each on its own over a sample; then the body takes the mean of their speeds, which
-    conserves momentum (the masses are equal). One corner alone is exactly the single-corner model.
+    The corners are integrated each on its own over a sample; then the body takes the mean of their speeds, weighted by
+    their masses, which conserves momentum. One corner alone is exactly the single-corner model.
     """
 
-    def __init__(self, count: int, parameters: CornerParameters, speed: float) -> None:
-        """Start `count` corners free rolling at `speed` [m/s]."""
-        self._corners = SingleCorner(parameters, np.full(count, speed))
-        self._parameters = parameters
+    def __init__(self, parameters: Sequence[CornerParameters], speed: float) -> None:
+        """Start free rolling at `speed` [m/s]; `parameters` of each corner."""
+        self._parameters = tuple(parameters)
+        self._corners = SingleCorner(self._parameters, np.full(len(self._parameters), speed))
+        # relative to the first: of equal corners the weighted mean is the plain one, to the last bit
+        self._weights = np.array([each.mass for each in self._parameters]) / self._parameters[0].mass
 
     @property
     def speed(self) -> float:
@@ -88,24 +91,24 @@ class JoinedCorners:
     @property
     def radius(self) -> Array:
         """Radii [m], shape (n,)."""
-        return np.full_like(self.wheel_speed, self._parameters.radius)
+        return np.array([each.radius for each in self._parameters])
 
     @property
     def inertia(self) -> Array:
         """Wheel inertias [kg m^2], shape (n,)."""
-        return np.full_like(self.wheel_speed, self._parameters.inertia)
+        return np.array([each.inertia for each in self._parameters])
 
     def peak_torque(self, theta: Array) -> float:
-        """Brake torque [N m] that holds a wheel at the peak of the road theta, shape (3,)."""
-        return float(self._parameters.peak_torque(theta))
+        """Brake torque [N m] that holds the first wheel at the peak of the road theta, shape (3,)."""
+        return float(self._parameters[0].peak_torque(theta))
 
     def vertical_load(self, theta: Array) -> Array:
         """Loads [N], shape (n,)."""
-        return np.full_like(self.wheel_speed, self._parameters.vertical_load)
+        return np.array([each.vertical_load for each in self._parameters])
 
     def acceleration(self, theta: Array) -> float:
         """Acceleration of the body [m/s^2]."""
-        return float(self._corners.acceleration(theta).mean())
+        return self._of_body(self._corners.acceleration(theta))
 
     def wheel_acceleration(self, theta: Array, brake_torque: Array) -> Array:
         """Wheel accelerations [rad/s^2], shape (n,)."""
@@ -116,5 +119,8 @@ class JoinedCorners:
         corners = self._corners
         corners.step(torque_begin, torque_end, theta, dt)
         if corners.speed.size > 1:
-            corners.speed = np.full_like(corners.speed, corners.speed.mean())
-            corners.distance = np.full_like(corners.distance, corners.distance.mean())
+            corners.speed = np.full_like(corners.speed, self._of_body(corners.speed))
+            corners.distance = np.full_like(corners.distance, self._of_body(corners.distance))
+
+    def _of_body(self, of_corners: Array) -> float:
+        return float((self._weights * of_corners).sum() / self._weights.sum())
