@@ -119,7 +119,8 @@ def test_every_sample_of_topics_that_appear_is_recorded_and_a_signal_closes_the_
     node: Node, start: Callable[..., Command], tmp_path: Path, number: int
 ) -> None:
     bag = tmp_path / "bag"
-    recorder = start("record", "--out", str(bag), "--exclude", "unwanted", "parameter_events")
+    car = ("--vehicle", "chapter_car", "--note", "of a test")
+    recorder = start("record", "--out", str(bag), "--exclude", "unwanted", "parameter_events", *car)
     best_effort = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
     early = [node.create_publisher(JointState, f"early_{index}", 100) for index in range(5)]
     wait_for(lambda: all(publisher.get_subscription_count() == 1 for publisher in early))
@@ -144,6 +145,7 @@ def test_every_sample_of_topics_that_appear_is_recorded_and_a_signal_closes_the_
         (topic,) = [topic for topic in reader.counts if topic.name == "/late"]
         assert topic.qos[0].reliability.name == "BEST_EFFORT"
         assert "float64[] velocity" in topic.definition
+        assert reader.custom_data == {"note": "of a test", "vehicle": "chapter_car"}
 
 
 def test_a_recorder_follows_a_topic_whose_publishers_become_best_effort(

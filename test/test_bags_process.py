@@ -25,9 +25,10 @@ from friction_bags.message_bag import write_bag
 from friction_bags.message_definition import message_class
 from friction_bags.offline_plan import ProcessOptions
 from friction_bags.offline_run import process_bag
-from friction_runtime.parameters import shipped_file
+from friction_runtime.shipped_files import shipped_file
 
 DOMAIN = "42"
+CAR = Path(__file__).parents[1] / "src" / "friction_bags" / "test" / "two_corners.yaml"
 WHEELS = ["front_left", "rear_right"]
 MADE = ("slip", "friction_slope", "friction_curve", "abs_supervisor", "brake_command")
 DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[2] / "shared" / "data"))
@@ -78,19 +79,20 @@ def sensors_of(bag: Path) -> list[str]:
 
 @pytest.fixture
 def parameters(tmp_path: Path) -> Path:
-    """A parameter file with which the supervisor commands."""
+    """A parameter file with the car, by which the supervisor commands."""
     path = tmp_path / "parameters.yaml"
-    path.write_text("/**/abs_supervisor:\n  ros__parameters:\n    shadow: false\n")
+    path.write_text(
+        f"/**:\n  ros__parameters:\n    vehicle_file: {CAR}\n"
+        "/**/abs_supervisor:\n  ros__parameters:\n    shadow: false\n"
+    )
     return path
 
 
 def replay_to_live_nodes(processes: Processes, bag: Path, recording: Path, parameters: Path, how: list[str]) -> None:
     """Start nodes, recorder and player; return when the replay has ended and its answers are recorded."""
-    wheels = str(WHEELS).replace("'", '"')
     for name in WHEEL_ESTIMATORS:
-        shipped = shipped_file(name)
-        files = ["--params-file", str(shipped), "--params-file", str(parameters)]
-        processes.start(name, name, "--ros-args", *files, "-p", f"wheels:={wheels}")
+        files = ["--params-file", str(shipped_file(name)), "--params-file", str(parameters)]
+        processes.start(name, name, "--ros-args", *files)
     recorder = processes.start("record", "friction_bags", "record", "--out", str(recording), "--topics", "*/*")
     end = time.monotonic() + 60.0
     expected = {f"recording /{wheel}/{name}" for wheel in WHEELS for name in MADE}
@@ -119,7 +121,7 @@ def estimates(bag: Path) -> dict[str, list[bytes]]:
 
 
 def assert_live_equals_offline(bag: Path, recording: Path, parameters: Path, directory: Path) -> None:
-    options = ProcessOptions(wheels=tuple(WHEELS), parameter_files=(parameters,), outputs_only=True)
+    options = ProcessOptions(parameter_files=(parameters,), outputs_only=True)
     process_bag(bag, directory / "offline", options, 1, lambda _: None)
     live, offline = estimates(recording), estimates(directory / "offline")
     for topic, expected in offline.items():
@@ -132,7 +134,6 @@ def assert_live_equals_offline(bag: Path, recording: Path, parameters: Path, dir
 @pytest.fixture
 def braking(tmp_path: Path) -> Path:
     parameters = {
-        "wheels": WHEELS,
         "surfaces": ["dry", "wet"],
         "surface_distances": [0.0, 40.0],
         "demand_level": 0.9,
@@ -141,7 +142,7 @@ def braking(tmp_path: Path) -> Path:
         "acceleration_variance": 0.01,
         "end_time": 2.0,
     }
-    write_bag(tmp_path / "bag", simulate(Experiment("braking", parameters), seed=5), {})
+    write_bag(tmp_path / "bag", simulate(Experiment("braking", parameters, vehicle=str(CAR)), seed=5), {})
     return tmp_path / "bag"
 
 

@@ -1,48 +1,67 @@
-"""Calibrate the wheel radii over a bag and write them as a parameter file.
+"""Calibrate the wheel radii over a bag and write them into a vehicle file.
 
-    python -m friction_bags calibrate_radii BAG --out radii.yaml [--parameters FILE] [--against sensor|wheels]
+    python -m friction_bags calibrate_radii BAG --vehicle my_car.yaml --out my_car_calibrated.yaml
+        [--params-file FILE] [--against sensor|wheels]
 
-The bag needs a stretch of coasting. `sensor` takes vehicle_velocity for the truth (with speed_latency of the parameter
-file); `wheels` equalises the wheels and keeps their mean radius. The file goes beside others: --params-file FILE.
+The bag needs a stretch of coasting. `sensor` takes vehicle_velocity for the truth (with wheel_slip's parameter
+speed_sensor.latency); `wheels` equalises the wheels and keeps their mean radius. The new file is the old one with the
+radius of each wheel and its standard deviation; all else stays, comments too.
 """
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
-import yaml
+from geometry_msgs.msg import TwistWithCovarianceStamped
 from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import JointState
 
 from friction_bags.bag_format import BagError
 from friction_bags.bag_reader import BagReader
+from friction_bags.bag_vehicle import add_vehicle_argument, vehicle_for
+from friction_bags.estimators import read_parameters, vehicle_of
+from friction_bags.offline_plan import SayOnce
+from friction_bags.vehicle_text import with_radii
+from friction_parameters.parameter import ParameterError
 from friction_runtime.aligner import AlignedInput, Aligner
-from friction_runtime.parameters import ParameterError, load, per_wheel
-from friction_runtime.processor import silent
+from friction_runtime.processor import Report
 from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
-from wheel_slip.parameters import WheelSlipParameters
-from wheel_slip.processor import VEHICLE_VELOCITY, CarProcessor
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle, vehicle_path
+from wheel_slip.processor import VEHICLE_VELOCITY
 from wheel_slip.radius_calibration import CalibrationParameters, Radii, RadiusCalibration
 
 _MAX_GAP = 0.3
 """Largest gap of the speed sensor [s] that is interpolated."""
+_KINDS = {WHEEL_STATES: JointState, VEHICLE_VELOCITY: TwistWithCovarianceStamped}
 
 
 def calibrate(
     messages: Iterator[tuple[str, Any]],
-    parameters: WheelSlipParameters,
-    use_sensor: bool,
+    vehicle: Vehicle,
+    speed_latency: float | None,
     limits: CalibrationParameters,
+    report: Report,
 ) -> Radii | str:
-    """Radii from the messages of a bag (relative topic, message), or the reason why there are none."""
-    nominal = per_wheel("radii", parameters.radii, parameters.wheels)
-    calibration = RadiusCalibration([nominal[wheel] for wheel in parameters.wheels], limits)
+    """Radii from the messages of a bag, or the reason why there are none.
+
+    Args:
+        messages: relative topic and message.
+        vehicle: the car with its nominal radii.
+        speed_latency: age of vehicle_velocity at its stamp [s]; None: compare the wheels with each other.
+        limits: of what counts as coasting.
+        report: is told of wheels that are missing.
+    """
+    calibration = RadiusCalibration(vehicle.radii, limits)
+    use_sensor = speed_latency is not None
     inputs = [AlignedInput(VEHICLE_VELOCITY, _MAX_GAP)] if use_sensor else []
     aligner: Aligner[tuple[float, ...]] = Aligner(WHEEL_STATES, inputs, _MAX_GAP)
-    wheel_speeds = WheelSpeeds(parameters.wheels, silent)
-    latency = round(parameters.speed_latency * NANOSECONDS)
+    wheel_speeds = WheelSpeeds(vehicle, vehicle.wheel_names, report)
+    latency = round((speed_latency or 0.0) * NANOSECONDS)
     for topic, message in messages:
         stamp = to_nanoseconds(message.header.stamp)
         if topic == WHEEL_STATES:
@@ -57,36 +76,42 @@ def calibrate(
     return calibration.result()
 
 
-def bag_messages(bag: Path) -> Iterator[tuple[str, Any]]:
+def bag_messages(reader: BagReader) -> Iterator[tuple[str, Any]]:
     """Yield (relative topic, message) of the wheel speeds and the speed sensor.
 
     Raises:
-        BagError: the bag cannot be read, or has no wheel_states.
+        BagError: the bag has no wheel_states.
     """
-    kinds = CarProcessor(WheelSlipParameters()).sensors
-    with BagReader(bag) as reader:
-        topics = [topic for topic in reader.counts if topic.name.lstrip("/") in (WHEEL_STATES, VEHICLE_VELOCITY)]
-        if WHEEL_STATES not in {topic.name.lstrip("/") for topic in topics}:
-            raise BagError(f"{bag} has no topic {WHEEL_STATES}")
-        for topic, _, data in reader.messages(topics):
-            name = topic.name.lstrip("/")
-            yield name, deserialize_message(data, kinds[name])
+    topics = [topic for topic in reader.counts if topic.name.lstrip("/") in _KINDS]
+    if WHEEL_STATES not in {topic.name.lstrip("/") for topic in topics}:
+        raise BagError(f"{reader.bag} has no topic {WHEEL_STATES}")
+    for topic, _, data in reader.messages(topics):
+        name = topic.name.lstrip("/")
+        yield name, deserialize_message(data, _KINDS[name])
 
 
-def parameter_file(wheels: Sequence[str], found: Radii) -> str:
-    """Text of the parameter file."""
-    radii = [round(radius, 5) for radius in found.radii]
-    document = {"/**/wheel_slip": {"ros__parameters": {"wheels": list(wheels), "radii": radii}}}
-    deviations = ", ".join(f"{1e3 * stddev:.2f}" for stddev in found.stddevs)
-    head = f"# Radii from {found.seconds:.1f} s of coasting; standard deviations {deviations} mm.\n"
-    return head + yaml.safe_dump(document, sort_keys=False, default_flow_style=None)
+def calibrated_file(vehicle: Vehicle, source: Path, found: Radii) -> str:
+    """Text of the new vehicle file.
+
+    Raises:
+        ParameterError: a radius is none of a wheel.
+    """
+    radii = dict(zip(vehicle.wheel_names, zip(found.radii, found.stddevs, strict=True), strict=True))
+    head = f"# Radii of the wheels are calibrated: {found.seconds:.1f} s of coasting.\n"
+    text = head + with_radii(source.read_text(encoding="utf-8"), radii)
+    with TemporaryDirectory() as directory:
+        trial = Path(directory, source.name)
+        trial.write_text(text, encoding="utf-8")
+        load_vehicle(trial)
+    return text
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this command."""
     parser.add_argument("bag", type=Path, help="bag with wheel_states and, against the sensor, vehicle_velocity")
-    parser.add_argument("--out", type=Path, required=True, help="parameter file to be written")
-    parser.add_argument("--parameters", type=Path, help="parameter file with the wheels and their nominal radii")
+    parser.add_argument("--out", type=Path, required=True, help="vehicle file to be written: the car's, with new radii")
+    add_vehicle_argument(parser)
+    parser.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
     parser.add_argument("--against", choices=("sensor", "wheels"), default="sensor")
     limit = CalibrationParameters().max_acceleration
     parser.add_argument("--max-acceleration", type=float, default=limit, help="[m/s^2]")
@@ -95,17 +120,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Calibrate; return the exit code: 0, 1 without a result, 2 for input that cannot be read."""
     limits = CalibrationParameters(max_acceleration=options.max_acceleration)
+    report = SayOnce()
     try:
-        given = options.parameters
-        parameters = WheelSlipParameters() if given is None else load(WheelSlipParameters, given, "wheel_slip")
-        found = calibrate(bag_messages(options.bag), parameters, options.against == "sensor", limits)
+        parameters = read_parameters(("wheel_slip",), options.params_file, report)
+        latency = parameters["wheel_slip"].speed_sensor.latency if options.against == "sensor" else None
+        with BagReader(options.bag) as reader:
+            source = vehicle_path(vehicle_for(reader, options.vehicle, vehicle_of(parameters), report))
+            vehicle = load_vehicle(source)
+            found = calibrate(bag_messages(reader), vehicle, latency, limits, report)
+        if isinstance(found, str):
+            print(f"error: {options.bag}: no radii: {found}", file=sys.stderr)
+            return 1
+        options.out.write_text(calibrated_file(vehicle, source, found), encoding="utf-8")
     except (BagError, ParameterError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    if isinstance(found, str):
-        print(f"error: {options.bag}: no radii: {found}", file=sys.stderr)
-        return 1
-    options.out.write_text(parameter_file(parameters.wheels, found), encoding="utf-8")
-    for wheel, radius, stddev in zip(parameters.wheels, found.radii, found.stddevs, strict=True):
+    for wheel, radius, stddev in zip(vehicle.wheel_names, found.radii, found.stddevs, strict=True):
         print(f"{wheel}: {radius:.5f} m, standard deviation {1e3 * stddev:.2f} mm")
     return 0

@@ -1,68 +1,90 @@
-"""The estimators of the graph and how each is built from parameter files, as its node is."""
+"""The estimators of the graph and how each is built from parameter files and the car, as its node is."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import yaml
-
-from friction_runtime.parameters import ParameterError, from_mapping, shipped_file
+from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter_file import NodeName, file_values, is_ros_own
+from friction_parameters.values import changed, ignored
 from friction_runtime.processor import Processor, Report
+from vehicle_models.vehicle import Vehicle
 
-_PARAMETERS = {
-    "wheel_slip": "WheelSlipParameters",
-    "friction_slope": "FrictionSlopeParameters",
-    "friction_curve_id": "FrictionCurveParameters",
-    "abs_supervisor": "SupervisorParameters",
-    "smart_tyre_forces": "SmartTyreParameters",
-}
-ESTIMATORS = tuple(_PARAMETERS)
-"""In the order in which data flows. Package, node and parameter file have one name; `build` of the module `processor`
-makes the processors from the parameters. Only what is asked for is imported: all of it takes a second."""
+ESTIMATORS = ("wheel_slip", "friction_slope", "friction_curve_id", "abs_supervisor", "smart_tyre_forces")
+"""In the order in which data flows. Package, node and parameter file have one name; `SHIPPED` of the module
+`parameters` holds what is shipped, `build` of the module `processor` makes the processors. Only what is asked for is
+imported: all of it takes a second."""
 SMART_TYRE = "smart_tyre_forces"
 WHEEL_ESTIMATORS = tuple(name for name in ESTIMATORS if name != SMART_TYRE)
 """Those that live on wheel_states."""
 
 
-def build_processors(
-    estimators: Sequence[str], wheels: Sequence[str], files: Sequence[Path], report: Report
-) -> list[Processor]:
-    """Make the processors of some estimators.
+def read_parameters(
+    estimators: Iterable[str], files: Sequence[Path], report: Report, namespace: str = "/"
+) -> dict[str, Any]:
+    """Parameters of some estimators, by name.
 
     Args:
         estimators: names from ESTIMATORS.
-        wheels: names of the wheels, as in wheel_states.
-        files: ROS parameter files over those that the packages ship, the later decides.
+        files: ROS parameter files over what the packages ship, the later decides.
+        report: is told of parameters that are set for another method than the chosen one.
+        namespace: of the estimators, such as /car.
+
+    Raises:
+        ParameterError: a file or a parameter is bad; the text names it.
+        OSError: a file cannot be read.
+    """
+    found: dict[str, Any] = {}
+    for name in estimators:
+        parameters = import_module(f"{name}.parameters").SHIPPED[name].parameters
+        values: dict[str, Any] = {}
+        for file in files:
+            values.update(file_values(type(parameters), file, NodeName(name, namespace)))
+        try:
+            found[name] = changed(parameters, {key: each for key, each in values.items() if not is_ros_own(key)})
+        except ParameterError as error:
+            raise ParameterError(f"{name}: {error}") from error
+        for text in ignored(found[name]):
+            report("warning", f"{name}: {text}")
+    return found
+
+
+def vehicle_of(parameters: Mapping[str, Any]) -> str:
+    """Vehicle file that the parameters of estimators name; empty where none does.
+
+    Raises:
+        ParameterError: they name two.
+    """
+    found = {each.vehicle_file: name for name, each in parameters.items() if each.vehicle_file}
+    if len(found) > 1:
+        texts = [f"{name} has '{file}'" for file, name in found.items()]
+        raise ParameterError(f"parameter 'vehicle_file': {', '.join(texts)}: estimators must have the same car")
+    return next(iter(found), "")
+
+
+def make_processors(parameters: Mapping[str, Any], vehicle: Vehicle, report: Report) -> list[Processor]:
+    """Make the processors of some estimators.
+
+    Args:
+        parameters: of each, as read_parameters gives them.
+        vehicle: the car; `vehicle_file` of the parameters is not looked at.
         report: takes what the processors have to say.
 
     Raises:
-        ParameterError: a parameter is bad; the text names it.
-        OSError: a file cannot be read.
+        ParameterError: parameters do not fit the car or each other.
     """
     processors: list[Processor] = []
-    for name in estimators:
-        values: dict[str, Any] = {}
-        for file in (shipped_file(name), *files):
-            values.update(_section(file, name))
-        values["wheels"] = list(wheels)
-        values.pop("use_sim_time", None)
-        parameters = getattr(import_module(f"{name}.parameters"), _PARAMETERS[name])
-        build = import_module(f"{name}.processor").build
+    for name, each in parameters.items():
         try:
-            processors.extend(build(from_mapping(parameters, values), report))
+            processors.extend(import_module(f"{name}.processor").build(each, vehicle, report))
         except ValueError as error:
             raise ParameterError(f"{name}: {error}") from error
     return processors
 
 
-def _section(file: Path, node: str) -> dict[str, Any]:
-    """Parameters a file gives to a node: of all nodes, then its own."""
-    try:
-        sections = yaml.safe_load(file.read_text(encoding="utf-8")) or {}
-        found: dict[str, Any] = {}
-        for key in ("/**", f"/**/{node}", node, f"/{node}"):
-            found.update(sections.get(key, {}).get("ros__parameters", {}))
-    except (yaml.YAMLError, AttributeError, TypeError) as error:
-        raise ParameterError(f"{file} is no ROS parameter file: {error}") from error
-    return found
+def build_processors(
+    estimators: Iterable[str], vehicle: Vehicle, files: Sequence[Path], report: Report, namespace: str = "/"
+) -> list[Processor]:
+    """Read the parameters of some estimators and make their processors: arguments and errors of the two above."""
+    return make_processors(read_parameters(estimators, files, report, namespace), vehicle, report)

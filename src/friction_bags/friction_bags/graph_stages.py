@@ -46,4 +46,4 @@ def _needed(processors: Iterable[Processor]) -> set[str]:
 
 
 def _wheels(processor: Processor) -> set[str]:
-    return {topic.split("/", 1)[0] for topic in processor.outputs}
+    return {topic.rpartition("/")[0] for topic in processor.outputs}

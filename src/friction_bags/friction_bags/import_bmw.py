@@ -10,6 +10,7 @@ from typing import Any
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import Imu, JointState
 
+from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
 
 STAMP_OFFSET = 1000
@@ -36,8 +37,9 @@ NOTES = {
     "stamps": f"t_s + {STAMP_OFFSET} s",
     "brakes": "no brake pressure was recorded, so there is none here; "
     f"{BRAKE_TORQUE_TOPIC[1:]} is the request for all four wheels together upstream of the ABS, negative in braking",
-    "effective_radius": "not measured; own estimate from coasting: 0.345 m front, 0.3465 m rear",
+    "effective_radius": "not measured; own estimate from coasting, in the vehicle file",
     "parameters": "bmw_m8",
+    VEHICLE_NOTE: "bmw_m8",
 }
 
 

@@ -1,7 +1,7 @@
 """Columns of iac_av21_putnam_25hz.csv as our input topics.
 
-The wheel speeds of the file are rim speeds in km/h. They become angular speeds by a nominal radius of 0.3 m, which is
-no measurement: a node that is given the same radius gets back the speeds of the file.
+The wheel speeds of the file are rim speeds in km/h. They become angular speeds by the nominal radii of the vehicle
+file, which are no measurement: a node that is given the same car gets back the speeds of the file.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -11,10 +11,11 @@ from friction_msgs.msg import BrakeDemand
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import Imu, JointState
 
+from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
+from vehicle_models.vehicle_file import load_vehicle
 
-NOMINAL_RADIUS = 0.3
-"""[m]"""
+VEHICLE = "indy_av21"
 WHEELS = {
     "front_left": "wheel_fl(kmph)",
     "front_right": "wheel_fr(kmph)",
@@ -33,8 +34,9 @@ COLUMNS = (
 NOTES = {
     "source": "Indy AV-21 at Putnam, linklab-uva/deep-dynamics at 88c8565 (GPL-3.0), iac_av21_putnam_25hz.csv",
     "stamps": "time(s) of the file",
-    "wheel_speed": f"rim speed in km/h of the file, by a nominal radius of {NOMINAL_RADIUS} m",
+    "wheel_speed": "rim speed in km/h of the file, by the nominal radii of the vehicle file",
     "brakes": "no pressure at a wheel was recorded; brake_demand is the commanded line pressure",
+    VEHICLE_NOTE: VEHICLE,
 }
 
 _KMPH = 1.0 / 3.6
@@ -43,10 +45,12 @@ _KILOPASCAL = 1e3
 
 def messages(rows: Iterable[Mapping[str, float]]) -> Iterator[tuple[str, Any]]:
     """Yield topic and message: wheel_states, imu/data, vehicle_velocity and brake_demand of each row."""
+    car = load_vehicle(VEHICLE)
     for row in rows:
         stamp = from_nanoseconds(round(row["time(s)"] * NANOSECONDS))
         wheels = JointState(
-            name=list(WHEELS), velocity=[row[column] * _KMPH / NOMINAL_RADIUS for column in WHEELS.values()]
+            name=list(WHEELS),
+            velocity=[row[column] * _KMPH / car.wheel(name).radius for name, column in WHEELS.items()],
         )
         imu = Imu()
         imu.header.frame_id = "base_link"

@@ -4,7 +4,7 @@ import shutil
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +15,13 @@ from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
 from friction_bags import library_stops, library_tyres
 from friction_bags.bag_format import METADATA_NAME, BagError
-from friction_bags.estimators import build_processors
+from friction_bags.bag_vehicle import VEHICLE_NOTE
+from friction_bags.estimators import make_processors, read_parameters
 from friction_bags.message_bag import write_bag
 from friction_bags.offline_graph import OfflineGraph
-from friction_runtime.parameters import from_mapping
+from friction_parameters.values import from_mapping
 from friction_runtime.processor import Output, silent
+from vehicle_models.vehicle_file import load_vehicle
 
 START_STAMP = 1_000_000_000_000
 """[ns] Stamp of the first sample of every experiment: 1000 s."""
@@ -31,18 +33,19 @@ _README_BEGIN = """\
 Recorded experiments, made by `make bags` (`python -m friction_bags library`) with fixed seeds; that command writes this
 file too. `python -m friction_bags play bags/NAME` and `ros2 bag play bags/NAME` play them; `make demo BAG=bags/NAME`
 runs the graph on them. The recording stamp of a message is its header stamp; the experiments begin at 1000 s. Sensor
-noise is that of section 8.3.2 of the chapter. `truth/...` is what the plant knows.
+noise is that of section 8.3.2 of the chapter. `truth/...` is what the plant knows. The car is a vehicle file that
+vehicle_models ships; the bag carries its name as a note, so that `python -m friction_bags process` knows it.
 
-| bag | what it is |
-|---|---|
+| bag | car | what it is |
+|---|---|---|
 """
 _README_END = """
 
 The smart-tyre bags in the repository are short cuts: `python -m friction_bags library --full --out DIR` makes whole
 runs. The measured bags are not in the repository: `python -m friction_bags import bmw|iac FILE.csv --out DIR`.
 
-Made again on the same machine, every file is the same, byte for byte. On another kind of processor the estimates in the
-two closed loops (`abs_stop`, `dry_to_snow`) differ in their last bits: numpy's sums are taken in another order there.
+Made again on the same machine, every file is the same, byte for byte. On another kind of processor messages differ in
+their last bits: numpy takes sums in another order and exponentials by other instructions there.
 """
 
 
@@ -54,6 +57,8 @@ class Experiment:
     """What it is."""
     parameters: Mapping[str, Any] = field(default_factory=dict)
     """Of corner_sim, over its defaults."""
+    vehicle: str = "chapter_corner"
+    """The car: vehicle file, or name of a shipped one."""
     closed_loop: bool = False
     """Whether wheel_slip, friction_slope and abs_supervisor are in the loop, and recorded."""
 
@@ -115,7 +120,11 @@ def run(args: Namespace) -> int:
         for name in progress.track(args.names or known, description="bags"):
             try:
                 _replace(args.out / name)
-                notes = {"note": _note(name, args.full), "made_by": f"python -m friction_bags library {name}"}
+                notes = {
+                    "note": _note(name, args.full),
+                    "made_by": f"python -m friction_bags library {name}",
+                    VEHICLE_NOTE: _vehicle(name),
+                }
                 count = write_bag(args.out / name, _messages(name, args.full), notes)
             except (BagError, OSError) as error:
                 print(f"error: {error}", file=sys.stderr)
@@ -128,9 +137,13 @@ def run(args: Namespace) -> int:
 
 def simulate(experiment: Experiment, seed: int = 0) -> Iterator[Output]:
     """Yield absolute topics and messages of a run, those of the plant and of the estimators in its loop."""
-    parameters = from_mapping(SimParameters, {**experiment.parameters, "seed": seed})
-    simulation = Simulation(parameters, START_STAMP)
-    graph = OfflineGraph(build_processors(_LOOP if experiment.closed_loop else (), parameters.wheels, (), silent))
+    vehicle = load_vehicle(experiment.vehicle)
+    simulation = Simulation(from_mapping(SimParameters, {**experiment.parameters, "seed": seed}), vehicle, START_STAMP)
+    estimators: dict[str, Any] = {}
+    if experiment.closed_loop:
+        estimators = read_parameters(_LOOP, (), silent)
+        estimators["abs_supervisor"] = replace(estimators["abs_supervisor"], shadow=False)
+    graph = OfflineGraph(make_processors(estimators, vehicle, silent))
     while True:
         for topic, message in simulation.messages():
             yield f"/{topic}", message
@@ -160,6 +173,12 @@ def _note(name: str, full: bool) -> str:
     return tyre_run.note if full else f"{tyre_run.note}; {tyre_run.cut[0]:.1f} to {tyre_run.cut[1]:.1f} s of it"
 
 
+def _vehicle(name: str) -> str:
+    if name in EXPERIMENTS:
+        return EXPERIMENTS[name].vehicle
+    return library_stops.VEHICLE if name in library_stops.STOPS else library_tyres.VEHICLE
+
+
 def _replace(bag: Path) -> None:
     """Remove a bag that is to be made anew; nothing else."""
     if (bag / METADATA_NAME).is_file():
@@ -169,5 +188,5 @@ def _replace(bag: Path) -> None:
 
 def _readme(full: bool) -> str:
     """Text of the list of bags."""
-    rows = [f"| `{name}` | {_note(name, full)} |" for name in _NAMES]
+    rows = [f"| `{name}` | `{_vehicle(name)}` | {_note(name, full)} |" for name in _NAMES]
     return _README_BEGIN + "\n".join(rows) + _README_END

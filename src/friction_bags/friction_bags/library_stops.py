@@ -1,6 +1,6 @@
 """The driver's stops of the library, as in section 8.2.3: what makes measured friction differ from the static curve.
 
-Two things are added to the quasi-static car of corner_sim, with the slip s that the contact has built up so far:
+Two things are added to the quasi-static car of vehicle_models, with the slip s that the contact has built up so far:
 
     L s_dot = v (lambda - s),    Fx_i = Fz_i mu(s_i)                                 (relaxation length L of a tyre)
     q_ddot = w^2 (q_ss - q) - 2 z w q_dot,    q_ss = m h |a| / wheelbase             (load q moved to the front axle)
@@ -25,19 +25,19 @@ from friction_runtime.processor import Output
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.sensor_noise import CHAPTER_NOISE
-from vehicle_models.two_axle import WHEELS, CarParameters
+from vehicle_models.single_corner import GRAVITY
+from vehicle_models.two_axle import four_wheels, peak_torque
+from vehicle_models.vehicle import AIR_DENSITY, Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]
 
-RELAXATION_LENGTH = 0.3
-"""L [m]"""
+VEHICLE = "chapter_car"
 PITCH_FREQUENCY = 2.0 * np.pi * 1.5
 """w [rad/s]"""
 PITCH_DAMPING = 0.3
 """z"""
 _SUBSTEPS = 25
-_BRAKE_GAINS = np.full(4, 1e-4)
-"""k of T_b = k p [N m/Pa], that of the parameter files."""
 _PROPORTIONING = np.array([1.0, 1.0, 0.375, 0.375])
 """Line pressure of each wheel over the driver's: a valve spares the rear axle."""
 _SPEED = 25.0
@@ -66,12 +66,20 @@ STOPS = {"high_grip_stop": _stop("high_grip", 1.02), "low_grip_stop": _stop("off
 
 
 class SprungCar:
-    """A car whose tyres relax and whose load moves through springs; a Vehicle of corner_sim with four wheels."""
+    """A car whose tyres relax and whose load moves through springs: a VehicleModel of corner_sim, with four wheels."""
 
-    def __init__(self, parameters: CarParameters, speed: float) -> None:
-        """Start free rolling at `speed` [m/s]."""
-        self._p = parameters
-        self._state = np.concatenate([[speed], np.full(4, speed / parameters.radius), np.zeros(6)])
+    def __init__(self, vehicle: Vehicle, speed: float) -> None:
+        """Start free rolling at `speed` [m/s].
+
+        Raises:
+            ValueError: the vehicle has not four wheels.
+        """
+        wheels = four_wheels(vehicle)
+        self._vehicle = vehicle
+        self._radius = np.array([wheel.radius for wheel in wheels])
+        self._inertia = np.array([wheel.inertia for wheel in wheels])
+        self._relaxation_length = np.array([wheel.relaxation_length for wheel in wheels])
+        self._state = np.concatenate([[speed], speed / self._radius, np.zeros(6)])
         self._distance = 0.0
 
     @property
@@ -82,7 +90,7 @@ class SprungCar:
     @property
     def distance(self) -> Array:
         """Distance of each wheel from where the front axle started [m], shape (4,)."""
-        return self._distance - np.array([0.0, 0.0, self._p.wheelbase, self._p.wheelbase])
+        return self._distance - np.array([0.0, 0.0, self._vehicle.wheelbase, self._vehicle.wheelbase])
 
     @property
     def wheel_speed(self) -> Array:
@@ -92,21 +100,21 @@ class SprungCar:
     @property
     def slip(self) -> Array:
         """Slips lambda [-], shape (4,)."""
-        return 1.0 - self._p.radius * self.wheel_speed / self.speed
+        return 1.0 - self._radius * self.wheel_speed / self.speed
 
     @property
     def radius(self) -> Array:
         """Radii [m], shape (4,)."""
-        return np.full(4, self._p.radius)
+        return self._radius
 
     @property
     def inertia(self) -> Array:
         """Wheel inertias [kg m^2], shape (4,)."""
-        return np.full(4, self._p.inertia)
+        return self._inertia
 
     def peak_torque(self, theta: Array) -> float:
         """Quasi-static brake torque [N m] that holds a front wheel at the peak while all wheels are there."""
-        return float(self._p.peak_torque(theta)[0])
+        return float(peak_torque(self._vehicle, theta)[0])
 
     def friction(self, theta: Array) -> Array:
         """Friction coefficients Fx / Fz [-] of the relaxed tyres, shape (4,)."""
@@ -135,26 +143,26 @@ class SprungCar:
             self._state[1:5] = np.maximum(self._state[1:5], 0.0)
 
     def _loads(self, state: Array) -> Array:
-        p = self._p
-        weight = p.mass * p.gravity
-        front, rear = weight * p.front_share + state[9], weight * (1.0 - p.front_share) - state[9]
+        car = self._vehicle
+        weight = car.mass * GRAVITY
+        front, rear = weight * car.front_load_share + state[9], weight * (1.0 - car.front_load_share) - state[9]
         return 0.5 * np.array([front, front, rear, rear])
 
     def _rate(self, state: Array, theta: Array, torque: Array) -> Array:
         """Rates of speed, wheel speeds, built-up slips, moved load and its rate."""
-        p = self._p
+        car = self._vehicle
         speed, wheel_speed, built_up = state[0], state[1:5], state[5:9]
         force = self._loads(state) * burckhardt.friction(theta, built_up)
-        drag = 0.5 * p.air_density * p.drag_area * speed**2
-        acceleration = -(np.sum(force) + drag) / p.mass
-        slip = 1.0 - p.radius * wheel_speed / speed
-        moved = -p.mass * acceleration * p.height / p.wheelbase
+        drag = 0.5 * AIR_DENSITY * car.drag_area * speed**2
+        acceleration = -(np.sum(force) + drag) / car.mass
+        slip = 1.0 - self._radius * wheel_speed / speed
+        moved = -car.mass * acceleration * car.centre_of_gravity_height / car.wheelbase
         pitch = PITCH_FREQUENCY**2 * (moved - state[9]) - 2.0 * PITCH_DAMPING * PITCH_FREQUENCY * state[10]
         return np.concatenate(
             [
                 [acceleration],
-                (p.radius * force - torque) / p.inertia,
-                speed / RELAXATION_LENGTH * (slip - built_up),
+                (self._radius * force - torque) / self._inertia,
+                speed / self._relaxation_length * (slip - built_up),
                 [state[10], pitch],
             ]
         )
@@ -162,14 +170,15 @@ class SprungCar:
 
 def simulate(stop: Stop, start_stamp: int, seed: int = 0) -> Iterator[Output]:
     """Yield absolute topics and messages of a stop; the first sample is at `start_stamp` [ns]."""
-    parameters = CarParameters(mass=900.0)
-    car = SprungCar(parameters, _SPEED)
+    vehicle = load_vehicle(VEHICLE)
+    vehicle = replace(vehicle, wheels=four_wheels(vehicle))
+    car = SprungCar(vehicle, _SPEED)
     road = Road((stop.surface,), (0.0,))
-    plant = Plant(car, road, ActuatorParameters(), _BRAKE_GAINS)
-    pressure = stop.level * car.peak_torque(road.theta(0.0)) / _BRAKE_GAINS[0]
+    plant = Plant(car, road, ActuatorParameters(), vehicle)
+    pressure = stop.level * car.peak_torque(road.theta(0.0)) / vehicle.wheels[0].brake_gain
     driver = DriverProfile(pressure, start=0.5, rise=0.4, hold=0.35, release=0.1)
-    sensors = Sensors(CHAPTER_NOISE, _ACCELERATION_VARIANCE, 0.0, _BRAKE_GAINS, seed)
-    crossings = SlopeCrossings(len(WHEELS))
+    sensors = Sensors(CHAPTER_NOISE, _ACCELERATION_VARIANCE, 0.0, vehicle, seed)
+    crossings = SlopeCrossings(len(vehicle.wheels))
     for index in range(round(_DURATION / SAMPLE_TIME) + 1):
         stamp = start_stamp + index * SAMPLE_TIME_NS
         demand = driver.demand(index * SAMPLE_TIME)
@@ -177,10 +186,8 @@ def simulate(stop: Stop, start_stamp: int, seed: int = 0) -> Iterator[Output]:
         sample = replace(sample, friction=car.friction(sample.theta))
         crossings.update(sample, stamp)
         measured = sensors.measure(sample)
-        outputs = messages.truth(stamp, WHEELS, sample, crossings)
+        outputs = messages.truth(stamp, vehicle.wheel_names, sample, crossings)
         outputs.append(("brake_demand", messages.brake_demand(stamp, demand)))
-        outputs += messages.sensors(
-            stamp, WHEELS, measured, CHAPTER_NOISE, _BRAKE_GAINS.tolist(), _ACCELERATION_VARIANCE
-        )
+        outputs += messages.sensors(stamp, vehicle, measured, CHAPTER_NOISE, _ACCELERATION_VARIANCE)
         yield from ((f"/{topic}", message) for topic, message in outputs)
         plant.advance(demand * _PROPORTIONING, Command.NONE)

@@ -16,9 +16,11 @@ from vehicle_models.encoder import EncoderParameters
 from vehicle_models.force_history import Drive, dynamic_drive, quasi_static_drives
 from vehicle_models.tyre_ring import TyreRing
 from vehicle_models.tyre_signal import AccelerometerParameters, TyreSignalSource
+from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]
 
+VEHICLE = "smart_tyre_car"
 _RATE = 10_000
 """[Hz]"""
 _BLOCK = 50
@@ -88,7 +90,8 @@ def simulate(run: TyreRun, start_stamp: int, full: bool) -> Iterator[Output]:
 
 @cache
 def _drive(dynamic: bool) -> Drive:
-    return dynamic_drive(road_seed=_ROAD_SEED) if dynamic else quasi_static_drives(road_seed=_ROAD_SEED)[0]
+    car = load_vehicle(VEHICLE)
+    return dynamic_drive(car, road_seed=_ROAD_SEED) if dynamic else quasi_static_drives(car, road_seed=_ROAD_SEED)[0]
 
 
 def _forces(drive: Drive, wheel: str) -> tuple[Array, Array]:

@@ -1,7 +1,7 @@
 """What is to be done with a bag, as each of the processes that do it must know it."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,10 +10,13 @@ from sensor_msgs.msg import JointState
 
 from friction_bags.bag_format import BagError
 from friction_bags.bag_reader import BagReader
+from friction_bags.bag_vehicle import vehicle_for
 from friction_bags.cdr import decode
-from friction_bags.estimators import SMART_TYRE, WHEEL_ESTIMATORS, build_processors
+from friction_bags.estimators import SMART_TYRE, WHEEL_ESTIMATORS, make_processors, read_parameters, vehicle_of
 from friction_bags.message_definition import type_name
 from friction_runtime.processor import Processor, Report
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
 _WHEEL_STATES = "wheel_states"
 _TYRE_SIGNALS = "/tyre_signals"
@@ -26,10 +29,10 @@ class ProcessOptions:
 
     estimators: tuple[str, ...] = ()
     """Names of estimators; empty for all whose inputs the bag has."""
-    wheels: tuple[str, ...] = ()
-    """Names of the wheels; empty for those of the bag."""
+    vehicle: str = ""
+    """Vehicle file or name of a shipped one; empty for that of the bag's note, or of the parameter files."""
     parameter_files: tuple[Path, ...] = ()
-    """ROS parameter files over those that the packages ship."""
+    """ROS parameter files over what the packages ship."""
     namespace: str = "/"
     """Of the topics, e.g. /car; / for none."""
     outputs_only: bool = False
@@ -46,9 +49,11 @@ class OfflinePlan:
     """What becomes of the topics of one bag."""
 
     bag: Path
-    estimators: tuple[str, ...]
-    wheels: tuple[str, ...]
-    parameter_files: tuple[Path, ...]
+    parameters: Mapping[str, Any]
+    """Of each estimator, by its name."""
+    vehicle: Vehicle
+    vehicle_note: str
+    """How the bag that is made names the car."""
     taken: tuple[str, ...]
     """Of each topic in the bag: its relative name if the estimators take it, else nothing."""
     copied: tuple[bool, ...]
@@ -58,9 +63,9 @@ class OfflinePlan:
         """Make the processors.
 
         Raises:
-            ParameterError: a parameter is bad.
+            ParameterError: parameters do not fit the car.
         """
-        return build_processors(self.estimators, self.wheels, self.parameter_files, report)
+        return make_processors(self.parameters, self.vehicle, report)
 
 
 class SayOnce:
@@ -80,8 +85,9 @@ def plan_for(reader: BagReader, options: ProcessOptions, report: Report) -> tupl
     """Find out what a bag asks for; return also the processors of the plan.
 
     Raises:
-        BagError: it names no wheels.
-        ParameterError: a parameter is bad.
+        BagError: it holds no wheel of the car.
+        ParameterError: a parameter or the vehicle file is bad, or no car is named.
+        OSError: a parameter file cannot be read.
     """
     prefix = options.prefix
     names = [topic.name.removeprefix(prefix) for topic in reader.counts]
@@ -89,12 +95,15 @@ def plan_for(reader: BagReader, options: ProcessOptions, report: Report) -> tupl
     if not estimators:
         has_tyres = any(name.endswith(_TYRE_SIGNALS) for name in names)
         estimators = (*(WHEEL_ESTIMATORS if _WHEEL_STATES in names else ()), *((SMART_TYRE,) if has_tyres else ()))
-    wheels = options.wheels or _wheels_of(reader, prefix)
-    processors = build_processors(estimators, wheels, options.parameter_files, report)
+    parameters = read_parameters(estimators, options.parameter_files, report, options.namespace)
+    note = vehicle_for(reader, options.vehicle, vehicle_of(parameters), report)
+    vehicle = load_vehicle(note)
+    _refuse_strange_car(reader, prefix, vehicle)
+    processors = make_processors(parameters, vehicle, report)
     made = {topic for processor in processors for topic in processor.outputs}
     taken = _taken(reader, processors, made, prefix)
     copied = tuple(not options.outputs_only and name not in made for name in names)
-    return OfflinePlan(reader.bag, estimators, wheels, options.parameter_files, tuple(taken), copied), processors
+    return OfflinePlan(reader.bag, parameters, vehicle, note, tuple(taken), copied), processors
 
 
 def output_numbers(processors: Sequence[Processor]) -> dict[str, int]:
@@ -120,13 +129,32 @@ def _taken(reader: BagReader, processors: Sequence[Processor], made: set[str], p
     return taken
 
 
-def _wheels_of(reader: BagReader, prefix: str) -> tuple[str, ...]:
-    """Wheels that the first wheel_states message names, or those with tyre_signals."""
+def _refuse_strange_car(reader: BagReader, prefix: str, vehicle: Vehicle) -> None:
+    """Refuse a car of which the bag holds no wheel: by the first wheel_states, and by the names of tyre_signals.
+
+    Raises:
+        BagError: the text names the wheels of both.
+    """
+    topics = [topic.name.removeprefix(prefix) for topic in reader.counts]
+    tyres = sorted(name.removesuffix(_TYRE_SIGNALS) for name in topics if name.endswith(_TYRE_SIGNALS))
+    joints = _first_joints(reader, prefix)
+    if joints is None and not tyres:
+        raise BagError(f"{reader.bag} holds no {prefix}{_WHEEL_STATES}: is it in another --namespace?")
+    for topic, found, known in (
+        (_WHEEL_STATES, joints, vehicle.joints),
+        (f"*{_TYRE_SIGNALS}", tyres, vehicle.wheel_names),
+    ):
+        if found and not set(found) & set(known):
+            raise BagError(
+                f"{reader.bag}: {prefix}{topic} holds {', '.join(found)}, and no wheel of the car '{vehicle.name}': "
+                f"{', '.join(known)}; is it another --vehicle?"
+            )
+
+
+def _first_joints(reader: BagReader, prefix: str) -> list[str] | None:
+    """Names in the first wheel_states message; None where there is none."""
     states = [topic for topic in reader.counts if topic.name == prefix + _WHEEL_STATES]
     for topic, _, data in reader.messages(states):
         if topic.type == type_name(JointState):
-            return tuple(decode(data, JointState).name)
-    names = [topic.name.removeprefix(prefix) for topic in reader.counts if topic.name.endswith(_TYRE_SIGNALS)]
-    if not names:
-        raise BagError(f"{reader.bag} holds no {prefix}{_WHEEL_STATES}: is it in another --namespace?")
-    return tuple(name.removesuffix(_TYRE_SIGNALS) for name in sorted(names))
+            return list(decode(data, JointState).name)
+    return None

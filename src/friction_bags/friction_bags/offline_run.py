@@ -8,6 +8,7 @@ from pathlib import Path
 from time import perf_counter
 
 from friction_bags.bag_reader import BagReader
+from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.bag_writer import BagWriter
 from friction_bags.cdr import installed_topic
 from friction_bags.graph_stages import graph_stages
@@ -52,8 +53,8 @@ def process_bag(
         progress: is told the part that is done, 0 to 1.
 
     Raises:
-        BagError: the bag cannot be read, names no wheels, or the other cannot be made.
-        ParameterError: a parameter is bad.
+        BagError: the bag cannot be read, holds no wheel of the car, or the other cannot be made.
+        ParameterError: a parameter or the vehicle file is bad, or no car is named.
     """
     begun = perf_counter()
     with ExitStack() as stack:
@@ -61,7 +62,8 @@ def process_bag(
         plan, processors = plan_for(reader, options, SayOnce())
         stages = graph_stages(processors, processes)
         made = {topic: kind for processor in processors for topic, kind in processor.outputs.items()}
-        writer = stack.enter_context(BagWriter(out, chunk_size=_CHUNK_SIZE, custom_data=reader.custom_data))
+        notes = {**reader.custom_data, VEHICLE_NOTE: plan.vehicle_note}
+        writer = stack.enter_context(BagWriter(out, chunk_size=_CHUNK_SIZE, custom_data=notes))
         copies = [
             writer.add_topic(topic) if copied else None
             for topic, copied in zip(reader.counts, plan.copied, strict=True)

@@ -15,10 +15,11 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 from friction_bags.bag_format import BagError
+from friction_bags.bag_vehicle import add_vehicle_argument
 from friction_bags.estimators import ESTIMATORS
 from friction_bags.offline_plan import ProcessOptions
 from friction_bags.offline_run import ProcessResult, process_bag
-from friction_runtime.parameters import ParameterError
+from friction_parameters.parameter import ParameterError
 
 _REFRESH_PERIOD = 0.2
 _INTERRUPTED = 130
@@ -32,7 +33,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--out", type=Path, required=True, metavar="DIR", help="bag to be made; of several bags: where to make them"
     )
     parser.add_argument("--estimators", nargs="+", choices=ESTIMATORS, default=[], help="default: all with inputs")
-    parser.add_argument("--wheels", nargs="+", default=[], help="default: those of the bag")
+    add_vehicle_argument(parser)
     parser.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
     parser.add_argument("--namespace", default="/", help="of the topics, such as /car")
     parser.add_argument("--outputs-only", action="store_true", help="leave out the topics of the bag")
@@ -48,7 +49,7 @@ def run(args: Namespace) -> int:
     """
     options = ProcessOptions(
         tuple(args.estimators),
-        tuple(args.wheels),
+        args.vehicle,
         tuple(args.params_file),
         args.namespace,
         args.outputs_only,

@@ -14,9 +14,11 @@ from rich.console import Console
 from rich.table import Table
 
 from friction_bags.bag_format import BagError
+from friction_bags.bag_vehicle import VEHICLE_NOTE, add_vehicle_argument, vehicle_note
 from friction_bags.bag_writer import BagWriter
 from friction_bags.recorder import Recorder
 from friction_bags.topic_selection import add_selection_arguments, selection_of
+from friction_parameters.parameter import ParameterError
 from friction_runtime.spin import stop_on_signals, take_down
 
 _TAKE_PERIOD = 0.02
@@ -33,6 +35,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--compression", choices=("zstd", "lz4", "none"), default="zstd", help="of chunks")
     parser.add_argument("--duration", type=float, default=float("inf"), metavar="S", help="stop after so many seconds")
     parser.add_argument("--note", default="", help="a note that travels with the bag")
+    add_vehicle_argument(parser, "none; `process` then asks for it")
 
 
 def run(args: Namespace, ros_args: list[str]) -> int:
@@ -47,8 +50,8 @@ def run(args: Namespace, ros_args: list[str]) -> int:
         return 2
     bag = args.out or Path(f"bag_{datetime.now():%Y_%m_%d-%H_%M_%S}")
     try:
-        writer = BagWriter(bag, compression=args.compression, custom_data={"note": args.note} if args.note else {})
-    except BagError as error:
+        writer = BagWriter(bag, compression=args.compression, custom_data=_notes(args))
+    except (BagError, ParameterError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     rclpy.init(args=ros_args, signal_handler_options=SignalHandlerOptions.NO)
@@ -65,6 +68,11 @@ def run(args: Namespace, ros_args: list[str]) -> int:
     finally:
         take_down(node)
     return 0
+
+
+def _notes(args: Namespace) -> dict[str, str]:
+    notes = {"note": args.note} if args.note else {}
+    return {**notes, VEHICLE_NOTE: vehicle_note(args.vehicle)} if args.vehicle else notes
 
 
 def _loop(recorder: Recorder, writer: BagWriter, stop: Event, duration: float) -> None:

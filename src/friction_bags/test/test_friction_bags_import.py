@@ -7,10 +7,11 @@ from pathlib import Path
 import pytest
 from rclpy.serialization import deserialize_message
 
-from friction_bags import import_bmw, import_iac
+from friction_bags import import_bmw
 from friction_bags.__main__ import main
 from friction_bags.bag_reader import BagReader
 from friction_bags.message_definition import message_class
+from vehicle_models.vehicle_file import load_vehicle
 
 DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[4] / "shared" / "data"))
 BMW = DATA / "bmw_m8_abs_stop_100hz.csv"
@@ -72,13 +73,13 @@ def test_bursts_of_near_duplicate_stamps_are_kept_in_their_order(tmp_path: Path)
 
 @needs_data
 def test_the_iac_bag_holds_the_values_of_the_file(tmp_path: Path) -> None:
-    rows = rows_of(IAC)
+    rows, car = rows_of(IAC), load_vehicle("indy_av21")
     bag = imported("iac", IAC, tmp_path / "bag")
     assert set(bag) == {"/wheel_states", "/imu/data", "/vehicle_velocity", "/brake_demand"}
     for row, (stamp, wheels) in zip(rows, bag["/wheel_states"], strict=True):
         assert stamp == round(row["time(s)"] * 1e9)
         rims = [row[f"wheel_{wheel}(kmph)"] for wheel in ("fl", "fr", "rl", "rr")]
-        back = [speed * import_iac.NOMINAL_RADIUS * 3.6 for speed in wheels.velocity]
+        back = [speed * radius * 3.6 for speed, radius in zip(wheels.velocity, car.radii, strict=True)]
         assert all(isclose(a, b, rel_tol=1e-14) for a, b in zip(rims, back, strict=True))
     for row, (_, demand) in zip(rows, bag["/brake_demand"], strict=True):
         assert demand.pressure == row["brake_ped_cmd(kPa)"] * 1000.0

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,38 +10,40 @@ from friction_bags.__main__ import main
 from friction_bags.bag_reader import BagReader
 from friction_bags.cdr import decode
 from friction_bags.library import EXPERIMENTS, START_STAMP, simulate
-from friction_bags.library_stops import RELAXATION_LENGTH, STOPS, SprungCar
+from friction_bags.library_stops import STOPS, SprungCar
 from friction_bags.library_stops import simulate as simulate_stop
 from vehicle_models import burckhardt
+from vehicle_models.single_corner import GRAVITY
 from vehicle_models.surfaces import SURFACES
-from vehicle_models.two_axle import CarParameters
+from vehicle_models.vehicle_file import load_vehicle
 
 BAGS = Path(__file__).parents[3] / "bags"
+CAR = replace(load_vehicle("compact_car"), drag_area=0.0)
 DRY = np.tile(SURFACES["dry"], (4, 1))
 
 
 def test_the_load_settles_at_the_quasi_static_transfer_and_overshoots_on_the_way() -> None:
-    p = CarParameters(drag_area=0.0)
-    car = SprungCar(p, 60.0)
+    car = SprungCar(CAR, 60.0)
     torque = np.full(4, 300.0)
     loads = []
     for _ in range(500):
         car.step(torque, torque, DRY, 0.005)
         loads.append(car.vertical_load(DRY))
     settled = np.asarray(loads[-1])
-    assert settled.sum() == pytest.approx(p.mass * p.gravity)
-    transfer = -p.mass * car.acceleration(DRY) * p.height / p.wheelbase
-    assert settled[0] + settled[1] - 0.5 * p.mass * p.gravity == pytest.approx(transfer, rel=0.02)
+    weight = CAR.mass * GRAVITY
+    assert settled.sum() == pytest.approx(weight)
+    transfer = -CAR.mass * car.acceleration(DRY) * CAR.height_ratio
+    assert settled[0] + settled[1] - 0.5 * weight == pytest.approx(transfer, rel=0.02)
     # a second-order system of damping z overshoots a step by exp(-pi z / sqrt(1 - z^2)) = 37 %
-    highest = max(load[0] for load in loads) - 0.25 * p.mass * p.gravity
-    assert 1.25 < highest / (settled[0] - 0.25 * p.mass * p.gravity) < 1.38
+    highest = max(load[0] for load in loads) - 0.25 * weight
+    assert 1.25 < highest / (settled[0] - 0.25 * weight) < 1.38
 
 
 def test_the_contact_builds_up_its_slip_over_the_relaxation_length() -> None:
     ice = DRY * np.array([1e-9, 1.0, 1e-9])
-    car = SprungCar(CarParameters(inertia=1e9, drag_area=0.0), 20.0)
+    car = SprungCar(replace(CAR, wheels=tuple(replace(wheel, inertia=1e9) for wheel in CAR.wheels)), 20.0)
     car._state[1:5] *= 0.99
-    time = RELAXATION_LENGTH / 20.0
+    time = CAR.wheels[0].relaxation_length / 20.0
     for _ in range(3):
         car.step(np.zeros(4), np.zeros(4), ice, time / 3.0)
     built_up = car._state[5:9]
@@ -49,22 +52,21 @@ def test_the_contact_builds_up_its_slip_over_the_relaxation_length() -> None:
 
 
 def test_what_the_tyres_take_the_car_loses() -> None:
-    p = CarParameters(drag_area=0.0)
-    car = SprungCar(p, 30.0)
+    car = SprungCar(CAR, 30.0)
     torque = np.array([500.0, 500.0, 200.0, 200.0])
     impulse = 0.0
     for _ in range(200):
         before = float(np.sum(car.vertical_load(DRY) * car.friction(DRY)))
         car.step(torque, torque, DRY, 0.001)
         impulse += 0.0005 * (before + float(np.sum(car.vertical_load(DRY) * car.friction(DRY))))
-    assert p.mass * (30.0 - car.speed) == pytest.approx(impulse, rel=1e-3)
+    assert CAR.mass * (30.0 - car.speed) == pytest.approx(impulse, rel=1e-3)
 
 
 @pytest.mark.parametrize("name", list(STOPS))
 def test_a_stop_passes_the_peak_and_its_apparent_friction_exceeds_the_curve(name: str) -> None:
     theta = SURFACES[STOPS[name].surface]
     peak_slip, peak_friction = (float(value) for value in burckhardt.peak(theta))
-    p = CarParameters(mass=900.0)
+    car = load_vehicle("chapter_car")
     slips, apparent, actual, speeds = [], [], [], []
     for topic, message in simulate_stop(STOPS[name], START_STAMP):
         if topic == "/truth/front_left/slip":
@@ -74,7 +76,7 @@ def test_a_stop_passes_the_peak_and_its_apparent_friction_exceeds_the_curve(name
             actual.append(-message.fx / message.fz)
             apparent.append(-message.fx)
     acceleration = np.gradient(speeds, 0.005)
-    load = 0.5 * p.mass * (0.5 * p.gravity - acceleration * p.height / p.wheelbase)
+    load = 0.5 * car.mass * (0.5 * GRAVITY - acceleration * car.height_ratio)
     assert peak_slip < max(slips) < 0.5
     assert max(actual) <= peak_friction + 1e-9
     assert max(np.asarray(apparent) / load) > 1.01 * peak_friction
@@ -127,6 +129,7 @@ def test_the_same_command_makes_the_same_bytes_and_replaces_only_its_bags(tmp_pa
 def test_the_bags_of_the_repository_are_sound_small_and_explained(name: str) -> None:
     with BagReader(BAGS / name) as reader:
         assert reader.custom_data["note"] in (BAGS / "README.md").read_text()
+        assert load_vehicle(reader.custom_data["vehicle"])
         count = 0
         for topic, stamp, data in reader.messages():
             count += 1

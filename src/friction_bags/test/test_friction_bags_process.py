@@ -25,9 +25,12 @@ from friction_bags.message_definition import message_class
 from friction_bags.offline_graph import OfflineGraph
 from friction_bags.offline_plan import ProcessOptions
 from friction_bags.offline_run import process_bag
-from friction_runtime.parameters import ParameterError, from_mapping
+from friction_parameters.parameter import ParameterError
+from friction_parameters.values import from_mapping
 from friction_runtime.stamps import from_nanoseconds
+from vehicle_models.vehicle_file import load_vehicle
 
+CAR = Path(__file__).parent / "two_corners.yaml"
 WHEELS = ("front_left", "rear_right")
 START = 10**12
 Rows = list[tuple[str, int, Any]]
@@ -35,9 +38,9 @@ Rows = list[tuple[str, int, Any]]
 
 def braking(seconds: float = 1.2) -> Rows:
     """Topic, arrival [ns] and message of the sensors of two braked wheels."""
-    given = {"wheels": list(WHEELS), "demand_level": 0.9, "demand_rise": 0.2, "demand_start": 0.1, "seed": 3}
+    given = {"demand_level": 0.9, "demand_rise": 0.2, "demand_start": 0.1, "seed": 3}
     parameters = from_mapping(SimParameters, {**given, "end_time": seconds, "acceleration_variance": 0.01})
-    simulation = Simulation(parameters, START)
+    simulation = Simulation(parameters, load_vehicle(CAR), START)
     rows: Rows = []
     while simulation.end is None:
         rows += [(topic, simulation.stamp, message) for topic, message in simulation.messages() if "truth" not in topic]
@@ -45,8 +48,8 @@ def braking(seconds: float = 1.2) -> Rows:
     return rows
 
 
-def write(bag: Path, rows: Rows, prefix: str = "/") -> None:
-    with BagWriter(bag) as writer:
+def write(bag: Path, rows: Rows, prefix: str = "/", car: str = str(CAR)) -> None:
+    with BagWriter(bag, custom_data={"vehicle": car} if car else {}) as writer:
         for name, stamp, message in rows:
             writer.write(writer.add_topic(installed_topic(prefix + name, type(message))), stamp, encode(message))
 
@@ -164,7 +167,7 @@ def shuffle(rows: Rows, generator: random.Random, most: int) -> Rows:
 
 def test_messages_of_unknown_types_pass_through(rows: Rows, tmp_path: Path) -> None:
     unknown = Topic("/strange", "strange_msgs/msg/Thing", "int32 a\n", "ros2msg")
-    with BagWriter(tmp_path / "bag") as writer:
+    with BagWriter(tmp_path / "bag", custom_data={"vehicle": str(CAR)}) as writer:
         for name, stamp, message in rows:
             writer.write(writer.add_topic(installed_topic(f"/{name}", type(message))), stamp, encode(message))
             if name == "wheel_states":
@@ -204,15 +207,16 @@ def test_a_topic_of_another_type_is_named_and_not_taken(
 
 
 def test_parameters_come_from_the_files_in_their_order_and_bad_ones_are_named(bag: Path, tmp_path: Path) -> None:
-    (tmp_path / "a").write_text("/**:\n  ros__parameters:\n    radii: [0.3]\n    use_sim_time: false\n")
-    (tmp_path / "b").write_text("/**/wheel_slip:\n  ros__parameters:\n    radii: [0.2]\n")
-    for order, free_rolling in (("ab", 1.0 / 3.0), ("ba", 0.0)):
+    (tmp_path / "a").write_text(
+        "/**:\n  ros__parameters:\n    estimator: {minimum_speed: 1.0}\n    use_sim_time: false\n"
+    )
+    (tmp_path / "b").write_text("/**/wheel_slip:\n  ros__parameters:\n    estimator: {minimum_speed: 40.0}\n")
+    for order, valid in (("ab", False), ("ba", True)):
         files = tuple(tmp_path / name for name in order)
         made = process(bag, tmp_path / order, estimators=("wheel_slip",), parameter_files=files)
-        slips = [deserialize_message(data, WheelSlip).slip for _, data in made["/front_left/slip"]]
-        assert slips[15] == pytest.approx(free_rolling, abs=0.05)
-    (tmp_path / "bad").write_text("wheel_slip:\n  ros__parameters:\n    radii: [-1.0]\n")
-    with pytest.raises(ParameterError, match="radii"):
+        assert deserialize_message(made["/front_left/slip"][30][1], WheelSlip).valid is valid
+    (tmp_path / "bad").write_text("wheel_slip:\n  ros__parameters:\n    estimator: {minimum_speed: -1.0}\n")
+    with pytest.raises(ParameterError, match=r"bad: line 3: .*estimator\.minimum_speed"):
         process(bag, tmp_path / "out2", parameter_files=(tmp_path / "bad",))
 
 
@@ -229,7 +233,7 @@ def test_several_bags_are_processed_at_once_and_a_bad_one_does_not_stop_the_othe
 
 
 def test_messages_that_cannot_be_decoded_are_left_out_and_said(rows: Rows, processed: Path, tmp_path: Path) -> None:
-    with BagWriter(tmp_path / "bag") as writer:
+    with BagWriter(tmp_path / "bag", custom_data={"vehicle": str(CAR)}) as writer:
         for name, stamp, message in rows:
             channel = writer.add_topic(installed_topic(f"/{name}", type(message)))
             if name == "imu/data" and stamp == START + 100_000_000:

@@ -1,0 +1,56 @@
+"""Text of a vehicle file with other radii; comments and everything else stay as they are."""
+
+from collections.abc import Mapping
+
+import yaml
+
+Edit = tuple[int, int, str]
+"""Begin and end of what is replaced, and by what."""
+
+
+def with_radii(text: str, found: Mapping[str, tuple[float, float]]) -> str:
+    """Write radii below the wheels of a vehicle file.
+
+    Args:
+        text: of a vehicle file that load_vehicle takes.
+        found: radius and its standard deviation [m] by the name of the wheel.
+
+    Returns:
+        The new text.
+    """
+    top = yaml.compose(text, Loader=yaml.SafeLoader)
+    wheels = _value(top, "wheels")
+    edits: list[Edit] = []
+    for wheel, (radius, stddev) in found.items():
+        # to 0.01 mm and 0.001 mm: no calibration is better
+        values = {"value": f"{radius:.5f}", "stddev": f"{max(stddev, 1e-6):.6f}"}
+        mapping = _value(wheels, wheel)
+        given = _value(mapping, "radius")
+        if isinstance(given, yaml.MappingNode):
+            edits += [_entry(given, key, value) for key, value in values.items()]
+        else:
+            edits.append(_entry(mapping, "radius", f"{{value: {values['value']}, stddev: {values['stddev']}}}"))
+    for begin, end, new in sorted(edits, reverse=True):
+        text = text[:begin] + new + text[end:]
+    return text
+
+
+def _value(mapping: yaml.Node | None, key: str) -> yaml.Node | None:
+    if isinstance(mapping, yaml.MappingNode):
+        for name, value in mapping.value:
+            if name.value == key:
+                return value
+    return None
+
+
+def _entry(mapping: yaml.Node | None, key: str, new: str) -> Edit:
+    """Edit that gives a key of a mapping a new value; a new key stands before the others."""
+    assert isinstance(mapping, yaml.MappingNode)
+    present = _value(mapping, key)
+    if present is not None:
+        return present.start_mark.index, present.end_mark.index, new
+    if mapping.flow_style:
+        begin = mapping.start_mark.index + 1
+        return begin, begin, f"{key}: {new}{', ' if mapping.value else ''}"
+    begin, column = mapping.start_mark.index, mapping.start_mark.column
+    return begin, begin, f"{key}: {new}\n{' ' * column}"
