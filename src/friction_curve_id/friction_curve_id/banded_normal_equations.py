@@ -21,29 +21,12 @@ from scipy.linalg.lapack import dpttrf, dpttrs
 
 from friction_curve_id import log_curve
 from friction_curve_id.braking_window import BrakingWindow
-from friction_curve_id.interface import WheelParameters
+from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.past_evidence import PastEvidence
 from friction_curve_id.robust_weights import huber_cost, huber_weights, robust_cost, robust_weights
+from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class MeasurementNoise:
-    """Standard deviations of the white noise of the measurements; the defaults are the chapter's."""
-
-    wheel_speed: float = 0.005**0.5
-    """[rad/s], > 0"""
-    speed: float = 0.5
-    """Of the measured vehicle speed [m/s], > 0."""
-    torque: float = 10.0**0.5
-    """[N m], > 0; what the model of the wheel leaves out counts here too."""
-
-    def __post_init__(self) -> None:
-        """Refuse noise that is not positive."""
-        for name in ("wheel_speed", "speed", "torque"):
-            if not 0.0 < getattr(self, name) < np.inf:
-                raise ValueError(f"{name} must be finite and > 0, is {getattr(self, name)}")
 
 
 @dataclass(frozen=True)
@@ -89,7 +72,7 @@ def assemble(
     window: BrakingWindow,
     q: Array,
     momentum_speed: float,
-    wheel: WheelParameters,
+    wheel: CornerParameters,
     noise: MeasurementNoise,
     thresholds: OutlierThresholds,
     past: PastEvidence,
@@ -101,7 +84,7 @@ def assemble(
         window: the samples, and the present estimate of their wheel speeds.
         q: present curve, shape (3,).
         momentum_speed: present u [m/s].
-        wheel: of the vehicle.
+        wheel: with what rests on it.
         noise: of the measurements.
         thresholds: beyond which residuals weigh less.
         past: what samples before the window say.

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.interface import WheelParameters
+from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ class NewestSlip:
 class BrakingWindow:
     """Arrays over the samples in the window, oldest first; `count` of them are in use."""
 
-    def __init__(self, wheel: WheelParameters, capacity: int) -> None:
+    def __init__(self, wheel: CornerParameters, capacity: int) -> None:
         """Make an empty window of at most `capacity` samples."""
         self._radius = wheel.radius
         self._per_impulse = 1.0 / (wheel.mass * wheel.radius)

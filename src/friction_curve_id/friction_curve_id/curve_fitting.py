@@ -6,7 +6,6 @@ initialisation period). A fit lasts for one braking: the next begins a new one, 
 """
 
 from collections import deque
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -15,31 +14,11 @@ from numpy.typing import NDArray
 from friction_curve_id.fitted_curve import FittedCurve
 from friction_curve_id.friction_samples import FrictionPoint, FrictionSamples
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
+from friction_curve_id.start_parameters import StartParameters
 
 Array = NDArray[np.float64]
 
 _RELEASED = Refusal(Reason.NO_EXCITATION, "the brake is released")
-
-
-@dataclass(frozen=True)
-class StartParameters:
-    """When a fit begins and ends."""
-
-    lambda_init: float = 0.0
-    """The slip must exceed this [-], in [0, 1)."""
-    initial_samples: int = 20
-    """Friction samples needed, >= 4."""
-    min_slip_span: float = 0.003
-    """The first samples must spread over this much slip [-], or there is nothing to fit."""
-    release_time: float = 0.5
-    """A brake released for longer than this ends the fit [s]."""
-
-    def __post_init__(self) -> None:
-        """Refuse values that start nothing."""
-        if not (0.0 <= self.lambda_init < 1.0 and self.initial_samples >= 4):
-            raise ValueError(f"lambda_init must be in [0, 1) and initial_samples >= 4: {self}")
-        if not (self.min_slip_span > 0.0 and self.release_time > 0.0):
-            raise ValueError(f"min_slip_span and release_time must be > 0: {self}")
 
 
 class CurveFit(Protocol):

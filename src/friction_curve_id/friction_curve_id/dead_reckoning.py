@@ -11,43 +11,27 @@ wheel rolls freely (no brake torque at the start, or none for a while: a wheel j
 measured speed, where there is one, weighted by its variance.
 """
 
-from dataclasses import dataclass
-
-from friction_curve_id.interface import Reason, Refusal, WheelParameters
+from friction_curve_id.interface import Reason, Refusal
+from friction_curve_id.measurement_noise import MeasurementNoise
+from vehicle_models.single_corner import CornerParameters
 
 _UNKNOWN = float("inf")
 """Variance of a speed that nothing is known of."""
 _RECOVERY_TIME = 0.2
 """A wheel released this long [s] rolls freely again."""
-
-
-@dataclass(frozen=True)
-class DeadReckoningParameters:
-    """How much the sources of the speed are trusted."""
-
-    free_rolling_torque: float = 15.0
-    """Below this brake torque [N m], five times its noise, the wheel rolls freely: v = omega r."""
-    wheel_speed_variance: float = 0.005
-    """[rad^2/s^2]"""
-    speed_variance: float = 0.25
-    """Of the measured vehicle speed [m^2/s^2]."""
-    acceleration_error: float = 0.3
-    """What the model leaves out of the vehicle's acceleration [m/s^2]: drag, slope, errors of its parameters."""
-
-    def __post_init__(self) -> None:
-        """Refuse what is not positive."""
-        for name in ("free_rolling_torque", "wheel_speed_variance", "speed_variance", "acceleration_error"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} must be > 0, is {getattr(self, name)}")
+FREE_ROLLING_TORQUE = 15.0
+"""Below this brake torque [N m], five times its noise, the wheel rolls freely: v = omega r."""
+_ACCELERATION_ERROR = 0.3
+"""What the model leaves out of the vehicle's acceleration [m/s^2]: drag, slope, errors of its parameters."""
 
 
 class DeadReckonedSpeed:
     """Speed of the vehicle at one wheel, one scalar Kalman step a sample."""
 
-    def __init__(self, wheel: WheelParameters, parameters: DeadReckoningParameters = DeadReckoningParameters()) -> None:
+    def __init__(self, wheel: CornerParameters, noise: MeasurementNoise = MeasurementNoise()) -> None:
         """Start without an anchor."""
         self._wheel = wheel
-        self._parameters = parameters
+        self._noise = noise
         self.reset()
 
     def reset(self) -> None:
@@ -63,7 +47,7 @@ class DeadReckonedSpeed:
             The speed [m/s], or a refusal while the wheel is braked and no speed is measured.
         """
         self.reset()
-        free = abs(torque) <= self._parameters.free_rolling_torque
+        free = abs(torque) <= FREE_ROLLING_TORQUE
         if not free and measured is None:
             return Refusal(Reason.NO_SLIP, "no vehicle speed: none is measured, and no sample of free rolling came yet")
         return self._correct(0.0, _UNKNOWN, wheel_speed, measured, free)
@@ -80,17 +64,17 @@ class DeadReckonedSpeed:
             raise RuntimeError("advance before start")
         w = self._wheel
         predicted = self._speed - (w.inertia * wheel_speed_change + mean_torque * duration) / (w.mass * w.radius)
-        variance = self._variance + (self._parameters.acceleration_error * duration) ** 2
-        released = abs(mean_torque) <= self._parameters.free_rolling_torque
+        variance = self._variance + (_ACCELERATION_ERROR * duration) ** 2
+        released = abs(mean_torque) <= FREE_ROLLING_TORQUE
         self._released_for = self._released_for + duration if released else 0.0
         return self._correct(predicted, variance, wheel_speed, measured, self._released_for >= _RECOVERY_TIME)
 
     def _correct(self, speed: float, variance: float, wheel_speed: float, measured: float | None, free: bool) -> float:
-        p, radius = self._parameters, self._wheel.radius
+        noise, radius = self._noise, self._wheel.radius
         if free:
-            speed, variance = _weigh(speed, variance, wheel_speed * radius, p.wheel_speed_variance * radius**2)
+            speed, variance = _weigh(speed, variance, wheel_speed * radius, noise.wheel_speed_variance * radius**2)
         if measured is not None:
-            speed, variance = _weigh(speed, variance, measured, p.speed_variance)
+            speed, variance = _weigh(speed, variance, measured, noise.speed_variance)
         self._speed, self._variance = speed, variance
         return speed
 

@@ -17,6 +17,7 @@ from friction_curve_id.map_fit import FitParameters, MapFit
 from friction_curve_id.sample_gate import Admission, GateParameters, SampleGate
 from friction_curve_id.surface_change import LONGEST_OUTLIER, SurfaceChangeMonitor
 from friction_curve_id.torque_watch import TorqueWatch
+from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
 
@@ -33,7 +34,7 @@ _QUIET_SLIP_SPAN = 0.002
 
 @dataclass(frozen=True)
 class DefaultParameters(FitParameters):
-    """All parameters of the default estimator."""
+    """What the default estimator believes, admits and publishes as valid."""
 
     gate: GateParameters = field(default_factory=GateParameters)
     limits: ValidityLimits = field(default_factory=ValidityLimits)
@@ -42,11 +43,12 @@ class DefaultParameters(FitParameters):
 class DefaultEstimator:
     """CurveEstimator of one wheel."""
 
-    def __init__(self, parameters: DefaultParameters = DefaultParameters()) -> None:
+    def __init__(self, wheel: CornerParameters, parameters: DefaultParameters = DefaultParameters()) -> None:
         """Know nothing but the prior."""
+        self._radius = wheel.radius
         self._p = parameters
-        self._gate = SampleGate(parameters.wheel.radius, parameters.gate)
-        self._fit = MapFit(parameters)
+        self._gate = SampleGate(wheel.radius, parameters.gate)
+        self._fit = MapFit(wheel, parameters)
         self._monitor = SurfaceChangeMonitor()
         self._torque_watch = TorqueWatch(parameters.noise.torque)
         self._cause = RestartCause.NONE
@@ -109,8 +111,8 @@ class DefaultEstimator:
         self._fitting = False
 
     def _wait(self, sample: Sample, torque: float) -> CurveEstimate | Refusal:
-        window, wheel = self._fit.window, self._p.wheel
-        if sample.vehicle_speed is None and sample.wheel_speed * wheel.radius < self._p.gate.min_speed:
+        window = self._fit.window
+        if sample.vehicle_speed is None and sample.wheel_speed * self._radius < self._p.gate.minimum_speed:
             return Refusal(Reason.LOW_SPEED, f"wheel speed {sample.wheel_speed:.3g} rad/s is low, no speed is measured")
         window.append(sample.time, sample.wheel_speed, sample.vehicle_speed, torque, sample.wheel_speed)
         if window.count > _LEAD_IN:
@@ -147,7 +149,7 @@ class DefaultEstimator:
             suspect_before = False
         trust = SET_ASIDE if suspect_before or self._suspect else 1.0
         prediction = self._fit.predict(sample.time, torque, trust)
-        if prediction.speed < self._p.gate.min_speed:
+        if prediction.speed < self._p.gate.minimum_speed:
             return Refusal(Reason.LOW_SPEED, f"vehicle speed {prediction.speed:.2f} m/s is too low")
         self._fit.make_room()
         window.append(sample.time, sample.wheel_speed, sample.vehicle_speed, torque, max(prediction.wheel_speed, 0.0))

@@ -3,7 +3,7 @@
 Each takes two neighbouring samples and speaks of the middle between them: rates are differences over the
 interval, levels are means. The difference and the mean of white noise are uncorrelated, so that the noise of
 omega does not enter mu and slip together. At 200 Hz with the noise of section 8.3.2 (sigma of omega 0.07 rad/s,
-v 0.5 m/s, T_b 3.2 N m) on the defaults of `WheelParameters`:
+v 0.5 m/s, T_b 3.2 N m) on the corner of that section:
 
 - SLIP_EQUATION: (8.8) as printed, with the measured speed. Passes on the noise of v twice: in the slip (sigma
   0.012 at 30 m/s) and differenced in slip_dot, which puts a sigma near 0.7 on mu; the two are correlated
@@ -22,15 +22,14 @@ from enum import Enum
 from math import isfinite
 from typing import NamedTuple
 
-from friction_curve_id.dead_reckoning import DeadReckonedSpeed, DeadReckoningParameters
-from friction_curve_id.interface import Reason, Refusal, Sample, WheelParameters
+from friction_curve_id.dead_reckoning import FREE_ROLLING_TORQUE, DeadReckonedSpeed
+from friction_curve_id.interface import Reason, Refusal, Sample
+from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.sample_gate import Admission, GateParameters, SampleGate
+from vehicle_models.plausible import HIGHEST_TORQUE, HIGHEST_WHEEL_SPEED
+from vehicle_models.single_corner import CornerParameters
 
-_FASTEST_WHEEL = 1000.0
-"""[rad/s]"""
-_LARGEST_TORQUE = 1e5
-"""[N m]"""
-_GATE, _DEAD_RECKONING = GateParameters(), DeadReckoningParameters()
+_GATE, _NOISE = GateParameters(), MeasurementNoise()
 LARGEST_FRICTION = 10.0
 """|mu| above this is no friction, whatever the noise: racing tyres reach 2, (8.8) with noisy v scatters by 2."""
 
@@ -70,19 +69,18 @@ class FrictionSamples:
 
     def __init__(
         self,
-        wheel: WheelParameters,
+        wheel: CornerParameters,
         source: FrictionSource = FrictionSource.DEAD_RECKONED,
         gate: GateParameters = _GATE,
-        dead_reckoning: DeadReckoningParameters = _DEAD_RECKONING,
+        noise: MeasurementNoise = _NOISE,
     ) -> None:
-        """Choose the form; `gate` says which samples are admitted."""
+        """Choose the form; `gate` says which samples are admitted, `noise` how far dead reckoning trusts each."""
         self._wheel = wheel
         self._source = source
         self._is_dead_reckoned = source is FrictionSource.DEAD_RECKONED
         self._gate_parameters = gate
-        self._braking_torque = dead_reckoning.free_rolling_torque
         self._gate = SampleGate(wheel.radius, gate)
-        self._reckoned = DeadReckonedSpeed(wheel, dead_reckoning)
+        self._reckoned = DeadReckonedSpeed(wheel, noise)
         self.reset()
 
     def reset(self) -> None:
@@ -94,9 +92,9 @@ class FrictionSamples:
 
     def update(self, sample: Sample) -> FrictionPoint | Refusal:
         """Return the point between the last sample and this one, or why there is none."""
-        if sample.wheel_speed > _FASTEST_WHEEL:
+        if sample.wheel_speed > HIGHEST_WHEEL_SPEED:
             return Refusal(Reason.BAD_INPUT, f"{sample.wheel_speed:.3g} rad/s is no wheel speed")
-        if abs(sample.brake_torque or 0.0) > _LARGEST_TORQUE:
+        if abs(sample.brake_torque or 0.0) > HIGHEST_TORQUE:
             return Refusal(Reason.BAD_INPUT, f"{sample.brake_torque:.3g} N m is no brake torque")
         admission = self._gate.admit(sample)
         if isinstance(admission, Refusal):
@@ -138,7 +136,7 @@ class FrictionSamples:
             assert sample.vehicle_speed is not None
             speed = sample.vehicle_speed
         known = _Known(sample.time, sample.wheel_speed, speed, torque)
-        if speed < self._gate_parameters.min_speed:
+        if speed < self._gate_parameters.minimum_speed:
             self._last, self._interrupted = None, True
             return Refusal(Reason.LOW_SPEED, f"dead-reckoned speed {speed:.2f} m/s is too low")
         slip_before, slip_now = self._slip(last), self._slip(known)
@@ -153,16 +151,18 @@ class FrictionSamples:
             if not (isfinite(friction) and abs(friction) <= LARGEST_FRICTION):
                 return Refusal(Reason.BAD_INPUT, f"(8.8) gives mu = {friction:.3g}")
         after_gap, self._interrupted = self._interrupted, False
-        return FrictionPoint(sample.time, slip, friction, mean_torque > self._braking_torque, after_gap)
+        return FrictionPoint(sample.time, slip, friction, mean_torque > FREE_ROLLING_TORQUE, after_gap)
 
     def _slip(self, known: _Known) -> float:
         return 1.0 - known.wheel_speed * self._wheel.radius / known.speed
 
 
 def slip_equation(
-    wheel: WheelParameters, slip: float, slip_rate: float, wheel_speed: float, brake_torque: float
+    wheel: CornerParameters, slip: float, slip_rate: float, wheel_speed: float, brake_torque: float
 ) -> float:
-    """Friction coefficient of (8.8) [-], the inverse of (8.7) with v = omega r / (1 - slip).
+    """Friction coefficient of (8.8) [-]: the single-corner dynamics (8.7) solved for mu, with v = omega r / (1 - slip).
+
+    (8.7), which is (2.18): d slip / dt = -(1 / v) ((1 - slip) / m + r^2 / J) Fz mu(slip) + r / (v J) T_b.
 
     Args:
         wheel: radius, inertia, mass, vertical load.

@@ -9,13 +9,15 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 
 from friction_curve_id.interface import CurveEstimate, Refusal
 from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.stamps import to_nanoseconds
+from vehicle_models.plausible import HIGHEST_SPEED
 
 VEHICLE_VELOCITY = "vehicle_velocity"
 IMU = "imu/data"
-FASTEST_CAR = 200.0
-"""[m/s]"""
-SPEED_GAP = 0.3
-"""A speed sensor's samples are interpolated up to this distance [s]: GNSS gives ten a second, or five."""
+SPEED_SENSOR_GAP = 0.3
+"""vehicle_velocity is interpolated up to this distance [s], whatever max_gap: GNSS gives ten a second, or five."""
+Reading = tuple[int, tuple[float, ...]]
+"""What a message of an aligned input says: when [ns], and its values."""
 
 
 class CurveInputs(Protocol):
@@ -45,8 +47,8 @@ class CurveInputs(Protocol):
         """Payload of a message of the primary."""
         ...
 
-    def read(self, topic: str, message: Any) -> tuple[float, ...] | str:
-        """Values of a message of an aligned input, or why it has none."""
+    def read(self, topic: str, message: Any) -> Reading | str:
+        """Return what a message of an aligned input says, or why it is refused."""
         ...
 
     def answer(self, sample: AlignedSample[Any]) -> tuple[CurveEstimate | Refusal, float]:
@@ -58,19 +60,21 @@ class CurveInputs(Protocol):
         ...
 
 
-def vehicle_velocity(message: TwistWithCovarianceStamped) -> tuple[float, ...] | str:
+def vehicle_velocity(message: TwistWithCovarianceStamped) -> Reading | str:
     """Speed [m/s] and 1, or why there is none."""
     speed = message.twist.twist.linear.x
-    return (float(speed), 1.0) if abs(speed) <= FASTEST_CAR else f"{VEHICLE_VELOCITY}: {speed} is no vehicle speed"
+    if not abs(speed) <= HIGHEST_SPEED:
+        return f"{VEHICLE_VELOCITY}: {speed} is no vehicle speed"
+    return to_nanoseconds(message.header.stamp), (float(speed), 1.0)
 
 
-def wheel_slip(message: WheelSlip) -> tuple[float, ...]:
+def wheel_slip(message: WheelSlip) -> Reading:
     """Vehicle speed [m/s] and 1 (0 and 0 where unknown), slip [-] and 1 (0 and 0 where not valid)."""
-    known = isfinite(message.vehicle_speed) and abs(message.vehicle_speed) <= FASTEST_CAR
+    known = isfinite(message.vehicle_speed) and abs(message.vehicle_speed) <= HIGHEST_SPEED
     valid = message.valid and isfinite(message.slip)
     speed = (float(message.vehicle_speed), 1.0) if known else (0.0, 0.0)
     slip = (float(message.slip), 1.0) if valid else (0.0, 0.0)
-    return speed + slip
+    return to_nanoseconds(message.header.stamp), speed + slip
 
 
 def known_speed(sample: AlignedSample[Any], topic: str) -> float | None:

@@ -7,7 +7,6 @@ An estimator takes one sample at a time, in order of time, and answers each with
 that says why there is none. A refused sample leaves the state as it was. Nothing here knows ROS.
 """
 
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple, Protocol
 
@@ -42,26 +41,6 @@ class RestartCause(IntEnum):
     SURFACE = 1
     GAP = 2
     REQUEST = 3
-
-
-@dataclass(frozen=True)
-class WheelParameters:
-    """The wheel and the share of the vehicle it brakes; the defaults are those of the evaluation protocol."""
-
-    radius: float = 0.3
-    """Effective rolling radius r [m], > 0."""
-    inertia: float = 1.0
-    """Wheel inertia J [kg m^2], > 0."""
-    mass: float = 225.0
-    """Mass m that this wheel decelerates [kg], > 0."""
-    vertical_load: float = 225.0 * 9.81
-    """Vertical load Fz [N], > 0."""
-
-    def __post_init__(self) -> None:
-        """Refuse values that make no wheel."""
-        for name in ("radius", "inertia", "mass", "vertical_load"):
-            if not 0.0 < getattr(self, name) < np.inf:
-                raise ValueError(f"{name} must be finite and > 0, is {getattr(self, name)}")
 
 
 class Sample(NamedTuple):

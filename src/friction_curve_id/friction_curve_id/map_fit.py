@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.banded_normal_equations import (
-    MeasurementNoise,
     NormalEquations,
     OutlierThresholds,
     Solution,
@@ -20,9 +19,10 @@ from friction_curve_id.banded_normal_equations import (
 )
 from friction_curve_id.braking_window import BrakingWindow
 from friction_curve_id.curve_prior import CurvePrior
-from friction_curve_id.interface import WheelParameters
+from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.past_evidence import MOMENTUM, WHEEL_SPEED, momentum_evidence, no_evidence
 from friction_curve_id.prediction import Prediction, predict
+from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
 
@@ -45,9 +45,8 @@ _START_SPEED_DOUBT = 0.1
 
 @dataclass(frozen=True)
 class FitParameters:
-    """What the fit believes of wheel, noise and road."""
+    """What the fit believes of noise and road."""
 
-    wheel: WheelParameters = field(default_factory=WheelParameters)
     noise: MeasurementNoise = field(default_factory=MeasurementNoise)
     prior: CurvePrior = field(default_factory=CurvePrior)
     thresholds: OutlierThresholds = field(default_factory=OutlierThresholds)
@@ -67,10 +66,11 @@ class FitParameters:
 class MapFit:
     """The unknowns, their covariance, and the samples they are fitted to."""
 
-    def __init__(self, parameters: FitParameters) -> None:
+    def __init__(self, wheel: CornerParameters, parameters: FitParameters) -> None:
         """Know nothing but the prior."""
+        self._wheel = wheel
         self._p = parameters
-        self.window = BrakingWindow(parameters.wheel, parameters.window)
+        self.window = BrakingWindow(wheel, parameters.window)
         self._prior_mean = parameters.prior.mean
         self._prior_information = parameters.prior.information
         self._prior_reach = _FARTHEST * np.sqrt(np.diag(np.linalg.inv(self._prior_information)))
@@ -94,7 +94,15 @@ class MapFit:
         """Predict the sample at `time` [s] under `torque` [N m]."""
         p = self._p
         return predict(
-            self.window, self.q, self.momentum_speed, self.covariance, p.wheel, p.noise, time, torque, equation_trust
+            self.window,
+            self.q,
+            self.momentum_speed,
+            self.covariance,
+            self._wheel,
+            p.noise,
+            time,
+            torque,
+            equation_trust,
         )
 
     def make_room(self) -> None:
@@ -167,7 +175,7 @@ class MapFit:
 
     def _guess_momentum(self) -> None:
         """First guess of u: a wheel on the stable side of the curve, and the measured speeds."""
-        window, wheel = self.window, self._p.wheel
+        window, wheel = self.window, self._wheel
         n = window.count
         stiffness = np.exp(self.q[0] + self.q[1])
         slip = min(max(window.torque[0] / (wheel.radius * wheel.vertical_load * stiffness), 0.0), 0.2)
@@ -184,7 +192,7 @@ class MapFit:
     def _equations(self, oldest: int | None = None) -> NormalEquations:
         p = self._p
         thresholds = p.thresholds if self.robust else _NO_OUTLIERS
-        return assemble(self.window, self.q, self.momentum_speed, p.wheel, p.noise, thresholds, self._past, oldest)
+        return assemble(self.window, self.q, self.momentum_speed, self._wheel, p.noise, thresholds, self._past, oldest)
 
     def _posterior(self) -> tuple[NormalEquations, float]:
         """Normal equations with the prior, and the cost at the present unknowns."""

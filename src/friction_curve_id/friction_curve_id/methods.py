@@ -1,19 +1,22 @@
 """The methods by the names that messages, parameters and tables use."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
 
-from friction_curve_id.banded_normal_equations import MeasurementNoise
-from friction_curve_id.curve_fitting import CurveFit, StartParameters, WheelFitting
-from friction_curve_id.dead_reckoning import DeadReckoningParameters
+from friction_curve_id.curve_fitting import CurveFit, WheelFitting
 from friction_curve_id.default_estimator import DefaultEstimator, DefaultParameters
 from friction_curve_id.friction_samples import FrictionSamples, FrictionSource
-from friction_curve_id.interface import CurveEstimator, WheelParameters
+from friction_curve_id.interface import CurveEstimator
 from friction_curve_id.least_squares import LeastSquares
 from friction_curve_id.maximum_likelihood import MaximumLikelihood
+from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.recursive_ls import RecursiveLS
 from friction_curve_id.recursive_ml import RecursiveML, RecursiveMLWithBatch
 from friction_curve_id.sample_gate import GateParameters
+from friction_curve_id.start_parameters import StartParameters
+from friction_parameters.parameter import parameter
+from vehicle_models.single_corner import CornerParameters
 
 CHAPTER_METHODS: Mapping[str, Callable[[], CurveFit]] = MappingProxyType(
     {
@@ -30,13 +33,25 @@ CHAPTER_METHODS: Mapping[str, Callable[[], CurveFit]] = MappingProxyType(
 DEFAULT = "default"
 METHODS: tuple[str, ...] = (DEFAULT, *CHAPTER_METHODS)
 """All methods that take wheel speed, brake torque and vehicle speed."""
-_WHEEL, _START = WheelParameters(), StartParameters()
-_GATE, _NOISE = GateParameters(), MeasurementNoise()
+
+
+@dataclass(frozen=True)
+class ChapterParameters(StartParameters):
+    """When a fit of the chapter's methods begins, and to which samples it is made."""
+
+    friction_source: str = parameter(
+        FrictionSource.DEAD_RECKONED.value,
+        "how the friction samples are made",
+        choices=tuple(source.value for source in FrictionSource),
+    )
+
+
+_GATE, _NOISE, _START = GateParameters(), MeasurementNoise(), StartParameters()
 
 
 def make_estimator(
     name: str,
-    wheel: WheelParameters = _WHEEL,
+    wheel: CornerParameters,
     gate: GateParameters = _GATE,
     noise: MeasurementNoise = _NOISE,
     source: FrictionSource = FrictionSource.DEAD_RECKONED,
@@ -46,7 +61,7 @@ def make_estimator(
 
     Args:
         name: one of METHODS.
-        wheel: its parameters.
+        wheel: the wheel with what rests on it.
         gate: which samples are admitted.
         noise: of the sensors.
         source: how a method of the chapter makes its friction samples; the default method makes none.
@@ -56,8 +71,7 @@ def make_estimator(
         ValueError: the name is not one of METHODS.
     """
     if name == DEFAULT:
-        return DefaultEstimator(DefaultParameters(wheel=wheel, gate=gate, noise=noise))
+        return DefaultEstimator(wheel, DefaultParameters(gate=gate, noise=noise))
     if name not in CHAPTER_METHODS:
         raise ValueError(f"unknown method '{name}': one of {', '.join(METHODS)}")
-    dead_reckoning = DeadReckoningParameters(wheel_speed_variance=noise.wheel_speed**2, speed_variance=noise.speed**2)
-    return WheelFitting(FrictionSamples(wheel, source, gate, dead_reckoning), CHAPTER_METHODS[name](), start)
+    return WheelFitting(FrictionSamples(wheel, source, gate, noise), CHAPTER_METHODS[name](), start)

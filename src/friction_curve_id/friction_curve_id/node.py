@@ -15,4 +15,4 @@ def make_node() -> ProcessorNode[FrictionCurveParameters]:
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run until a signal; return the exit code."""
-    return run(make_node, args)
+    return run("friction_curve_id", FrictionCurveParameters, make_node, args)

@@ -1,16 +1,21 @@
 """Parameters of friction_curve_id: of the node, the bag runner and the parameter file."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from math import sqrt
+from typing import ClassVar
 
-from friction_curve_id.banded_normal_equations import MeasurementNoise
-from friction_curve_id.curve_fitting import StartParameters
 from friction_curve_id.friction_samples import FrictionSource
-from friction_curve_id.interface import CurveEstimator, WheelParameters
-from friction_curve_id.methods import DEFAULT, METHODS, make_estimator
+from friction_curve_id.interface import CurveEstimator
+from friction_curve_id.measurement_noise import MeasurementNoise
+from friction_curve_id.methods import CHAPTER_METHODS, DEFAULT, METHODS, ChapterParameters, make_estimator
 from friction_curve_id.sample_gate import GateParameters
-from friction_curve_id.vehicle_samples import VehicleParameters
-from friction_runtime.parameters import check_wheels, parameter, per_wheel
+from friction_curve_id.tyre_force import TyreForceParameters
+from friction_curve_id.vehicle_samples import WholeVehicleParameters
+from friction_parameters import shared
+from friction_parameters.generated import ShippedFile
+from friction_parameters.parameter import group, parameter
+from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle_file import moved, vehicle_file_parameter
 
 VEHICLE, TYRE_FORCE = "vehicle", "tyre_force"
 SLIP, VEHICLE_VELOCITY, NO_SPEED = "slip", "vehicle_velocity", "none"
@@ -18,134 +23,63 @@ SLIP, VEHICLE_VELOCITY, NO_SPEED = "slip", "vehicle_velocity", "none"
 
 @dataclass(frozen=True)
 class FrictionCurveParameters:
-    """All of them, with unit and range. Tuples hold one value for all wheels, or one each."""
+    """All of them; the car is the vehicle file's."""
 
-    wheels: tuple[str, ...] = parameter(("front_left",), "names of the wheels, as in wheel_states", read_only=True)
-    method: str = parameter(
-        DEFAULT,
-        "how the curve is identified",
-        choices=(*METHODS, VEHICLE, TYRE_FORCE),
-        read_only=True,
-    )
+    vehicle_file: str = vehicle_file_parameter()
+    method: str = parameter(DEFAULT, "how the curve is identified", choices=(*METHODS, VEHICLE, TYRE_FORCE))
     speed_source: str = parameter(
         SLIP,
         "where the vehicle speed comes from: the topic <wheel>/slip, vehicle_velocity, or none",
         choices=(SLIP, VEHICLE_VELOCITY, NO_SPEED),
-        read_only=True,
     )
-    radii: tuple[float, ...] = parameter((0.3,), "effective rolling radius", unit="m", minimum=0.05, maximum=2.0)
-    inertias: tuple[float, ...] = parameter((1.0,), "wheel inertia J", unit="kg m^2", minimum=1e-3, maximum=1e3)
-    masses: tuple[float, ...] = parameter((225.0,), "mass a wheel decelerates", unit="kg", minimum=1.0, maximum=1e5)
-    vertical_loads: tuple[float, ...] = parameter((2207.25,), "vertical load Fz", unit="N", minimum=10.0, maximum=1e6)
-    brake_gains: tuple[float, ...] = parameter(
-        (1e-4,), "k of T_b = k p, (1.1)", unit="N m/Pa", minimum=1e-9, maximum=1.0
-    )
-    wheel_speed_variance: float = parameter(
-        0.005, "of the noise of a wheel speed", unit="rad^2/s^2", minimum=1e-8, maximum=100.0
-    )
-    speed_variance: float = parameter(
-        0.25, "of the noise of the vehicle speed", unit="m^2/s^2", minimum=1e-6, maximum=100.0
-    )
-    torque_variance: float = parameter(
-        10.0, "of the noise of the brake torque", unit="N^2 m^2", minimum=1e-4, maximum=1e6
-    )
-    friction_source: str = parameter(
-        FrictionSource.DEAD_RECKONED.value,
-        "friction samples of ml, rml, rml_ml, ls, rls",
-        choices=tuple(source.value for source in FrictionSource),
-    )
-    lambda_init: float = parameter(
-        0.0, "slip from which those methods (and tyre_force) start", minimum=0.0, maximum=0.5
-    )
-    initial_samples: int = parameter(20, "friction samples they start with", minimum=4, maximum=400)
-    minimum_speed: float = parameter(3.0, "no estimate below this vehicle speed", unit="m/s", minimum=0.5, maximum=30.0)
     abs_activation_slip: float = parameter(0.15, "slip whose first passing is marked", minimum=0.01, maximum=0.9)
-    static_loads: tuple[float, ...] = parameter(
-        (1.0,), "method vehicle: load of each wheel at rest, in any unit", minimum=1e-3, maximum=1e6
-    )
-    transfer_shares: tuple[float, ...] = parameter(
-        (0.0,), "method vehicle: change of each wheel's share per g of deceleration", minimum=-1.0, maximum=1.0
-    )
-    rolling_resistance: float = parameter(
-        0.012, "method vehicle: rolling resistance", unit="g", minimum=0.0, maximum=0.1
-    )
-    drag_per_speed_squared: float = parameter(
-        2.3e-4, "method vehicle: aerodynamic drag rho cd A / (2 m)", unit="1/m", minimum=0.0, maximum=0.1
-    )
-    relaxation_length: float = parameter(
-        0.3, "method vehicle: relaxation length of the tyres", unit="m", minimum=1e-3, maximum=3.0
-    )
-    timing_stddev: float = parameter(
-        0.01, "method vehicle: doubt about the speed reference's timing", unit="s", minimum=1e-4, maximum=0.1
-    )
-    imu_axis: str = parameter("x", "axis of the accelerometer along the car", choices=("x", "y", "z"))
-    imu_sign: float = parameter(1.0, "1 if that axis points forward, -1 if backward", minimum=-1.0, maximum=1.0)
-    imu_offset: float = parameter(0.0, "known offset, taken off", unit="m/s^2", minimum=-20.0, maximum=20.0)
-    max_gap: float = parameter(
-        0.025, "longer gaps in wheel_states are not bridged", unit="s", minimum=0.001, maximum=1.0
-    )
-    deadline: float = parameter(
-        0.05, "message time a sample waits for the other inputs", unit="s", minimum=0.001, maximum=1.0
-    )
+    deadline: float = shared.deadline()
+    gate: GateParameters = group(GateParameters(), selector="method", methods=METHODS)
+    noise: MeasurementNoise = group(MeasurementNoise(), selector="method", methods=METHODS)
+    chapter: ChapterParameters = group(ChapterParameters(), selector="method", methods=tuple(CHAPTER_METHODS))
+    vehicle: WholeVehicleParameters = group(WholeVehicleParameters(), selector="method", methods=(VEHICLE,))
+    tyre_force: TyreForceParameters = group(TyreForceParameters(), selector="method", methods=(TYRE_FORCE,))
+
+    MOVED: ClassVar[Mapping[str, str]] = {
+        "wheels": moved("wheels"),
+        "radii": moved("radius"),
+        "inertias": moved("inertia"),
+        "masses": moved("mass") + ", shared by the wheels as their loads are",
+        "vertical_loads": "it follows from 'mass' and 'front_load_share' of the vehicle file",
+        "brake_gains": moved("brake_gain"),
+        "wheel_speed_variance": "it is 'noise.wheel_speed_variance'",
+        "speed_variance": "it is 'noise.speed_variance'",
+        "torque_variance": "it is 'noise.torque_variance'",
+        "friction_source": "it is 'chapter.friction_source'",
+        "lambda_init": "it is 'chapter.lambda_init', or 'tyre_force.lambda_init' for that method",
+        "initial_samples": "it is 'chapter.initial_samples', or 'tyre_force.initial_samples' for that method",
+        "minimum_speed": "it is 'gate.minimum_speed', or 'vehicle.minimum_speed' for that method",
+        "static_loads": moved("front_load_share"),
+        "transfer_shares": "it follows from 'centre_of_gravity_height' and 'wheelbase' of the vehicle file",
+        "rolling_resistance": moved("rolling_resistance"),
+        "drag_per_speed_squared": "it follows from 'drag_area' and 'mass' of the vehicle file",
+        "relaxation_length": moved("relaxation_length"),
+        "timing_stddev": "it is 'vehicle.timing_stddev'",
+        "imu_axis": moved("accelerometer: axis"),
+        "imu_sign": moved("accelerometer: sign"),
+        "imu_offset": moved("accelerometer: offset"),
+        "max_gap": "it is 'gate.max_gap', or 'vehicle.max_gap' or 'tyre_force.max_gap' for these methods",
+    }
 
     def __post_init__(self) -> None:
-        """Refuse what makes no vehicle."""
-        check_wheels(self.wheels)
-        for name in ("radii", "inertias", "masses", "vertical_loads", "brake_gains"):
-            per_wheel(name, getattr(self, name), self.wheels)
-        if abs(self.imu_sign) != 1.0:
-            raise ValueError(f"parameter 'imu_sign' = {self.imu_sign} must be 1 or -1")
-        if self.method == VEHICLE:
-            if self.speed_source == NO_SPEED:
-                raise ValueError("parameter 'speed_source' = 'none' does not serve the method 'vehicle'")
-            self.vehicle()
+        """Refuse what cannot work."""
+        if self.method == VEHICLE and self.speed_source == NO_SPEED:
+            raise ValueError("parameter 'speed_source' = 'none' does not serve the method 'vehicle'")
 
-    def wheel(self, name: str) -> WheelParameters:
-        """Return those of one wheel."""
-        return WheelParameters(
-            *(
-                per_wheel(field, getattr(self, field), self.wheels)[name]
-                for field in ("radii", "inertias", "masses", "vertical_loads")
-            )
-        )
-
-    def brake_gain(self, name: str) -> float:
-        """K of T_b = k p of one wheel [N m/Pa]."""
-        return per_wheel("brake_gains", self.brake_gains, self.wheels)[name]
-
-    def gate(self) -> GateParameters:
-        """Return the limits of what enters a fit."""
-        return GateParameters(min_speed=self.minimum_speed, max_gap=self.max_gap)
-
-    def start(self) -> StartParameters:
-        """Return when a fit begins."""
-        return StartParameters(lambda_init=self.lambda_init, initial_samples=self.initial_samples)
-
-    def noise(self) -> MeasurementNoise:
-        """Return that of the sensors."""
-        return MeasurementNoise(
-            wheel_speed=sqrt(self.wheel_speed_variance),
-            speed=sqrt(self.speed_variance),
-            torque=sqrt(self.torque_variance),
-        )
-
-    def estimator(self, name: str) -> CurveEstimator:
+    def estimator(self, wheel: CornerParameters) -> CurveEstimator:
         """Make the estimator of one wheel by the method, one of METHODS."""
-        return make_estimator(
-            self.method, self.wheel(name), self.gate(), self.noise(), FrictionSource(self.friction_source), self.start()
-        )
+        source = FrictionSource(self.chapter.friction_source)
+        return make_estimator(self.method, wheel, self.gate, self.noise, source, self.chapter)
 
-    def vehicle(self) -> VehicleParameters:
-        """Return those of the whole vehicle."""
-        loads = per_wheel("static_loads", self.static_loads, self.wheels)
-        transfers = per_wheel("transfer_shares", self.transfer_shares, self.wheels)
-        radii = per_wheel("radii", self.radii, self.wheels)
-        return VehicleParameters(
-            radii=tuple(radii[wheel] for wheel in self.wheels),
-            static_shares=tuple(loads[wheel] / sum(loads.values()) for wheel in self.wheels),
-            transfer_shares=tuple(transfers[wheel] for wheel in self.wheels),
-            rolling_resistance=self.rolling_resistance,
-            drag_per_speed_squared=self.drag_per_speed_squared,
-            relaxation_length=self.relaxation_length,
-            timing_stddev=self.timing_stddev,
-        )
+
+SHIPPED: Mapping[str, ShippedFile] = {
+    "friction_curve_id": ShippedFile(
+        "A change of any but vehicle_file is live, and starts the fits anew.",
+        FrictionCurveParameters(),
+    )
+}

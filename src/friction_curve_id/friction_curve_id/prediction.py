@@ -6,9 +6,9 @@ from math import copysign, exp, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.banded_normal_equations import MeasurementNoise
 from friction_curve_id.braking_window import BrakingWindow
-from friction_curve_id.interface import WheelParameters
+from friction_curve_id.measurement_noise import MeasurementNoise
+from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ def predict(
     q: Array,
     momentum_speed: float,
     covariance: Array,
-    wheel: WheelParameters,
+    wheel: CornerParameters,
     noise: MeasurementNoise,
     time: float,
     torque: float,

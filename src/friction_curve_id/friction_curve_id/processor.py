@@ -15,6 +15,7 @@ from friction_curve_id.wheel_inputs import WheelInputs
 from friction_runtime.aligner import AlignedSample, Aligner
 from friction_runtime.processor import Health, Level, Output, Report, silent
 from friction_runtime.stamps import to_nanoseconds
+from vehicle_models.vehicle import Vehicle
 
 _SILENT_AFTER = 0.25
 """[s]"""
@@ -56,13 +57,13 @@ class CurveProcessor:
 
     def process(self, topic: str, message: Any) -> Sequence[Output]:
         """Take one message, return what follows from it."""
-        stamp = to_nanoseconds(message.header.stamp)
         if topic == self._inputs.primary:
+            stamp = to_nanoseconds(message.header.stamp)
             refusal = self._aligner.offer_primary(stamp, self._inputs.read_primary(message))
             self._silent = ""
         else:
-            values = self._inputs.read(topic, message)
-            refusal = values if isinstance(values, str) else self._aligner.offer(topic, stamp, values)
+            reading = self._inputs.read(topic, message)
+            refusal = reading if isinstance(reading, str) else self._aligner.offer(topic, reading[0], reading[1])
         if refusal is not None:
             self._report("warning", f"{refusal}: sample refused")
         return [self._fire(sample) for sample in self._aligner.ready()]
@@ -104,17 +105,18 @@ class CurveProcessor:
         self._cause = cause
 
 
-def build(parameters: FrictionCurveParameters, report: Report = silent) -> list[CurveProcessor]:
-    """Make the processors: one a wheel, or a single one for the method 'vehicle'."""
+def build(parameters: FrictionCurveParameters, vehicle: Vehicle, report: Report = silent) -> list[CurveProcessor]:
+    """Make the processors: one for each wheel of the car, or a single one for the method 'vehicle'."""
     if parameters.method == VEHICLE:
-        return [CurveProcessor("vehicle", "base_link", VehicleInputs(parameters, report), parameters, report)]
+        inputs = VehicleInputs(vehicle, parameters, report)
+        return [CurveProcessor("vehicle", "base_link", inputs, parameters, report)]
     return [
-        CurveProcessor(wheel, wheel, _inputs(wheel, parameters, report), parameters, report)
-        for wheel in parameters.wheels
+        CurveProcessor(wheel, wheel, _inputs(wheel, vehicle, parameters, report), parameters, report)
+        for wheel in vehicle.wheel_names
     ]
 
 
-def _inputs(wheel: str, parameters: FrictionCurveParameters, report: Report) -> CurveInputs:
+def _inputs(wheel: str, vehicle: Vehicle, parameters: FrictionCurveParameters, report: Report) -> CurveInputs:
     if parameters.method == TYRE_FORCE:
         return TyreForceInputs(wheel, parameters)
-    return WheelInputs(wheel, parameters, report)
+    return WheelInputs(wheel, vehicle, parameters, report)

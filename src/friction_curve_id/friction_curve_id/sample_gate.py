@@ -5,6 +5,8 @@ from enum import Enum
 from math import isfinite
 
 from friction_curve_id.interface import Reason, Refusal, Sample
+from friction_parameters import shared
+from friction_parameters.parameter import parameter
 
 
 class Admission(Enum):
@@ -19,17 +21,11 @@ class Admission(Enum):
 class GateParameters:
     """Limits of what may enter a fit."""
 
-    min_speed: float = 3.0
-    """Vehicle speed below which slip means nothing [m/s], > 0."""
-    min_interval: float = 1e-4
-    """Samples closer than this count as repeated [s], > 0."""
-    max_gap: float = 0.025
-    """Samples further apart than this are a gap [s], > min_interval."""
-
-    def __post_init__(self) -> None:
-        """Refuse limits that admit nothing."""
-        if not (self.min_speed > 0.0 and 0.0 < self.min_interval < self.max_gap):
-            raise ValueError(f"min_speed must be > 0 and 0 < min_interval < max_gap: {self}")
+    minimum_speed: float = shared.minimum_speed(3.0)
+    max_gap: float = shared.max_gap(0.025)
+    min_interval: float = parameter(
+        1e-4, "samples closer than this count as repeated", unit="s", minimum=1e-6, maximum=5e-4
+    )
 
 
 class SampleGate:
@@ -89,8 +85,8 @@ class SampleGate:
             return None
         if not isfinite(speed):
             return Refusal(Reason.BAD_INPUT, f"vehicle speed is {speed}")
-        if speed < self._parameters.min_speed:
-            limit = self._parameters.min_speed
+        limit = self._parameters.minimum_speed
+        if speed < limit:
             return Refusal(Reason.LOW_SPEED, f"vehicle speed {speed:.2f} m/s is below {limit:.2f} m/s")
         slip = 1.0 - sample.wheel_speed * self._radius / speed
         if not -1.0 < slip < 1.0:

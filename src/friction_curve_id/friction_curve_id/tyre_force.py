@@ -7,10 +7,13 @@ forces alone, and an error common to Fx and Fz cancels. They come once a revolut
 from dataclasses import dataclass
 from math import isfinite
 
-from friction_curve_id.curve_fitting import PointFitting, StartParameters
+from friction_curve_id.curve_fitting import PointFitting
 from friction_curve_id.friction_samples import LARGEST_FRICTION, FrictionPoint
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal
 from friction_curve_id.maximum_likelihood import MaximumLikelihood
+from friction_curve_id.start_parameters import StartParameters
+from friction_parameters import shared
+from friction_parameters.parameter import parameter
 
 _BRAKING_FRICTION = 0.02
 """mu from which the brake counts as applied [-]."""
@@ -31,31 +34,23 @@ class TyreForceSample:
 
 
 @dataclass(frozen=True)
-class TyreForceParameters:
-    """Which samples may enter a fit."""
+class TyreForceParameters(StartParameters):
+    """When a fit begins, and which samples may enter it."""
 
-    min_load: float = 200.0
-    """Fz below which mu means nothing [N], > 0."""
-    min_interval: float = 1e-4
-    """Samples closer than this count as repeated [s], > 0."""
-    max_gap: float = 1.0
-    """Samples further apart than this are a gap [s], > min_interval."""
-
-    def __post_init__(self) -> None:
-        """Refuse limits that admit nothing."""
-        if not (self.min_load > 0.0 and 0.0 < self.min_interval < self.max_gap):
-            raise ValueError(f"min_load must be > 0 and 0 < min_interval < max_gap: {self}")
+    min_load: float = parameter(200.0, "no friction from a vertical load below", unit="N", minimum=1.0, maximum=1e5)
+    max_gap: float = shared.max_gap(1.0)
+    min_interval: float = parameter(
+        1e-4, "samples closer than this count as repeated", unit="s", minimum=1e-6, maximum=5e-4
+    )
 
 
 class TyreForceFitting:
     """Curve of one wheel from its tyre forces by batch ML, one sample at a time."""
 
-    def __init__(
-        self, parameters: TyreForceParameters = TyreForceParameters(), start: StartParameters | None = None
-    ) -> None:
+    def __init__(self, parameters: TyreForceParameters = TyreForceParameters()) -> None:
         """Wait for the first braking."""
         self._parameters = parameters
-        self._fitting = PointFitting(MaximumLikelihood(), StartParameters() if start is None else start)
+        self._fitting = PointFitting(MaximumLikelihood(), parameters)
         self._last: float | None = None
 
     def reset(self) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 from friction_msgs.msg import TyreForce, WheelSlip
 
-from friction_curve_id.inputs import wheel_slip
+from friction_curve_id.inputs import Reading, wheel_slip
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.tyre_force import TyreForceFitting, TyreForceSample
@@ -24,13 +24,13 @@ class TyreForceInputs:
         self.sensors: Mapping[str, type] = {}
         self.estimates: Mapping[str, type] = {self.primary: TyreForce, self._slip: WheelSlip}
         self.aligned = [AlignedInput(self._slip)]
-        self._fitting = TyreForceFitting(start=parameters.start())
+        self._fitting = TyreForceFitting(parameters.tyre_force)
 
     def read_primary(self, message: TyreForce) -> TyreForce:
         """Return the message itself."""
         return message
 
-    def read(self, topic: str, message: Any) -> tuple[float, ...] | str:
+    def read(self, topic: str, message: Any) -> Reading | str:
         """Return what <wheel>/slip holds."""
         return wheel_slip(message)
 

@@ -10,8 +10,9 @@ from sensor_msgs.msg import Imu, JointState
 
 from friction_curve_id.inputs import (
     IMU,
-    SPEED_GAP,
+    SPEED_SENSOR_GAP,
     VEHICLE_VELOCITY,
+    Reading,
     known_speed,
     vehicle_velocity,
     wheel_slip,
@@ -22,44 +23,46 @@ from friction_curve_id.vehicle_samples import VehicleSample
 from friction_curve_id.whole_vehicle import WholeVehicle
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.processor import Report
-from friction_runtime.stamps import NANOSECONDS
+from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from vehicle_models.vehicle import Vehicle
 
 
 class VehicleInputs:
     """CurveInputs of the vehicle: fires on wheel_states."""
 
-    def __init__(self, parameters: FrictionCurveParameters, report: Report) -> None:
+    def __init__(self, vehicle: Vehicle, parameters: FrictionCurveParameters, report: Report) -> None:
         """Fit one curve for all wheels; `report` is told of messages that lack the speed of one."""
         self.primary = WHEEL_STATES
-        self._p = parameters
-        self._wheel_speeds = WheelSpeeds(parameters.wheels, report)
-        self._vehicle = WholeVehicle(parameters.vehicle())
+        self._car = vehicle
+        self._wheel_speeds = WheelSpeeds(vehicle, vehicle.wheel_names, report)
+        self._fit = WholeVehicle(vehicle, parameters.vehicle)
         self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, IMU: Imu}
         self.estimates: Mapping[str, type] = {}
+        max_gap = speed_gap = parameters.vehicle.max_gap
         if parameters.speed_source == SLIP:
-            self._speed = f"{parameters.wheels[0]}/slip"
+            self._speed = f"{vehicle.wheel_names[0]}/slip"
             self.estimates = {self._speed: WheelSlip}
         else:
-            self._speed = VEHICLE_VELOCITY
+            self._speed, speed_gap = VEHICLE_VELOCITY, SPEED_SENSOR_GAP
             self.sensors = {**self.sensors, VEHICLE_VELOCITY: TwistWithCovarianceStamped}
-        self.aligned = [AlignedInput(IMU), AlignedInput(self._speed, SPEED_GAP)]
+        self.aligned = [AlignedInput(IMU, max_gap), AlignedInput(self._speed, speed_gap)]
 
     def read_primary(self, message: JointState) -> tuple[float, ...]:
         """Speeds of the wheels [rad/s], NaN where one is missing."""
         return self._wheel_speeds.read(message)
 
-    def read(self, topic: str, message: Any) -> tuple[float, ...] | str:
+    def read(self, topic: str, message: Any) -> Reading | str:
         """Acceleration [m/s^2], or what the speed's topic holds."""
         if topic == IMU:
-            value = getattr(message.linear_acceleration, self._p.imu_axis)
-            return (self._p.imu_sign * value - self._p.imu_offset,)
+            acceleration = self._car.accelerometer.forward(message.linear_acceleration)
+            return to_nanoseconds(message.header.stamp), (acceleration,)
         return vehicle_velocity(message) if topic == VEHICLE_VELOCITY else wheel_slip(message)
 
     def answer(self, sample: AlignedSample[tuple[float, ...]]) -> tuple[CurveEstimate | Refusal, float]:
         """Answer of the fit; the slip is the estimate's, the mean of all wheels by load."""
         if not all(isfinite(speed) for speed in sample.payload):
-            named = dict(zip(self._p.wheels, sample.payload, strict=True))
+            named = dict(zip(self._car.wheel_names, sample.payload, strict=True))
             missing = ", ".join(wheel for wheel, speed in named.items() if not isfinite(speed))
             return Refusal(Reason.BAD_INPUT, f"{WHEEL_STATES}: no usable velocity for {missing}"), nan
         acceleration = sample.values.get(IMU)
@@ -69,8 +72,8 @@ class VehicleInputs:
         if speed is None:
             return Refusal(Reason.NO_SLIP, sample.missing.get(self._speed, f"{self._speed}: no vehicle speed")), nan
         taken = VehicleSample(sample.stamp / NANOSECONDS, speed, acceleration[0], sample.payload)
-        return self._vehicle.update(taken), nan
+        return self._fit.update(taken), nan
 
     def reset(self) -> None:
         """Start the fit anew."""
-        self._vehicle.reset()
+        self._fit.reset()

@@ -1,80 +1,59 @@
 """Samples of the whole vehicle: which may enter the fit, slips behind the tyres' relaxation, load shares."""
 
 from dataclasses import dataclass
+from statistics import fmean
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.interface import Reason, Refusal
+from friction_parameters import shared
+from friction_parameters.parameter import parameter
+from vehicle_models.plausible import HIGHEST_ACCELERATION
+from vehicle_models.single_corner import GRAVITY
+from vehicle_models.vehicle import AIR_DENSITY, Vehicle
 
 Array = NDArray[np.float64]
 
-_GRAVITY = 9.81
-_LARGEST_ACCELERATION = 100.0
-"""[m/s^2]"""
+_UNSTATED_SPREAD = 0.5
+"""Of a relaxation length whose deviation the vehicle file does not state, relative [-]."""
 
 
 @dataclass(frozen=True)
-class VehicleParameters:
-    """The vehicle, its wheels in the order of the samples."""
+class WholeVehicleParameters:
+    """Which samples enter the fit, and the doubt about their timing."""
 
-    radii: tuple[float, ...]
-    """Effective rolling radius of each wheel [m], > 0."""
-    static_shares: tuple[float, ...]
-    """Share of each wheel in the load of the standing vehicle [-], > 0, sum 1."""
-    transfer_shares: tuple[float, ...]
-    """Change of each share per g of deceleration [-]: front h / (2 L), rear -h / (2 L); sum 0."""
-    rolling_resistance: float = 0.012
-    """Share of the deceleration that is rolling resistance [g]."""
-    drag_per_speed_squared: float = 2.3e-4
-    """Aerodynamic drag rho cd A / (2 m) [1/m]."""
-    relaxation_length: float = 0.3
-    """Distance over which a tyre answers to its slip [m], > 0."""
-    relaxation_spread: float = 0.5
-    """Standard deviation of the logarithm of that length [-], > 0."""
-    timing_stddev: float = 0.01
-    """Standard deviation of the shift between speed reference and wheel speeds [s], > 0."""
-    min_speed: float = 6.0
-    """Below it [m/s] a shift in time spoils every slip."""
-    min_deceleration: float = 2.0
-    """Braking, not coasting on the engine [m/s^2]."""
-    max_gap: float = 0.1
-    """[s]"""
-    min_interval: float = 1e-3
-    """Samples closer than this count as repeated [s]."""
-    release_time: float = 0.5
-    """Without braking for longer than this the next braking begins a new fit [s]."""
-
-    def __post_init__(self) -> None:
-        """Refuse values that make no vehicle."""
-        count = len(self.radii)
-        if count == 0 or len(self.static_shares) != count or len(self.transfer_shares) != count:
-            raise ValueError(f"radii, static_shares and transfer_shares must be of one length >= 1: {self}")
-        if not (all(r > 0.0 for r in self.radii) and all(s > 0.0 for s in self.static_shares)):
-            raise ValueError(f"radii and static_shares must be > 0: {self}")
-        if abs(sum(self.static_shares) - 1.0) > 1e-6 or abs(sum(self.transfer_shares)) > 1e-6:
-            raise ValueError(f"static_shares must add up to 1 and transfer_shares to 0: {self}")
-        for name in ("relaxation_length", "relaxation_spread", "timing_stddev", "min_speed"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} must be > 0, is {getattr(self, name)}")
+    timing_stddev: float = parameter(
+        0.01,
+        "standard deviation of the shift between speed reference and wheel speeds",
+        unit="s",
+        minimum=1e-4,
+        maximum=0.1,
+    )
+    minimum_speed: float = shared.minimum_speed(6.0)
+    min_deceleration: float = parameter(
+        2.0, "from here on the car brakes, and does not coast on the engine", unit="m/s^2", minimum=0.1, maximum=10.0
+    )
+    max_gap: float = shared.max_gap(0.1)
+    min_interval: float = parameter(
+        1e-3, "samples closer than this count as repeated", unit="s", minimum=1e-6, maximum=1e-3
+    )
+    release_time: float = parameter(
+        0.5,
+        "without braking for longer than this the next braking begins a new fit",
+        unit="s",
+        minimum=0.01,
+        maximum=10.0,
+    )
 
 
-def four_wheels(
-    front_radius: float, rear_radius: float, front_share: float, height_per_wheelbase: float
-) -> VehicleParameters:
-    """Parameters of a car with the wheels front left, front right, rear left, rear right.
-
-    Args:
-        front_radius: [m].
-        rear_radius: [m].
-        front_share: load share of the front axle at rest [-].
-        height_per_wheelbase: height of the centre of gravity over the wheelbase [-].
-    """
-    front, rear, transfer = 0.5 * front_share, 0.5 * (1.0 - front_share), 0.5 * height_per_wheelbase
-    return VehicleParameters(
-        (front_radius, front_radius, rear_radius, rear_radius),
-        (front, front, rear, rear),
-        (transfer, transfer, -transfer, -transfer),
+def relaxation_spread(vehicle: Vehicle) -> float:
+    """Standard deviation of the logarithm of the tyres' relaxation lengths [-], an error that they share."""
+    return fmean(
+        wheel.deviations["relaxation_length"].stddev / wheel.relaxation_length
+        if "relaxation_length" in wheel.deviations
+        else _UNSTATED_SPREAD
+        for wheel in vehicle.wheels
     )
 
 
@@ -115,12 +94,16 @@ class VehiclePoint:
 class VehicleSamples:
     """Makes a `VehiclePoint` of each sample taken while braking."""
 
-    def __init__(self, parameters: VehicleParameters) -> None:
-        """Start without samples."""
+    def __init__(self, vehicle: Vehicle, parameters: WholeVehicleParameters) -> None:
+        """Start without samples of the car; the wheels of a sample are in its order."""
         self._parameters = parameters
-        self._radii = np.array(parameters.radii)
-        self._static = np.array(parameters.static_shares)
-        self._transfer = np.array(parameters.transfer_shares)
+        self._radii = np.array(vehicle.radii)
+        self._static = np.array(vehicle.load_shares)
+        self._transfer = np.array(vehicle.transfer_shares)
+        self._relaxation_lengths = np.array([wheel.relaxation_length for wheel in vehicle.wheels])
+        self._rolling_resistance = vehicle.rolling_resistance
+        self._drag = 0.5 * AIR_DENSITY * vehicle.drag_area / vehicle.mass
+        """rho cd A / (2 m) [1/m]"""
         self.reset()
 
     def reset(self) -> None:
@@ -145,20 +128,20 @@ class VehicleSamples:
             self._after_gap = self._after_gap or last is not None
             self._slips, self._per_second, self._per_length = slips, per_second, np.zeros_like(slips)
         else:
-            self._relax(slips, per_second, (sample.time - last) * sample.speed / p.relaxation_length)
+            self._relax(slips, per_second, (sample.time - last) * sample.speed / self._relaxation_lengths)
         if -sample.acceleration < p.min_deceleration:
             return Refusal(Reason.NO_EXCITATION, f"deceleration {-sample.acceleration:.2f} m/s^2: not braking")
         starts = self._braked_at is None or not 0.0 <= sample.time - self._braked_at <= p.release_time
         after_gap, self._after_gap, self._braked_at = self._after_gap, False, sample.time
-        deceleration = -sample.acceleration / _GRAVITY
-        drag = p.rolling_resistance + p.drag_per_speed_squared * sample.speed**2 / _GRAVITY
+        deceleration = -sample.acceleration / GRAVITY
+        drag = self._rolling_resistance + self._drag * sample.speed**2 / GRAVITY
         shares = self._static + self._transfer * deceleration
         friction = deceleration - drag
         return VehiclePoint(self._slips, self._per_second, self._per_length, shares, friction, starts, after_gap)
 
-    def _relax(self, slips: Array, per_second: Array, lengths: float) -> None:
-        """Advance the tyres by so many relaxation lengths."""
-        kept = float(np.exp(-lengths))
+    def _relax(self, slips: Array, per_second: Array, lengths: Array) -> None:
+        """Advance each tyre by so many of its relaxation lengths."""
+        kept = np.exp(-lengths)
         self._per_length = kept * (self._per_length - lengths * (slips - self._slips))
         self._slips = slips + kept * (self._slips - slips)
         self._per_second = per_second + kept * (self._per_second - per_second)
@@ -170,10 +153,10 @@ class VehicleSamples:
         values = (sample.time, sample.speed, sample.acceleration, *sample.wheel_speeds)
         if not np.all(np.isfinite(values)):
             return Refusal(Reason.BAD_INPUT, "time, speed, acceleration or a wheel speed is not finite")
-        if abs(sample.acceleration) > _LARGEST_ACCELERATION:
+        if abs(sample.acceleration) > HIGHEST_ACCELERATION:
             return Refusal(Reason.BAD_INPUT, f"acceleration is {sample.acceleration:.3g} m/s^2")
-        if sample.speed < p.min_speed:
-            return Refusal(Reason.LOW_SPEED, f"vehicle speed {sample.speed:.2f} m/s is below {p.min_speed:.2f} m/s")
+        if sample.speed < p.minimum_speed:
+            return Refusal(Reason.LOW_SPEED, f"vehicle speed {sample.speed:.2f} m/s is below {p.minimum_speed:.2f} m/s")
         if self._last is not None and abs(sample.time - self._last) < p.min_interval:
             return Refusal(Reason.BAD_INPUT, f"stamp {sample.time:.6f} s repeats {self._last:.6f} s")
         slips = 1.0 - np.array(sample.wheel_speeds) * self._radii / sample.speed

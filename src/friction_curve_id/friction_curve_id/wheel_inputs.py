@@ -9,8 +9,9 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import FluidPressure, JointState
 
 from friction_curve_id.inputs import (
-    SPEED_GAP,
+    SPEED_SENSOR_GAP,
     VEHICLE_VELOCITY,
+    Reading,
     known_speed,
     vehicle_velocity,
     wheel_slip,
@@ -19,44 +20,48 @@ from friction_curve_id.interface import CurveEstimate, Reason, Refusal, Sample
 from friction_curve_id.parameters import SLIP, FrictionCurveParameters
 from friction_curve_id.parameters import VEHICLE_VELOCITY as SPEED_SENSOR
 from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.processor import Report
 from friction_runtime.stamps import NANOSECONDS
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from vehicle_models.vehicle import Vehicle
 
 
 class WheelInputs:
     """CurveInputs of one wheel: fires on wheel_states."""
 
-    def __init__(self, wheel: str, parameters: FrictionCurveParameters, report: Report) -> None:
+    def __init__(self, wheel: str, vehicle: Vehicle, parameters: FrictionCurveParameters, report: Report) -> None:
         """Identify the curve of `wheel`; `report` is told of messages without its speed."""
+        max_gap = parameters.gate.max_gap
         self.primary = WHEEL_STATES
-        self._wheel_speeds = WheelSpeeds((wheel,), report)
-        self._estimator = parameters.estimator(wheel)
-        self._gain = parameters.brake_gain(wheel)
-        self._pressure = f"{wheel}/brake_pressure"
+        self._wheel_speeds = WheelSpeeds(vehicle, (wheel,), report)
+        self._estimator = parameters.estimator(vehicle.corner(wheel))
+        self._brake_torque = BrakeTorque(vehicle, wheel)
+        self._pressure = self._brake_torque.topic
         self._slip = f"{wheel}/slip"
         self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, self._pressure: FluidPressure}
         self.estimates: Mapping[str, type] = {}
-        self.aligned = [AlignedInput(self._pressure)]
+        self.aligned = [AlignedInput(self._pressure, max_gap)]
         self._speed = ""
         if parameters.speed_source == SLIP:
             self._speed = self._slip
             self.estimates = {self._slip: WheelSlip}
-            self.aligned.append(AlignedInput(self._slip))
+            self.aligned.append(AlignedInput(self._slip, max_gap))
         elif parameters.speed_source == SPEED_SENSOR:
             self._speed = VEHICLE_VELOCITY
             self.sensors = {**self.sensors, VEHICLE_VELOCITY: TwistWithCovarianceStamped}
-            self.aligned.append(AlignedInput(VEHICLE_VELOCITY, SPEED_GAP))
+            self.aligned.append(AlignedInput(VEHICLE_VELOCITY, SPEED_SENSOR_GAP))
 
     def read_primary(self, message: JointState) -> float:
         """Wheel speed [rad/s]."""
         (speed,) = self._wheel_speeds.read(message)
         return speed
 
-    def read(self, topic: str, message: Any) -> tuple[float, ...] | str:
+    def read(self, topic: str, message: Any) -> Reading | str:
         """Brake torque [N m], or what the speed's topic holds."""
         if topic == self._pressure:
-            return (self._gain * message.fluid_pressure,)
+            reading = self._brake_torque.read(message)
+            return reading if isinstance(reading, str) else (reading[0], (reading[1],))
         return wheel_slip(message) if topic == self._slip else vehicle_velocity(message)
 
     def answer(self, sample: AlignedSample[float]) -> tuple[CurveEstimate | Refusal, float]:

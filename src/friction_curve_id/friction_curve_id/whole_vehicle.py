@@ -7,7 +7,7 @@ one road surface. Two things are known to spoil the slips of real sensors, and b
 - the speed reference and the wheel speeds are not of the same instant. A shift tau moves the slip by
   tau (1 - slip) a_x / v, at 11 m/s^2 and 10 m/s some 0.01 for 10 ms. tau is a nuisance unknown with a prior;
 - a tyre answers to a change of slip over its relaxation length L: the slip is filtered by exp(-distance / L). ln L is
-  another nuisance unknown, linearised around the parameter.
+  another nuisance unknown, linearised around that of the vehicle file.
 
 The fit is robust (Huber) maximum a posteriori in (ln th1, ln th2, th3, tau, ln L) over the samples of one braking,
 two Gauss-Newton steps a sample. Neighbouring residuals are alike (suspension, ABS cycles), so the information of the
@@ -22,14 +22,21 @@ from numpy.typing import NDArray
 from friction_curve_id.burckhardt_curve import BurckhardtCurve
 from friction_curve_id.fitted_curve import FittedCurve, samples_per_information
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
-from friction_curve_id.vehicle_samples import VehicleParameters, VehiclePoint, VehicleSample, VehicleSamples
+from friction_curve_id.vehicle_samples import (
+    VehiclePoint,
+    VehicleSample,
+    VehicleSamples,
+    WholeVehicleParameters,
+    relaxation_spread,
+)
 from vehicle_models import burckhardt
+from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
 _PRIOR_MEAN = np.array([np.log(0.8), np.log(25.0), 0.4, 0.0, 0.0])
 _PRIOR_STDDEV = np.array([0.8, 1.0, 0.5])
-"""Of ln th1, ln th2, th3; those of tau and ln L are parameters."""
+"""Of ln th1, ln th2, th3; that of tau is a parameter, that of ln L stands in the vehicle file."""
 _LOW = np.array([np.log(0.02), np.log(1.0), 1e-3, -0.1, -2.0])
 _HIGH = np.array([np.log(5.0), np.log(300.0), 5.0, 0.1, 2.0])
 _LEAST_NOISE = 0.01
@@ -49,10 +56,10 @@ _WINDOW = 400
 class WholeVehicle:
     """Curve of the whole vehicle, one sample at a time."""
 
-    def __init__(self, parameters: VehicleParameters) -> None:
+    def __init__(self, vehicle: Vehicle, parameters: WholeVehicleParameters = WholeVehicleParameters()) -> None:
         """Wait for the first braking."""
-        self._samples = VehicleSamples(parameters)
-        self._prior_stddev = np.append(_PRIOR_STDDEV, [parameters.timing_stddev, parameters.relaxation_spread])
+        self._samples = VehicleSamples(vehicle, parameters)
+        self._prior_stddev = np.append(_PRIOR_STDDEV, [parameters.timing_stddev, relaxation_spread(vehicle)])
         self._points: deque[VehiclePoint] = deque(maxlen=_WINDOW)
         self._unknowns = _PRIOR_MEAN.copy()
         self._cause = RestartCause.NONE

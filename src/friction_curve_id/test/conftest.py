@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 
 from friction_curve_id.interface import Sample
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE, SensorNoise
-from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import surface
+from vehicle_models.vehicle_file import load_vehicle
 
+CORNER = load_vehicle("chapter_corner").corner("front_left")
 HOLD_TORQUE = {"dry": 857.0, "wet": 598.0, "cobblestone": 805.0, "snow": 153.0}
 """[N m]"""
 _INTERVAL = 0.005
@@ -33,7 +35,7 @@ class Manoeuvre:
 @cache
 def _truth(name: str, count: int) -> NDArray[np.float64]:
     theta = surface(name)
-    corner = SingleCorner(CornerParameters(), [30.0])
+    corner = SingleCorner(CORNER, [30.0])
     rows = []
     for k in range(count):
         torque, following = (HOLD_TORQUE[name] * min(t / _RAMP, 1.0) for t in (k * _INTERVAL, (k + 1) * _INTERVAL))

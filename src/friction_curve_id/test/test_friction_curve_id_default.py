@@ -15,12 +15,15 @@ from friction_curve_id.default_estimator import DefaultEstimator, DefaultParamet
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE
-from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
+from vehicle_models.vehicle_file import load_vehicle
 
 Brake = Callable[..., Any]
 
 Array = NDArray[np.float64]
+
+CORNER = load_vehicle("chapter_corner").corner("front_left")
 
 BOUND = {"dry": 0.00889, "wet": 0.0156, "cobblestone": 0.00428}
 """Cramer-Rao bound of lambda_max at N = 100, relative (friction_evaluation computes and checks it)."""
@@ -29,7 +32,7 @@ SEEDS = 20
 
 def final(samples: list[Sample], estimator: DefaultEstimator | None = None) -> CurveEstimate:
     """Feed all samples; the last answer must be an estimate."""
-    estimator = DefaultEstimator() if estimator is None else estimator
+    estimator = DefaultEstimator(CORNER) if estimator is None else estimator
     answer: CurveEstimate | Refusal | None = None
     for sample in samples:
         answer = estimator.update(sample)
@@ -74,7 +77,7 @@ def test_beyond_the_peak_the_probability_says_so_within_thirty_milliseconds(nois
     for name in TABLE_8_1:
         braking = noisy(name, 2)
         crossing = int(np.argmax(braking.slip > peak_of(name)[0]))
-        estimator = DefaultEstimator()
+        estimator = DefaultEstimator(CORNER)
         answers = [estimator.update(sample) for sample in braking.samples]
         likely = [isinstance(a, CurveEstimate) and a.probability_beyond_peak > 0.9 for a in answers]
         assert -5 <= likely.index(True) - crossing <= 6
@@ -107,7 +110,7 @@ def test_a_speed_sensor_is_not_needed(noisy: Brake) -> None:
 )
 def test_bad_input_is_refused_and_changes_nothing(noisy: Brake, change: dict[str, float], reason: Reason) -> None:
     samples = list(noisy("wet", 3).samples)
-    estimator = DefaultEstimator()
+    estimator = DefaultEstimator(CORNER)
     for sample in samples[:60]:
         estimator.update(sample)
     other = copy.deepcopy(estimator)
@@ -120,7 +123,7 @@ def test_bad_input_is_refused_and_changes_nothing(noisy: Brake, change: dict[str
 
 
 def test_constant_slip_is_refused_and_what_is_known_stays(noisy: Brake) -> None:
-    estimator = DefaultEstimator()
+    estimator = DefaultEstimator(CORNER)
     known = final(list(noisy("dry", 4).samples), estimator)
     # Past the peak the brake is released and the wheel rolls: no torque, no slip, for two seconds.
     last = noisy("dry", 4).samples[-1]
@@ -134,7 +137,7 @@ def test_constant_slip_is_refused_and_what_is_known_stays(noisy: Brake) -> None:
 
 
 def test_a_stream_without_braking_never_gives_an_estimate() -> None:
-    estimator, generator = DefaultEstimator(), np.random.default_rng(5)
+    estimator, generator = DefaultEstimator(CORNER), np.random.default_rng(5)
     for k in range(600):
         omega = 100.0 - 0.02 * k + generator.normal(0.0, 0.07)
         answer = estimator.update(Sample(0.005 * k, omega, None, generator.normal(0.0, 3.0)))
@@ -144,8 +147,8 @@ def test_a_stream_without_braking_never_gives_an_estimate() -> None:
 def test_a_weak_brake_on_a_slippery_road_is_seen_all_the_same() -> None:
     """Ice with a flat curve: the wheel slows by its slip more than by the brake alone."""
     theta = np.array([0.1187, 14.46, 0.0463])
-    plant, generator, noise = SingleCorner(CornerParameters(), [30.0]), np.random.default_rng(9), CHAPTER_NOISE
-    estimator, given = DefaultEstimator(), 0
+    plant, generator, noise = SingleCorner(CORNER, [30.0]), np.random.default_rng(9), CHAPTER_NOISE
+    estimator, given = DefaultEstimator(CORNER), 0
     for k in range(100):
         torque, following = (159.0 * min(t / 0.25, 1.0) for t in (0.005 * k, 0.005 * (k + 1)))
         sample = Sample(
@@ -161,7 +164,7 @@ def test_a_weak_brake_on_a_slippery_road_is_seen_all_the_same() -> None:
 
 def test_after_a_gap_the_fit_begins_anew_and_says_so(noisy: Brake) -> None:
     samples = list(noisy("wet", 6).samples)
-    estimator = DefaultEstimator()
+    estimator = DefaultEstimator(CORNER)
     for sample in samples[:80]:
         estimator.update(sample)
     later = [sample._replace(time=sample.time + 30.0) for sample in samples]
@@ -175,7 +178,7 @@ def test_after_a_gap_the_fit_begins_anew_and_says_so(noisy: Brake) -> None:
 
 def test_reset_begins_anew_on_request(noisy: Brake) -> None:
     samples = list(noisy("dry", 7).samples)
-    used, fresh = DefaultEstimator(), DefaultEstimator()
+    used, fresh = DefaultEstimator(CORNER), DefaultEstimator(CORNER)
     final(samples, used)
     used.reset()
     answers = [(used.update(sample), fresh.update(sample)) for sample in samples]
@@ -205,7 +208,7 @@ def test_five_samples_off_by_ten_times_the_noise_move_lambda_max_by_at_most_a_de
     for seed in range(4):
         samples = list(noisy(name, seed).samples)
         for first in (60, 85):
-            estimator = DefaultEstimator()
+            estimator = DefaultEstimator(CORNER)
             before = final(samples[:first], estimator)
             for sample in samples[first : first + 5]:
                 after = estimator.update(disturbed(sample, signals))
@@ -224,7 +227,7 @@ def test_five_wrong_vehicle_speeds_change_nothing(noisy: Brake, name: str) -> No
 
 def drive_over_a_change(before: str, after: str, seed: int) -> list[Sample]:
     """Manoeuvre B beyond the peak of `before`, then the same torque on `after` until the wheel locks."""
-    plant, generator = SingleCorner(CornerParameters(), [30.0]), np.random.default_rng(seed)
+    plant, generator = SingleCorner(CORNER, [30.0]), np.random.default_rng(seed)
     samples, noise = [], CHAPTER_NOISE
     for k in range(200):
         if plant.slip[0] > 0.98:
@@ -245,7 +248,7 @@ def drive_over_a_change(before: str, after: str, seed: int) -> list[Sample]:
 def test_from_dry_to_snow_beyond_the_peak_it_restarts_and_finds_the_new_curve() -> None:
     inside = []
     for seed in range(12):
-        estimator = DefaultEstimator()
+        estimator = DefaultEstimator(CORNER)
         answers = [estimator.update(sample) for sample in drive_over_a_change("dry", "snow", seed)]
         estimates = [answer for answer in answers if isinstance(answer, CurveEstimate)]
         restarts = [k for k, a in enumerate(answers) if isinstance(a, CurveEstimate) and a.restarted]
@@ -263,14 +266,14 @@ def test_from_dry_to_snow_beyond_the_peak_it_restarts_and_finds_the_new_curve() 
 def test_the_road_changes_only_where_it_does(noisy: Brake) -> None:
     for name in TABLE_8_1:
         for seed in range(5):
-            estimator = DefaultEstimator()
+            estimator = DefaultEstimator(CORNER)
             answers = [estimator.update(sample) for sample in noisy(name, seed).samples]
             assert not any(isinstance(a, CurveEstimate) and a.restarted for a in answers)
 
 
 def test_it_runs_for_long_in_bounded_memory_and_still_knows_the_road() -> None:
-    plant, generator = SingleCorner(CornerParameters(), [30.0]), np.random.default_rng(8)
-    estimator, dt, noise = DefaultEstimator(), 0.005, CHAPTER_NOISE
+    plant, generator = SingleCorner(CORNER, [30.0]), np.random.default_rng(8)
+    estimator, dt, noise = DefaultEstimator(CORNER), 0.005, CHAPTER_NOISE
     theta, lambda_max = surface("wet"), peak_of("wet")[0]
     torque, sizes, errors = 0.0, [], []
     for k in range(4_800):
@@ -278,7 +281,7 @@ def test_it_runs_for_long_in_bounded_memory_and_still_knows_the_road() -> None:
         phase = (k * dt) % 3.0
         following = 610.0 * min(phase / 0.3, 1.0) if phase < 0.7 else max(torque - 25.0, 0.0)
         if phase > 1.1:
-            plant = SingleCorner(CornerParameters(), [min(float(plant.speed[0]) + 3.0 * dt, 30.0)])
+            plant = SingleCorner(CORNER, [min(float(plant.speed[0]) + 3.0 * dt, 30.0)])
         answer = estimator.update(
             Sample(
                 k * dt,

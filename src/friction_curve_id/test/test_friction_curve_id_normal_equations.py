@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from friction_curve_id import log_curve
 from friction_curve_id.banded_normal_equations import (
-    MeasurementNoise,
     NormalEquations,
     OutlierThresholds,
     assemble,
@@ -16,16 +15,17 @@ from friction_curve_id.banded_normal_equations import (
 )
 from friction_curve_id.braking_window import BrakingWindow
 from friction_curve_id.curve_prior import CurvePrior
-from friction_curve_id.interface import WheelParameters
+from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.past_evidence import PastEvidence, momentum_evidence, no_evidence
 from friction_curve_id.robust_weights import robust_cost, robust_weights
 from vehicle_models import burckhardt
+from vehicle_models.single_corner import CornerParameters
 from vehicle_models.surfaces import SURFACES
 
 Array = NDArray[np.float64]
 
-WHEEL = WheelParameters(radius=0.31, inertia=1.2, mass=260.0, vertical_load=2700.0)
-NOISE = MeasurementNoise(0.08, 0.4, 4.0)
+WHEEL = CornerParameters(radius=0.31, inertia=1.2, mass=260.0, vertical_load=2700.0)
+NOISE = MeasurementNoise(0.08**2, 0.4**2, 4.0**2)
 FAR = OutlierThresholds(1e9, 1e9, 1e9)
 Q = log_curve.from_theta(SURFACES["wet"])
 

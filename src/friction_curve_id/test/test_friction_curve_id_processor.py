@@ -19,13 +19,19 @@ from friction_curve_id.activation import ActivationMark
 from friction_curve_id.interface import Reason, RestartCause
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.processor import CurveProcessor, build
-from friction_runtime.parameters import ParameterError, from_mapping, load
-from friction_runtime.processor import Level
+from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter_file import load
+from friction_parameters.values import declared, from_mapping, ignored
+from friction_runtime.processor import Level, Report, silent
 from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
+from vehicle_models.vehicle import Accelerometer, Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
 Brake = Callable[..., Any]
 Stream = list[tuple[str, Any]]
-GAIN = 1e-4
+PACKAGE = Path(__file__).parents[1]
+CORNER, CAR = load_vehicle("chapter_corner"), load_vehicle("chapter_car")
+GAIN = CORNER.wheels[0].brake_gain
 START = 1_000 * NANOSECONDS
 
 
@@ -53,8 +59,12 @@ def braking(clean: Brake, name: str = "dry", start: int = START, wheel: str = "f
     return stream
 
 
+def made_by(values: dict[str, Any], vehicle: Vehicle = CORNER, report: Report = silent) -> list[CurveProcessor]:
+    return build(from_mapping(FrictionCurveParameters, values), vehicle, report)
+
+
 def processor(**values: Any) -> CurveProcessor:
-    return build(from_mapping(FrictionCurveParameters, {"method": "rls"} | values))[0]
+    return made_by({"method": "rls"} | values)[0]
 
 
 def drive(made: CurveProcessor, stream: Stream) -> list[FrictionCurve]:
@@ -103,6 +113,10 @@ def message_time(message: Any) -> float:
     return message.header.stamp.sec + message.header.stamp.nanosec / NANOSECONDS
 
 
+def stamp_of(message: Any) -> int:
+    return message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
+
+
 def test_a_looped_bag_gives_the_same_again_and_says_that_it_began_anew(clean: Brake) -> None:
     made, stream = processor(), braking(clean)
     first = drive(made, stream)
@@ -143,8 +157,7 @@ def test_missing_brake_pressure_is_said_not_guessed(clean: Brake, method: str) -
 @pytest.mark.parametrize("method", ["rls", "vehicle"])
 def test_a_wheel_that_is_not_among_the_joints_is_named(clean: Brake, method: str) -> None:
     reports: list[str] = []
-    parameters = from_mapping(FrictionCurveParameters, {"method": method})
-    made = build(parameters, lambda severity, text: reports.append(f"{severity}: {text}"))[0]
+    made = made_by({"method": method}, report=lambda severity, text: reports.append(f"{severity}: {text}"))[0]
     found = drive(made, braking(clean, wheel="another"))
     assert len(found) > 80
     assert not any(message.valid for message in found)
@@ -160,7 +173,9 @@ def test_messages_with_and_without_an_estimate_can_be_published(clean: Brake) ->
 def test_missing_slip_does_not_stop_what_can_do_without(clean: Brake) -> None:
     found = drive(processor(), without(braking(clean), "front_left/slip"))
     assert found[-1].valid
-    needs_it = drive(processor(friction_source="wheel_equation"), without(braking(clean), "front_left/slip"))
+    needs_it = drive(
+        processor(chapter={"friction_source": "wheel_equation"}), without(braking(clean), "front_left/slip")
+    )
     assert {message.reason for message in needs_it} == {FrictionCurve.NO_SLIP}
 
 
@@ -178,7 +193,7 @@ def test_garbage_on_every_topic_costs_samples_and_never_the_estimate(clean: Brak
                 ("front_left/slip", WheelSlip(header=Header(), slip=math.nan, vehicle_speed=math.nan)),
             ]
     reports: list[str] = []
-    made = build(FrictionCurveParameters(method="rls"), lambda severity, text: reports.append(text))[0]
+    made = made_by({"method": "rls"}, report=lambda severity, text: reports.append(text))[0]
     found = drive(made, bad)
     assert found
     assert any("refused" in text for text in reports)
@@ -214,16 +229,47 @@ def test_an_activation_ends_with_the_braking() -> None:
 
 
 def test_wheels_have_parameters_of_their_own(clean: Brake) -> None:
-    both = build(
-        from_mapping(
-            FrictionCurveParameters,
-            {"wheels": ["front_left", "rear_left"], "method": "ml", "brake_gains": [GAIN, 2 * GAIN]},
-        )
-    )
-    left = drive(both[0], braking(clean, wheel="front_left"))[-1]
-    rear = drive(both[1], braking(clean, wheel="rear_left"))[-1]
+    wheels = tuple(replace(each, brake_gain=2 * GAIN) if each.axle == "rear" else each for each in CAR.wheels)
+    made = made_by({"method": "ml"}, replace(CAR, wheels=wheels))
+    left = drive(made[0], braking(clean, wheel="front_left"))[-1]
+    rear = drive(made[2], braking(clean, wheel="rear_left"))[-1]
     assert left.valid
     assert rear.mu > 1.5 * left.mu
+
+
+def test_wheels_are_read_by_their_joints_and_published_by_their_names(clean: Brake) -> None:
+    named = replace(CORNER, wheels=(replace(CORNER.wheels[0], joint="car::wheel_fl"),))
+    stream = braking(clean)
+    for topic, message in stream:
+        if topic == "wheel_states":
+            message.name[1] = "car::wheel_fl"
+    last = drive(made_by({"method": "rls"}, named)[0], stream)[-1]
+    assert last.valid, last.reason_text
+    assert last.wheel == "front_left"
+
+
+def test_a_pressure_that_comes_late_counts_for_the_time_at_which_it_acted(clean: Brake) -> None:
+    late = [
+        (topic, FluidPressure(header=header(0.015, stamp_of(message)), fluid_pressure=message.fluid_pressure))
+        if topic.endswith("brake_pressure")
+        else (topic, message)
+        for topic, message in braking(clean)
+    ]
+    found = drive(made_by({"method": "rls"}, replace(CORNER, brake_pressure_delay=0.015))[0], late)
+    expected = drive(processor(), braking(clean))
+    assert [str(message) for message in found] == [str(message) for message in expected[: len(found)]]
+    assert len(found) == len(expected)
+
+
+def test_a_pressure_is_not_interpolated_across_max_gap(clean: Brake) -> None:
+    sparse = [
+        (topic, message)
+        for k, (topic, message) in enumerate(braking(clean))
+        if not topic.endswith("brake_pressure") or (k // 4) % 8 == 0
+    ]
+    assert FrictionCurve.NO_TORQUE in {message.reason for message in drive(processor(), sparse)}
+    bridged = drive(processor(gate={"max_gap": 0.05}), sparse)
+    assert FrictionCurve.NO_TORQUE not in {message.reason for message in bridged[:80]}
 
 
 def tyre_forces(clean: Brake) -> Stream:
@@ -263,20 +309,19 @@ def vehicle_stream(clean: Brake, accelerometer: bool = True) -> Stream:
     return stream
 
 
-VEHICLE = {
-    "method": "vehicle",
-    "wheels": ["front_left", "front_right", "rear_left", "rear_right"],
-    "speed_source": "vehicle_velocity",
-    "imu_axis": "y",
-    "imu_sign": -1.0,
-    "rolling_resistance": 0.0,
-    "drag_per_speed_squared": 0.0,
-    "relaxation_length": 0.001,
-}
+VEHICLE = {"method": "vehicle", "speed_source": "vehicle_velocity"}
+RIGID_CAR = replace(
+    CAR,
+    wheels=tuple(replace(each, relaxation_length=0.001) for each in CAR.wheels),
+    centre_of_gravity_height=0.0,
+    drag_area=0.0,
+    rolling_resistance=0.0,
+    accelerometer=Accelerometer(axis="y", sign=-1.0),
+)
 
 
 def test_the_vehicle_has_one_curve_for_all_wheels(clean: Brake) -> None:
-    made = build(from_mapping(FrictionCurveParameters, VEHICLE))
+    made = made_by(VEHICLE, RIGID_CAR)
     assert len(made) == 1
     found = drive(made[0], vehicle_stream(clean))
     assert found[-1].wheel == "vehicle"
@@ -285,7 +330,7 @@ def test_the_vehicle_has_one_curve_for_all_wheels(clean: Brake) -> None:
 
 
 def test_the_vehicle_without_accelerometer_says_so(clean: Brake) -> None:
-    found = drive(build(from_mapping(FrictionCurveParameters, VEHICLE))[0], vehicle_stream(clean, accelerometer=False))
+    found = drive(made_by(VEHICLE, RIGID_CAR)[0], vehicle_stream(clean, accelerometer=False))
     assert {message.reason for message in found} == {FrictionCurve.NO_ACCELERATION}
     assert "imu/data" in found[0].reason_text
 
@@ -294,14 +339,14 @@ def test_the_vehicle_without_accelerometer_says_so(clean: Brake) -> None:
     ("values", "named"),
     [
         ({"method": "magic"}, "method"),
-        ({"radii": [0.3, 0.3, 0.3]}, "radii"),
-        ({"radii": [0.0]}, "radii"),
-        ({"wheels": []}, "wheels"),
-        ({"wheels": ["a", "a"]}, "wheels"),
-        ({"imu_sign": 0.5}, "imu_sign"),
         ({"method": "vehicle", "speed_source": "none"}, "speed_source"),
-        ({"brake_gains": [math.nan]}, "brake_gains"),
-        ({"initial_samples": 2}, "initial_samples"),
+        ({"chapter": {"initial_samples": 2}}, "chapter.initial_samples"),
+        ({"chapter": {"friction_source": "magic"}}, "chapter.friction_source"),
+        ({"noise": {"torque_variance": math.nan}}, "noise.torque_variance"),
+        ({"gate": {"minimum_speed": 0.0}}, "gate.minimum_speed"),
+        ({"vehicle": {"timing_stddev": 0.0}}, "vehicle.timing_stddev"),
+        ({"tyre_force": {"min_load": 0.0}}, "tyre_force.min_load"),
+        ({"wheels": ["front_left"]}, "'wheels' of the vehicle file"),
     ],
 )
 def test_a_bad_parameter_is_refused_by_name(values: dict[str, Any], named: str) -> None:
@@ -309,8 +354,39 @@ def test_a_bad_parameter_is_refused_by_name(values: dict[str, Any], named: str) 
         from_mapping(FrictionCurveParameters, values)
 
 
+OLD = """wheels method speed_source radii inertias masses vertical_loads brake_gains wheel_speed_variance speed_variance
+    torque_variance friction_source lambda_init initial_samples minimum_speed abs_activation_slip static_loads
+    transfer_shares rolling_resistance drag_per_speed_squared relaxation_length timing_stddev imu_axis imu_sign
+    imu_offset max_gap deadline""".split()
+"""Names before there were groups and a vehicle file."""
+
+
+@pytest.mark.parametrize("name", sorted(set(OLD) - set(declared(FrictionCurveParameters))))
+def test_an_old_name_is_refused_with_the_new_place(name: str) -> None:
+    with pytest.raises(ParameterError) as refusal:
+        from_mapping(FrictionCurveParameters, {name: 1.0})
+    before, _, place = str(refusal.value).partition(": it ")
+    assert before == f"parameter '{name}' is no more"
+    named = set(place.split("'")[1::2])
+    assert named and ("vehicle file" in place or named <= set(declared(FrictionCurveParameters)))
+
+
+@pytest.mark.parametrize(
+    ("method", "used"), [("rls", "chapter gate"), ("vehicle", "vehicle"), ("tyre_force", "tyre_force")]
+)
+def test_parameters_of_other_methods_are_ignored_and_named(method: str, used: str) -> None:
+    values = {
+        "gate.max_gap": 0.1,
+        "chapter.lambda_init": 0.07,
+        "vehicle.timing_stddev": 0.02,
+        "tyre_force.min_load": 300.0,
+    }
+    named = {line.split(":")[0] for line in ignored(from_mapping(FrictionCurveParameters, {"method": method} | values))}
+    assert named == {name for name in values if name.split(".")[0] not in used.split()}
+
+
 def test_the_shipped_parameter_file_holds_the_defaults() -> None:
-    shipped = Path(__file__).parents[1] / "config" / "friction_curve_id.yaml"
+    shipped = PACKAGE / "config" / "friction_curve_id.yaml"
     assert load(FrictionCurveParameters, shipped, "friction_curve_id") == FrictionCurveParameters()
 
 
@@ -332,9 +408,7 @@ def test_silence_is_an_error_in_the_diagnostics(clean: Brake) -> None:
 
 
 def test_a_changed_parameter_makes_processors_on_the_same_topics() -> None:
-    parameters = FrictionCurveParameters()
+    def topics(values: dict[str, Any]) -> Sequence[set[str]]:
+        return [{*each.sensors, *each.estimates, *each.outputs} for each in made_by(values)]
 
-    def topics(values: FrictionCurveParameters) -> Sequence[set[str]]:
-        return [{*each.sensors, *each.estimates, *each.outputs} for each in build(values)]
-
-    assert topics(parameters) == topics(replace(parameters, friction_source="slip_equation", lambda_init=0.07))
+    assert topics({}) == topics({"chapter.friction_source": "slip_equation", "gate.max_gap": 0.1})

@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 
 from friction_curve_id.dead_reckoning import DeadReckonedSpeed
 from friction_curve_id.friction_samples import FrictionPoint, FrictionSamples, FrictionSource, slip_equation
-from friction_curve_id.interface import Reason, Refusal, Sample, WheelParameters
+from friction_curve_id.interface import Reason, Refusal, Sample
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
+from vehicle_models.vehicle_file import load_vehicle
 
-WHEEL = WheelParameters()
+WHEEL = load_vehicle("chapter_corner").corner("front_left")
 INTERVAL = 0.005
 Brake = Callable[..., Any]
 

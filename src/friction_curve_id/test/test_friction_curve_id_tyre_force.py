@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
 from friction_curve_id.tyre_force import TyreForceFitting, TyreForceParameters, TyreForceSample
+from friction_parameters.parameter import ParameterError
+from friction_parameters.values import from_mapping
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
 
@@ -72,8 +74,14 @@ def test_a_gap_begins_a_new_fit() -> None:
 
 
 def test_limits_that_admit_nothing_are_refused() -> None:
-    with pytest.raises(ValueError, match="min_load"):
-        TyreForceParameters(min_load=0.0)
+    with pytest.raises(ParameterError, match="min_load"):
+        from_mapping(TyreForceParameters, {"min_load": 0.0})
+
+
+def test_the_fit_begins_beyond_lambda_init() -> None:
+    fitting = TyreForceFitting(TyreForceParameters(lambda_init=0.2))
+    answers = [(sample.slip, fitting.update(sample)) for sample in braking()]
+    assert min(slip for slip, answer in answers if isinstance(answer, CurveEstimate)) == pytest.approx(0.2, abs=0.01)
 
 
 @given(st.lists(st.builds(TyreForceSample, st.floats(), st.floats(), st.floats(), st.floats()), max_size=30))

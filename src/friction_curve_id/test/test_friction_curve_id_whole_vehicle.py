@@ -12,22 +12,34 @@ from numpy.typing import NDArray
 
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
 from friction_curve_id.vehicle_samples import (
-    VehicleParameters,
     VehiclePoint,
     VehicleSample,
     VehicleSamples,
-    four_wheels,
+    WholeVehicleParameters,
+    relaxation_spread,
 )
 from friction_curve_id.whole_vehicle import WholeVehicle
+from friction_parameters.parameter import ParameterError
+from friction_parameters.values import from_mapping
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
+from vehicle_models.vehicle import AIR_DENSITY, Deviation, SharedBy, Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
-CAR = four_wheels(0.34, 0.34, 0.53, 0.18)
+CAR = load_vehicle("bmw_m8")
+DEFAULT = WholeVehicleParameters()
 STEP = 0.01
 
 
+def with_relaxation(*lengths: float) -> Vehicle:
+    return replace(
+        CAR,
+        wheels=tuple(replace(w, relaxation_length=each) for w, each in zip(CAR.wheels, lengths, strict=True)),
+    )
+
+
 def stop(
-    name: str = "high_grip", seed: int = 0, noise: float = 0.02, shift: float = 0.0, car: VehicleParameters = CAR
+    name: str = "high_grip", seed: int = 0, noise: float = 0.02, shift: float = 0.0, car: Vehicle = CAR
 ) -> list[VehicleSample]:
     """A stop from 40 m/s in which every wheel cycles between rolling and far beyond the peak, at its own pace.
 
@@ -35,7 +47,8 @@ def stop(
     `shift` [s] late.
     """
     theta, generator = surface(name), np.random.default_rng(seed)
-    static, transfer = np.array(car.static_shares), np.array(car.transfer_shares)
+    static, transfer, radii = np.array(car.load_shares), np.array(car.transfer_shares), np.array(car.radii)
+    relaxation_lengths = np.array([wheel.relaxation_length for wheel in car.wheels])
     behind: NDArray[np.float64] = np.zeros(4)
     time, speed, deceleration = 0.0, 40.0, 0.0
     speeds: list[float] = []
@@ -43,13 +56,13 @@ def stop(
     while speed > 5.0:
         reach = min(time / 0.4, 1.0) * 0.12
         slips = reach * (1.0 + np.sin(2.0 * np.pi * time * np.array([3.1, 3.7, 4.3, 2.6])))
-        behind = slips + math.exp(-STEP * speed / car.relaxation_length) * (behind - slips)
+        behind = slips + np.exp(-STEP * speed / relaxation_lengths) * (behind - slips)
         # The load shares follow the deceleration they make.
         for _ in range(20):
             friction = float((static + transfer * deceleration / 9.81) @ burckhardt.friction(theta, behind))
-            drag = car.rolling_resistance * 9.81 + car.drag_per_speed_squared * speed**2
+            drag = car.rolling_resistance * 9.81 + 0.5 * AIR_DENSITY * car.drag_area * speed**2 / car.mass
             deceleration = friction * 9.81 + drag
-        rows.append((time, -deceleration, (1.0 - slips) * speed / 0.34))
+        rows.append((time, -deceleration, (1.0 - slips) * speed / radii))
         speeds.append(speed)
         time, speed = time + STEP, speed - deceleration * STEP
     times = [row[0] for row in rows]
@@ -61,8 +74,10 @@ def stop(
     ]
 
 
-def last_estimate(samples: list[VehicleSample], car: VehicleParameters = CAR) -> CurveEstimate:
-    vehicle = WholeVehicle(car)
+def last_estimate(
+    samples: list[VehicleSample], car: Vehicle = CAR, parameters: WholeVehicleParameters = DEFAULT
+) -> CurveEstimate:
+    vehicle = WholeVehicle(car, parameters)
     estimates = [answer for answer in map(vehicle.update, samples) if isinstance(answer, CurveEstimate)]
     return estimates[-1]
 
@@ -93,14 +108,15 @@ def test_a_speed_reference_off_by_ten_milliseconds_stays_within_the_interval(shi
 
 def test_doubt_about_timing_widens_the_interval() -> None:
     samples = stop(noise=0.05)[:150]
-    sure = last_estimate(samples, replace(CAR, timing_stddev=1e-4))
-    doubtful = last_estimate(samples, replace(CAR, timing_stddev=0.05))
+    sure = last_estimate(samples, parameters=WholeVehicleParameters(timing_stddev=1e-4))
+    doubtful = last_estimate(samples, parameters=WholeVehicleParameters(timing_stddev=0.05))
     assert doubtful.lambda_max_stddev > sure.lambda_max_stddev
 
 
 def test_stays_silent_without_strong_braking() -> None:
     gentle = [
-        VehicleSample(k * STEP, 30.0 - 0.02 * k, -2.5, (0.995 * (30.0 - 0.02 * k) / 0.34,) * 4) for k in range(400)
+        VehicleSample(k * STEP, 30.0 - 0.02 * k, -2.5, tuple(0.995 * (30.0 - 0.02 * k) / r for r in CAR.radii))
+        for k in range(400)
     ]
     vehicle = WholeVehicle(CAR)
     answers = [vehicle.update(sample) for sample in gentle]
@@ -109,7 +125,7 @@ def test_stays_silent_without_strong_braking() -> None:
 
 
 def test_load_shares_add_up_to_one_whatever_the_deceleration() -> None:
-    samples = VehicleSamples(CAR)
+    samples = VehicleSamples(CAR, DEFAULT)
     for sample in stop():
         point = samples.update(sample)
         if isinstance(point, VehiclePoint):
@@ -122,13 +138,13 @@ def test_nuisance_derivatives_agree_with_finite_differences(field: str) -> None:
     samples = stop(noise=0.0)[:60]
 
     def slips(length: float, shift: float) -> NDArray[np.float64]:
-        maker = VehicleSamples(replace(CAR, relaxation_length=length))
+        maker = VehicleSamples(with_relaxation(*[length] * 4), DEFAULT)
         points = [maker.update(replace(s, speed=s.speed + shift * s.acceleration)) for s in samples]
         return np.array([point.slips for point in points if isinstance(point, VehiclePoint)])
 
     # A shift moves the distance behind the relaxation too, which the derivative leaves out: rigid tyres for it.
     length = 1e-3 if field == "shift" else 0.3
-    maker = VehicleSamples(replace(CAR, relaxation_length=length))
+    maker = VehicleSamples(with_relaxation(*[length] * 4), DEFAULT)
     points = [point for point in map(maker.update, samples) if isinstance(point, VehiclePoint)]
     h = 1e-4
     if field == "shift":
@@ -180,17 +196,50 @@ def test_a_gap_and_a_reset_begin_anew_and_say_so() -> None:
 
 
 @pytest.mark.parametrize(
-    "parameters",
-    [
-        {"radii": ()},
-        {"radii": (0.3,), "static_shares": (0.5,), "transfer_shares": (0.0,)},
-        {"radii": (0.3,), "static_shares": (1.0,), "transfer_shares": (0.1,)},
-        {"radii": (-0.3,), "static_shares": (1.0,), "transfer_shares": (0.0,)},
-    ],
+    "values", [{"timing_stddev": 0.0}, {"minimum_speed": 0.0}, {"max_gap": math.nan}, {"min_deceleration": -2.0}]
 )
-def test_parameters_that_make_no_vehicle_are_refused(parameters: dict[str, Any]) -> None:
-    with pytest.raises(ValueError, match=r"radii|shares"):
-        VehicleParameters(**({"static_shares": (), "transfer_shares": ()} | parameters))
+def test_parameters_that_admit_nothing_are_refused_by_name(values: dict[str, float]) -> None:
+    with pytest.raises(ParameterError, match=next(iter(values))):
+        from_mapping(WholeVehicleParameters, values)
+
+
+def test_every_tyre_answers_over_its_own_relaxation_length() -> None:
+    car = with_relaxation(0.05, 0.3, 0.3, 1.5)
+    samples = stop(noise=0.0, car=car)
+    truth = burckhardt.peak(surface("high_grip"))
+    found = last_estimate(samples, car)
+    assert found.lambda_max == pytest.approx(float(truth[0]), rel=0.05)
+    points = [VehicleSamples(car, DEFAULT), VehicleSamples(with_relaxation(0.3, 0.3, 0.3, 0.3), DEFAULT)]
+    answers = [[maker.update(sample) for sample in samples[:40]][-1] for maker in points]
+    own, common = (answer.slips for answer in answers if isinstance(answer, VehiclePoint))
+    assert list(own == common) == [False, True, True, False]
+
+
+def test_doubt_about_the_relaxation_length_is_that_of_the_vehicle_file() -> None:
+    def doubtful(stddev: float) -> Vehicle:
+        deviations = {"relaxation_length": Deviation(stddev, SharedBy.ALL)}
+        return replace(CAR, wheels=tuple(replace(wheel, deviations=deviations) for wheel in CAR.wheels))
+
+    unstated = replace(CAR, wheels=tuple(replace(wheel, deviations={}) for wheel in CAR.wheels))
+    assert relaxation_spread(doubtful(0.06)) == pytest.approx(0.2)
+    assert relaxation_spread(unstated) == 0.5
+    samples = stop(noise=0.05)[:150]
+    stddevs = [last_estimate(samples, car).lambda_max_stddev for car in (doubtful(0.003), doubtful(0.3))]
+    assert stddevs[0] < stddevs[1]
+
+
+def test_drag_and_rolling_resistance_are_those_of_the_car() -> None:
+    def friction(**changes: float) -> float:
+        maker = VehicleSamples(replace(CAR, **changes), DEFAULT)  # type: ignore[arg-type]
+        point = maker.update(VehicleSample(0.0, 40.0, -9.81, tuple(38.0 / r for r in CAR.radii)))
+        assert isinstance(point, VehiclePoint)
+        return point.friction
+
+    free = friction(drag_area=0.0, rolling_resistance=0.0)
+    assert free == pytest.approx(1.0)
+    assert free - friction(drag_area=0.0, rolling_resistance=0.02) == pytest.approx(0.02)
+    drag = 0.5 * 1.2 * 0.8 * 40.0**2 / (CAR.mass * 9.81)
+    assert free - friction(drag_area=0.8, rolling_resistance=0.0) == pytest.approx(drag)
 
 
 ANY = st.one_of(st.floats(), st.floats(-20.0, 60.0))
