@@ -82,18 +82,8 @@ def checked(name: str, hint: Any, limits: Any, value: Any) -> Any:
     Raises:
         ParameterError: the type is wrong, or the value is outside range or choices.
     """
-    elements: tuple[Any, ...]
-    if hint in (tuple[float, ...], tuple[str, ...]):
-        if not isinstance(value, (list, tuple)) and not hasattr(value, "tolist"):
-            raise ParameterError(f"parameter '{name}' = {value!r} must be a list")
-        kind = float if hint == tuple[float, ...] else str
-        elements = tuple(_converted(name, kind, element) for element in value)
-        if not elements:
-            raise ParameterError(f"parameter '{name}' is empty")
-        result: Any = elements
-    else:
-        result = _converted(name, hint, value)
-        elements = (result,)
+    result = converted(name, hint, value)
+    elements = result if isinstance(result, tuple) else (result,)
     unit = f" {limits['unit']}" if limits["unit"] else ""
     low, high = limits["minimum"], limits["maximum"]
     for element in elements:
@@ -108,7 +98,23 @@ def checked(name: str, hint: Any, limits: Any, value: Any) -> Any:
     return result
 
 
-def _converted(name: str, kind: Any, value: Any) -> Any:
+def converted(name: str, hint: Any, value: Any) -> Any:
+    """Convert one value, as `checked` does, without a look at its range.
+
+    Raises:
+        ParameterError: the type is wrong, or a list is empty.
+    """
+    if hint not in (tuple[float, ...], tuple[str, ...]):
+        return _scalar(name, hint, value)
+    if not isinstance(value, (list, tuple)) and not hasattr(value, "tolist"):
+        raise ParameterError(f"parameter '{name}' = {value!r} must be a list")
+    kind = float if hint == tuple[float, ...] else str
+    if not (elements := tuple(_scalar(name, kind, element) for element in value)):
+        raise ParameterError(f"parameter '{name}' is empty")
+    return elements
+
+
+def _scalar(name: str, kind: Any, value: Any) -> Any:
     if hasattr(value, "item"):
         value = value.item()
     if kind is float and isinstance(value, int) and not isinstance(value, bool):

@@ -1,6 +1,7 @@
 """YAML that remembers its lines and which keys stand twice; scalars mean what the parser of ROS makes of them.
 
-So a value in a file, behind `-p` and in a vehicle file is read alike. Aliases and tags are refused, as ROS does.
+So a value in a file, behind `-p` and in a vehicle file is read alike. Only y and n stay texts: one is an axis. Aliases
+and tags are refused.
 """
 
 import re
@@ -15,8 +16,8 @@ from friction_parameters.parameter import ParameterError
 
 _DEEPEST = 20
 _WORDS = {
-    **dict.fromkeys("true True TRUE yes Yes YES on On ON y Y".split(), True),
-    **dict.fromkeys("false False FALSE no No NO off Off OFF n N".split(), False),
+    **dict.fromkeys("true True TRUE yes Yes YES on On ON".split(), True),
+    **dict.fromkeys("false False FALSE no No NO off Off OFF".split(), False),
     **dict.fromkeys(("", "~", "null", "Null", "NULL")),
     **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
     **dict.fromkeys((".inf", ".Inf", ".INF", "+.inf", "+.Inf", "+.INF"), float("inf")),

@@ -105,7 +105,7 @@ def test_integers_in_a_list_of_floats_are_taken(read: Read) -> None:
 
 
 @pytest.mark.parametrize(
-    ("word", "value"), [("true", True), ("True", True), ("yes", True), ("off", False), ("n", False)]
+    ("word", "value"), [("true", True), ("True", True), ("yes", True), ("off", False), ("NO", False)]
 )
 def test_words_for_true_and_false_are_those_of_ros(read: Read, word: str, value: bool) -> None:
     text = f"friction_slope: {{ros__parameters: {{shadow: {word}, use_sim_time: {word}}}}}"

@@ -30,7 +30,7 @@ from friction_parameters.yaml_source import read_value, yaml_text
         ('"true"', "true"),
         ("True", True),
         ("NO", False),
-        ("y", True),
+        ("y", "y"),
         ("~", None),
         ("", None),
         ("[0, 40.5]", [0, 40.5]),

@@ -7,7 +7,7 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from friction_parameters.parameter import ParameterError, checked
+from friction_parameters.parameter import ParameterError, checked, converted
 from friction_parameters.parameter_file import is_ros_own
 from friction_parameters.values import Declared, changed, declared, unknown, values_of
 
@@ -17,7 +17,8 @@ Parameters = TypeVar("Parameters")
 def declare(node: Node, cls: type[Parameters], apply: Callable[[Parameters], None]) -> Parameters:
     """Declare the parameters on a node, return their values, and keep `apply` told of each later change.
 
-    A change is refused, with the reason, when a value is bad or when `apply` raises ValueError.
+    A change is refused, with the reason, when a value is bad or when `apply` raises ValueError. An integer serves for a
+    float, at start and later.
 
     Raises:
         ParameterError: a value given at start is bad, or an unknown parameter was given.
@@ -28,7 +29,7 @@ def declare(node: Node, cls: type[Parameters], apply: Callable[[Parameters], Non
         if name in known:
             given[name] = checked(name, known[name].hint, known[name].limits, override.value)
         elif not is_ros_own(name):
-            raise ParameterError(f"node {node.get_name()}: {unknown(cls, name)}")
+            raise ParameterError(f"node {node.get_fully_qualified_name()}: {unknown(cls, name)}")
     current = changed(cls(), given)
     for name, value in values_of(current).items():
         # The value is declared, not the default: an override of the wrong kind of number has been converted.
@@ -48,8 +49,21 @@ def declare(node: Node, cls: type[Parameters], apply: Callable[[Parameters], Non
         current = candidate
         return SetParametersResult(successful=True)
 
+    def with_right_numbers(changes: list[Parameter]) -> list[Parameter]:
+        # Before ROS compares the types, which it does not convert.
+        return [_converted(known[change.name], change) if change.name in known else change for change in changes]
+
+    node.add_pre_set_parameters_callback(with_right_numbers)
     node.add_on_set_parameters_callback(on_set)
     return current
+
+
+def _converted(parameter: Declared, change: Parameter) -> Parameter:
+    try:
+        value = converted(parameter.name, parameter.hint, change.value)
+    except ParameterError:
+        return change  # refused further on
+    return Parameter(parameter.name, value=list(value) if isinstance(value, tuple) else value)
 
 
 def _descriptor(parameter: Declared) -> ParameterDescriptor:

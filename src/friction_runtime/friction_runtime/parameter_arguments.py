@@ -1,73 +1,110 @@
-"""Parameter files on the command line of a node, checked before the middleware starts.
+"""Parameters on the command line of a node, checked before the middleware starts.
 
 The middleware merges what it understands of a file and passes over the rest without a word. So each file is read here,
-by the reader of the offline runner, and the middleware is given what that found.
+by the reader of the offline runner, and the middleware is given what that found; `-p` likewise. What stands further
+right decides.
 """
 
-from collections.abc import Sequence
+import json
+import re
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-import yaml
-
-from friction_parameters.parameter import ParameterError
-from friction_parameters.parameter_file import EVERY_NODE, NodeName, file_values
+from friction_parameters.parameter import ParameterError, checked
+from friction_parameters.parameter_file import EVERY_NODE, NodeName, file_values, is_ros_own
+from friction_parameters.values import declared, unknown
+from friction_parameters.yaml_source import read_value, yaml_text
 
 _BEGIN, _END = "--ros-args", "--"
 _FILE = "--params-file"
+_PARAMETER = ("-p", "--param")
 _REMAP = ("-r", "--remap")
+_NAME = "[A-Za-z_][A-Za-z0-9_]*"
 
 
-def with_checked_files(arguments: Sequence[str], name: str, cls: type, directory: Path) -> list[str]:
-    """Put files that hold what is meant for a node, and is right, in place of the parameter files.
+def with_checked_parameters(arguments: Sequence[str], name: str, cls: type, directory: Path) -> list[str]:
+    """Put what is meant for a node, and is right, in place of the parameters and parameter files.
 
     Args:
         arguments: command line of the node.
         name: of the node, unless it is remapped.
         cls: its parameter dataclass.
-        directory: for the new files.
+        directory: for new files.
 
     Returns:
-        The command line with the new files.
+        The command line to give to the middleware.
 
     Raises:
-        ParameterError: a file cannot be read, or file_values refuses it.
+        ParameterError: a file cannot be read or file_values refuses it, a parameter is unknown or has a bad value.
     """
-    node = _node_name(arguments, name)
+    node = node_name(arguments, name)
     result: list[str] = []
-    inside, places = False, iter(range(len(arguments)))
-    for place in places:
-        word = arguments[place]
-        inside = word == _BEGIN or (inside and word != _END)
-        if not (inside and word == _FILE and place + 1 < len(arguments)):
-            result.append(word)
-            continue
-        path = arguments[next(places)]
-        try:
-            values = file_values(cls, path, node)
-        except OSError as error:
-            raise ParameterError(f"parameter file {path}: {error.strerror}") from error
-        if values:
-            result += [_FILE, str(_write(directory / f"{place}.yaml", values))]
+    for place, (flag, value) in enumerate(_flags_and_values(arguments)):
+        if flag == _FILE and value is not None:
+            result += [_FILE, str(_checked_file(cls, value, node, directory / f"{place}.yaml"))]
+        elif flag in _PARAMETER and value is not None:
+            result += _checked_parameter(cls, value, node)
+        else:
+            result += [flag] if value is None else [flag, value]
     return result
 
 
-def _node_name(arguments: Sequence[str], name: str) -> NodeName:
-    """Name of the node after remapping."""
-    namespace, inside = "/", False
-    for word, following in zip(arguments, [*arguments[1:], ""], strict=True):
+def node_name(arguments: Sequence[str], name: str) -> NodeName:
+    """Name and namespace of a node after the remapping of a command line; of several rules the first counts.
+
+    Raises:
+        ParameterError: they are no names.
+    """
+    rules: dict[str, str] = {}
+    for flag, rule in _flags_and_values(arguments):
+        if flag in _REMAP and rule is not None:
+            left, _, value = rule.partition(":=")
+            of_node, _, what = left.rpartition(":")
+            if of_node in ("", name):
+                rules.setdefault("__node" if what == "__name" else what, value)
+    found = NodeName(rules.get("__node", name), rules.get("__ns", "/"), remapped="__node" in rules)
+    if not re.fullmatch(_NAME, found.name):
+        raise ParameterError(f"'{found.name}' is no name of a node: letters, digits and _ only")
+    if not re.fullmatch(f"/|(/{_NAME})+", found.namespace):
+        raise ParameterError(f"'{found.namespace}' is no namespace: it must be like /my_car")
+    return found
+
+
+def _flags_and_values(arguments: Sequence[str]) -> Iterator[tuple[str, str | None]]:
+    """Words of a command line, those that matter here with the word that follows."""
+    inside, words = False, iter(arguments)
+    for word in words:
         inside = word == _BEGIN or (inside and word != _END)
-        if inside and word in _REMAP:
-            rule, _, value = following.partition(":=")
-            rule = rule.rpartition(":")[2]
-            if rule == "__ns":
-                namespace = value
-            elif rule in ("__node", "__name"):
-                name = value
-    return NodeName(name, namespace)
+        yield word, next(words, None) if inside and word in (_FILE, *_PARAMETER, *_REMAP) else None
 
 
-def _write(path: Path, values: dict[str, Any]) -> Path:
-    plain = {key: list(value) if isinstance(value, tuple) else value for key, value in values.items()}
-    path.write_text(yaml.safe_dump({EVERY_NODE: {"ros__parameters": plain}}), encoding="utf-8")
-    return path
+def _checked_file(cls: type, path: str, node: NodeName, copy: Path) -> Path:
+    try:
+        values = file_values(cls, path, node)
+    except OSError as error:
+        raise ParameterError(f"parameter file {path}: {error.strerror}") from error
+    lines = [f"{json.dumps(EVERY_NODE)}:", "  ros__parameters:" + ("" if values else " {}")]
+    lines += [f"    {json.dumps(name)}: {yaml_text(value)}" for name, value in values.items()]
+    copy.write_text("\n".join(lines), encoding="utf-8")
+    return copy
+
+
+def _checked_parameter(cls: type, rule: str, node: NodeName) -> list[str]:
+    """Flag and rule of one parameter; nothing if it is for another node."""
+    left, assigned, text = rule.partition(":=")
+    of_node, _, name = left.rpartition(":")
+    if of_node not in ("", node.name):
+        return []
+    if not assigned or not name:
+        raise ParameterError(f"-p {rule}: it must be name:=value")
+    if is_ros_own(name):
+        return ["-p", rule]
+    known = declared(cls)
+    if name not in known:
+        raise ParameterError(f"node {node.full}: {unknown(cls, name)}")
+    try:
+        value: Any = read_value(text)
+    except ParameterError as error:
+        raise ParameterError(f"-p {rule}: {error}") from error
+    return ["-p", f"{name}:={yaml_text(checked(name, known[name].hint, known[name].limits, value))}"]

@@ -83,14 +83,15 @@ class ProcessorNode(Node, Generic[Parameters]):
         self.create_timer(_DIAGNOSTICS_PERIOD, self._on_diagnostics, clock=steady)
 
     def _apply(self, parameters: Parameters) -> None:
-        """Take parameters: new processors on their topics."""
-        self._processors = list(self._build(parameters, self._vehicle, self._report))
+        """Take parameters: new processors on their topics. Where they cannot be made, all stays as it is."""
+        processors = list(self._build(parameters, self._vehicle, self._report))
         for text in ignored(parameters):
             if text not in self._ignored:
                 self._ignored.add(text)
                 self._report("warning", text)
+        self._processors = processors
         self._readers = {}
-        for processor in self._processors:
+        for processor in processors:
             for topic, kind in processor.outputs.items():
                 if topic not in self._publishers_by_topic:
                     self._publishers_by_topic[topic] = qos.publish(self, kind, topic)

@@ -9,23 +9,34 @@ from tempfile import TemporaryDirectory
 from threading import Event
 
 import rclpy
+from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.experimental.events_executor import EventsExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
+from rclpy.qos_overriding_options import InvalidQosOverridesError
 from rclpy.signals import SignalHandlerOptions
 
 from friction_parameters.parameter import ParameterError
-from friction_runtime.parameter_arguments import with_checked_files
+from friction_runtime.parameter_arguments import with_checked_parameters
 
 _WAKE_PERIOD = 0.2
 """[s] EventsExecutor.spin() does not return on a signal; waking up now and then does."""
 _TAKE_DOWN_LIMIT = 0.8
 """[s]"""
 _STDERR = 2
+_REFUSALS = (
+    rclpy_implementation.RCLError,
+    rclpy_implementation.UnknownROSArgsError,
+    NameValidationException,
+    ParameterException,
+    InvalidQosOverridesError,
+)
+"""What the middleware raises for a command line or a parameter of ROS that it does not take."""
 
 
 def run(name: str, parameter_class: type, make_node: Callable[[], Node], args: Sequence[str] | None = None) -> int:
-    """Check the parameter files, make the node and spin it until a signal, or until it calls rclpy.try_shutdown().
+    """Check the parameters, make the node and spin it until a signal, or until it calls rclpy.try_shutdown().
 
     Args:
         name: of the node, unless it is remapped.
@@ -34,17 +45,17 @@ def run(name: str, parameter_class: type, make_node: Callable[[], Node], args: S
         args: command line, that of the process if None.
 
     Returns:
-        Exit code: 0, or 2 when a parameter or a file is bad (which is printed).
+        Exit code: 0, or 2 when an argument, a parameter or a file is bad (which is printed in one line).
     """
     stop = stop_on_signals()
     executor: EventsExecutor | None = None
     node: Node | None = None
     try:
         with TemporaryDirectory() as directory:
-            arguments = with_checked_files(sys.argv if args is None else args, name, parameter_class, Path(directory))
-            rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+            given = sys.argv if args is None else args
+            _init(with_checked_parameters(given, name, parameter_class, Path(directory)))
         executor = EventsExecutor()
-        node = make_node()
+        node = _made(make_node)
         executor.add_node(node)
         while rclpy.ok() and not stop.is_set():
             executor.spin_once(timeout_sec=_WAKE_PERIOD)
@@ -56,6 +67,20 @@ def run(name: str, parameter_class: type, make_node: Callable[[], Node], args: S
     finally:
         take_down(node, executor)
     return 0
+
+
+def _init(arguments: Sequence[str]) -> None:
+    try:
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    except _REFUSALS as error:
+        raise ParameterError(str(error)) from error
+
+
+def _made(make_node: Callable[[], Node]) -> Node:
+    try:
+        return make_node()
+    except _REFUSALS as error:
+        raise ParameterError(str(error)) from error
 
 
 def take_down(node: Node | None, executor: Executor | None = None) -> None:

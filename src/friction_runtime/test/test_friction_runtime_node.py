@@ -5,12 +5,16 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 from friction_msgs.msg import BrakeDemand, WheelSlip
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue, SetParametersResult
-from rcl_interfaces.srv import DescribeParameters, SetParameters
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
+from rclpy.parameter import Parameter, parameter_value_to_python
 from std_srvs.srv import Trigger
 
 from dds_client import DdsClient, dds_client, stop
@@ -30,37 +34,70 @@ def echo(client: DdsClient) -> subprocess.Popen[str]:
     return client.start(SCRIPT)
 
 
-def set_gain(client: DdsClient, value: float) -> SetParametersResult:
-    wanted = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value)
-    request = SetParameters.Request(parameters=[Parameter(name="gain", value=wanted)])
-    return client.call(SetParameters, "/echo/set_parameters", request).results[0]
+class Link:
+    """The test's side of one input and one output of the echo."""
+
+    def __init__(self, client: DdsClient, prefix: str = "") -> None:
+        self._client = client
+        self._publisher = qos.publish(client.node, BrakeDemand, f"{prefix}brake_demand")
+        self.received: list[WheelSlip] = []
+        qos.subscribe(client.node, WheelSlip, f"front_left/{prefix}slip", self.received.append, qos.ESTIMATE)
+        client.until(
+            lambda: (
+                self._publisher.get_subscription_count() == 1
+                and client.node.count_publishers(f"front_left/{prefix}slip") == 1
+            )
+        )
+
+    def send(self) -> None:
+        """Send a demand of 3 Pa."""
+        self._publisher.publish(BrakeDemand(pressure=3.0))
+
+    def until_answer(self, expected: float) -> None:
+        """Send demands until the answer is as expected."""
+
+        def answered() -> bool:
+            self.send()
+            self._client.executor.spin_once(timeout_sec=0.05)
+            return bool(self.received) and self.received[-1].slip == expected
+
+        self._client.until(answered)
+
+
+def set_parameter(client: DdsClient, name: str, value: Any) -> SetParametersResult:
+    message: ParameterMessage = Parameter(name, value=value).to_parameter_msg()
+    return client.call(SetParameters, "/echo/set_parameters", SetParameters.Request(parameters=[message])).results[0]
+
+
+def get_parameters(client: DdsClient, *names: str, node: str = "/echo") -> list[Any]:
+    values = client.call(GetParameters, f"{node}/get_parameters", GetParameters.Request(names=names)).values
+    return [parameter_value_to_python(value) for value in values]
+
+
+def dump(client: DdsClient, node: str) -> str:
+    """Parameters of a node as `ros2 param dump` writes them."""
+    names = sorted(client.call(ListParameters, f"{node}/list_parameters", ListParameters.Request()).result.names)
+    tree: dict[str, Any] = {}
+    for name, value in zip(names, get_parameters(client, *names, node=node), strict=True):
+        *outer, own = name.split(".")
+        branch = tree
+        for part in outer:
+            branch = branch.setdefault(part, {})
+        branch[own] = value if isinstance(value, (bool, int, float, str)) else list(value)
+    return yaml.dump({node: {"ros__parameters": tree}}, default_flow_style=False)
 
 
 def test_node_moves_messages_takes_parameters_resets_and_reports(
     echo: subprocess.Popen[str], client: DdsClient
 ) -> None:
-    received: list[WheelSlip] = []
     health: list[DiagnosticArray] = []
-    publisher = qos.publish(client.node, BrakeDemand, "brake_demand")
-    qos.subscribe(client.node, WheelSlip, "front_left/slip", received.append, qos.ESTIMATE)
     client.node.create_subscription(DiagnosticArray, "/diagnostics", health.append, 10)
-    client.until(
-        lambda: publisher.get_subscription_count() == 1 and client.node.count_publishers("front_left/slip") == 1
-    )
-
-    def doubled(expected: float) -> bool:
-        publisher.publish(BrakeDemand(pressure=3.0))
-        client.executor.spin_once(timeout_sec=0.05)
-        return bool(received) and received[-1].slip == expected
-
-    client.until(lambda: doubled(6.0))
-    assert set_gain(client, 4.0).successful
-    client.until(lambda: doubled(12.0))
-
-    refused = set_gain(client, 11.0)
-    assert not refused.successful
-    assert "gain" in refused.reason
-    client.until(lambda: doubled(12.0))
+    link = Link(client)
+    link.until_answer(6.0)
+    assert set_parameter(client, "gain", 4.0).successful
+    link.until_answer(12.0)
+    assert set_parameter(client, "filter.offset", 1.0).successful
+    link.until_answer(13.0)
 
     described = client.call(DescribeParameters, "/echo/describe_parameters", DescribeParameters.Request(names=["gain"]))
     assert described.descriptors[0].description == "factor"
@@ -69,6 +106,111 @@ def test_node_moves_messages_takes_parameters_resets_and_reports(
     client.until(lambda: bool(health))
     names = {status.name for array in health for status in array.status}
     assert names == {"/echo: echo", "/echo: inputs"}
+
+
+def test_an_integer_is_taken_for_a_float_of_a_running_node(echo: subprocess.Popen[str], client: DdsClient) -> None:
+    link = Link(client)
+    assert set_parameter(client, "gain", 4).successful
+    assert set_parameter(client, "filter.weights", [0, 1]).successful
+    link.until_answer(12.0)
+    gain, weights = get_parameters(client, "gain", "filter.weights")
+    assert (gain, type(gain), list(weights)) == (4.0, float, [0.0, 1.0])
+
+
+@pytest.mark.parametrize("value", [11.0, 11, "much", True])
+def test_a_bad_change_is_refused_and_changes_nothing(
+    value: Any, echo: subprocess.Popen[str], client: DdsClient
+) -> None:
+    link = Link(client)
+    refused = set_parameter(client, "gain", value)
+    assert not refused.successful
+    assert "gain" in refused.reason or "type" in refused.reason
+    link.until_answer(6.0)
+    assert get_parameters(client, "gain") == [2.0]
+
+
+def test_what_can_be_set_at_start_only_is_refused_later(echo: subprocess.Popen[str], client: DdsClient) -> None:
+    assert not set_parameter(client, "vehicle_file", "compact_car").successful
+    assert get_parameters(client, "vehicle_file") == ["chapter_corner"]
+
+
+def test_a_change_of_method_adds_topics_and_a_refused_one_leaves_all_as_it_is(
+    echo: subprocess.Popen[str], client: DdsClient
+) -> None:
+    health: list[DiagnosticArray] = []
+    client.node.create_subscription(DiagnosticArray, "/diagnostics", health.append, 10)
+
+    def counts() -> list[int]:
+        values = [each.values for array in health for each in array.status if each.name == "/echo: echo"]
+        return [int(value.value) for each in values for value in each if value.key == "count"]
+
+    link = Link(client)
+    assert set_parameter(client, "method", "mirror").successful
+    mirrored = Link(client, "mirrored_")
+    mirrored.until_answer(-6.0)
+    link.until_answer(6.0)
+
+    received = len(link.received) + len(mirrored.received)
+    refused = set_parameter(client, "gain", 9.5)
+    assert not refused.successful
+    assert refused.reason == "parameter 'gain' is too much for a mirror"
+    health.clear()
+    client.until(lambda: bool(counts()))
+    assert counts()[-1] >= received, "the processor was built anew"
+    mirrored.until_answer(-6.0)
+    assert set_parameter(client, "gain", 5.0).successful
+    mirrored.until_answer(-15.0)
+
+    assert set_parameter(client, "method", "plain").successful
+    link.until_answer(15.0)
+    received = len(mirrored.received)
+    mirrored.send()
+    assert set_parameter(client, "gain", 6.0).successful
+    link.until_answer(18.0)
+    assert len(mirrored.received) == received
+    assert set_parameter(client, "method", "mirror").successful
+    mirrored.until_answer(-18.0)
+
+
+def test_what_is_set_for_another_method_is_said_once(client: DdsClient) -> None:
+    process = client.start(SCRIPT, "--ros-args", "-p", "mirror.factor:=3")
+    Link(client).until_answer(6.0)
+    assert set_parameter(client, "gain", 4.0).successful
+    output, _ = stop(process)
+    assert output.count("mirror.factor: ignored, as 'method' is 'plain', not mirror") == 1
+
+
+@pytest.mark.parametrize("namespace", ["", "/my_car"])
+def test_a_dump_given_back_starts_the_node_with_the_same_parameters(
+    namespace: str, client: DdsClient, tmp_path: Path
+) -> None:
+    node = f"{namespace}/echo"
+    place = ["-r", f"__ns:={namespace}"] if namespace else []
+    values = ["-p", "filter.offset:=1", "-p", "filter.weights:=[0, 40.5]", "-p", "use_sim_time:=True"]
+    first = client.start(SCRIPT, "--ros-args", *place, *values)
+    text = dump(client, node)
+    stop(first)
+    for name in ("use_sim_time: true", "start_type_description_service: true", "qos_overrides:", "  filter:\n"):
+        assert name in text
+    file = tmp_path / "dump.yaml"
+    file.write_text(text)
+    client.until(lambda: client.node.count_publishers(f"{namespace}/front_left/slip") == 0)
+    again = client.start(SCRIPT, "--ros-args", *place, "--params-file", str(file))
+    assert dump(client, node) == text
+    output, _ = stop(again)
+    assert again.returncode == 0, output
+
+
+def test_of_files_and_arguments_the_last_decides(client: DdsClient, tmp_path: Path) -> None:
+    for name, gain in (("first", 3), ("second", 5)):
+        (tmp_path / f"{name}.yaml").write_text(
+            f"/**/echo: {{ros__parameters: {{gain: {gain}, filter: {{offset: {gain}}}, use_sim_time: no}}}}\n"
+            f"/**/other: {{ros__parameters: {{gain: nonsense}}}}\n"
+            f"/**: {{ros__parameters: {{of_others: 1}}}}\n"
+        )
+    files = [word for name in ("first", "second") for word in ("--params-file", str(tmp_path / f"{name}.yaml"))]
+    client.start(SCRIPT, "--ros-args", *files, "-p", "echo:gain:=7", "-p", "other:gain:=nonsense", "--", "-p", "user")
+    Link(client).until_answer(26.0)
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
@@ -80,16 +222,88 @@ def test_node_exits_cleanly_on_a_signal(how: signal.Signals, echo: subprocess.Po
     assert "Traceback" not in output
 
 
+def ends_with(client: DdsClient, *arguments: str) -> str:
+    """Start the node with what must end it; what it says, in one line."""
+    process = client.start(SCRIPT, "--ros-args", *arguments)
+    output, _ = process.communicate(timeout=30)
+    assert process.returncode == 2, output
+    lines = [line for line in output.splitlines() if "] [rcl]: " not in line]
+    assert len(lines) == 1, output
+    assert lines[0].startswith("error: ")
+    return lines[0].removeprefix("error: ")
+
+
 @pytest.mark.parametrize(
     ("argument", "text"),
-    [("gain:=11.0", "gain"), ("gain:=nonsense", "gain"), ("gian:=1.0", "unknown parameter 'gian' for node echo")],
+    [
+        ("gain:=11.0", "parameter 'gain' = 11.0 is outside [0.0, 10.0]"),
+        ("gain:=nonsense", "parameter 'gain' = 'nonsense' must be of type float"),
+        ("gian:=1.0", "node /echo: unknown parameter 'gian': known are vehicle_file, gain, "),
+        ("wheels:=[front_left]", "node /echo: parameter 'wheels' is no more: it is 'wheels' of the vehicle file"),
+        ("offset:=1.0", "node /echo: parameter 'offset' is no more: it is 'filter.offset'"),
+        ("filter.weights:=[1, two]", "parameter 'filter.weights' = 'two' must be of type float"),
+        ("filter.weights:=[1", "-p filter.weights:=[1: line 1: no YAML: "),
+        ("filter.weights:=[]", "parameter 'filter.weights' is empty"),
+        ("gain", "-p gain: it must be name:=value"),
+        ("gain:=", "parameter 'gain' = None must be of type float"),
+        ("use_sim_time:=maybe", "Trying to set parameter 'use_sim_time' to 'maybe' of type 'STRING'"),
+        ("vehicle_file:=", "parameter 'vehicle_file' = None must be of type str"),
+        ("vehicle_file:=''", "no vehicle file is given ('vehicle_file'): give a path, or one of those shipped: "),
+        ("vehicle_file:=/no/car.yaml", "there is no vehicle file '/no/car.yaml': "),
+    ],
 )
-def test_bad_parameter_at_start_ends_the_process_and_is_named(argument: str, text: str, client: DdsClient) -> None:
-    process = client.start(SCRIPT, "--ros-args", "-p", argument)
-    output, _ = process.communicate(timeout=30)
-    assert process.returncode == 2
-    assert text in output
-    assert "Traceback" not in output
+def test_a_bad_parameter_at_start_ends_the_process_and_is_named(argument: str, text: str, client: DdsClient) -> None:
+    assert ends_with(client, "-p", argument).startswith(text)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (("--no-such-argument",), "no-such-argument"),
+        (("--params-file",), "--params-file"),
+        (("-r", "__node:=a-b"), "'a-b' is no name of a node"),
+        (("-r", "__ns:=/my_car/"), "'/my_car/' is no namespace"),
+        (("-r", "__ns:=my_car"), "'my_car' is no namespace"),
+        (("-r", "nonsense"), "nonsense"),
+    ],
+)
+def test_arguments_that_ros_refuses_end_the_process_in_one_line(
+    arguments: tuple[str, ...], text: str, client: DdsClient
+) -> None:
+    assert text in ends_with(client, *arguments)
+
+
+@pytest.mark.parametrize(
+    ("content", "text"),
+    [
+        ("echo: {ros__parameters: {gain: 11}}", "line 1: parameter 'gain' = 11.0 is outside [0.0, 10.0]"),
+        ("echo: {ros__parameters: {gain: 1}}\necho: {ros__parameters: {}}", "line 2: 'echo' stands here again"),
+        ("/**/ecko: {ros__parameters: {}}\n/**/echos: {ros__parameters: {}}", "line 2: section '/**/echos'"),
+        ("/**: {ros__parameters: {use_sim_time: 3}}", "line 1: parameter 'use_sim_time' = 3 has the wrong type"),
+        ("echo: [", "line 1: no YAML"),
+    ],
+)
+def test_a_bad_file_ends_the_process_and_its_line_is_named(
+    content: str, text: str, client: DdsClient, tmp_path: Path
+) -> None:
+    file = tmp_path / "p.yaml"
+    file.write_text(content)
+    assert ends_with(client, "--params-file", str(file)).startswith(f"{file}: {text}")
+
+
+def test_a_section_for_the_root_is_refused_in_a_namespace(client: DdsClient, tmp_path: Path) -> None:
+    file = tmp_path / "p.yaml"
+    file.write_text("echo: {ros__parameters: {gain: 1}}")
+    text = ends_with(client, "-r", "__ns:=/my_car", "--params-file", str(file))
+    assert text == (
+        f"{file}: line 1: section '/echo' is not for the node /my_car/echo: name it '/**/echo' or '/my_car/echo'"
+    )
+
+
+def test_a_missing_file_ends_the_process(client: DdsClient, tmp_path: Path) -> None:
+    missing = tmp_path / "missing.yaml"
+    text = ends_with(client, "--params-file", str(missing))
+    assert text == f"parameter file {missing}: No such file or directory"
 
 
 TAKE_DOWN = """
