@@ -1,7 +1,7 @@
 """YAML that remembers its lines and which keys stand twice; scalars mean what the parser of ROS makes of them.
 
 So a value in a file, behind `-p` and in a vehicle file is read alike. Only y and n stay texts: one is an axis. Aliases
-and tags are refused.
+and tags of other kinds are refused.
 """
 
 import re
@@ -25,7 +25,8 @@ _WORDS = {
 }
 _INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]{0,17})")
 _FLOAT = re.compile(r"[-+]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]+)?")
-_TAGS = {yaml.ScalarNode: "str", yaml.SequenceNode: "seq", yaml.MappingNode: "map"}
+_TAGS = {yaml.ScalarNode: ("str",), yaml.SequenceNode: ("seq", "python/tuple"), yaml.MappingNode: ("map",)}
+"""Of each kind of node; launch_ros writes a list as a tuple of Python."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +147,7 @@ def _mapping(node: yaml.MappingNode, depth: int) -> dict[str, Entry]:
 
 def _value(node: yaml.Node, depth: int) -> Any:
     line = node.start_mark.line + 1
-    if node.tag != f"tag:yaml.org,2002:{_TAGS[type(node)]}":
+    if node.tag.removeprefix("tag:yaml.org,2002:") not in _TAGS[type(node)]:
         raise ParameterError(f"line {line}: the tag '{node.tag}' is not taken")
     if depth > _DEEPEST:
         raise ParameterError(f"line {line}: nested too deep")

@@ -283,6 +283,13 @@ def test_a_section_without_ros_parameters_is_refused(read: Read, text: str) -> N
     assert "ros__parameters' " in refused(read, text)
 
 
+def test_a_list_is_read_as_launch_ros_writes_it(tmp_path: Path) -> None:
+    path = tmp_path / "launch_params_x"
+    path.write_text(yaml.dump({"/**": {"ros__parameters": {"distances": (0.0, 40.0)}}}))
+    assert "!!python/tuple" in path.read_text()
+    assert file_values(SlopeParameters, path, NODE) == {"distances": (0.0, 40.0)}
+
+
 def test_parameters_below_no_name_are_refused(read: Read) -> None:
     assert refused(read, "ros__parameters: {method: slip}").startswith("line 1: 'ros__parameters' stands below no name")
 
