@@ -1,7 +1,8 @@
 """Closed loop from 30 to 5 m/s: plant, shipped friction_slope (no_slip) and abs_supervisor, chapter noise.
 
-The driver's demand is a step to 1.5 times the peak torque. Utilisation is the mean of mu / mu_max from the brake onset
-to 5 m/s; the ideal stop holds mu_max all the way. A lock is a slip above 0.95 for 50 ms.
+The plant is one corner of a car: the chapter's, or the first wheel of --vehicle. The driver's demand is a step to 1.5
+times the peak torque. Utilisation is the mean of mu / mu_max from the brake onset to 5 m/s; the ideal stop holds mu_max
+all the way. A lock is a slip above 0.95 for 50 ms.
 
 `slip_at_crossing` is off: it does not enter the indicator, and without it the loop needs no wheel_slip.
 """
@@ -15,22 +16,26 @@ from friction_msgs.msg import BrakeCommand
 from numpy.typing import NDArray
 from rich.progress import Progress
 
+from abs_supervisor.parameters import SHIPPED as SHIPPED_SUPERVISOR
 from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.processor import WheelProcessor as SupervisorProcessor
 from corner_sim import messages
 from corner_sim.sensors import Measurement
 from friction_evaluation.parts import Row
-from friction_evaluation.slope_runs import BRAKE_GAIN, CORNER, DT, SPEED, STEP, WHEEL
-from friction_runtime.parameters import load, shipped_file
+from friction_evaluation.protocol_corner import CAR, VEHICLE
+from friction_evaluation.slope_runs import DT, SPEED, STEP
+from friction_parameters.values import changed
 from friction_runtime.stamps import from_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES
-from friction_slope.parameters import FrictionSlopeParameters
+from friction_slope.parameters import SHIPPED, FrictionSlopeParameters
 from friction_slope.processor import WheelProcessor as SlopeProcessor
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import BrakeActuator
 from vehicle_models.sensor_noise import CHAPTER_NOISE, SensorNoise
 from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]
 
@@ -49,22 +54,26 @@ _FIRST_SEED = 20_000
 """Far from the seeds of the tuning."""
 _LONGEST = 12_000
 """Samples after which a run is given up: one minute."""
-_PRESSURE = f"{WHEEL}/brake_pressure"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
     parser.add_argument("--seeds", type=int, default=100, help="noise seeds a surface")
+    parser.add_argument(
+        "--vehicle", default=VEHICLE, help="vehicle file or name of a shipped one: its first wheel brakes"
+    )
 
 
 def run(options: argparse.Namespace) -> list[Row]:
     """Make all runs; return a row per surface."""
     rows: list[Row] = []
+    vehicle = load_vehicle(options.vehicle)
     with Progress() as progress:
         task = progress.add_task("closed loop", total=len(TABLE_8_1) * options.seeds)
         for name in TABLE_8_1:
             seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
-            rows.append(_row(name, stops(name, seeds, CHAPTER_NOISE, shipped(), lambda n: progress.advance(task, n))))
+            found = stops(name, seeds, CHAPTER_NOISE, shipped(), lambda n: progress.advance(task, n), vehicle)
+            rows.append(_row(name, found, vehicle))
     return rows
 
 
@@ -90,18 +99,21 @@ class Stops:
 class Controller:
     """The shipped processors of one run, from its sensors to the command."""
 
-    def __init__(self, slope: FrictionSlopeParameters, supervisor: SupervisorParameters) -> None:
-        """Build both."""
-        self._slope = SlopeProcessor(WHEEL, slope)
-        self.supervisor = SupervisorProcessor(WHEEL, supervisor)
+    def __init__(self, vehicle: Vehicle, slope: FrictionSlopeParameters, supervisor: SupervisorParameters) -> None:
+        """Build both for the first wheel of a car."""
+        self._wheel, self._joint = vehicle.wheels[0].name, vehicle.wheels[0].joint
+        self._slope = SlopeProcessor(self._wheel, vehicle, slope)
+        self.supervisor = SupervisorProcessor(self._wheel, vehicle, supervisor)
 
     def command(self, stamp: int, wheel_speed: float, pressure: float, demand: float) -> int:
         """Pass one sample through; return the command for it."""
         time = from_nanoseconds(stamp)
         measured = Measurement(np.array([wheel_speed]), np.array([pressure]), 0.0, 0.0)
         self.supervisor.process("brake_demand", messages.brake_demand(stamp, demand))
-        self._slope.process(_PRESSURE, messages.brake_pressure(time, WHEEL, pressure, 0.0))
-        for topic, estimate in self._slope.process(WHEEL_STATES, messages.wheel_states(time, [WHEEL], measured)):
+        braked = messages.brake_pressure(time, self._wheel, pressure, 0.0)
+        self._slope.process(f"{self._wheel}/brake_pressure", braked)
+        turning = messages.wheel_states(time, [self._joint], measured)
+        for topic, estimate in self._slope.process(WHEEL_STATES, turning):
             for _, answer in self.supervisor.process(topic, estimate):
                 if isinstance(answer, BrakeCommand):
                     return int(answer.command)
@@ -112,10 +124,9 @@ Parameters = tuple[FrictionSlopeParameters, SupervisorParameters]
 
 
 def shipped() -> Parameters:
-    """Load the shipped parameter files of the supervisor's loop."""
-    slope = load(FrictionSlopeParameters, shipped_file("friction_slope"), "friction_slope")
-    supervisor = load(SupervisorParameters, shipped_file("abs_supervisor"), "abs_supervisor")
-    return replace(slope, slip_at_crossing=False), supervisor
+    """Return the shipped parameters of the supervisor's loop, in which it commands."""
+    slope = changed(SHIPPED["friction_slope"].parameters, {"no_slip.slip_at_crossing": False})
+    return slope, replace(SHIPPED_SUPERVISOR["abs_supervisor"].parameters, shadow=False)
 
 
 def stops(
@@ -124,6 +135,7 @@ def stops(
     noise: SensorNoise,
     parameters: Parameters,
     done: Callable[[int], None] = lambda count: None,
+    vehicle: Vehicle = CAR,
 ) -> Stops:
     """Brake once for each seed, side by side: the plant is one array, each run has its own processors.
 
@@ -133,13 +145,15 @@ def stops(
         noise: variances of the sensor noise.
         parameters: of friction_slope and abs_supervisor.
         done: told how many runs have just ended.
+        vehicle: its first wheel brakes, with the mass that rests on it.
     """
     count = len(seeds)
     theta = surface(name)
     mu_max = float(burckhardt.peak(theta)[1])
-    demand = DEMAND_RATIO * float(CORNER.peak_torque(theta))
-    corner, actuator = SingleCorner(CORNER, np.full(count, SPEED)), BrakeActuator(count, DT)
-    controllers = [Controller(*parameters) for _ in seeds]
+    braked, gain = vehicle.corner(vehicle.wheel_names[0]), vehicle.wheels[0].brake_gain
+    demand = DEMAND_RATIO * float(braked.peak_torque(theta))
+    corner, actuator = SingleCorner(braked, np.full(count, SPEED)), BrakeActuator(count, DT)
+    controllers = [Controller(vehicle, *parameters) for _ in seeds]
     generators = [np.random.default_rng(seed) for seed in seeds]
     torque: Array = np.zeros(count)
     lock: Array = np.zeros(count)
@@ -155,8 +169,8 @@ def stops(
         for i in np.flatnonzero(running).tolist():
             draw = generators[i].standard_normal(2)
             speed = corner.wheel_speed[i] + np.sqrt(noise.wheel_speed_variance) * draw[0]
-            pressure = (torque[i] + np.sqrt(noise.torque_variance) * draw[1]) / BRAKE_GAIN
-            commands[i] = controllers[i].command((k + 1) * STEP, float(speed), float(pressure), asked / BRAKE_GAIN)
+            pressure = (torque[i] + np.sqrt(noise.torque_variance) * draw[1]) / gain
+            commands[i] = controllers[i].command((k + 1) * STEP, float(speed), float(pressure), asked / gain)
         after = actuator.step(asked, commands).copy()
         corner.step(torque, after, theta, DT)
         torque = after
@@ -184,9 +198,10 @@ def stops(
     return result
 
 
-def _row(name: str, found: Stops) -> Row:
+def _row(name: str, found: Stops, vehicle: Vehicle) -> Row:
+    gravity = vehicle.corner(vehicle.wheel_names[0]).gravity
     mu_max = float(burckhardt.peak(surface(name))[1])
-    ideal = (SPEED**2 - END_SPEED**2) / (2.0 * mu_max * CORNER.gravity)
+    ideal = (SPEED**2 - END_SPEED**2) / (2.0 * mu_max * gravity)
     return {
         "surface": name,
         "method": "no_slip",

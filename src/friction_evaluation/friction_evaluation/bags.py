@@ -32,9 +32,10 @@ from friction_bags.offline_plan import ProcessOptions
 from friction_bags.offline_run import process_bag
 from friction_evaluation.bag_libraries import library_seconds
 from friction_evaluation.parts import Row
-from friction_runtime.parameters import from_mapping
+from friction_parameters.values import from_mapping
+from vehicle_models.vehicle_file import load_vehicle
 
-_WHEELS = ["front_left", "front_right", "rear_left", "rear_right"]
+_VEHICLE = "chapter_car"
 _START = 10**12
 _CYCLE_NS = 20 * 10**9
 _SURFACES = ("dry", "wet", "snow")
@@ -83,10 +84,10 @@ def run(options: argparse.Namespace) -> list[Row]:
 
 def _minute() -> Iterator[tuple[Topic, int, bytes]]:
     """A minute of four wheels at 200 Hz: every 20 s a braking of 3 s, on dry, wet and snow."""
+    vehicle = load_vehicle(_VEHICLE)
     for cycle, surface in enumerate(_SURFACES):
         start = _START + cycle * _CYCLE_NS
         given = {
-            "wheels": _WHEELS,
             "surfaces": [surface],
             "demand_level": 0.8,
             "demand_start": 1.0,
@@ -97,7 +98,7 @@ def _minute() -> Iterator[tuple[Topic, int, bytes]]:
             "acceleration_variance": 0.01,
             "seed": cycle,
         }
-        simulation = Simulation(from_mapping(SimParameters, given), start)
+        simulation = Simulation(from_mapping(SimParameters, given), vehicle, start)
         while simulation.end is None:
             for topic, message in simulation.messages():
                 if not topic.startswith("truth/"):
@@ -131,7 +132,8 @@ def _bag_times(minute: list[tuple[Topic, int, bytes]], directory: Path) -> tuple
     """CPU seconds to encode and write a processed minute, and those of the libraries for all that is done to it."""
     bag, processed = directory / "minute", directory / "minute_processed"
     _write(bag, minute, 1)
-    process_bag(bag, processed, ProcessOptions(_ESTIMATORS, (), (directory / "parameters.yaml",)), 1, lambda _: None)
+    options = ProcessOptions(_ESTIMATORS, _VEHICLE, (directory / "parameters.yaml",))
+    process_bag(bag, processed, options, 1, lambda _: None)
     inputs = {topic.name for topic, _, _ in minute}
     begun = time.process_time()
     with BagReader(bag) as reader:
@@ -156,7 +158,8 @@ def _writing_time(processed: Path, inputs: Collection[str], out: Path) -> float:
 
 def _process(bag: Path, out: Path, processes: int, reading: float) -> Row:
     command = [sys.executable, "-m", "friction_bags", "process", str(bag), "--out", str(out), "--jobs", str(processes)]
-    command += ["--estimators", *_ESTIMATORS, "--params-file", str(bag.parent / "parameters.yaml")]
+    command += ["--vehicle", _VEHICLE, "--params-file", str(bag.parent / "parameters.yaml")]
+    command += ["--estimators", *_ESTIMATORS]
     begun = time.perf_counter()
     measured = subprocess.run([sys.executable, "-c", _MEASURE, *command], check=True, capture_output=True, text=True)
     seconds = time.perf_counter() - begun

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from friction_evaluation.protocol_corner import CORNER
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE, SensorNoise
 from vehicle_models.single_corner import CornerParameters
@@ -31,7 +32,7 @@ class Sensitivities:
 
 
 def sensitivities(
-    theta: ArrayLike, torque: Array, interval: float, speed: float, corner: CornerParameters = CornerParameters()
+    theta: ArrayLike, torque: Array, interval: float, speed: float, corner: CornerParameters = CORNER
 ) -> Sensitivities:
     """Integrate the motion and its derivatives, from free rolling.
 

@@ -14,12 +14,13 @@ from rich.progress import track
 from friction_curve_id import maximum_likelihood
 from friction_curve_id.curve_fitting import CurveFit
 from friction_curve_id.friction_samples import FrictionPoint, FrictionSamples, FrictionSource
-from friction_curve_id.interface import Sample, WheelParameters
+from friction_curve_id.interface import Sample
 from friction_curve_id.methods import CHAPTER_METHODS
 from friction_evaluation.identification_runs import Batch, measured
 from friction_evaluation.identification_studies import roads, seeds_of
 from friction_evaluation.manoeuvres import braking
 from friction_evaluation.parts import Row
+from friction_evaluation.protocol_corner import CORNER
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1
 
@@ -77,7 +78,7 @@ def chapter_tables(options: argparse.Namespace) -> list[Row]:
 
 def friction_points(samples: Iterable[Sample], source: FrictionSource) -> tuple[Array, Array]:
     """Slips and frictions of one run, shapes (samples - 1,); fewer where samples were refused."""
-    maker = FrictionSamples(WheelParameters(), source)
+    maker = FrictionSamples(CORNER, source)
     points = [point for point in map(maker.update, samples) if isinstance(point, FrictionPoint)]
     slips, frictions = np.array([(point.slip, point.mu) for point in points]).T
     return slips, frictions

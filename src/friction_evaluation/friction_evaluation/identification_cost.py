@@ -12,12 +12,13 @@ from rich.progress import Progress
 from scipy.optimize import curve_fit
 
 from friction_curve_id.friction_samples import FrictionSamples, FrictionSource
-from friction_curve_id.interface import CurveEstimator, Refusal, Sample, WheelParameters
+from friction_curve_id.interface import CurveEstimator, Refusal, Sample
 from friction_curve_id.methods import METHODS, make_estimator
 from friction_evaluation.identification_runs import Batch, measured
 from friction_evaluation.identification_studies import roads, seeds_of
 from friction_evaluation.manoeuvres import braking
 from friction_evaluation.parts import Row
+from friction_evaluation.protocol_corner import CORNER
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1
 
@@ -39,7 +40,9 @@ def cost(options: argparse.Namespace) -> list[Row]:
             for number, seed in seeds_of(surface, options.seeds):
                 samples = list(measured(Batch(name, "default", truth, []), number, seed))
                 for method in METHODS:
-                    times.setdefault(f"{method}, per update", []).extend(_update_times(make_estimator(method), samples))
+                    times.setdefault(f"{method}, per update", []).extend(
+                        _update_times(make_estimator(method, CORNER), samples)
+                    )
                 for competitor, found in _competitors(samples).items():
                     times.setdefault(competitor, []).extend(found)
                 progress.advance(bar)
@@ -62,7 +65,7 @@ def _update_times(estimator: CurveEstimator, samples: list[Sample]) -> list[tupl
 
 def _competitors(samples: list[Sample]) -> dict[str, list[tuple[float, float]]]:
     """The filter of padasip and curve_fit on the friction samples of the chapter's methods."""
-    source = FrictionSamples(WheelParameters(), FrictionSource.DEAD_RECKONED)
+    source = FrictionSamples(CORNER, FrictionSource.DEAD_RECKONED)
     points = [point for point in map(source.update, samples) if not isinstance(point, Refusal)]
     slips, frictions = np.array([(point.slip, point.mu) for point in points]).T
     rows = np.column_stack([np.exp(-np.outer(slips, _EXPONENTS)), slips, np.ones_like(slips)])

@@ -28,6 +28,7 @@ from friction_evaluation.identification_runs import Batch, measured
 from friction_evaluation.identification_studies import roads, seeds_of
 from friction_evaluation.manoeuvres import SAMPLES, braking
 from friction_evaluation.parts import Row
+from friction_evaluation.protocol_corner import CORNER
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1
 
@@ -48,7 +49,7 @@ def figures(options: argparse.Namespace) -> list[Row]:
             samples = list(measured(Batch(name, "", truth, []), number, seed))
             points = friction_points(samples, source)
             for method in options.methods:
-                estimator = make_estimator(method, source=source)
+                estimator = make_estimator(method, CORNER, source=source)
                 answers = [estimator.update(sample) for sample in samples]
                 figure = Figure(figsize=(11.0, 4.0), layout="constrained")
                 left, right = figure.subplots(1, 2)

@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 from rich.progress import Progress
 
 from friction_curve_id.friction_samples import FrictionSource
-from friction_curve_id.interface import CurveEstimator, Refusal, Sample, WheelParameters
+from friction_curve_id.interface import CurveEstimator, Refusal, Sample
 from friction_curve_id.methods import make_estimator
 from friction_evaluation.manoeuvres import Truth
+from friction_evaluation.protocol_corner import CORNER
+from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
 
@@ -56,7 +58,7 @@ class Batch:
     runs: Sequence[tuple[int, Sequence[int]]]
     """Number of the manoeuvre in `truth`, and the seed of its noise."""
     source: FrictionSource = FrictionSource.DEAD_RECKONED
-    wheel: WheelParameters = WheelParameters()
+    wheel: CornerParameters = CORNER
     """What the estimator believes."""
     speed_bias: float = 0.0
     """Added to the measured speed [m/s]."""
@@ -91,7 +93,7 @@ def _make_chunk(batch: Batch, first: int) -> Traces:
     values = np.full((len(runs), len(batch.truth.time), len(SERIES)), np.nan)
     exceptions = 0
     for row, (number, seed) in zip(values, runs, strict=True):
-        estimator = make_estimator(batch.method, wheel=batch.wheel, source=batch.source)
+        estimator = make_estimator(batch.method, batch.wheel, source=batch.source)
         try:
             follow(estimator, measured(batch, number, seed), row)
         except Exception:  # any kind counts as a divergence of the method under test

@@ -10,14 +10,15 @@ from scipy.special import lambertw
 
 from friction_curve_id.curve_prior import CurvePrior
 from friction_curve_id.friction_samples import FrictionSource
-from friction_curve_id.interface import WheelParameters
 from friction_curve_id.methods import DEFAULT
 from friction_evaluation import cramer_rao
 from friction_evaluation.identification_runs import Batch, make
 from friction_evaluation.identification_statistics import alarm_row, coverage, kept_from, peak_row
 from friction_evaluation.manoeuvres import INTERVAL, SPEED, Truth, braking
 from friction_evaluation.parts import Row
+from friction_evaluation.protocol_corner import CORNER
 from vehicle_models import burckhardt
+from vehicle_models.single_corner import CornerParameters
 from vehicle_models.surfaces import SURFACES, TABLE_8_1
 
 Array = NDArray[np.float64]
@@ -137,14 +138,13 @@ def model_error(options: argparse.Namespace) -> list[Row]:
     """Bias of lambda_max and mu_max at N = 100 where the estimator's parameters or inputs are wrong."""
     truth = braking(options.manoeuvre, roads())
     lambda_max, mu_max = burckhardt.peak(truth.theta)
-    right = WheelParameters()
-    changes: list[tuple[str, WheelParameters, float, float]] = [("none", right, 0.0, 1.0)]
+    changes: list[tuple[str, CornerParameters, float, float]] = [("none", CORNER, 0.0, 1.0)]
     for name, share in (("mass", 0.10), ("inertia", 0.10), ("radius", 0.01), ("vertical_load", 0.05)):
         for sign in (1.0, -1.0):
-            wrong = replace(right, **{name: getattr(right, name) * (1.0 + sign * share)})
+            wrong = replace(CORNER, **{name: getattr(CORNER, name) * (1.0 + sign * share)})
             changes.append((f"{name} {100 * sign * share:+.0f} %", wrong, 0.0, 1.0))
-    changes += [(f"torque gain {100 * share:+.0f} %", right, 0.0, 1.0 + share) for share in (0.05, -0.05)]
-    changes += [(f"speed bias {bias:+.1f} m/s", right, bias, 1.0) for bias in (0.5, -0.5)]
+    changes += [(f"torque gain {100 * share:+.0f} %", CORNER, 0.0, 1.0 + share) for share in (0.05, -0.05)]
+    changes += [(f"speed bias {bias:+.1f} m/s", CORNER, bias, 1.0) for bias in (0.5, -0.5)]
     seeds = {name: seeds_of(k, options.seeds) for k, name in enumerate(TABLE_8_1)}
     batches = [
         Batch(f"{surface} {text}", DEFAULT, truth, runs, wheel=wheel, speed_bias=bias, torque_gain=gain)

@@ -11,9 +11,10 @@ from friction_curve_id.interface import CurveEstimate, RestartCause, Sample
 from friction_curve_id.methods import DEFAULT, make_estimator
 from friction_evaluation.manoeuvres import INTERVAL, SAMPLES, SPEED, brake_torque, hold_torque
 from friction_evaluation.parts import Row
+from friction_evaluation.protocol_corner import CORNER
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE
-from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import surface
 
 Array = NDArray[np.float64]
@@ -39,8 +40,7 @@ class Change:
 
 def drive(before: Array, after: Array, controlled: bool) -> Change:
     """Drive until `_AFTER` samples past the change or until the wheel locks."""
-    corner = CornerParameters()
-    plant = SingleCorner(corner, np.array([SPEED]))
+    plant = SingleCorner(CORNER, np.array([SPEED]))
     level = float(hold_torque("B", before)[0])
     ramp = brake_torque("B", level, np.arange(SAMPLES + 1) * INTERVAL)
     release_slip, apply_slip = (share * float(burckhardt.peak(after)[0]) for share in (_RELEASE_SLIP, _APPLY_SLIP))
@@ -103,7 +103,7 @@ def _follow(change: Change, after: Array, seed: int) -> tuple[float, int, float,
     omega = change.wheel_speed + generator.normal(0.0, noise.wheel_speed_variance**0.5, size)
     speed = change.speed + generator.normal(0.0, noise.speed_variance**0.5, size)
     torque = change.torque + generator.normal(0.0, noise.torque_variance**0.5, size)
-    estimator = make_estimator(DEFAULT)
+    estimator = make_estimator(DEFAULT, CORNER)
     delay, false, last = np.inf, 0, CurveEstimate(0, 0.0)
     for k in range(size):
         answer = estimator.update(Sample(k * INTERVAL, float(omega[k]), float(speed[k]), float(torque[k])))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from friction_msgs.msg import BrakeCommand, FrictionSlope, SupervisorState, WheelSlip
@@ -19,16 +20,16 @@ from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS
 from corner_sim.simulation import Simulation
 from friction_bags.cdr import encode
-from friction_bags.estimators import build_processors
+from friction_bags.estimators import make_processors, read_parameters
 from friction_bringup import graph
-from friction_evaluation.live_graph import Observation, Overrides, run_graph
+from friction_evaluation.live_graph import Observation, run_graph
 from friction_evaluation.offline_loop import run_offline
 from friction_evaluation.parts import Row
-from friction_runtime.parameters import from_mapping
+from friction_evaluation.protocol_corner import CAR, VEHICLE, WHEEL
+from friction_parameters.values import from_mapping
 from friction_runtime.processor import silent
 from vehicle_models.surfaces import TABLE_8_1
 
-WHEEL = "front_left"
 SOURCE = "wheel_states"
 LOOP = ("wheel_slip", "friction_slope", "abs_supervisor")
 """The nodes between the sensors and the command."""
@@ -94,8 +95,10 @@ def agreement_rows(surface: str, seed: int) -> list[Row]:
     }
     found = _run(plant, 60.0)
     values = {name: tuple(value) if isinstance(value, list) else value for name, value in plant.items()}
-    simulation = Simulation(from_mapping(SimParameters, values), _START_STAMP)
-    offline = run_offline(simulation, build_processors(LOOP, [WHEEL], [], silent))
+    simulation = Simulation(from_mapping(SimParameters, values), CAR, _START_STAMP)
+    parameters = read_parameters(LOOP, [], silent)
+    parameters[graph.SUPERVISOR] = replace(parameters[graph.SUPERVISOR], shadow=False)
+    offline = run_offline(simulation, make_processors(parameters, CAR, silent))
     rows: list[Row] = []
     for topic in CHAIN:
         live = [encode(message) for message in found[topic].messages]
@@ -114,10 +117,11 @@ def agreement_rows(surface: str, seed: int) -> list[Row]:
 
 
 def _run(plant: Mapping[str, graph.ParameterValue], seconds: float) -> dict[str, Observation]:
-    overrides: Overrides = {
-        graph.PLANT: plant,
-        "abs_supervisor": {"shadow": False, "stale_after": _PATIENCE if plant["lock_step"] else 0.1},
+    overrides: dict[str, dict[str, graph.ParameterValue]] = {
+        node: {"vehicle_file": VEHICLE} for node in (graph.PLANT, *LOOP)
     }
+    overrides[graph.PLANT] |= plant
+    overrides[graph.SUPERVISOR] |= {"shadow": False, "stale_after": _PATIENCE if plant["lock_step"] else 0.1}
     with Progress() as progress:
         what, total = ("lock-step", None) if plant["lock_step"] else ("real time", seconds / SAMPLE_TIME)
         task = progress.add_task(f"live, {what}, {plant['surfaces']}", total=total)

@@ -74,7 +74,7 @@ def run_graph(
         processes = ProcessGroup(Path(logs))
         try:
             for node in (*estimators, graph.PLANT):
-                shipped = graph.parameter_files(node, Path())[:1]
+                shipped = graph.parameter_files(node, None)
                 chosen = dict(overrides.get(node, {}))
                 if node == graph.PLANT:
                     chosen.update(autostart=False, exit_when_done=True)

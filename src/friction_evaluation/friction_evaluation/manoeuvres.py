@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from friction_evaluation.protocol_corner import CORNER
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE, SensorNoise
 from vehicle_models.single_corner import CornerParameters, SingleCorner
@@ -62,7 +63,7 @@ def brake_torque(manoeuvre: str, level: ArrayLike, time: ArrayLike) -> Array:
     return np.asarray(level)[..., np.newaxis] * np.minimum(np.asarray(time) / RAMP_TIMES[manoeuvre], 1.0)
 
 
-def hold_torque(manoeuvre: str, theta: ArrayLike, corner: CornerParameters = CornerParameters()) -> Array:
+def hold_torque(manoeuvre: str, theta: ArrayLike, corner: CornerParameters = CORNER) -> Array:
     """The level [N m] for each road theta, shape (n, 3): the torque at the end of the ramp, shape (n,)."""
     roads = np.atleast_2d(np.asarray(theta, dtype=np.float64))
     target = _FINAL_SLIP * burckhardt.peak(roads)[0]
@@ -75,7 +76,7 @@ def hold_torque(manoeuvre: str, theta: ArrayLike, corner: CornerParameters = Cor
     return np.asarray(0.5 * (low + high))
 
 
-def braking(manoeuvre: str, theta: ArrayLike, corner: CornerParameters = CornerParameters()) -> Truth:
+def braking(manoeuvre: str, theta: ArrayLike, corner: CornerParameters = CORNER) -> Truth:
     """Drive manoeuvre A, B or C on each road theta, shape (n, 3) or (3,).
 
     Raises:

@@ -14,16 +14,16 @@ import numpy as np
 from rich.progress import track
 
 from friction_curve_id.interface import CurveEstimate
-from friction_curve_id.vehicle_samples import VehicleParameters, VehicleSample, four_wheels
+from friction_curve_id.vehicle_samples import VehicleSample
 from friction_curve_id.whole_vehicle import WholeVehicle
 from friction_evaluation.measured_tyre_rig import estimate_columns, tyre_rig_rows
 from friction_evaluation.parts import Row
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
 BMW, IAC, TYRE_RIG = "bmw_m8_abs_stop_100hz.csv", "iac_av21_putnam_25hz.csv", "fsae_ttc_straight_line.csv"
-BMW_M8 = four_wheels(front_radius=0.345, rear_radius=0.3465, front_share=0.53, height_per_wheelbase=0.18)
-"""Radii from coasting; load share and height as usual for such a car."""
-INDY_AV21 = four_wheels(front_radius=0.3, rear_radius=0.3, front_share=0.45, height_per_wheelbase=0.1)
-"""The file gives rim speeds in km/h: any radius serves that divides and multiplies alike."""
+BMW_M8 = load_vehicle("bmw_m8")
+INDY_AV21 = load_vehicle("indy_av21")
 _KMH = 1.0 / 3.6
 
 
@@ -62,16 +62,17 @@ def bmw_samples(path: Path) -> Iterator[VehicleSample]:
 
 
 def iac_samples(path: Path) -> Iterator[VehicleSample]:
-    """Samples of the Indy AV-21."""
+    """Samples of the Indy AV-21. The file gives rim speeds: any radius serves that divides and multiplies alike."""
     data = np.genfromtxt(path, delimiter=",", names=True)
-    wheels = [data[f"wheel_{wheel}kmph"] * _KMH / INDY_AV21.radii[0] for wheel in ("fl", "fr", "rl", "rr")]
+    names = zip(("fl", "fr", "rl", "rr"), INDY_AV21.radii, strict=True)
+    wheels = [data[f"wheel_{wheel}kmph"] * _KMH / radius for wheel, radius in names]
     for time, speed, acceleration, *speeds in zip(data["times"], data["vxms"], data["axms2"], *wheels, strict=True):
         yield VehicleSample(float(time), float(speed), float(acceleration), tuple(map(float, speeds)))
 
 
-def vehicle_row(name: str, samples: Iterator[VehicleSample], parameters: VehicleParameters) -> Row:
+def vehicle_row(name: str, samples: Iterator[VehicleSample], car: Vehicle) -> Row:
     """Feed the whole-vehicle estimator sample by sample: its last estimate, and how many of them were valid."""
-    vehicle, reasons = WholeVehicle(parameters), Counter[str]()
+    vehicle, reasons = WholeVehicle(car), Counter[str]()
     last: CurveEstimate | None = None
     best: CurveEstimate | None = None
     for sample in track(list(samples), description=name):

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from friction_evaluation import report_friction_samples, report_slope, report_speed, report_texts
+from friction_evaluation import figure_state_machine, report_friction_samples, report_slope, report_speed, report_texts
 from friction_evaluation.parts import Row, part, plain
 from friction_evaluation.report_page import Picture, Section, Table, page
 
@@ -63,7 +63,7 @@ def _sections(pictures: Path, effort: float, live: bool) -> list[Callable[[], Se
 
     sections: list[Callable[[], Section]] = [
         partial(report_slope.section, pictures, int(seeds(_SLOPE_SEEDS))),
-        partial(_detection, seeds),
+        partial(_detection, pictures, seeds),
         partial(_identification, pictures, seeds),
         partial(report_friction_samples.section, pictures),
         partial(_speed, pictures, seeds),
@@ -74,12 +74,16 @@ def _sections(pictures: Path, effort: float, live: bool) -> list[Callable[[], Se
     return [*sections, _live] if live else sections
 
 
-def _detection(seeds: Seeds) -> Section:
+def _detection(pictures: Path, seeds: Seeds) -> Section:
     tables = [
         Table("Detection delay, false alarms, slip at detection", rows_of("slope", "--seeds", seeds(500))),
         Table("Closed loop from 30 to 5 m/s", rows_of("abs", "--seeds", seeds(100))),
     ]
-    return Section("closed_loop", "Detection delay and adhesion utilisation", report_texts.CLOSED_LOOP, tables)
+    machine = pictures / "figure_8_1.png"
+    figure_state_machine.draw(machine)
+    figures = [Picture("Figure 8.1: states and transitions, found by trying every class of input", machine)]
+    title = "Detection delay and adhesion utilisation, Figure 8.1"
+    return Section("closed_loop", title, report_texts.CLOSED_LOOP, tables, figures)
 
 
 def _identification(pictures: Path, seeds: Seeds) -> Section:

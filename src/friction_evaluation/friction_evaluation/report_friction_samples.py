@@ -17,22 +17,24 @@ from friction_evaluation.manoeuvres import INTERVAL, braking
 from friction_evaluation.report_page import Picture, Section
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
+from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]
 
-_RELAXATION_LENGTH = 0.3
-"""[m], usual for a passenger-car tyre."""
-_HEIGHT_PER_HALF_WHEELBASE = 0.5 / 1.35
-"""Of the two-axle car: the front load grows by this share for a deceleration of g."""
+_CAR = load_vehicle("compact_car")
+_RELAXATION_LENGTH = _CAR.wheel("front_left").relaxation_length
+"""[m]"""
+_LOAD_TRANSFER = _CAR.height_ratio / _CAR.front_load_share
+"""The load of a front wheel grows by this share for a deceleration of g [-]."""
 _PITCH_FREQUENCY = 2.0 * np.pi * 1.5
 """Of the body on its suspension [rad/s]."""
 _PITCH_DAMPING = 0.3
 """[-]"""
-_TEXT = """The friction samples that a car measures on a front wheel, made with the static load, begin below
+_TEXT = f"""The friction samples that a car measures on a front wheel, made with the static load, begin below
 the theoretical curve and then overshoot it, as in the chapter's figure: the tyre follows the slip with a
-relaxation length of 0.3 m, and the body pitches beyond its steady angle (1.5 Hz, damping 0.3), and the load
-with it. The abscissa of the peak moves little, as the chapter says; its ordinate does. The chapter's test
-drive is not public, this is its simulated counterpart."""
+relaxation length of {_RELAXATION_LENGTH} m, and the body pitches beyond its steady angle (1.5 Hz, damping 0.3), and
+the load with it. The abscissa of the peak moves little, as the chapter says; its ordinate does. The chapter's
+test drive is not public, this is its simulated counterpart."""
 
 
 def section(directory: Path) -> Section:
@@ -62,8 +64,8 @@ def overshoot(theta: Array) -> tuple[Array, Array, Array]:
     for k in range(1, len(slip)):
         lag = INTERVAL * speed[k] / _RELAXATION_LENGTH
         friction[k] = friction[k - 1] + (static[k] - friction[k - 1]) * -np.expm1(-lag)
-        steady = _HEIGHT_PER_HALF_WHEELBASE * friction[k]
+        steady = _LOAD_TRANSFER * friction[k]
         pull = _PITCH_FREQUENCY**2 * (steady - swing[k - 1]) - 2.0 * _PITCH_DAMPING * _PITCH_FREQUENCY * rate
         rate += INTERVAL * pull
         swing[k] = swing[k - 1] + INTERVAL * rate
-    return slip, static * (1.0 + _HEIGHT_PER_HALF_WHEELBASE * static), friction * (1.0 + swing)
+    return slip, static * (1.0 + _LOAD_TRANSFER * static), friction * (1.0 + swing)

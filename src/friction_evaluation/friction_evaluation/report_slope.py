@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from friction_evaluation.abs_loop import DEMAND_RATIO, Controller
 from friction_evaluation.abs_loop import shipped as shipped_loop
 from friction_evaluation.parts import Row
+from friction_evaluation.protocol_corner import BRAKE_GAIN, CAR, CORNER
 from friction_evaluation.report_page import Picture, Section, Table
 from friction_evaluation.slope import METHODS, detect, shipped_settings
-from friction_evaluation.slope_runs import BRAKE_GAIN, CORNER, DT, SPEED, STEP, Run, through_the_peak
+from friction_evaluation.slope_runs import DT, SPEED, STEP, Run, through_the_peak
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import BrakeActuator
 from vehicle_models.sensor_noise import CHAPTER_NOISE
@@ -91,7 +92,7 @@ def _draw_detection(run: Run, signs: Array, file: Path) -> None:
 def _draw_loop(road: str, file: Path) -> None:
     """Brake with the supervisor in the loop and draw slip, sign and state."""
     theta = surface(road)
-    controller = Controller(*shipped_loop())
+    controller = Controller(CAR, *shipped_loop())
     corner, actuator = SingleCorner(CORNER, [SPEED]), BrakeActuator(1, DT)
     generator = np.random.default_rng(_FIRST_SEED)
     demand = DEMAND_RATIO * float(CORNER.peak_torque(theta))

@@ -1,8 +1,8 @@
 """Vehicle speed and slip without a speed sensor: simulated stops with the supervisor, and the measured one.
 
-The estimator is wheel_slip with its shipped parameter file; what differs between the cars are facts of the car: wheels,
-radii and which wheels the engine drives. The baseline `best_wheel` takes the fastest wheel for the car. Errors count
-from brake onset down to 3 m/s, over every sample and wheel, valid or not.
+The estimator is wheel_slip with its shipped parameters; what differs between the cars are their vehicle files:
+compact_car (or --vehicle) for the stops, bmw_m8 for the measured one. The baseline `best_wheel` takes the fastest wheel
+for the car. Errors count from brake onset down to 3 m/s, over every sample and wheel, valid or not.
 """
 
 import argparse
@@ -18,15 +18,16 @@ from rich.progress import Progress
 from friction_bags.import_bmw import COLUMNS, STAMP_OFFSET, messages
 from friction_bags.import_bmw import WHEELS as BMW_WHEELS
 from friction_bags.import_csv import read_rows
-from friction_evaluation.measured import BMW, data_directory
+from friction_evaluation.measured import BMW, BMW_M8, data_directory
 from friction_evaluation.parts import Row
-from friction_evaluation.slip_stops import END_SPEED, STEP, Stop, stops
+from friction_evaluation.slip_stops import CAR, END_SPEED, STEP, Stop, stops
 from friction_evaluation.slip_tables import tables
-from friction_runtime.parameters import load, shipped_file
 from friction_runtime.stamps import to_nanoseconds
-from vehicle_models.two_axle import WHEELS, CarParameters
+from vehicle_models.two_axle import four_wheels
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimator import SlipEstimator
-from wheel_slip.parameters import WheelSlipParameters
+from wheel_slip.parameters import SHIPPED, WheelSlipParameters
 from wheel_slip.processor import VEHICLE_VELOCITY, CarProcessor
 
 Array = NDArray[np.float64]
@@ -34,8 +35,6 @@ Array = NDArray[np.float64]
 ROADS = ("dry", "wet", "snow")
 LIMITS = {"dry": (0.08, 0.009), "wet": (0.085, 0.010), "snow": (0.13, 0.006), "bmw": (0.05, 0.006)}
 """Speed [m/s] and slip [-] RMS error asked for."""
-BMW_RADII = (0.345, 0.345, 0.3465, 0.3465)
-"""From coasting [m]."""
 BMW_STOP = (6.9, 9.0)
 """The stop in the file's time [s]."""
 INJECTED_OFFSET = 0.35
@@ -50,6 +49,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
     parser.add_argument("--seeds", type=int, default=100, help="noise seeds a road")
     parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES, help="what to run")
+    parser.add_argument(
+        "--vehicle", default="compact_car", help="car of the stops: vehicle file or name of a shipped one"
+    )
     parser.add_argument("--data", type=Path, default=data_directory(), help="directory of the measured data")
 
 
@@ -58,7 +60,7 @@ def run(options: argparse.Namespace) -> list[Row]:
     seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
     rows: list[Row] = []
     if "stops" in options.cases:
-        rows += _simulated(seeds)
+        rows += _simulated(seeds, load_vehicle(options.vehicle))
     if "measured" in options.cases:
         rows += _measured(options.data / BMW)
     if "tables" in options.cases:
@@ -66,7 +68,7 @@ def run(options: argparse.Namespace) -> list[Row]:
     return rows
 
 
-def _simulated(seeds: range) -> list[Row]:
+def _simulated(seeds: range, vehicle: Vehicle) -> list[Row]:
     rows: list[Row] = []
     with Progress() as progress:
         task = progress.add_task("stops", total=(len(ROADS) + 1) * 2 * len(seeds))
@@ -74,9 +76,13 @@ def _simulated(seeds: range) -> list[Row]:
         def advance(done: int) -> None:
             progress.advance(task, done)
 
+        def followed(road: str, grade_step: float) -> list[Followed]:
+            made = stops(road, seeds, grade_step=grade_step, vehicle=vehicle, progress=advance)
+            return [follow(stop, vehicle, advance) for stop in made]
+
         for road in ROADS:
-            rows += _rows(road, [_follow(stop, advance) for stop in stops(road, seeds, progress=advance)])
-        stepped = [_follow(stop, advance) for stop in stops("dry", seeds, grade_step=GRADE_STEP, progress=advance)]
+            rows += _rows(road, followed(road, 0.0))
+        stepped = followed("dry", GRADE_STEP)
     return rows + _rows("dry with a slope step of 2 % in mid-stop", stepped)
 
 
@@ -107,18 +113,15 @@ class Followed:
 
 
 def shipped() -> WheelSlipParameters:
-    """Load the shipped parameter file."""
-    return load(WheelSlipParameters, shipped_file("wheel_slip"), "wheel_slip")
+    """Return the shipped parameters."""
+    parameters: WheelSlipParameters = SHIPPED["wheel_slip"].parameters
+    return parameters
 
 
-def car_parameters(radius: float) -> WheelSlipParameters:
-    """Those of the two-axle rear-wheel-drive car."""
-    return replace(shipped(), wheels=WHEELS, radii=(radius,), driven_wheels=WHEELS[2:])
-
-
-def _follow(stop: Stop, advance: Callable[[int], None]) -> Followed:
-    radius = CarParameters().radius
-    estimator = SlipEstimator(car_parameters(radius).estimator())
+def follow(stop: Stop, vehicle: Vehicle = CAR, advance: Callable[[int], None] = lambda _done: None) -> Followed:
+    """One stop of a car through the estimator; `advance` is told that it has ended."""
+    wheels_of_car = four_wheels(vehicle)
+    estimator = SlipEstimator(replace(vehicle, wheels=wheels_of_car), shipped().estimator)
     found: list[tuple[float, float]] = []
     wheels: list[list[float]] = []
     valid = 0
@@ -130,7 +133,7 @@ def _follow(stop: Stop, advance: Callable[[int], None]) -> Followed:
             valid += sum(not estimate.reason for estimate in estimates)
     advance(1)
     braked = slice(stop.onset, None)
-    radii = np.full(len(WHEELS), radius)
+    radii = np.array([wheel.radius for wheel in wheels_of_car])
     return _compare(
         np.array(found), np.array(wheels), stop.wheel_speed[braked], radii, stop.speed[braked], stop.slip[braked], valid
     )
@@ -138,8 +141,7 @@ def _follow(stop: Stop, advance: Callable[[int], None]) -> Followed:
 
 def follow_bmw(path: Path, offset: float = 0.0) -> Followed:
     """The measured stop through the wheel processor, the reference speed withheld; slip is judged against it."""
-    parameters = replace(shipped(), wheels=tuple(BMW_WHEELS), radii=BMW_RADII)
-    processor = CarProcessor(parameters)
+    processor = CarProcessor(BMW_M8, shipped())
     found: list[tuple[float, float]] = []
     wheels: list[list[float]] = []
     measured: list[list[float]] = []
@@ -160,7 +162,7 @@ def follow_bmw(path: Path, offset: float = 0.0) -> Followed:
             measured.append([row[column] for column in BMW_WHEELS.values()])
             truth.append(row["vx_mps"])
             valid += sum(output.valid for output in outputs)
-    speed, radii = np.array(truth), np.array(BMW_RADII)
+    speed, radii = np.array(truth), np.array(BMW_M8.radii)
     slip = 1.0 - np.array(measured) * radii / speed[:, np.newaxis]
     return _compare(np.array(found), np.array(wheels), np.array(measured), radii, speed, slip, valid)
 

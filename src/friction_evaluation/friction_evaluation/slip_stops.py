@@ -1,13 +1,14 @@
-"""Stops of the two-axle car from 30 m/s with the supervisor in the loop, and what its sensors see.
+"""Stops of a car on two axles from 30 m/s with the supervisor in the loop, and what its sensors see.
 
 The car cruises first (the engine holds the speed on the slope), then the driver asks for 1.5 times the peak torque,
-split between the axles as built. Every wheel has its own friction_slope detector (no_slip) and supervisor, with the
-shipped parameters. Sensor noise is drawn per run from its seed.
+split between the wheels as their gains. Every wheel has its own friction_slope detector (no_slip) and supervisor, with
+the shipped parameters. Sensor noise is drawn per run from its seed.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite
+from statistics import fmean
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,15 +16,20 @@ from numpy.typing import NDArray
 from abs_supervisor.fsm import COMMANDS
 from abs_supervisor.supervisor import Evidence, Supervisor
 from friction_evaluation.abs_loop import shipped
-from friction_slope.detector import DetectorParameters, SlopeDetector
-from friction_slope.estimate import SlopeSample
+from friction_slope.detector import SlopeDetector
+from friction_slope.estimate import METHODS, SlopeSample
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
+from vehicle_models.single_corner import GRAVITY
+from vehicle_models.straight_forces import drag
 from vehicle_models.surfaces import surface
-from vehicle_models.two_axle import WHEELS, CarParameters, TwoAxleCar
+from vehicle_models.two_axle import TwoAxleCar, four_wheels, peak_torque, split_torque
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]
 
+CAR = load_vehicle("compact_car")
 DT = 0.005
 """Sample time [s]."""
 STEP = 5_000_000
@@ -75,7 +81,7 @@ def stops(
     seeds: range,
     *,
     grade_step: float = 0.0,
-    car_parameters: CarParameters = CarParameters(),
+    vehicle: Vehicle = CAR,
     progress: Callable[[int], None] = lambda _done: None,
 ) -> list[Stop]:
     """Brake once for each seed, side by side.
@@ -84,21 +90,24 @@ def stops(
         name: of the road.
         seeds: of the noise.
         grade_step: change of road slope half a braking time (by peak friction) after the onset.
-        car_parameters: of the car.
+        vehicle: the car, of four wheels; arrays per wheel are in the order of `four_wheels`.
         progress: told of the runs that have ended.
+
+    Raises:
+        ValueError: the car has not four wheels, or none is driven.
     """
     count, theta = len(seeds), surface(name)
     grade = np.where(np.array(seeds) % 2 == 0, GRADE, -GRADE)
-    car = TwoAxleCar(car_parameters, np.full(count, SPEED), grade=np.arctan(grade))
-    peak = car_parameters.peak_torque(theta)
-    demand = DEMAND_RATIO * car_parameters.split_torque(np.asarray(peak.sum()))
-    actuators = [BrakeActuator(count, DT, ActuatorParameters()) for _ in WHEELS]
-    controllers = _controllers(count, car_parameters)
+    wheels = four_wheels(vehicle)
+    car = TwoAxleCar(vehicle, np.full(count, SPEED), grade=np.arctan(grade))
+    demand = DEMAND_RATIO * split_torque(vehicle, np.asarray(peak_torque(vehicle, theta).sum()))
+    actuators = [BrakeActuator(count, DT, ActuatorParameters()) for _ in wheels]
+    controllers = _controllers(count, vehicle)
     generators = [np.random.default_rng(seed) for seed in seeds]
     onset = round(CRUISE / DT)
-    step_at = onset + round(0.5 * SPEED / (car_parameters.gravity * float(burckhardt.peak(theta)[1])) / DT)
-    cruise = _cruise_torque(car_parameters, grade)
-    torque: Array = np.zeros((count, len(WHEELS)))
+    step_at = onset + round(0.5 * SPEED / (GRAVITY * float(burckhardt.peak(theta)[1])) / DT)
+    cruise = _cruise_torque(vehicle, grade)
+    torque: Array = np.zeros((count, len(wheels)))
     kept: list[list[Array]] = [[] for _ in range(5)]
     ends = np.full(count, -1)
     for k in range(_LONGEST):
@@ -114,14 +123,14 @@ def stops(
         progress(int(ended.sum()))
         if np.all(ends >= 0):
             break
-        commands = np.zeros((count, len(WHEELS)), dtype=np.int64)
+        commands = np.zeros((count, len(wheels)), dtype=np.int64)
         if k >= onset - _WARM_UP:
             felt = torque + np.sqrt(TORQUE_VARIANCE) * draws[:, 5:]
             for i in np.flatnonzero(ends < 0).tolist():
                 for j, controller in enumerate(controllers[i]):
                     commands[i, j] = controller.command((k + 1) * STEP, measured[i, j], felt[i, j], k >= onset)
-        asked = demand if k >= onset else np.zeros(len(WHEELS))
-        after = np.stack([actuators[j].step(asked[j], commands[:, j]) for j in range(len(WHEELS))], axis=1)
+        asked = demand if k >= onset else np.zeros(len(wheels))
+        after = np.stack([actuators[j].step(asked[j], commands[:, j]) for j in range(len(wheels))], axis=1)
         car.step(torque, after, theta, DT, cruise if k < onset else 0.0)
         torque = after
     arrays = [np.stack(store) for store in kept]
@@ -131,8 +140,8 @@ def stops(
 class _Controller:
     """The shipped friction_slope and abs_supervisor algorithms of one wheel."""
 
-    def __init__(self, detector: DetectorParameters, supervisor: Supervisor) -> None:
-        self._detector = SlopeDetector(detector)
+    def __init__(self, detector: SlopeDetector, supervisor: Supervisor) -> None:
+        self._detector = detector
         self._supervisor = supervisor
 
     def command(self, stamp: int, wheel_speed: float, torque: float, braking: bool) -> int:
@@ -143,23 +152,26 @@ class _Controller:
         return int(COMMANDS[self._supervisor.state])
 
 
-def _controllers(count: int, car: CarParameters) -> list[list[_Controller]]:
+def _controllers(count: int, vehicle: Vehicle) -> list[list[_Controller]]:
     slope, supervisor = shipped()
-    loads = car.wheel_loads(0.0)
-    detectors = [
-        replace(slope, radii=(car.radius,), inertias=(car.inertia,), vertical_loads=(float(load),)).detector(
-            "front_left"
-        )
-        for load in loads
-    ]
+    method = METHODS[slope.method]
     return [
-        [_Controller(detector, Supervisor(supervisor.thresholds(), supervisor.tolerance)) for detector in detectors]
+        [
+            _Controller(
+                SlopeDetector(vehicle.corner(wheel.name), method, slope.detector, slope.no_slip),
+                Supervisor(supervisor.thresholds, supervisor.tolerance),
+            )
+            for wheel in four_wheels(vehicle)
+        ]
         for _ in range(count)
     ]
 
 
-def _cruise_torque(car: CarParameters, grade: Array) -> Array:
+def _cruise_torque(vehicle: Vehicle, grade: Array) -> Array:
     """Drive torque [N m] that holds SPEED on the slope."""
-    drag = 0.5 * car.air_density * car.drag_area * SPEED**2
-    weight = car.mass * car.gravity
-    return np.asarray(car.radius * (drag + weight * (np.sin(np.arctan(grade)) + car.rolling_resistance)))
+    driven = [wheel.radius for wheel in vehicle.wheels if wheel.driven]
+    if not driven:
+        raise ValueError(f"no wheel of '{vehicle.name}' is driven ('driven'): it cannot cruise")
+    weight = vehicle.mass * GRAVITY
+    resistance = drag(vehicle, SPEED) + weight * (np.sin(np.arctan(grade)) + vehicle.rolling_resistance)
+    return np.asarray(fmean(driven) * resistance)

@@ -7,7 +7,7 @@ wheel_slip finds from the wheel and an accelerometer with noise, offset and road
 friction_curve_id has its shipped parameters, but for lambda_init.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from friction_curve_id.interface import CurveEstimate, Refusal, Sample
-from friction_curve_id.parameters import FrictionCurveParameters
+from friction_curve_id.parameters import SHIPPED, FrictionCurveParameters
 from friction_evaluation.parts import Row
+from friction_evaluation.protocol_corner import CAR, CORNER
 from friction_evaluation.slip_stops import ACCELERATION_OFFSET, ACCELERATION_STDDEV, DT, GRADE, SPEED, STEP
-from friction_runtime.parameters import load, shipped_file
+from friction_parameters.values import changed
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE
-from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import surface
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
@@ -40,7 +41,6 @@ _LONGEST = 200
 """Samples after which a torque that does not reach lambda_init is given up."""
 _FAILURE = 0.5
 """An error beyond this share of lambda_max is a failure."""
-_CORNER = CornerParameters()
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,6 @@ def tables(seeds: range, parameters: WheelSlipParameters) -> list[Row]:
         parameters: of wheel_slip.
     """
     rows: list[Row] = []
-    curve = replace(_shipped(), lambda_init=LAMBDA_INIT)
     for road in ROADS:
         truth = braking(road)
         at = (truth.begin + road.activation, truth.begin + road.end)
@@ -94,7 +93,7 @@ def tables(seeds: range, parameters: WheelSlipParameters) -> list[Row]:
         for number, seed in enumerate(seeds):
             samples = _samples(truth, at[1], seed, parameters)
             for (method, speed), values in found.items():
-                values[number] = _peaks(replace(curve, method=method), samples[speed], at)
+                values[number] = _peaks(method, samples[speed], at)
         lambda_max = float(burckhardt.peak(surface(road.name))[0])
         errors = {key: 100.0 * (values / lambda_max - 1.0) for key, values in found.items()}
         for method in METHODS:
@@ -109,12 +108,12 @@ def tables(seeds: range, parameters: WheelSlipParameters) -> list[Row]:
 def braking(road: Road) -> Braking:
     """Truth of the manoeuvre, with the hold torque that gives the chapter's number of samples."""
     theta = surface(road.name)
-    peak = float(_CORNER.peak_torque(theta))
+    peak = float(CORNER.peak_torque(theta))
 
     def surplus(ratio: float) -> float:
         truth = _brake(theta, ratio * peak, road)
         at = truth.begin + road.activation
-        return float(1.0 - truth.wheel_speed[at] * _CORNER.radius / truth.speed[at]) - ACTIVATION_SLIP
+        return float(1.0 - truth.wheel_speed[at] * CORNER.radius / truth.speed[at]) - ACTIVATION_SLIP
 
     truth = _brake(theta, float(brentq(surplus, 0.995, 1.3, xtol=1e-5)) * peak, road)
 
@@ -122,7 +121,7 @@ def braking(road: Road) -> Braking:
         return np.concatenate([np.full(_CRUISE, rolling), values])
 
     return Braking(
-        after_cruise(truth.wheel_speed, SPEED / _CORNER.radius),
+        after_cruise(truth.wheel_speed, SPEED / CORNER.radius),
         after_cruise(truth.speed, SPEED),
         after_cruise(truth.acceleration, 0.0),
         after_cruise(truth.torque, 0.0),
@@ -132,7 +131,7 @@ def braking(road: Road) -> Braking:
 
 def _brake(theta: Array, hold: float, road: Road) -> Braking:
     """Truth from the brake onset on."""
-    corner = SingleCorner(_CORNER, SPEED)
+    corner = SingleCorner(CORNER, SPEED)
     kept: list[tuple[float, float, float, float]] = []
     begin: int | None = None
     while begin is None or len(kept) <= begin + road.end:
@@ -154,9 +153,9 @@ def _samples(truth: Braking, last: int, seed: int, parameters: WheelSlipParamete
     omega = truth.wheel_speed + np.sqrt(CHAPTER_NOISE.wheel_speed_variance) * draws[:, 0]
     speed = truth.speed + np.sqrt(CHAPTER_NOISE.speed_variance) * draws[:, 1]
     torque = truth.torque + np.sqrt(CHAPTER_NOISE.torque_variance) * draws[:, 2]
-    slope = _CORNER.gravity * GRADE * (1.0 if seed % 2 == 0 else -1.0)
+    slope = CORNER.gravity * GRADE * (1.0 if seed % 2 == 0 else -1.0)
     felt = truth.acceleration + slope + ACCELERATION_OFFSET + ACCELERATION_STDDEV * draws[:, 3]
-    estimator = SlipEstimator(parameters.estimator())
+    estimator = SlipEstimator(CAR, parameters.estimator)
     samples: dict[str, list[Sample]] = {name: [] for name in SPEEDS}
     for k in range(last + 1):
         estimate = estimator.update((k + 1) * STEP, [float(omega[k])], float(felt[k]))[0]
@@ -167,15 +166,16 @@ def _samples(truth: Braking, last: int, seed: int, parameters: WheelSlipParamete
     return samples
 
 
-def _peaks(parameters: FrictionCurveParameters, samples: list[Sample], at: tuple[int, int]) -> tuple[float, float]:
+def _peaks(method: str, samples: list[Sample], at: tuple[int, int]) -> tuple[float, float]:
     """lambda_max [-] at the two instants."""
-    answers = _answers(parameters, samples)
+    answers = _answers(method, samples)
     first, last = (answers[k - _CRUISE] for k in at)
     return _lambda_max(first), _lambda_max(last)
 
 
-def _answers(parameters: FrictionCurveParameters, samples: list[Sample]) -> list[CurveEstimate | Refusal]:
-    estimator = parameters.estimator(parameters.wheels[0])
+def _answers(method: str, samples: list[Sample]) -> list[CurveEstimate | Refusal]:
+    shipped: FrictionCurveParameters = SHIPPED["friction_curve_id"].parameters
+    estimator = changed(shipped, {"method": method, "chapter.lambda_init": LAMBDA_INIT}).estimator(CORNER)
     return [estimator.update(sample) for sample in samples]
 
 
@@ -187,9 +187,9 @@ def history(road: Road, method: str, speed: str, seed: int, parameters: WheelSli
     """One run from brake onset: slip as the method is given it, and lambda_max; shapes (samples,)."""
     truth = braking(road)
     samples = _samples(truth, truth.begin + road.end, seed, parameters)[speed]
-    answers = _answers(replace(_shipped(), lambda_init=LAMBDA_INIT, method=method), samples)
+    answers = _answers(method, samples)
     slips = [
-        1.0 - s.wheel_speed * _CORNER.radius / s.vehicle_speed if s.vehicle_speed else float("nan") for s in samples
+        1.0 - s.wheel_speed * CORNER.radius / s.vehicle_speed if s.vehicle_speed else float("nan") for s in samples
     ]
     return np.array(slips), np.array([_lambda_max(answer) for answer in answers])
 
@@ -217,7 +217,3 @@ def _rmse(errors: Array) -> float:
     """Over the runs that have not failed [%]."""
     good = errors[np.abs(errors) <= 100.0 * _FAILURE]
     return float(np.sqrt(np.mean(good**2))) if good.size else float("nan")
-
-
-def _shipped() -> FrictionCurveParameters:
-    return load(FrictionCurveParameters, shipped_file("friction_curve_id"), "friction_curve_id")

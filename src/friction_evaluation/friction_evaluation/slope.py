@@ -13,20 +13,21 @@ from numpy.typing import NDArray
 from rich.progress import Progress
 
 from friction_evaluation.parts import Row
+from friction_evaluation.protocol_corner import CAR, WHEEL
 from friction_evaluation.slope_runs import (
     ACCELERATION_STDDEV,
     DT,
-    WHEEL,
     Run,
     below_the_peak,
     sensor_messages,
     through_the_peak,
 )
-from friction_runtime.parameters import load, shipped_file
-from friction_slope.parameters import FrictionSlopeParameters
+from friction_parameters.values import changed
+from friction_slope.parameters import SHIPPED, FrictionSlopeParameters
 from friction_slope.processor import WheelProcessor
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE, SensorNoise
 from vehicle_models.surfaces import TABLE_8_1
+from wheel_slip.parameters import SHIPPED as SHIPPED_SLIP
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.processor import CarProcessor
 
@@ -83,21 +84,20 @@ class Settings:
 
     def processors(self) -> tuple[CarProcessor, dict[str, WheelProcessor]]:
         """Make wheel_slip, and friction_slope by each method."""
-        car = CarProcessor(self.slip if self.imu else replace(self.slip, use_imu=False))
-        return car, {method: WheelProcessor(WHEEL, replace(self.slope, method=method)) for method in METHODS}
+        car = CarProcessor(CAR, self.slip if self.imu else replace(self.slip, use_imu=False))
+        return car, {method: WheelProcessor(WHEEL, CAR, replace(self.slope, method=method)) for method in METHODS}
 
     def exact(self) -> "Settings":
         """The shortest window, zero thresholds and dead zones: for signals without noise."""
-        slope = replace(
-            self.slope,
-            window=3,
-            rate_window=3,
-            h_instability=0.0,
-            h_stability=0.0,
-            slip_rate_dead_zone=0.0,
-            eta_margin=0.0,
-        )
-        return replace(self, slope=slope)
+        exact = {
+            "detector.window": 3,
+            "detector.rate_window": 3,
+            "detector.h_instability": 0.0,
+            "detector.h_stability": 0.0,
+            "detector.slip_rate_dead_zone": 0.0,
+            "no_slip.eta_margin": 0.0,
+        }
+        return replace(self, slope=changed(self.slope, exact))
 
 
 @dataclass(frozen=True)
@@ -204,7 +204,5 @@ def disagreement(run: Run) -> tuple[float, float]:
 
 
 def shipped_settings(imu: bool) -> Settings:
-    """Load the shipped parameter files, with or without an accelerometer."""
-    slip = load(WheelSlipParameters, shipped_file("wheel_slip"), "wheel_slip")
-    slope = load(FrictionSlopeParameters, shipped_file("friction_slope", "friction_slope_monitor"), "friction_slope")
-    return Settings(slip, slope, imu)
+    """Return the shipped parameters, with or without an accelerometer."""
+    return Settings(SHIPPED_SLIP["wheel_slip"].parameters, SHIPPED["friction_slope_monitor"].parameters, imu)

@@ -10,23 +10,20 @@ from numpy.typing import NDArray
 from corner_sim import messages
 from corner_sim.sensors import Measurement
 from friction_evaluation.manoeuvres import hold_torque
+from friction_evaluation.protocol_corner import BRAKE_GAIN, CAR, CORNER
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import SensorNoise
-from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import surface
 
 Array = NDArray[np.float64]
 
-WHEEL = "front_left"
-CORNER = CornerParameters()
 DT = 0.005
 """Sample time [s]."""
 STEP = 5_000_000
 """Sample time [ns]."""
 SPEED = 30.0
 """[m/s] at the start."""
-BRAKE_GAIN = 1e-4
-"""k of T_b = k p [N m/Pa], that of the shipped parameter files."""
 ACCELERATION_STDDEV = 0.1
 """Noise of the accelerometer [m/s^2]: the chapter gives none; this is what wheel_slip expects."""
 _ROLLING = 0.4
@@ -150,4 +147,4 @@ def sensor_messages(run: Run, noise: SensorNoise, acceleration_stddev: float, se
             speed=float(speed[k]),
             acceleration=float(acceleration[k]),
         )
-        yield messages.sensors((k + 1) * STEP, [WHEEL], measured, noise, [BRAKE_GAIN], acceleration_stddev**2)
+        yield messages.sensors((k + 1) * STEP, CAR, measured, noise, acceleration_stddev**2)

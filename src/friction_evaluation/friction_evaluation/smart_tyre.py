@@ -27,6 +27,7 @@ from friction_evaluation.smart_tyre_runs import (
     QUIET_UNEVEN,
     RING,
     ROUGH,
+    TRACKER,
     WHEEL_SEEDS,
     Estimated,
     Sensors,
@@ -122,7 +123,7 @@ def evaluate(seeds: range, known: Calibration, ideal: Calibration, progress: Pro
 def angle_rms(block: TyreBlock, table: ToothTable) -> float:
     """RMS error of the wheel angle at every sample of a drive [rad], its zero being a convention."""
     wheel = WheelAngle(len(table) // 2, table)
-    for stretch in EncoderCrossings().push(np.asarray(block.encoder_voltage, dtype=np.float64)):
+    for stretch in EncoderCrossings(TRACKER.sample_rate).push(np.asarray(block.encoder_voltage, dtype=np.float64)):
         wheel.extend(stretch.times)
     samples = np.arange(int(np.ceil(wheel.times[0])), int(wheel.times[-1]))
     error = wheel.at(samples.astype(np.float64)) - block.wheel_angle[samples]

@@ -12,7 +12,7 @@ from friction_msgs.msg import TyreSignals
 from rclpy.node import Node
 from std_msgs.msg import Header
 
-from friction_evaluation.smart_tyre_runs import TRACKER, WHEEL_SEEDS, simulate
+from friction_evaluation.smart_tyre_runs import TRACKER, WHEEL, WHEEL_SEEDS, simulate
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
 from smart_tyre_forces.calibration import Calibration
@@ -22,8 +22,10 @@ from smart_tyre_forces.patch_tracker import PatchTracker
 from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.force_history import dynamic_drive
 from vehicle_models.tyre_signal import TyreBlock
+from vehicle_models.vehicle_file import load_vehicle
 
-_WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
+_VEHICLE = "smart_tyre_car"
+_WHEELS = load_vehicle(_VEHICLE).wheel_names
 _BLOCK = 100
 """Samples: 10 ms."""
 _LIVE_SECONDS = 15.0
@@ -39,8 +41,8 @@ def algorithm(known: Calibration) -> list[tuple[str, float]]:
     spent, sampled = 0.0, 0.0
     for axle, block in blocks.items():
         wheel = known.wheels[axle]
-        tracker = PatchTracker(TRACKER, ToothTable(np.asarray(wheel.tooth_table)))
-        correction = PatchCorrection(known.tyre, TRACKER.radius, TRACKER.sample_rate)
+        tracker = PatchTracker(WHEEL, TRACKER, ToothTable(np.asarray(wheel.tooth_table)))
+        correction = PatchCorrection(known.tyre, WHEEL.radius, TRACKER.sample_rate)
         began = time.process_time()
         for first in range(0, len(block.encoder_voltage), _BLOCK):
             part = slice(first, first + _BLOCK)
@@ -56,8 +58,7 @@ def live_node() -> list[tuple[str, float]]:
     block = simulate(dynamic_drive(road_seed=0), "front", 0)
     os.environ |= {"ROS_DOMAIN_ID": _DOMAIN, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     os.environ |= {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
-    wheels = f"wheels:=[{', '.join(_WHEELS)}]"
-    command = [sys.executable, "-m", "smart_tyre_forces", "--ros-args", "-p", wheels]
+    command = [sys.executable, "-m", "smart_tyre_forces", "--ros-args", "-p", f"vehicle_file:={_VEHICLE}"]
     process = subprocess.Popen(command)
     rclpy.init()
     node = rclpy.create_node("tyre_cost")

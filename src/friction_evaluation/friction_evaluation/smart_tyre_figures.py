@@ -11,7 +11,7 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from friction_evaluation.smart_tyre_runs import LOW, NOMINAL, RING, TRACKER, CalibrationRuns, passages, simulate
+from friction_evaluation.smart_tyre_runs import LOW, NOMINAL, RING, TRACKER, WHEEL, CalibrationRuns, passages, simulate
 from friction_evaluation.smart_tyre_runs import NOISY as SENSORS
 from smart_tyre_forces.calibrate import raw_points
 from smart_tyre_forces.calibration import Calibration
@@ -22,8 +22,7 @@ from smart_tyre_forces.fronts import LEVEL, find_fronts
 from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.wheel_angle import WheelAngle
-from vehicle_models.force_history import dynamic_drive
-from vehicle_models.two_axle import CarParameters
+from vehicle_models.force_history import CAR, dynamic_drive
 from vehicle_models.tyre_signal import TyreBlock
 
 Array = NDArray[np.float64]
@@ -42,8 +41,7 @@ def draw(directory: Path, runs: CalibrationRuns) -> None:
     _raw_signal(block, directory / "figure_8_16.png")
     _encoder(block, tables["front"], directory / "figure_8_18.png")
     _fronts(block, tables["front"], directory / "figure_8_19.png")
-    car = CarParameters()
-    points = {f"{r.wheel}, run {k}": raw_points(r, car, TRACKER) for k, r in enumerate(runs.quasi_static)}
+    points = {f"{r.wheel.name}, run {k}": raw_points(r, CAR, TRACKER) for k, r in enumerate(runs.quasi_static)}
     quasi_static_maps(points, known.tyre, directory / "figure_8_21.png")
     rear, front = (_patches(axle, known, tables[axle], NOMINAL) for axle in ("rear", "front"))
     _experiment(rear, _raw, "rear wheel, as measured", directory / "figure_8_20.png")
@@ -64,7 +62,7 @@ def draw(directory: Path, runs: CalibrationRuns) -> None:
 
 def _patches(axle: str, known: Calibration, table: ToothTable, pressure: float) -> list[Patch]:
     block = simulate(dynamic_drive(road_seed=_SEED), axle, _SEED, SENSORS, pressure)
-    correction = PatchCorrection(known.tyre, TRACKER.radius, TRACKER.sample_rate)
+    correction = PatchCorrection(known.tyre, WHEEL.radius, TRACKER.sample_rate)
     patches = [correction.update(passage) for passage in passages(block, table)]
     return [patch for patch in patches if patch.reason is PatchReason.OK]
 
@@ -106,7 +104,7 @@ def _raw_signal(block: TyreBlock, file: Path) -> None:
 
 def _wheel(block: TyreBlock, table: ToothTable) -> WheelAngle:
     wheel = WheelAngle(len(table) // 2, table)
-    for stretch in EncoderCrossings().push(np.asarray(block.encoder_voltage, dtype=np.float64)):
+    for stretch in EncoderCrossings(TRACKER.sample_rate).push(np.asarray(block.encoder_voltage, dtype=np.float64)):
         wheel.extend(stretch.times)
     return wheel
 

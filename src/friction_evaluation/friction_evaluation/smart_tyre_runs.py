@@ -15,19 +15,22 @@ from smart_tyre_forces.patch_tracker import Passage, PatchTracker, TrackerParame
 from smart_tyre_forces.reasons import ForceReason
 from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.encoder import EncoderParameters
-from vehicle_models.force_history import Drive, dynamic_drive, quasi_static_drives
+from vehicle_models.force_history import CAR, Drive, dynamic_drive, quasi_static_drives
 from vehicle_models.tyre_ring import TyreRing
 from vehicle_models.tyre_signal import AccelerometerParameters, TyreBlock, TyreSignalSource
+from vehicle_models.vehicle import FRONT, REAR, Wheel
 
 Array = NDArray[np.float64]
 
 TRACKER = TrackerParameters()
+WHEEL = CAR.wheels[0]
+"""The wheels of the car are alike but for their axle."""
 RING = TyreRing()
 NOMINAL, LOW = 2.0e5, 1.6e5
 """Gauge pressures of the chapter [Pa]."""
-WHEEL_SEEDS = {"front": 1, "rear": 3}
-"""One wheel of each axle, with its own teeth and mounting."""
-PLANT_WHEELS = {"front_left": 0, "front_right": 1, "rear_left": 2, "rear_right": 3}
+WHEEL_SEEDS = {FRONT: 1, REAR: 3}
+"""One wheel of each axle, named after it, with its own teeth and mounting."""
+PLANT_WHEELS = {name: seed for seed, name in enumerate(CAR.wheel_names)}
 """The wheels of corner_sim."""
 _CALIBRATION_SEED = 1_000_000
 """Far from every seed of the evaluation."""
@@ -78,20 +81,27 @@ def simulate(
     return source.advance(sampled(drive.speed) / RING.radius, sampled(fx), sampled(fz))
 
 
+def wheel_of(name: str) -> Wheel:
+    """Wheel of the car by its name; by that of an axle its left wheel, which is then named after it."""
+    if name in CAR.wheel_names:
+        return CAR.wheel(name)
+    return next(replace(each, name=name) for each in CAR.wheels if (each.axle, each.side) == (name, "left"))
+
+
 def wheel_history(drive: Drive, wheel: str) -> tuple[Array, Array]:
     """True Fx and Fz [N] of one wheel over drive.time."""
     f = drive.forces
-    return (f.fx_rear, f.fz_rear) if "rear" in wheel else (f.fx_front, f.fz_front)
+    return (f.fx_rear, f.fz_rear) if wheel_of(wheel).axle == REAR else (f.fx_front, f.fz_front)
 
 
 def reference_load(drive: Drive, axle: str) -> Array:
     """Fz [N] that acceleration and load transfer alone tell."""
-    return drive.smooth.fz_front if axle == "front" else drive.smooth.fz_rear
+    return drive.smooth.fz_front if axle == FRONT else drive.smooth.fz_rear
 
 
 def passages(block: TyreBlock, table: ToothTable | None, refiner: FrontRefiner | None = None) -> list[Passage]:
     """Passages of a whole drive."""
-    tracker = PatchTracker(TRACKER, table, refiner)
+    tracker = PatchTracker(WHEEL, TRACKER, table, refiner)
     return tracker.push(block.first_sample, block.encoder_voltage, block.radial_acceleration)
 
 
@@ -101,7 +111,7 @@ def learned_table(block: TyreBlock) -> ToothTable:
     Raises:
         ValueError: the wheel never turned evenly enough.
     """
-    tracker = PatchTracker(TRACKER)
+    tracker = PatchTracker(WHEEL, TRACKER)
     tracker.push(block.first_sample, block.encoder_voltage, block.radial_acceleration)
     if tracker.wheel.table is None:
         raise ValueError("tooth table not learned")
@@ -119,11 +129,11 @@ class CalibrationRuns:
 
     def calibrate(self) -> Calibration:
         """What the calibration tool makes of such drives."""
-        return calibrate(self.quasi_static, self.dynamic, self.tables, parameters=TRACKER, template=self.template)
+        return calibrate(self.quasi_static, self.dynamic, self.tables, CAR, TRACKER, template=self.template)
 
 
 def calibration_runs(sensors: Sensors, wheel_seeds: Mapping[str, int] = WHEEL_SEEDS) -> CalibrationRuns:
-    """Two quasi-static and three dynamic drives of each wheel, by name; "rear" in a name puts it on the driven axle."""
+    """Two quasi-static and three dynamic drives of each wheel, by the names of `wheel_of`."""
     uneven = sensors.unevenness
     slow = quasi_static_drives(road_seed=_CALIBRATION_SEED, unevenness=uneven)
     fast = [dynamic_drive(road_seed=_CALIBRATION_SEED + k, unevenness=uneven) for k in (2, 3, 4)]
@@ -142,7 +152,7 @@ def calibration_runs(sensors: Sensors, wheel_seeds: Mapping[str, int] = WHEEL_SE
 
 
 def _run(wheel: str, drive: Drive, found: list[Passage]) -> WheelRun:
-    return WheelRun(wheel, "rear" in wheel, found, drive.time, drive.acceleration)
+    return WheelRun(wheel_of(wheel), found, drive.time, drive.acceleration)
 
 
 @dataclass(frozen=True)
@@ -171,7 +181,7 @@ def estimate(
     found: list[Passage], known: Calibration, drive: Drive, axle: str, *, rezero: bool = False, restore: bool = True
 ) -> Estimated:
     """Forces of a drive; with `rezero` the length is re-zeroed on its first steady stretch."""
-    correction = PatchCorrection(known.tyre, TRACKER.radius, TRACKER.sample_rate)
+    correction = PatchCorrection(known.tyre, WHEEL.radius, TRACKER.sample_rate)
     if rezero:
         correction.request_length_zero()
     valid: list[tuple[Patch, Forces]] = []

@@ -8,10 +8,13 @@ import pytest
 
 from friction_evaluation.abs_loop import END_SPEED, Parameters, shipped, stops
 from friction_evaluation.parts import part
-from friction_evaluation.slope_runs import CORNER, SPEED
+from friction_evaluation.protocol_corner import CAR, CORNER, VEHICLE
+from friction_evaluation.slope_runs import SPEED
+from friction_parameters.values import changed
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
 from vehicle_models.surfaces import TABLE_8_1, surface
+from vehicle_models.vehicle_file import load_vehicle
 
 
 @pytest.fixture
@@ -38,9 +41,28 @@ def test_shipped_parameters_hold_the_wheel_off_the_lock(parameters: Parameters) 
 
 def test_supervisor_that_never_releases_locks_the_wheel_and_it_is_noticed(parameters: Parameters) -> None:
     slope, supervisor = parameters
-    never = (replace(slope, eta_margin=100.0), replace(supervisor, h_instability=-1e5, release_timeout=0.005, wait=0.0))
+    thresholds = {"h_instability": -1e5, "release_timeout": 0.005, "wait": 0.0}
+    never = (
+        changed(slope, {"no_slip.eta_margin": 100.0}),
+        changed(supervisor, {f"thresholds.{name}": value for name, value in thresholds.items()}),
+    )
     found = stops("wet", range(1), NO_NOISE, never)
     assert found.longest_lock[0] > 0.05
+
+
+def test_the_corner_is_that_of_the_vehicle_whatever_its_joints_are_called(parameters: Parameters) -> None:
+    """The distance does not know a name, and a heavy wheel of little inertia at the same friction stops as soon."""
+    (wheel,) = CAR.wheels
+    renamed = replace(CAR, wheels=(replace(wheel, name="FL", joint="car::wheel_fl"),))
+    alike, other = (
+        stops("dry", range(1), CHAPTER_NOISE, parameters, vehicle=vehicle)
+        for vehicle in (renamed, load_vehicle("bmw_m8"))
+    )
+    ours = stops("dry", range(1), CHAPTER_NOISE, parameters)
+    assert alike.distance[0] == ours.distance[0]
+    assert other.distance[0] == pytest.approx(ours.distance[0], rel=0.2)
+    assert other.distance[0] != ours.distance[0]
+    assert other.longest_lock[0] < 0.05
 
 
 def test_runs_do_not_depend_on_their_neighbours_and_repeat(parameters: Parameters) -> None:
@@ -58,6 +80,6 @@ def test_every_run_that_ends_is_told_once(parameters: Parameters) -> None:
 
 
 def test_part_gives_a_flat_row_for_each_surface() -> None:
-    rows = part("abs").run(Namespace(seeds=1))
+    rows = part("abs").run(Namespace(seeds=1, vehicle=VEHICLE))
     assert [r["surface"] for r in rows] == list(TABLE_8_1)
     assert all(isinstance(value, int | float | str) for r in rows for value in r.values())

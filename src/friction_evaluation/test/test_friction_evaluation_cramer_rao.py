@@ -7,8 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from friction_evaluation import cramer_rao, manoeuvres
+from friction_evaluation.protocol_corner import CORNER
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import SURFACES, TABLE_8_1
 
 ROADS = np.array([SURFACES[name] for name in TABLE_8_1])
@@ -55,7 +56,7 @@ def test_sensitivities_are_the_finite_differences_of_the_motion(found: cramer_ra
     torque = manoeuvres.braking("B", ROADS[:1]).torque
 
     def motion(theta: np.ndarray, brake: np.ndarray) -> np.ndarray:
-        plant = SingleCorner(CornerParameters(), [30.0], max_step=2e-4)
+        plant = SingleCorner(CORNER, [30.0], max_step=2e-4)
         states = []
         for k in range(manoeuvres.SAMPLES):
             states.append((plant.wheel_speed[0], plant.speed[0]))

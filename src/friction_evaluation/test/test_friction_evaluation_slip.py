@@ -25,7 +25,7 @@ def test_stop_begins_with_a_steady_cruise_and_ends_at_3_metres_a_second() -> Non
 
 @pytest.mark.parametrize("road", ["dry", "snow"])
 def test_stops_are_within_the_limits_and_far_better_than_the_best_wheel(road: str) -> None:
-    found = [slip._follow(stop, lambda _done: None) for stop in stops(road, range(1))]
+    found = [slip.follow(stop) for stop in stops(road, range(1))]
     ours, baseline = slip._rows(road, found)
     assert ours["speed_rms"] <= ours["speed_rms_limit"]
     assert ours["slip_rms"] <= ours["slip_rms_limit"]

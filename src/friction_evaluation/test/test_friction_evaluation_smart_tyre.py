@@ -28,9 +28,8 @@ from friction_evaluation.smart_tyre_runs import (
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.encoder import EncoderParameters
-from vehicle_models.force_history import dynamic_drive
+from vehicle_models.force_history import CAR, dynamic_drive
 from vehicle_models.straight_forces import drag, wheel_forces
-from vehicle_models.two_axle import CarParameters
 from vehicle_models.tyre_signal import AccelerometerParameters, TyreSignalSource
 
 PHASES = {
@@ -182,11 +181,10 @@ def test_steady_part_of_fx_is_restored_unless_switched_off(known: Calibration) -
     seen = passages(simulate(drive, "rear", 1, NOISY), table)
     with_it, without = (estimate(seen, known, drive, "rear", restore=restore) for restore in (True, False))
     cruise = (with_it.time > 22.0) & (with_it.time < 41.0)
-    car = CarParameters()
-    at_zero = float(wheel_forces(car, 8.0, 0.0).fx_rear)
+    at_zero = float(wheel_forces(CAR, 8.0, 0.0).fx_rear)
     # The zero takes off what acts at 8 m/s. The common map takes off the growth of drag, a quarter for each wheel, but
     # only half of that: coasting down the tyres feel no drag.
-    hidden = at_zero + 0.5 * 0.25 * float(drag(car, 22.0) - drag(car, 8.0))
+    hidden = at_zero + 0.5 * 0.25 * float(drag(CAR, 22.0) - drag(CAR, 8.0))
     assert np.mean((with_it.fx - without.fx)[cruise]) == pytest.approx(hidden, abs=10.0)
     errors = [abs(float(np.mean((e.fx - e.fx_true)[cruise]))) for e in (with_it, without)]
     assert errors[0] < errors[1]
