@@ -17,12 +17,12 @@ from smart_tyre_forces.front_template import FrontTemplate
 from smart_tyre_forces.patch_tracker import Passage, TrackerParameters
 from smart_tyre_forces.reasons import PatchReason
 from vehicle_models.straight_forces import wheel_forces
-from vehicle_models.two_axle import CarParameters
+from vehicle_models.vehicle import REAR, Vehicle, Wheel
 
 Array = NDArray[np.float64]
 
 _ACCELERATING = 1.0
-"""Acceleration above which the front tyre shows the cross-talk [m/s^2]."""
+"""Acceleration above which a tyre that is not driven shows the cross-talk [m/s^2]."""
 _STEADY = 0.05
 """Acceleration below which the scatter of the fronts is taken [m/s^2]."""
 
@@ -31,8 +31,7 @@ _STEADY = 0.05
 class WheelRun:
     """Passages of one wheel in one drive."""
 
-    wheel: str
-    rear: bool
+    wheel: Wheel
     passages: list[Passage]
     time: Array
     """Of the car's acceleration, in the time of the passages [s], increasing, shape (n,)."""
@@ -61,7 +60,7 @@ class Points:
 
 
 def quasi_static_trends(
-    runs: list[WheelRun], car: CarParameters, parameters: TrackerParameters
+    runs: list[WheelRun], car: Vehicle, parameters: TrackerParameters
 ) -> tuple[Polynomial, Polynomial, Polynomial, dict[str, float]]:
     """Speed trends of shift and length [rad], one map for all wheels (Figure 8.21), and the mean Fx [N] they absorb.
 
@@ -93,7 +92,7 @@ def calibrate(
     quasi_static: list[WheelRun],
     dynamic: list[WheelRun],
     tooth_tables: dict[str, Array],
-    car: CarParameters = CarParameters(),
+    car: Vehicle,
     parameters: TrackerParameters = TrackerParameters(),
     zero: ZeroParameters = ZeroParameters(),
     template: FrontTemplate | None = None,
@@ -103,7 +102,7 @@ def calibrate(
     Args:
         quasi_static: very slow acceleration and coasting down.
         dynamic: each from a stretch of constant low speed, with acceleration and braking.
-        tooth_tables: wheel -> deviations of its crossings [rad].
+        tooth_tables: name of a wheel -> deviations of its crossings [rad].
         car: for the reference forces.
         parameters: sensors.
         zero: what a steady stretch is.
@@ -116,9 +115,9 @@ def calibrate(
     speeds = np.linspace(parameters.minimum_speed, parameters.maximum_speed, 61, dtype=np.float64)
     steady = wheel_forces(car, speeds, np.zeros(len(speeds)))
     wheels = {
-        run.wheel: WheelCalibration(
-            tuple(float(d) for d in tooth_tables[run.wheel]),
-            _second_order(speeds, steady.fx_rear if run.rear else steady.fx_front)[0],
+        run.wheel.name: WheelCalibration(
+            tuple(float(d) for d in tooth_tables[run.wheel.name]),
+            _second_order(speeds, steady.fx_rear if run.wheel.axle == REAR else steady.fx_front)[0],
         )
         for run in dynamic
     }
@@ -135,10 +134,10 @@ def calibrate(
     )
     # Beta needs to know how much of the front's shift is force, the force map needs beta: they settle in a few rounds.
     for _ in range(4):
-        points = [corrected_points(run, tyre, wheels[run.wheel], car, parameters, zero) for run in dynamic]
+        points = [corrected_points(run, tyre, wheels[run.wheel.name], car, parameters, zero) for run in dynamic]
         tyre = _fit_maps(tyre, points)
         tyre = replace(tyre, beta=tyre.beta + _beta_step(tyre, dynamic, points))
-    points = [corrected_points(run, tyre, wheels[run.wheel], car, parameters, zero) for run in dynamic]
+    points = [corrected_points(run, tyre, wheels[run.wheel.name], car, parameters, zero) for run in dynamic]
     tyre = _fit_maps(tyre, points)
     shift_left = [p.shift - tyre.shift_map.angle(p.fx) for p in points]
     length_left = [p.length - tyre.length_map.angle(p.fz) for p in points]
@@ -159,19 +158,24 @@ def _fit_maps(tyre: TyreCalibration, points: list[Points]) -> TyreCalibration:
 
 
 def _beta_step(tyre: TyreCalibration, runs: list[WheelRun], points: list[Points]) -> float:
-    """Change of beta that leaves no shift on the accelerating front tyre beyond what its small force explains."""
+    """Change of beta that leaves no shift on a tyre that is not driven beyond what its small force explains.
+
+    While the car accelerates, that is the front tyre of the chapter (8.19).
+    """
     longer, left = [], []
     for run, p in zip(runs, points, strict=True):
-        accelerating = (p.acceleration > _ACCELERATING) & (not run.rear)
+        accelerating = (p.acceleration > _ACCELERATING) & (not run.wheel.driven)
         longer.append((p.length - tyre.nominal_length)[accelerating])
         left.append((p.shift - tyre.shift_map.angle(p.fx))[accelerating])
     x, y = np.concatenate(longer), np.concatenate(left)
     if len(x) < 5:
-        raise ValueError("dynamic runs: beta needs a front wheel that accelerates for at least 5 revolutions")
+        raise ValueError(
+            "dynamic runs: beta needs a wheel that is not driven, and 5 revolutions of it while the car accelerates"
+        )
     return -float(x @ y / (x @ x))
 
 
-def raw_points(run: WheelRun, car: CarParameters, parameters: TrackerParameters) -> Points:
+def raw_points(run: WheelRun, car: Vehicle, parameters: TrackerParameters) -> Points:
     """Passages without any correction; the zero of the shift is that of the tooth table.
 
     Raises:
@@ -179,10 +183,9 @@ def raw_points(run: WheelRun, car: CarParameters, parameters: TrackerParameters)
     """
     valid = [p for p in run.passages if p.reason is PatchReason.OK]
     if len(valid) < 10:
-        raise ValueError(f"{run.wheel}: only {len(valid)} valid passages in a quasi-static run")
-    centre = np.array([0.5 * (p.alpha_1 + p.alpha_2) for p in valid])
-    shift = np.unwrap(centre)
-    length = np.array([p.alpha_2 - p.alpha_1 for p in valid])
+        raise ValueError(f"{run.wheel.name}: only {len(valid)} valid passages in a quasi-static run")
+    shift = np.unwrap(np.array([p.centre for p in valid]))
+    length = np.array([p.length for p in valid])
     return _points(run, valid, shift, length, car, parameters)
 
 
@@ -190,7 +193,7 @@ def corrected_points(
     run: WheelRun,
     tyre: TyreCalibration,
     wheel: WheelCalibration,
-    car: CarParameters,
+    car: Vehicle,
     parameters: TrackerParameters,
     zero: ZeroParameters,
 ) -> Points:
@@ -199,11 +202,11 @@ def corrected_points(
     Raises:
         ValueError: fewer than 10 passages are valid.
     """
-    correction = PatchCorrection(tyre, parameters.radius, parameters.sample_rate, zero)
+    correction = PatchCorrection(tyre, run.wheel.radius, parameters.sample_rate, zero)
     patches: list[Patch] = [correction.update(passage) for passage in run.passages]
     valid = [patch for patch in patches if patch.reason is PatchReason.OK]
     if len(valid) < 10:
-        raise ValueError(f"{run.wheel}: only {len(valid)} valid passages after a steady stretch in a dynamic run")
+        raise ValueError(f"{run.wheel.name}: only {len(valid)} valid passages after a steady stretch in a dynamic run")
     shift, length = np.array([p.shift for p in valid]), np.array([p.length for p in valid])
     points = _points(run, [p.passage for p in valid], shift, length, car, parameters)
     hidden = np.array([steady_force(tyre, wheel, float(v), correction.zero_speed) for v in points.speed])
@@ -211,15 +214,17 @@ def corrected_points(
 
 
 def _points(
-    run: WheelRun, valid: list[Passage], shift: Array, length: Array, car: CarParameters, parameters: TrackerParameters
+    run: WheelRun, valid: list[Passage], shift: Array, length: Array, car: Vehicle, parameters: TrackerParameters
 ) -> Points:
     wheel_speed = np.array([p.wheel_speed for p in valid])
     # The fronts are seen half a patch before and after its centre.
     time = np.array([p.time for p in valid]) / parameters.sample_rate - 0.5 * length / wheel_speed
     acceleration = np.interp(time, run.time, run.acceleration)
-    speed = wheel_speed * parameters.radius
+    speed = wheel_speed * run.wheel.radius
     reference = wheel_forces(car, speed, acceleration)
-    fx, fz = (reference.fx_rear, reference.fz_rear) if run.rear else (reference.fx_front, reference.fz_front)
+    fx, fz = (
+        (reference.fx_rear, reference.fz_rear) if run.wheel.axle == REAR else (reference.fx_front, reference.fz_front)
+    )
     return Points(speed, acceleration, shift, length, fx, fz, np.array([p.front_stddev for p in valid]))
 
 

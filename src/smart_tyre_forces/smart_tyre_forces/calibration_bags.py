@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import yaml
 from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader
 from rosbags.highlevel.anyreader import AnyReaderError
@@ -13,6 +14,7 @@ from smart_tyre_forces.calibrate import WheelRun
 from smart_tyre_forces.front_template import FrontRefiner
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker, TrackerParameters
 from smart_tyre_forces.tooth_table import ToothTable
+from vehicle_models.vehicle import Vehicle, Wheel
 
 Array = NDArray[np.float64]
 
@@ -43,41 +45,51 @@ class BagRun:
     acceleration: Array
     """Of the car, forward positive, averaged [m/s^2]."""
 
-    def table(self, wheel: str, parameters: TrackerParameters) -> ToothTable:
+    def table(self, wheel: Wheel, parameters: TrackerParameters) -> ToothTable:
         """Tooth table of a wheel, learned from this bag.
 
         Raises:
             ValueError: the wheel never turned evenly for long enough.
         """
-        tracker = PatchTracker(parameters)
+        tracker = PatchTracker(wheel, parameters)
         self._passages(wheel, tracker)
         if tracker.wheel.table is None:
-            raise ValueError(f"{self.bag}: {wheel} never turned evenly for 32 revolutions: no tooth table")
+            raise ValueError(f"{self.bag}: {wheel.name} never turned evenly for 32 revolutions: no tooth table")
         return tracker.wheel.table
 
     def run(
         self,
-        wheel: str,
-        rear: bool,
+        wheel: Wheel,
         table: ToothTable,
         parameters: TrackerParameters,
         refiner: FrontRefiner | None = None,
     ) -> WheelRun:
         """Passages of a wheel, with the acceleration on their time scale."""
-        tracker = PatchTracker(parameters, table, refiner)
-        begin = self.tyres[wheel][0]
+        tracker = PatchTracker(wheel, parameters, table, refiner)
+        begin = self.tyres[wheel.name][0]
         origin = begin.stamp - begin.first_sample / parameters.sample_rate
-        return WheelRun(wheel, rear, self._passages(wheel, tracker), self.time - origin, self.acceleration)
+        return WheelRun(wheel, self._passages(wheel, tracker), self.time - origin, self.acceleration)
 
-    def _passages(self, wheel: str, tracker: PatchTracker) -> list[Passage]:
-        return [p for b in self.tyres[wheel] for p in tracker.push(b.first_sample, b.voltage, b.acceleration)]
+    def _passages(self, wheel: Wheel, tracker: PatchTracker) -> list[Passage]:
+        return [p for b in self.tyres[wheel.name] for p in tracker.push(b.first_sample, b.voltage, b.acceleration)]
 
 
-def read(bag: Path, imu_topic: str = "imu/data") -> BagRun:
-    """Read a bag; topics may have any namespace.
+def noted_vehicle(bag: Path) -> str:
+    """Vehicle file that a bag names as its car, empty where it names none."""
+    try:
+        document: Any = yaml.safe_load(Path(bag, "metadata.yaml").read_text(encoding="utf-8"))
+        notes = document["rosbag2_bagfile_information"].get("custom_data") or {}
+        return str(notes.get("vehicle", ""))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError, AttributeError):
+        return ""
+
+
+def read(bag: Path, vehicle: Vehicle, imu_topic: str = "imu/data") -> BagRun:
+    """Read a bag of a car; topics may have any namespace.
 
     Raises:
-        ValueError: the bag cannot be read, or lacks tyre signals or the acceleration; the message names the bag.
+        ValueError: the bag cannot be read, lacks tyre signals or the acceleration, or holds a wheel that the car has
+            not; the message names the bag.
     """
     tyres: dict[str, list[Block]] = {}
     stamps: list[float] = []
@@ -93,11 +105,13 @@ def read(bag: Path, imu_topic: str = "imu/data") -> BagRun:
                     tyres.setdefault(message.wheel, []).append(Block(stamp, int(message.first_sample), *signals))
                 else:
                     stamps.append(stamp)
-                    accelerations.append(float(message.linear_acceleration.x))
+                    accelerations.append(vehicle.accelerometer.forward(message.linear_acceleration))
     except (AnyReaderError, OSError) as problem:
         raise ValueError(f"{bag}: {problem}") from problem
     if not tyres or len(stamps) < 2:
         raise ValueError(f"{bag}: needs <wheel>/tyre_signals and {imu_topic}")
+    if strangers := sorted(set(tyres) - set(vehicle.wheel_names)):
+        raise ValueError(f"{bag}: '{strangers[0]}' is no wheel of the car, which has {', '.join(vehicle.wheel_names)}")
     time = np.asarray(stamps)
     width = max(1, round(_SMOOTHING / float(np.median(np.diff(time)))))
     padded = np.pad(np.asarray(accelerations), (width // 2, (width - 1) // 2), mode="edge")

@@ -3,22 +3,21 @@
 import argparse
 import sys
 from collections.abc import Sequence
-from dataclasses import fields, replace
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
-from friction_runtime.parameters import ParameterError, load
-from smart_tyre_forces import calibration_bags, calibration_plots
+from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter_file import load
+from smart_tyre_forces import calibration_plots
 from smart_tyre_forces.calibrate import calibrate, corrected_points, raw_points
 from smart_tyre_forces.calibration import Calibration
+from smart_tyre_forces.calibration_bags import noted_vehicle, read
 from smart_tyre_forces.front_template import TemplateLearner
 from smart_tyre_forces.parameters import SmartTyreParameters
-from vehicle_models.two_axle import CarParameters
-
-_CAR = ("mass", "wheelbase", "height", "front_share", "front_braking", "drag_area", "air_density", "rolling_resistance")
-"""What the reference forces need of the car."""
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle, shipped_vehicles
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -26,8 +25,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         parameters = SmartTyreParameters()
-        if options.parameters is not None:
-            parameters = load(SmartTyreParameters, options.parameters, "smart_tyre_forces")
+        if options.params_file is not None:
+            parameters = load(SmartTyreParameters, options.params_file, "smart_tyre_forces")
         _calibrate(options, parameters)
     except (ParameterError, ValueError, OSError) as problem:
         print(f"error: {problem}", file=sys.stderr)
@@ -49,35 +48,47 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--out", type=Path, required=True, help="calibration file to write")
     parser.add_argument("--plots", type=Path, help="directory for the plots")
-    parser.add_argument("--parameters", type=Path, help="parameter file of smart_tyre_forces")
+    shipped = ", ".join(shipped_vehicles())
+    text = f"vehicle file, or one of {shipped} (default: that of the bags, or of the parameter file)"
+    parser.add_argument("--vehicle", default="", metavar="NAME|FILE", help=text)
+    parser.add_argument("--params-file", type=Path, help="parameter file of smart_tyre_forces")
     parser.add_argument("--imu-topic", default="imu/data")
-    defaults = {f.name: f.default for f in fields(CarParameters)}
-    for name in _CAR:
-        parser.add_argument(f"--{name.replace('_', '-')}", type=float, default=defaults[name], help="of the car, SI")
     return parser
 
 
+def _vehicle(options: argparse.Namespace, by_file: str) -> Vehicle:
+    """Car of the bags: the one given, else the one that they note, else that of the parameter file."""
+    noted = sorted({name for bag in (*options.quasi_static, *options.dynamic) if (name := noted_vehicle(bag))})
+    if not options.vehicle and len(noted) > 1:
+        raise ParameterError(f"the bags are of different cars ({', '.join(noted)}): give --vehicle")
+    chosen = options.vehicle or "".join(noted) or by_file
+    if not chosen:
+        shipped = ", ".join(shipped_vehicles())
+        raise ParameterError(f"the bags do not say their car: give --vehicle, a path, or one of {shipped}")
+    return load_vehicle(chosen)
+
+
 def _calibrate(options: argparse.Namespace, parameters: SmartTyreParameters) -> None:
-    tracker, zero = parameters.tracker(), parameters.zero()
-    car = replace(CarParameters(), **{name: getattr(options, name) for name in _CAR})
-    slow = [calibration_bags.read(bag, options.imu_topic) for bag in options.quasi_static]
-    fast = [calibration_bags.read(bag, options.imu_topic) for bag in options.dynamic]
-    tables = {wheel: bag.table(wheel, tracker) for bag in reversed(fast) for wheel in bag.tyres}
+    tracker, zero = parameters.tracker, parameters.zero
+    car = _vehicle(options, parameters.vehicle_file)
+    slow = [read(bag, car, options.imu_topic) for bag in options.quasi_static]
+    fast = [read(bag, car, options.imu_topic) for bag in options.dynamic]
+    tables = {wheel: bag.table(car.wheel(wheel), tracker) for bag in reversed(fast) for wheel in bag.tyres}
     missing = sorted({wheel for bag in slow for wheel in bag.tyres} - set(tables))
     if missing:
         raise ValueError(f"wheels without a dynamic bag: {', '.join(missing)}")
     learner = TemplateLearner()
-    slow_runs = [bag.run(w, "rear" in w, tables[w], tracker, learner) for bag in slow for w in bag.tyres]
-    fast_runs = [bag.run(w, "rear" in w, tables[w], tracker) for bag in fast for w in bag.tyres]
+    slow_runs = [bag.run(car.wheel(w), tables[w], tracker, learner) for bag in slow for w in bag.tyres]
+    fast_runs = [bag.run(car.wheel(w), tables[w], tracker) for bag in fast for w in bag.tyres]
     deviations = {wheel: table.deviations for wheel, table in tables.items()}
     known = calibrate(slow_runs, fast_runs, deviations, car, tracker, zero, learner.template)
     known.save(options.out)
     _show(known, options.out)
     if options.plots is not None:
         options.plots.mkdir(parents=True, exist_ok=True)
-        slow_points = {f"{r.wheel}, run {k}": raw_points(r, car, tracker) for k, r in enumerate(slow_runs)}
+        slow_points = {f"{r.wheel.name}, run {k}": raw_points(r, car, tracker) for k, r in enumerate(slow_runs)}
         fast_points = {
-            f"{r.wheel}, run {k}": corrected_points(r, known.tyre, known.wheels[r.wheel], car, tracker, zero)
+            f"{r.wheel.name}, run {k}": corrected_points(r, known.tyre, known.wheels[r.wheel.name], car, tracker, zero)
             for k, r in enumerate(fast_runs)
         }
         calibration_plots.quasi_static_maps(slow_points, known.tyre, options.plots / "quasi_static_maps.png")

@@ -1,7 +1,7 @@
-"""From raw fronts to length and shift free of speed and load: Omega_0 (8.15), speed trends, beta (8.19).
+"""From raw fronts to length and shift free of speed and load: Omega_0, speed trends, beta.
 
-    delta phi = (alpha_1 + alpha_2)/2 + Omega_0 - (P(v) - P(v_0)) + beta (Delta phi - Delta phi_0)
-    Delta phi = k (alpha_2 - alpha_1) - Q(v) + Delta phi_0
+    Delta phi = k (alpha_2 - alpha_1) - Q(v) + Delta phi_0                                            (8.13)
+    delta phi = (alpha_1 + alpha_2)/2 + Omega_0 - (P(v) - P(v_0)) + beta (Delta phi - Delta phi_0)    (8.15), (8.19)
 
 Omega_0 is found at the first stretch of constant low speed v_0 that lasts some seconds, so that delta phi is zero
 there (the chapter says 10 ms, which is less than a revolution). k is 1 until the length is re-zeroed at constant
@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from friction_parameters.parameter import parameter
 from smart_tyre_forces.calibration import TyreCalibration, polynomial
 from smart_tyre_forces.patch_tracker import Passage
 from smart_tyre_forces.reasons import PatchReason
@@ -27,14 +28,23 @@ _FEWEST = 8
 class ZeroParameters:
     """When a stretch of driving is steady enough to be called zero."""
 
-    duration: float = 4.0
-    """[s]"""
-    speed_spread: float = 0.03
-    """Largest over smallest speed in the stretch, less one [-]."""
-    maximum_speed: float = 12.0
-    """Of the first, automatic zero [m/s]; a requested one may be at any speed."""
-    pressure_tolerance: float = 0.04
-    """Change of length at constant speed that is noticed as a change of pressure [-]."""
+    duration: float = parameter(4.0, "length of a stretch of constant speed", unit="s", minimum=0.5, maximum=60.0)
+    speed_spread: float = parameter(
+        0.03, "highest over lowest speed of such a stretch, less one", minimum=1e-3, maximum=0.2
+    )
+    maximum_speed: float = parameter(
+        12.0,
+        "speed of the first stretch, which gives zero shift, at most; a zero that is asked for may be at any speed",
+        unit="m/s",
+        minimum=5.0,
+        maximum=50.0,
+    )
+    pressure_tolerance: float = parameter(
+        0.04,
+        "change of contact patch length at constant speed that is reported as a change of pressure",
+        minimum=0.005,
+        maximum=0.5,
+    )
 
 
 @dataclass(frozen=True)
@@ -49,13 +59,13 @@ class Patch:
     """With Omega_0."""
     alpha_2: float = np.nan
     length_raw: float = np.nan
-    """(8.13)"""
+    """Delta phi of (8.13)."""
     shift_raw: float = np.nan
-    """(8.15)"""
+    """delta phi of (8.15), with Omega_0."""
     length: float = np.nan
     """Speed trend removed."""
     shift: float = np.nan
-    """Speed trend removed and corrected for load (8.19)."""
+    """Speed trend and the part of the load removed, see load_shift."""
     length_bias: float = 0.0
     """How far the length was off at the last constant speed, once that is called a change of pressure [rad]."""
 
@@ -119,8 +129,7 @@ class PatchCorrection:
         if passage.reference != self._reference:
             self._reference, self._omega_0 = passage.reference, None
             self._stretch.clear()
-        centre = 0.5 * (passage.alpha_1 + passage.alpha_2)
-        length_raw = passage.alpha_2 - passage.alpha_1
+        centre, length_raw = passage.centre, passage.length
         self._stretch.append(_Steady(passage.time / self._sample_rate, speed, centre, length_raw))
         self._learn_from_stretch()
         if self._omega_0 is None:
@@ -147,7 +156,7 @@ class PatchCorrection:
             return length_raw, shift_raw
         longer = self.length_scale * length_raw - polynomial(c.length_trend, speed)
         trend = polynomial(c.shift_trend, speed) - polynomial(c.shift_trend, self.zero_speed)
-        return longer + c.nominal_length, shift_raw - trend + c.beta * longer
+        return longer + c.nominal_length, shift_raw - trend + load_shift(c, longer)
 
     def _learn_from_stretch(self) -> None:
         stretch, p = self._stretch, self._parameters
@@ -180,6 +189,18 @@ class PatchCorrection:
         shifts = [self._corrected(e.speed, _wrapped(e.centre - first), e.length_raw)[1] for e in self._stretch]
         self._omega_0 = -first - float(np.mean(shifts))
         self._any_speed = False
+
+
+def load_shift(tyre: TyreCalibration, longer: float) -> float:
+    """Correction f_F(Fz) that takes off the shift what comes of the load and not of Fx [rad] (8.17).
+
+    Fz is not known: the length tells it, f_F(Delta phi) (8.18), and a line does, beta (Delta phi - Delta phi_0) (8.19).
+
+    Args:
+        tyre: with beta.
+        longer: Delta phi - Delta phi_0 [rad], how much longer the patch is than at rest.
+    """
+    return tyre.beta * longer
 
 
 def _wrapped(angle: float) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
+from friction_parameters.parameter import parameter
 from smart_tyre_forces.reasons import PatchReason
 
 Array = NDArray[np.float64]
@@ -19,18 +20,27 @@ _TAPS = signal.windows.hann(7)[1:-1] / np.sum(signal.windows.hann(7))
 _DELAY = (len(_TAPS) - 1) // 2
 # A two-term denominator keeps scipy on its sample-by-sample recursion; its shortcut for pure FIR sums in another order.
 _ONE = np.array([1.0, 0.0])
+_LONGEST_INTERVAL = 0.033
+"""Time between crossings [s] above which the wheel may have turned back: the sine has no direction."""
 
 
 @dataclass(frozen=True)
 class CrossingParameters:
     """What counts as a crossing."""
 
-    hysteresis: float = 0.1
-    """[V] the voltage must reach on either side; also the amplitude below which the wheel counts as standing."""
-    longest_interval: int = 330
-    """Samples between crossings above which the wheel may have turned back: the sine has no direction."""
-    interval_ratio: float = 1.5
-    """An interval longer than the last by more than this factor is a missed tooth, shorter by it a surplus one."""
+    hysteresis: float = parameter(
+        0.1,
+        "voltage to be passed on either side of a zero crossing; a smaller sine counts as standstill",
+        unit="V",
+        minimum=1e-4,
+        maximum=100.0,
+    )
+    interval_ratio: float = parameter(
+        1.5,
+        "neighbouring crossing intervals that differ by more: a missed tooth, or a surplus one",
+        minimum=1.1,
+        maximum=3.0,
+    )
 
 
 @dataclass(frozen=True)
@@ -46,9 +56,10 @@ class Stretch:
 class EncoderCrossings:
     """Finds the crossings of one encoder."""
 
-    def __init__(self, parameters: CrossingParameters = CrossingParameters()) -> None:
-        """Start without history."""
+    def __init__(self, sample_rate: float, parameters: CrossingParameters = CrossingParameters()) -> None:
+        """Start without history, at a sample rate [Hz]."""
         self._parameters = parameters
+        self._longest_interval = round(_LONGEST_INTERVAL * sample_rate)
         self.restart(0)
 
     def restart(self, sample: int) -> None:
@@ -108,7 +119,7 @@ class EncoderCrossings:
             limit = self._parameters.interval_ratio
             wrong[2:] = (ratio > limit) | (ratio * limit < 1.0)
         standing = np.zeros(len(known), dtype=bool)
-        standing[1:] = intervals > self._parameters.longest_interval
+        standing[1:] = intervals > self._longest_interval
         faults = np.flatnonzero((wrong | standing)[carried:])
         if len(faults) == 0:
             return [Stretch(None, times)]

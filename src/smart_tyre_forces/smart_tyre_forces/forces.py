@@ -1,4 +1,4 @@
-"""Fz and Fx of one wheel from its corrected contact patch, (8.14) and (8.16), with their deviations.
+"""Fz and Fx of one wheel from its corrected contact patch, with their deviations.
 
 Removing the speed trend removes the steady drag and rolling resistance with it: the shift map alone gives Fx relative
 to constant speed. The part removed is known from the calibration and is added again unless it is switched off:
@@ -60,7 +60,7 @@ def forces(
     *,
     restore_steady: bool,
 ) -> Forces:
-    """Forces of one contact patch.
+    """Forces of one contact patch: Fz = f_z(Delta phi) (8.14), Fx = f_x(delta phi) (8.16) and the steady part.
 
     Args:
         patch: of this revolution.

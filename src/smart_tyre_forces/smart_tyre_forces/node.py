@@ -9,6 +9,7 @@ from friction_runtime.processor_node import ProcessorNode
 from friction_runtime.spin import run
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.processor import TyreProcessor, build
+from vehicle_models.vehicle import Vehicle
 
 
 class SmartTyreNode(ProcessorNode[SmartTyreParameters]):
@@ -21,8 +22,8 @@ class SmartTyreNode(ProcessorNode[SmartTyreParameters]):
         self._serve("zero_shift", TyreProcessor.request_shift_zero)
         self._serve("zero_length", TyreProcessor.request_length_zero)
 
-    def _remember(self, parameters: SmartTyreParameters, report: Report) -> list[TyreProcessor]:
-        self._tyres = build(parameters, report)
+    def _remember(self, parameters: SmartTyreParameters, vehicle: Vehicle, report: Report) -> list[TyreProcessor]:
+        self._tyres = build(parameters, vehicle, report)
         return self._tyres
 
     def _serve(self, name: str, request: Callable[[TyreProcessor], None]) -> None:
@@ -39,4 +40,4 @@ class SmartTyreNode(ProcessorNode[SmartTyreParameters]):
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run until a signal; return the exit code."""
-    return run(SmartTyreNode, args)
+    return run("smart_tyre_forces", SmartTyreParameters, SmartTyreNode, args)

@@ -9,12 +9,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_parameters import shared
+from friction_parameters.parameter import group, parameter
 from smart_tyre_forces.encoder_crossings import CrossingParameters, EncoderCrossings
 from smart_tyre_forces.front_template import FrontRefiner
 from smart_tyre_forces.fronts import FREE_BEGIN, FREE_END, WINDOW_END, find_fronts, noise_over_slope
 from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.wheel_angle import WheelAngle
+from vehicle_models.vehicle import Wheel
 
 Array = NDArray[np.float64]
 
@@ -32,21 +35,22 @@ _BUFFER = 60_000
 
 @dataclass(frozen=True)
 class TrackerParameters:
-    """The sensors of one wheel."""
+    """The sensors of a wheel, and the speeds at which they tell the contact patch."""
 
-    sample_rate: float = 1.0e4
-    """[Hz]"""
-    teeth: int = 48
-    """Of the encoder."""
-    radius: float = 0.32
-    """Of the tyre [m]: only for the limits of speed."""
-    minimum_speed: float = 5.0
-    """[m/s]"""
-    maximum_speed: float = 35.0
-    """[m/s]"""
-    acceleration_range: float = 500.0 * 9.81
-    """Saturation of the accelerometer, +- [m/s^2]."""
-    crossings: CrossingParameters = CrossingParameters()
+    sample_rate: float = parameter(1.0e4, "rate of the tyre signals", unit="Hz", minimum=5e3, maximum=1e5)
+    minimum_speed: float = shared.minimum_speed(5.0)
+    maximum_speed: float = parameter(
+        35.0, "no estimate above this vehicle speed", unit="m/s", minimum=5.0, maximum=100.0
+    )
+    acceleration_range: float = parameter(
+        500.0 * 9.81, "saturation of the accelerometer", unit="m/s^2", minimum=100.0, maximum=1e5
+    )
+    crossings: CrossingParameters = group(CrossingParameters())
+
+    def __post_init__(self) -> None:
+        """Refuse an empty range of speeds."""
+        if not self.maximum_speed > self.minimum_speed:
+            raise ValueError("parameter 'maximum_speed' must exceed 'minimum_speed'")
 
 
 @dataclass(frozen=True)
@@ -69,20 +73,32 @@ class Passage:
     front_stddev: float = np.nan
     """Deviation of either front by the noise of the signal [rad]; NaN when not OK."""
 
+    @property
+    def length(self) -> float:
+        """Length of the contact patch [rad], Delta phi = alpha_2 - alpha_1 (8.13)."""
+        return self.alpha_2 - self.alpha_1
+
+    @property
+    def centre(self) -> float:
+        """Angle of its centre [rad], delta phi = (alpha_1 + alpha_2) / 2 (8.15), before any zero is called."""
+        return 0.5 * (self.alpha_1 + self.alpha_2)
+
 
 class PatchTracker:
     """Passages of one wheel."""
 
     def __init__(
         self,
+        wheel: Wheel,
         parameters: TrackerParameters = TrackerParameters(),
         table: ToothTable | None = None,
         refiner: FrontRefiner | None = None,
     ) -> None:
         """Start; without a tooth table it is learned first, without a refiner fronts are crossings."""
+        self._radius = wheel.radius
         self._parameters = parameters
-        self._crossings = EncoderCrossings(parameters.crossings)
-        self.wheel = WheelAngle(parameters.teeth, table)
+        self._crossings = EncoderCrossings(parameters.sample_rate, parameters.crossings)
+        self.wheel = WheelAngle(wheel.encoder_teeth, table)
         """Angle of the wheel over time."""
         self._refiner = refiner
         self._acceleration: Array = np.zeros(0)
@@ -207,7 +223,7 @@ class PatchTracker:
         return angle * self._parameters.sample_rate / samples
 
     def _speed_reason(self, wheel_speed: float) -> PatchReason | None:
-        speed = wheel_speed * self._parameters.radius
+        speed = wheel_speed * self._radius
         inside = self._parameters.minimum_speed <= speed <= self._parameters.maximum_speed
         return None if inside else PatchReason.SPEED_RANGE
 

@@ -1,6 +1,7 @@
 """<wheel>/tyre_signals in, <wheel>/contact_patch and <wheel>/tyre_force out, once per revolution."""
 
 from collections.abc import Mapping, Sequence
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +15,13 @@ from smart_tyre_forces import messages
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.correction import Patch, PatchCorrection
 from smart_tyre_forces.forces import Forces, forces
-from smart_tyre_forces.front_template import TemplateFit
+from smart_tyre_forces.front_template import FrontTemplate, TemplateFit
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker
 from smart_tyre_forces.reasons import ForceReason, PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
+from vehicle_models.plausible import LATEST_STAMP
+from vehicle_models.vehicle import Vehicle
 
 _SILENT_AFTER = 0.25
 """[s]"""
@@ -28,44 +31,47 @@ class TyreProcessor:
     """Layer 2 of smart_tyre_forces: one wheel."""
 
     def __init__(
-        self, wheel: str, parameters: SmartTyreParameters, calibration: Calibration | None, report: Report = silent
+        self,
+        wheel: str,
+        vehicle: Vehicle,
+        parameters: SmartTyreParameters,
+        calibration: Calibration | None,
+        report: Report = silent,
     ) -> None:
-        """Build for one wheel.
+        """Build for one wheel of a car; a wheel that the calibration does not know gives raw contact patches.
 
         Raises:
-            ValueError: the calibration does not know the wheel, or lacks the template asked for.
+            ValueError: the calibration is of another encoder, or lacks the template asked for.
         """
-        self.wheel = wheel
+        self._wheel = vehicle.wheel(wheel)
         self._topic = f"{wheel}/tyre_signals"
         self.sensors: Mapping[str, type] = {}
         self.estimates: Mapping[str, type] = {self._topic: TyreSignals}
+        self.optional = (self._topic,)
         self.outputs: Mapping[str, type] = {f"{wheel}/contact_patch": ContactPatch, f"{wheel}/tyre_force": TyreForce}
         if parameters.publish_wrench:
             self.outputs = {**self.outputs, f"{wheel}/tyre_wrench": WrenchStamped}
         self._p = parameters
         self._report = report
-        self._tyre = calibration.tyre if calibration is not None else None
-        self._template = None
-        self._wheel_calibration = None
+        self._came = False
+        self._template = _template(parameters, calibration)
+        self._wheel_calibration = None if calibration is None else calibration.wheels.get(wheel)
+        self._tyre = None if calibration is None or self._wheel_calibration is None else calibration.tyre
         self._table = None
-        if calibration is not None:
-            if wheel not in calibration.wheels:
-                raise ValueError(f"calibration file {parameters.calibration_file}: no wheel '{wheel}'")
-            self._wheel_calibration = calibration.wheels[wheel]
+        if self._wheel_calibration is not None:
             self._table = ToothTable(np.asarray(self._wheel_calibration.tooth_table))
-            if len(self._table) != 2 * parameters.teeth:
-                raise ValueError(f"{wheel}: calibrated with {len(self._table) // 2} teeth, parameter 'teeth' differs")
-            if parameters.front_method == "template":
-                if calibration.template is None:
-                    raise ValueError(f"calibration file {parameters.calibration_file}: no template")
-                self._template = calibration.template
+            if len(self._table) != 2 * self._wheel.encoder_teeth:
+                raise ValueError(
+                    f"calibration file {parameters.calibration_file}: wheel '{wheel}' was calibrated with "
+                    f"{len(self._table) // 2} teeth, the vehicle file says {self._wheel.encoder_teeth}"
+                )
         self.reset()
 
     def reset(self) -> None:
         """Start anew, as after construction."""
         refiner = TemplateFit(self._template) if self._template is not None else None
-        self._tracker = PatchTracker(self._p.tracker(), self._table, refiner)
-        self._correction = PatchCorrection(self._tyre, self._p.tyre_radius, self._p.sample_rate, self._p.zero())
+        self._tracker = PatchTracker(self._wheel, self._p.tracker, self._table, refiner)
+        self._correction = PatchCorrection(self._tyre, self._wheel.radius, self._p.tracker.sample_rate, self._p.zero)
         self._last_stamp: int | None = None
         self._patch: Patch | None = None
         self._forces: Forces | None = None
@@ -81,6 +87,7 @@ class TyreProcessor:
 
     def process(self, topic: str, message: TyreSignals) -> Sequence[Output]:
         """Take one block, return the revolutions it completes."""
+        self._note_first()
         stamp = to_nanoseconds(message.header.stamp)
         voltage = np.asarray(message.encoder_voltage, dtype=np.float32)
         acceleration = np.asarray(message.radial_acceleration, dtype=np.float32)
@@ -95,29 +102,43 @@ class TyreProcessor:
         self._silent = ""
         outputs: list[Output] = []
         for passage in self._tracker.push(int(message.first_sample), voltage, acceleration):
-            seconds = (passage.time - message.first_sample) / self._p.sample_rate
+            seconds = (passage.time - message.first_sample) / self._p.tracker.sample_rate
             header = Header(
                 stamp=from_nanoseconds(stamp + round(seconds * NANOSECONDS)), frame_id=message.header.frame_id
             )
             outputs += self._revolution(header, passage)
         return outputs
 
+    def _note_first(self) -> None:
+        """Say what is missing once there are signals: a wheel without any is no smart tyre, and no fault."""
+        if not self._came and self._p.calibration_file and self._wheel_calibration is None:
+            self._report(
+                "warning",
+                f"calibration file {self._p.calibration_file}: no wheel '{self._wheel.name}': raw contact patches only",
+            )
+        self._came = True
+
     def _refusal(self, message: TyreSignals, stamp: int, voltages: int, accelerations: int) -> str:
-        if message.wheel != self.wheel:
-            return f"wheel '{message.wheel}' where '{self.wheel}' is expected"
+        if message.wheel != self._wheel.name:
+            return f"wheel '{message.wheel}' where '{self._wheel.name}' is expected"
+        if not 0 < stamp <= LATEST_STAMP - voltages / self._p.tracker.sample_rate * NANOSECONDS:
+            return "stamp is zero" if stamp <= 0 else "stamp is no time"
         if stamp == self._last_stamp:
             return "repeated stamp"
         if voltages == 0 or voltages != accelerations:
             return f"{voltages} encoder and {accelerations} acceleration samples"
-        if not abs(message.sample_rate - self._p.sample_rate) < 1e-3 * self._p.sample_rate:
-            return f"sample rate {message.sample_rate} Hz where parameter 'sample_rate' is {self._p.sample_rate}"
+        rate = self._p.tracker.sample_rate
+        if not abs(message.sample_rate - rate) < 1e-3 * rate:
+            return f"sample rate {message.sample_rate} Hz where parameter 'tracker.sample_rate' is {rate}"
         return ""
 
     def _revolution(self, header: Header, passage: Passage) -> list[Output]:
         was_changed = self._correction.pressure_changed
         self._patch = self._correction.update(passage)
         if self._correction.pressure_changed and not was_changed:
-            self._report("warning", f"{self.wheel}: contact patch length differs at constant speed: pressure changed?")
+            self._report(
+                "warning", f"{self._wheel.name}: contact patch length differs at constant speed: pressure changed?"
+            )
         self._forces = forces(
             self._patch,
             self._tyre,
@@ -125,18 +146,19 @@ class TyreProcessor:
             self._correction.zero_speed,
             restore_steady=self._p.restore_steady_force,
         )
+        wheel = self._wheel.name
         outputs: list[Output] = [
-            (f"{self.wheel}/contact_patch", messages.contact_patch(header, self.wheel, self._patch, self._tyre)),
-            (f"{self.wheel}/tyre_force", messages.tyre_force(header, self.wheel, self._forces)),
+            (f"{wheel}/contact_patch", messages.contact_patch(header, wheel, self._patch, self._tyre)),
+            (f"{wheel}/tyre_force", messages.tyre_force(header, wheel, self._forces)),
         ]
         if self._p.publish_wrench and self._forces.reason is ForceReason.OK:
-            outputs.append((f"{self.wheel}/tyre_wrench", messages.tyre_wrench(header, self._forces)))
+            outputs.append((f"{wheel}/tyre_wrench", messages.tyre_wrench(header, self._forces)))
         return outputs
 
     def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
-        """Note silence for diagnostics."""
+        """Note silence for diagnostics, of signals that have come once."""
         age = ages.get(self._topic, 0.0)
-        self._silent = f"{self._topic}: no message for {age:.2f} s" if age > _SILENT_AFTER else ""
+        self._silent = f"{self._topic}: no message for {age:.2f} s" if _SILENT_AFTER < age < inf else ""
         return []
 
     def health(self) -> Health:
@@ -151,22 +173,28 @@ class TyreProcessor:
             "fx [N]": "nan" if self._forces is None else f"{self._forces.fx:.0f}",
             "fz [N]": "nan" if self._forces is None else f"{self._forces.fz:.0f}",
         }
+        level, text = self._state()
+        return Health(self._wheel.name, level, text, values)
+
+    def _state(self) -> tuple[Level, str]:
         if self._silent:
-            return Health(self.wheel, Level.ERROR, self._silent, values)
-        if patch is None:
-            return Health(self.wheel, Level.WARN, "no revolution seen yet", values)
-        if patch.reason is not PatchReason.OK:
-            return Health(self.wheel, Level.WARN, messages.PATCH_TEXTS[patch.reason], values)
-        if correction.pressure_changed:
-            return Health(self.wheel, Level.WARN, "pressure changed: re-zero the length", values)
-        return Health(self.wheel, Level.OK, "ok", values)
+            return Level.ERROR, self._silent
+        if not self._came:
+            return Level.OK, "no tyre signals"
+        if self._patch is None:
+            return Level.WARN, "no revolution seen yet"
+        if self._patch.reason is not PatchReason.OK:
+            return Level.WARN, messages.PATCH_TEXTS[self._patch.reason]
+        if self._correction.pressure_changed:
+            return Level.WARN, "pressure changed: re-zero the length"
+        return Level.OK, "ok"
 
 
-def build(parameters: SmartTyreParameters, report: Report = silent) -> list[TyreProcessor]:
-    """Make the processors of all wheels.
+def build(parameters: SmartTyreParameters, vehicle: Vehicle, report: Report = silent) -> list[TyreProcessor]:
+    """Make the processors: one a wheel.
 
     Raises:
-        ValueError: the calibration file is missing, damaged, or does not fit the parameters.
+        ValueError: the calibration file is missing, damaged, knows no wheel of the car, or does not fit the parameters.
     """
     calibration = None
     if parameters.calibration_file:
@@ -174,4 +202,22 @@ def build(parameters: SmartTyreParameters, report: Report = silent) -> list[Tyre
             calibration = Calibration.load(Path(parameters.calibration_file))
         except OSError as problem:
             raise ValueError(f"parameter 'calibration_file': {problem}") from problem
-    return [TyreProcessor(wheel, parameters, calibration, report) for wheel in parameters.wheels]
+        if not set(vehicle.wheel_names) & set(calibration.wheels):
+            raise ValueError(
+                f"calibration file {parameters.calibration_file}: knows {', '.join(calibration.wheels)}, "
+                f"no wheel of the car: {', '.join(vehicle.wheel_names)}"
+            )
+    return [TyreProcessor(wheel, vehicle, parameters, calibration, report) for wheel in vehicle.wheel_names]
+
+
+def _template(parameters: SmartTyreParameters, calibration: Calibration | None) -> FrontTemplate | None:
+    """Template to find the fronts by, None where they are crossings.
+
+    Raises:
+        ValueError: it is asked for, and the calibration has none.
+    """
+    if parameters.front_method != "template":
+        return None
+    if calibration is None or calibration.template is None:
+        raise ValueError(f"calibration file {parameters.calibration_file}: no template")
+    return calibration.template

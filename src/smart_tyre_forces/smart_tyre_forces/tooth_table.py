@@ -85,7 +85,7 @@ class ToothTable:
 class ToothTableLearner:
     """Learns a tooth table from uninterrupted crossings, batch after batch."""
 
-    def __init__(self, teeth: int = 48, batches: int = 2) -> None:
+    def __init__(self, teeth: int, batches: int = 2) -> None:
         """Be ready after `batches` batches during which the wheel turned evenly."""
         self._count = 2 * teeth
         self._batches = batches

@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 class WheelAngle:
     """Angle at each crossing, from the moment the place in the tooth table is known."""
 
-    def __init__(self, teeth: int = 48, table: ToothTable | None = None) -> None:
+    def __init__(self, teeth: int, table: ToothTable | None = None) -> None:
         """Start; without a table it is learned first."""
         self.table = table
         """None until learned."""

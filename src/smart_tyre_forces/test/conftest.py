@@ -12,6 +12,8 @@ from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.encoder import EncoderParameters
 from vehicle_models.tyre_ring import TyreRing
 from vehicle_models.tyre_signal import AccelerometerParameters, TyreBlock, TyreSignalSource
+from vehicle_models.vehicle import Wheel
+from vehicle_models.vehicle_file import load_vehicle
 
 Simulate = Callable[..., TyreBlock]
 RING = TyreRing()
@@ -40,10 +42,16 @@ def simulate() -> Simulate:
 
 
 @pytest.fixture(scope="session")
-def table(simulate: Simulate) -> ToothTable:
+def wheel() -> Wheel:
+    """The wheel that the tyre is on."""
+    return load_vehicle("smart_tyre_car").wheel("front_left")
+
+
+@pytest.fixture(scope="session")
+def table(simulate: Simulate, wheel: Wheel) -> ToothTable:
     """Tooth table of the simulated wheel, learned from a drive of its own."""
     block = simulate(15.0, seconds=8.0, seed=77)
-    tracker = PatchTracker()
+    tracker = PatchTracker(wheel)
     tracker.push(0, block.encoder_voltage, block.radial_acceleration)
     assert tracker.wheel.table is not None
     return tracker.wheel.table

@@ -2,10 +2,12 @@
 
 from array import array
 from pathlib import Path
+from shutil import copytree
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from ament_index_python.packages import get_package_share_directory
 from friction_msgs.msg import TyreSignals
 from geometry_msgs.msg import Vector3
@@ -23,7 +25,9 @@ from smart_tyre_forces.processor import build
 from vehicle_models.force_history import Drive, dynamic_drive, quasi_static_drives
 from vehicle_models.tyre_ring import TyreRing
 from vehicle_models.tyre_signal import TyreSignalSource
+from vehicle_models.vehicle_file import load_vehicle, vehicle_path
 
+CAR = ["--vehicle", "smart_tyre_car"]
 RING = TyreRing()
 START = 10_000_000_000
 
@@ -70,6 +74,15 @@ def write(bag: Path, drive: Drive, seed: int) -> Path:
     return bag
 
 
+def noted(bag: Path, copy: Path, vehicle: str) -> str:
+    """A bag again, with a note of its car."""
+    copytree(bag, copy)
+    metadata = yaml.safe_load((copy / "metadata.yaml").read_text())
+    metadata["rosbag2_bagfile_information"]["custom_data"] = {"vehicle": vehicle}
+    (copy / "metadata.yaml").write_text(yaml.safe_dump(metadata))
+    return str(copy)
+
+
 @pytest.fixture(scope="module")
 def bags(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     base = tmp_path_factory.mktemp("bags")
@@ -83,7 +96,8 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 def test_bags_become_a_calibration_that_the_processor_can_use(bags: dict[str, Path], tmp_path: Path) -> None:
     out = tmp_path / "calibration.yaml"
-    arguments = ["--quasi-static", str(bags["up"]), str(bags["down"]), "--dynamic", str(bags["dynamic"])]
+    dynamic = noted(bags["dynamic"], tmp_path / "noted", "smart_tyre_car")
+    arguments = ["--quasi-static", str(bags["up"]), str(bags["down"]), "--dynamic", dynamic]
     assert main([*arguments, "--out", str(out), "--plots", str(tmp_path / "plots")]) == 0
     assert {p.name for p in (tmp_path / "plots").iterdir()} == {"quasi_static_maps.png", "force_maps.png"}
     known = Calibration.load(out)
@@ -96,7 +110,7 @@ def test_bags_become_a_calibration_that_the_processor_can_use(bags: dict[str, Pa
     drive = dynamic_drive(road_seed=40)
     for method in ("crossing", "template"):
         given = SmartTyreParameters(calibration_file=str(out), front_method=method)
-        processor = build(given)[0]
+        processor = build(given, load_vehicle("smart_tyre_car"))[0]
         outputs: list[tuple[str, Any]] = []
         for _, message in tyre_messages(drive, "front_left", 50):
             outputs += processor.process("front_left/tyre_signals", message)
@@ -114,7 +128,7 @@ def test_bags_become_a_calibration_that_the_processor_can_use(bags: dict[str, Pa
 def test_bags_that_do_not_allow_it_are_named(
     bags: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    out = ["--out", str(tmp_path / "c.yaml")]
+    out = ["--out", str(tmp_path / "c.yaml"), *CAR]
     assert main(["--quasi-static", str(tmp_path / "no_bag"), "--dynamic", str(bags["dynamic"]), *out]) == 2
     assert "no_bag" in capsys.readouterr().err
     assert main(["--quasi-static", str(bags["up"]), "--dynamic", str(bags["down"]), *out]) == 2
@@ -122,4 +136,22 @@ def test_bags_that_do_not_allow_it_are_named(
     wrong_imu = ["--imu-topic", "imu/other"]
     assert main(["--quasi-static", str(bags["up"]), "--dynamic", str(bags["dynamic"]), *out, *wrong_imu]) == 2
     assert "imu/other" in capsys.readouterr().err
+    assert not (tmp_path / "c.yaml").exists()
+
+
+def test_bags_whose_car_is_not_known_are_refused(
+    bags: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = ["--out", str(tmp_path / "c.yaml")]
+    plain = [str(bags["up"]), str(bags["down"])]
+    assert main(["--quasi-static", *plain, "--dynamic", str(bags["dynamic"]), *out]) == 2
+    assert "--vehicle" in capsys.readouterr().err
+    own = tmp_path / "own.yaml"
+    own.write_text(vehicle_path("smart_tyre_car").read_text().replace("front_left", "FL"))
+    other = noted(bags["dynamic"], tmp_path / "other", str(own))
+    assert main(["--quasi-static", *plain, "--dynamic", other, *out]) == 2
+    assert "'front_left' is no wheel of the car, which has FL, " in capsys.readouterr().err
+    dynamic = noted(bags["dynamic"], tmp_path / "noted", "smart_tyre_car")
+    assert main(["--quasi-static", *plain, "--dynamic", other, dynamic, *out]) == 2
+    assert "different cars" in capsys.readouterr().err
     assert not (tmp_path / "c.yaml").exists()

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from smart_tyre_forces.calibrate import WheelRun, calibrate
 from smart_tyre_forces.calibration import Calibration, TyreCalibration, WheelCalibration, polynomial
-from smart_tyre_forces.correction import Patch, PatchCorrection, ZeroParameters
+from smart_tyre_forces.correction import Patch, PatchCorrection, ZeroParameters, load_shift
 from smart_tyre_forces.force_map import ForceMap
 from smart_tyre_forces.forces import forces, length_stddev, shift_stddev, steady_force
 from smart_tyre_forces.front_template import GRID, FrontTemplate
@@ -17,7 +17,10 @@ from smart_tyre_forces.patch_tracker import Passage
 from smart_tyre_forces.reasons import ForceReason, PatchReason
 from vehicle_models.force_history import Drive, dynamic_drive, quasi_static_drives
 from vehicle_models.tyre_ring import TyreRing
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
+CAR = load_vehicle("smart_tyre_car")
 RING = TyreRing()
 LENGTH_MAP = ForceMap((0.1, 9.6e-5, -2.1e-9), 2500.0, 4800.0)
 SHIFT_MAP = ForceMap((0.0, 1.3e-5, 0.0, -1e-13), -4000.0, 2200.0)
@@ -176,6 +179,17 @@ def test_without_calibration_the_raw_values_are_given_and_called_so() -> None:
     assert forces(patches[-1], None, None, 8.0, restore_steady=True).reason is ForceReason.NOT_CALIBRATED
 
 
+def test_length_and_centre_are_those_of_the_chapter() -> None:
+    found = passage(1, 8.0, 3.0, 0.43)
+    assert found.length == pytest.approx(0.43)
+    assert found.centre == pytest.approx(3.0)
+
+
+def test_shift_by_the_load_is_linear_in_the_change_of_length() -> None:
+    assert load_shift(TYRE, 0.0) == 0.0
+    assert load_shift(TYRE, 0.02) == pytest.approx(0.08 * 0.02)
+
+
 def good_patch(length: float, shift: float, speed: float = 20.0) -> Patch:
     return Patch(passage(1, speed, 3.0, length), PatchReason.OK, speed, length=length, shift=shift)
 
@@ -224,16 +238,23 @@ def ideal_passages(drive: Drive, rear: bool) -> list[Passage]:
     return found
 
 
+def name_of(rear: bool) -> str:
+    return "rear_left" if rear else "front_left"
+
+
+TABLES = {name_of(rear): np.zeros(96) for rear in (False, True)}
+
+
 @pytest.fixture(scope="module")
 def calibrated() -> Calibration:
     slow, fast = [], []
     for rear in (False, True):
-        name = "rear" if rear else "front"
+        wheel = CAR.wheel(name_of(rear))
         for drive in quasi_static_drives(road_seed=0, unevenness=0.0):
-            slow.append(WheelRun(name, rear, ideal_passages(drive, rear), drive.time, drive.acceleration))
+            slow.append(WheelRun(wheel, ideal_passages(drive, rear), drive.time, drive.acceleration))
         drive = dynamic_drive(road_seed=0, unevenness=0.0)
-        fast.append(WheelRun(name, rear, ideal_passages(drive, rear), drive.time, drive.acceleration))
-    return calibrate(slow, fast, {"front": np.zeros(96), "rear": np.zeros(96)})
+        fast.append(WheelRun(wheel, ideal_passages(drive, rear), drive.time, drive.acceleration))
+    return calibrate(slow, fast, TABLES, CAR)
 
 
 def test_calibration_from_perfect_fronts_finds_beta_and_the_laws_of_the_tyre(calibrated: Calibration) -> None:
@@ -252,7 +273,7 @@ def test_calibration_from_perfect_fronts_finds_beta_and_the_laws_of_the_tyre(cal
 def test_calibrated_forces_are_the_true_ones(calibrated: Calibration, rear: bool) -> None:
     drive = dynamic_drive(road_seed=0, unevenness=0.0)
     correction = PatchCorrection(calibrated.tyre, 0.32, 1e4)
-    wheel = calibrated.wheels["rear" if rear else "front"]
+    wheel = calibrated.wheels[name_of(rear)]
     fx, fz = (drive.smooth.fx_rear, drive.smooth.fz_rear) if rear else (drive.smooth.fx_front, drive.smooth.fz_front)
     for p in ideal_passages(drive, rear):
         found = forces(correction.update(p), calibrated.tyre, wheel, correction.zero_speed, restore_steady=True)
@@ -269,16 +290,22 @@ def test_after_the_trends_every_constant_speed_has_the_same_length_and_shift(cal
         assert np.degrees(length - polynomial(tyre.length_trend, speed)) == pytest.approx(0.0, abs=0.2)
 
 
+def undriven(car: Vehicle) -> Vehicle:
+    return replace(car, wheels=tuple(replace(wheel, driven=False) for wheel in car.wheels))
+
+
 def test_calibration_says_what_a_drive_lacks(calibrated: Calibration) -> None:
     drive = dynamic_drive(road_seed=0, unevenness=0.0)
-    good = WheelRun("rear", True, ideal_passages(drive, True), drive.time, drive.acceleration)
+    good = WheelRun(CAR.wheel("rear_left"), ideal_passages(drive, True), drive.time, drive.acceleration)
     with pytest.raises(ValueError, match="beta"):
-        calibrate([good], [good], {"rear": np.zeros(96)})
+        calibrate([good], [good], TABLES, CAR)
     slow = replace(good, passages=[p for p in good.passages if p.time < 1.3e5])
     with pytest.raises(ValueError, match="span"):
-        calibrate([slow], [good], {"rear": np.zeros(96)})
+        calibrate([slow], [good], TABLES, CAR)
     with pytest.raises(ValueError, match="valid passages"):
-        calibrate([replace(good, passages=[])], [good], {"rear": np.zeros(96)})
+        calibrate([replace(good, passages=[])], [good], TABLES, CAR)
+    with pytest.raises(ValueError, match="driven"):
+        calibrate([good], [good], TABLES, undriven(CAR))
 
 
 def test_calibration_file_keeps_every_number(calibrated: Calibration, tmp_path: Path) -> None:
@@ -300,7 +327,7 @@ def test_calibration_file_keeps_every_number(calibrated: Calibration, tmp_path: 
         lambda c: c["tyre"].update(beta=float("nan")),
         lambda c: c["tyre"].update(shift_trend=[1.0, 2.0]),
         lambda c: c["tyre"]["shift_map"].update(coefficients=[0.0, -1e-5]),
-        lambda c: c["wheels"]["front"].update(tooth_table=[float("inf")] * 96),
+        lambda c: c["wheels"]["front_left"].update(tooth_table=[float("inf")] * 96),
         lambda c: c.update(template={"leading": [1.0], "trailing": [1.0]}),
     ],
 )

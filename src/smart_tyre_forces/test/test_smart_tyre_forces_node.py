@@ -3,13 +3,19 @@
 from array import array
 from typing import Any
 
+from diagnostic_msgs.msg import DiagnosticArray
 from friction_msgs.msg import ContactPatch, TyreForce, TyreSignals
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
 from dds_client import dds_client, stop
 from friction_runtime import qos
+from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds
+
+CAR = ("--ros-args", "-p", "vehicle_file:=smart_tyre_car")
 
 
 def test_node_turns_blocks_into_patches_and_serves_new_zeros(simulate: Any) -> None:
@@ -17,7 +23,7 @@ def test_node_turns_blocks_into_patches_and_serves_new_zeros(simulate: Any) -> N
     patches: list[ContactPatch] = []
     forces: list[TyreForce] = []
     with dds_client(72) as client:
-        process = client.start("-m", "smart_tyre_forces")
+        process = client.start("-m", "smart_tyre_forces", *CAR)
         publisher = qos.publish(client.node, TyreSignals, "front_left/tyre_signals")
         qos.subscribe(client.node, ContactPatch, "front_left/contact_patch", patches.append, qos.ESTIMATE)
         qos.subscribe(client.node, TyreForce, "front_left/tyre_force", forces.append, qos.ESTIMATE)
@@ -53,7 +59,55 @@ def test_node_turns_blocks_into_patches_and_serves_new_zeros(simulate: Any) -> N
 
 def test_node_refuses_a_missing_calibration_file_at_start() -> None:
     with dds_client(73) as client:
-        process = client.start("-m", "smart_tyre_forces", "--ros-args", "-p", "calibration_file:=/nowhere.yaml")
+        process = client.start("-m", "smart_tyre_forces", *CAR, "-p", "calibration_file:=/nowhere.yaml")
         output, _ = process.communicate(timeout=20)
         assert process.returncode == 2
         assert "calibration_file" in output
+
+
+def test_node_is_quiet_without_tyre_signals_and_takes_a_wrench_while_it_runs() -> None:
+    told: list[DiagnosticArray] = []
+    with dds_client(73) as client:
+        process = client.start("-m", "smart_tyre_forces", *CAR)
+        client.node.create_subscription(DiagnosticArray, "/diagnostics", told.append, 10)
+        client.until(lambda: len(told) >= 2)
+        levels = {(each.name.split(": ")[1], each.level, each.message) for array in told for each in array.status}
+        wheels = ("front_left", "front_right", "rear_left", "rear_right")
+        ok = bytes([Level.OK])
+        assert levels == {*((wheel, ok, "no tyre signals") for wheel in wheels), ("inputs", ok, "ok")}
+
+        assert client.node.count_publishers("front_left/tyre_wrench") == 0
+        wanted = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=True)
+        request = SetParameters.Request(parameters=[Parameter(name="publish_wrench", value=wanted)])
+        assert client.call(SetParameters, "/smart_tyre_forces/set_parameters", request).results[0].successful
+        client.until(lambda: client.node.count_publishers("front_left/tyre_wrench") == 1)
+        output, _ = stop(process)
+    assert output == ""
+    assert process.returncode == 0
+
+
+def test_signals_that_end_are_an_error_and_a_warning_of_the_inputs() -> None:
+    told: list[DiagnosticArray] = []
+    with dds_client(73) as client:
+        process = client.start("-m", "smart_tyre_forces", *CAR)
+        client.node.create_subscription(DiagnosticArray, "/diagnostics", told.append, 10)
+        publisher = qos.publish(client.node, TyreSignals, "front_left/tyre_signals")
+        client.until(lambda: publisher.get_subscription_count() == 1)
+        publisher.publish(
+            TyreSignals(
+                header=Header(stamp=from_nanoseconds(1_000_000_000)),
+                wheel="front_left",
+                sample_rate=1e4,
+                encoder_voltage=array("f", [0.0] * 50),
+                radial_acceleration=array("f", [0.0] * 50),
+            )
+        )
+
+        def faults() -> dict[str, str]:
+            return {each.name.split(": ")[1]: each.message for each in told[-1].status if each.level > bytes([0])}
+
+        client.until(lambda: bool(told) and "inputs" in faults())
+        assert set(faults()) == {"front_left", "inputs"}
+        assert "front_left/tyre_signals: no message for" in faults()["front_left"]
+        assert faults()["inputs"].endswith(" on front_left/tyre_signals")
+        stop(process)

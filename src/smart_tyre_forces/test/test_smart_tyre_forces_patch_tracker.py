@@ -13,12 +13,14 @@ from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.tyre_ring import TyreRing
 from vehicle_models.tyre_signal import TyreBlock
+from vehicle_models.vehicle_file import load_vehicle
 
 RING = TyreRing()
+WHEEL = load_vehicle("smart_tyre_car").wheel("front_left")
 
 
 def run(block: TyreBlock, table: ToothTable | None, cuts: list[int] | None = None, **kwargs: Any) -> list[Passage]:
-    tracker = PatchTracker(table=table, **kwargs)
+    tracker = PatchTracker(WHEEL, table=table, **kwargs)
     found, first = [], 0
     edges = [*sorted(set(cuts or [])), len(block.encoder_voltage)]
     for edge in edges:
@@ -123,7 +125,7 @@ def test_a_missed_tooth_leaves_no_permanent_error(simulate: Any, table: ToothTab
 @pytest.mark.parametrize("lost", [100, 5000, 20_000])
 def test_lost_packets_are_said_once_and_the_angle_is_found_again(simulate: Any, table: ToothTable, lost: int) -> None:
     block = simulate(12.0, seconds=8.0)
-    tracker = PatchTracker(table=table)
+    tracker = PatchTracker(WHEEL, table=table)
     found = tracker.push(0, block.encoder_voltage[:30_000], block.radial_acceleration[:30_000])
     begin = 30_000 + lost
     found += tracker.push(begin, block.encoder_voltage[begin:], block.radial_acceleration[begin:])
@@ -138,6 +140,14 @@ def test_nothing_is_said_below_5_and_above_35_metres_per_second(simulate: Any, t
         assert (passage.reason is PatchReason.OK) == (passage.wheel_speed * RING.radius >= 5.0)
     fast = run(simulate(36.0, seconds=3.0), table)
     assert fast and all(p.reason is PatchReason.SPEED_RANGE for p in fast)
+
+
+def test_radius_of_the_wheel_decides_what_is_too_slow(simulate: Any, table: ToothTable) -> None:
+    block = simulate(6.0, seconds=4.0)
+    small = PatchTracker(replace(WHEEL, radius=0.25), table=table)
+    found = small.push(0, block.encoder_voltage, block.radial_acceleration)
+    assert {p.reason for p in found} == {PatchReason.SPEED_RANGE}
+    assert PatchReason.OK in {p.reason for p in run(block, table)}
 
 
 def test_saturation_is_noticed(simulate: Any, table: ToothTable) -> None:
@@ -184,7 +194,7 @@ def test_reverse_driving_gives_nothing(simulate: Any, table: ToothTable) -> None
 @pytest.mark.parametrize("shapes", [(10, 9), (0, 0)])
 def test_blocks_that_are_no_blocks_are_refused(shapes: tuple[int, int]) -> None:
     with pytest.raises(ValueError, match="block"):
-        PatchTracker().push(0, np.zeros(shapes[0]), np.zeros(shapes[1]))
+        PatchTracker(WHEEL).push(0, np.zeros(shapes[0]), np.zeros(shapes[1]))
 
 
 @given(data=st.data())
@@ -193,7 +203,7 @@ def test_no_stream_however_hostile_breaks_the_tracker(simulate: Any, table: Toot
     block = simulate(12.0, seconds=5.0)
     learner = TemplateLearner()
     run(simulate(14.0, seconds=6.0, seed=5), table, refiner=learner)
-    tracker = PatchTracker(table=table, refiner=TemplateFit(learner.template))
+    tracker = PatchTracker(WHEEL, table=table, refiner=TemplateFit(learner.template))
     garbage = st.sampled_from([0.0, -1.0, 1e-30, 3e38, -3e38, np.nan, np.inf, -np.inf, 1.0, 4905.0])
     first = data.draw(st.integers(0, 2**40))
     with np.errstate(all="ignore"):

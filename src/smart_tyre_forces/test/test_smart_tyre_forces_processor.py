@@ -1,6 +1,7 @@
 from array import array
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -9,17 +10,23 @@ import pytest
 from friction_msgs.msg import ContactPatch, TyreForce, TyreSignals
 from std_msgs.msg import Header
 
-from friction_runtime.parameters import ParameterError, from_mapping, load
-from friction_runtime.processor import Level
+from friction_parameters.generated import parameter_file
+from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter_file import load
+from friction_parameters.values import declared, from_mapping
+from friction_runtime.processor import Level, optional_inputs
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces.calibration import Calibration, TyreCalibration, WheelCalibration
 from smart_tyre_forces.force_map import ForceMap
-from smart_tyre_forces.parameters import SmartTyreParameters
+from smart_tyre_forces.parameters import SHIPPED, SmartTyreParameters
 from smart_tyre_forces.processor import TyreProcessor, build
 from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.tyre_signal import TyreBlock
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
-SHIPPED = Path(__file__).parents[1] / "config" / "smart_tyre_forces.yaml"
+CAR = load_vehicle("smart_tyre_car")
+CONFIG = Path(__file__).parents[1] / "config" / "smart_tyre_forces.yaml"
 TOPIC = "front_left/tyre_signals"
 
 
@@ -59,7 +66,8 @@ def calibration_file(table: ToothTable, tmp_path: Path) -> str:
 
 
 def test_shipped_parameters_are_the_defaults() -> None:
-    assert load(SmartTyreParameters, SHIPPED, "smart_tyre_forces") == SmartTyreParameters()
+    assert load(SmartTyreParameters, CONFIG, "smart_tyre_forces") == SmartTyreParameters()
+    assert CONFIG.read_text() == parameter_file("smart_tyre_forces", SHIPPED["smart_tyre_forces"])
 
 
 @pytest.mark.parametrize(
@@ -67,8 +75,10 @@ def test_shipped_parameters_are_the_defaults() -> None:
     [
         ({"front_method": "guess"}, "front_method"),
         ({"front_method": "template"}, "calibration_file"),
-        ({"minimum_speed": 20.0, "maximum_speed": 10.0}, "maximum_speed"),
-        ({"sample_rate": -1.0}, "sample_rate"),
+        ({"tracker": {"minimum_speed": 20.0, "maximum_speed": 10.0}}, "maximum_speed"),
+        ({"tracker.sample_rate": -1.0}, "tracker.sample_rate"),
+        ({"tracker.crossings.interval_ratio": 1.0}, "interval_ratio"),
+        ({"zero.duration": 0.0}, "zero.duration"),
     ],
 )
 def test_bad_parameters_are_refused_by_name(values: dict[str, Any], said: str) -> None:
@@ -76,22 +86,60 @@ def test_bad_parameters_are_refused_by_name(values: dict[str, Any], said: str) -
         from_mapping(SmartTyreParameters, values)
 
 
+OLD = """wheels sample_rate tyre_radius teeth encoder_hysteresis interval_ratio acceleration_range minimum_speed
+maximum_speed zero_duration zero_speed_spread zero_maximum_speed pressure_tolerance"""
+
+
+@pytest.mark.parametrize("name", OLD.split())
+def test_old_parameter_is_refused_with_its_new_place(name: str) -> None:
+    with pytest.raises(ParameterError, match=f"'{name}' is no more: ") as refused:
+        from_mapping(SmartTyreParameters, {name: 1.0})
+    place = str(refused.value).split("'")[3]
+    assert "vehicle file" in str(refused.value) or place in declared(SmartTyreParameters)
+
+
+def changed(**values: Any) -> Vehicle:
+    """The car with other front left wheel."""
+    first, *others = CAR.wheels
+    return replace(CAR, wheels=(replace(first, **values), *others))
+
+
 def test_calibration_that_does_not_fit_is_refused(calibration_file: str, tmp_path: Path) -> None:
     given = SmartTyreParameters(calibration_file=calibration_file)
-    with pytest.raises(ValueError, match="rear_left"):
-        build(replace(given, wheels=("rear_left",)))
+    with pytest.raises(ValueError, match=r"calibration\.yaml: knows front_left, no wheel of the car: FL, front_right"):
+        build(given, changed(name="FL"))
     with pytest.raises(ValueError, match="teeth"):
-        build(replace(given, teeth=60))
+        build(given, changed(encoder_teeth=60))
     with pytest.raises(ValueError, match="template"):
-        build(replace(given, front_method="template"))
+        build(replace(given, front_method="template"), CAR)
     with pytest.raises(ValueError, match="calibration_file"):
-        build(SmartTyreParameters(calibration_file=str(tmp_path / "none.yaml")))
+        build(SmartTyreParameters(calibration_file=str(tmp_path / "none.yaml")), CAR)
+
+
+def test_wheels_that_the_calibration_lacks_give_raw_patches_and_say_so_once_they_have_signals(
+    simulate: Any, calibration_file: str
+) -> None:
+    said: list[str] = []
+    processors = build(
+        SmartTyreParameters(calibration_file=calibration_file), CAR, lambda _severity, text: said.append(text)
+    )
+    assert [list(optional_inputs(each)) for each in processors] == [[f"{w}/tyre_signals"] for w in CAR.wheel_names]
+    assert said == []
+    messages = list(blocks(simulate(10.0, seconds=14.0)))
+    for message in messages:
+        message.wheel = "rear_right"
+    outputs = [output for each in messages for output in processors[3].process("rear_right/tyre_signals", each)]
+    processors[3].reset()
+    processors[3].process("rear_right/tyre_signals", messages[0])
+    assert said == [f"calibration file {calibration_file}: no wheel 'rear_right': raw contact patches only"]
+    last = [m for topic, m in outputs if topic == "rear_right/contact_patch"][-1]
+    assert last.reason == ContactPatch.NOT_CALIBRATED and np.isfinite(last.length_raw)
 
 
 def test_one_patch_and_one_force_a_revolution_and_a_wrench_on_request(simulate: Any, calibration_file: str) -> None:
     given = SmartTyreParameters(calibration_file=calibration_file, publish_wrench=True)
     block = simulate(8.0, seconds=7.0)
-    outputs = feed(build(given)[0], blocks(block))
+    outputs = feed(build(given, CAR)[0], blocks(block))
     patches = [m for topic, m in outputs if topic == "front_left/contact_patch"]
     forces = [m for topic, m in outputs if topic == "front_left/tyre_force"]
     wrenches = [m for topic, m in outputs if topic == "front_left/tyre_wrench"]
@@ -111,7 +159,7 @@ def test_one_patch_and_one_force_a_revolution_and_a_wrench_on_request(simulate: 
 
 def test_stamp_is_that_of_the_trailing_front(simulate: Any) -> None:
     block = simulate(10.0, seconds=14.0)
-    outputs = feed(build(SmartTyreParameters())[0], blocks(block))
+    outputs = feed(build(SmartTyreParameters(), CAR)[0], blocks(block))
     patches = [m for topic, m in outputs if topic == "front_left/contact_patch" and m.alpha_2 == m.alpha_2]
     assert patches
     level = 0.5 * (10.0 / 0.32) ** 2 * 0.32
@@ -126,12 +174,12 @@ def test_stamp_is_that_of_the_trailing_front(simulate: Any) -> None:
 def test_messages_of_any_block_size_give_the_same(simulate: Any, calibration_file: str, size: int) -> None:
     given = SmartTyreParameters(calibration_file=calibration_file)
     block = simulate(8.0, seconds=7.0)
-    expected = feed(build(given)[0], blocks(block))
-    assert repr(feed(build(given)[0], blocks(block, size))) == repr(expected)
+    expected = feed(build(given, CAR)[0], blocks(block))
+    assert repr(feed(build(given, CAR)[0], blocks(block, size))) == repr(expected)
 
 
 def test_uncalibrated_wheel_gives_raw_patches_and_says_so(simulate: Any) -> None:
-    outputs = feed(build(SmartTyreParameters())[0], blocks(simulate(10.0, seconds=14.0)))
+    outputs = feed(build(SmartTyreParameters(), CAR)[0], blocks(simulate(10.0, seconds=14.0)))
     last = [m for topic, m in outputs if topic == "front_left/contact_patch"][-1]
     assert last.reason == ContactPatch.NOT_CALIBRATED and not last.valid
     assert np.degrees(last.length_raw) == pytest.approx(24.5, abs=1.5)
@@ -144,19 +192,20 @@ def test_garbage_is_refused_by_topic_and_leaves_the_state_intact(simulate: Any, 
     said: list[str] = []
     given = SmartTyreParameters(calibration_file=calibration_file)
     messages = list(blocks(simulate(8.0, seconds=7.0)))
-    expected = feed(build(given)[0], messages)
-    processor = build(given, lambda severity, text: said.append(text))[0]
+    expected = feed(build(given, CAR)[0], messages)
+    processor = build(given, CAR, lambda severity, text: said.append(text))[0]
     outputs = feed(processor, messages[:300])
     good = messages[300]
-    wrong_wheel, wrong_rate, uneven, empty = (TyreSignals(**_fields(good)) for _ in range(4))
+    wrong_wheel, wrong_rate, uneven, empty, zero, late = (TyreSignals(**_fields(good)) for _ in range(6))
     wrong_wheel.wheel = "rear_left"
     wrong_rate.sample_rate = float("nan")
     uneven.encoder_voltage = array("f", [0.0])
     empty.encoder_voltage, empty.radial_acceleration = array("f"), array("f")
-    for bad in (messages[299], wrong_wheel, wrong_rate, uneven, empty):
+    zero.header, late.header = Header(), Header(stamp=from_nanoseconds((2**31 - 1) * 10**9))
+    for bad in (messages[299], wrong_wheel, wrong_rate, uneven, empty, zero, late):
         assert processor.process(TOPIC, bad) == []
     assert repr(outputs + feed(processor, messages[300:])) == repr(expected)
-    assert len(said) == 5 and all(TOPIC in text for text in said)
+    assert len(said) == 7 and all(TOPIC in text for text in said)
 
 
 def _fields(message: TyreSignals) -> dict[str, Any]:
@@ -166,13 +215,14 @@ def _fields(message: TyreSignals) -> dict[str, Any]:
 def test_time_that_goes_back_starts_anew(simulate: Any, calibration_file: str) -> None:
     given = SmartTyreParameters(calibration_file=calibration_file)
     messages = list(blocks(simulate(8.0, seconds=7.0)))
-    processor = build(given)[0]
+    processor = build(given, CAR)[0]
     first, second = feed(processor, messages), feed(processor, messages)
     assert repr(first) == repr(second)
 
 
 def test_health_says_what_is_missing(simulate: Any, calibration_file: str) -> None:
-    processor = build(SmartTyreParameters(calibration_file=calibration_file))[0]
+    processor = build(SmartTyreParameters(calibration_file=calibration_file), CAR)[0]
+    feed(processor, list(blocks(simulate(8.0, seconds=7.0)))[:3])
     assert processor.health().level is Level.WARN
     feed(processor, blocks(simulate(8.0, seconds=7.0)))
     assert processor.health().level is Level.OK
@@ -184,10 +234,24 @@ def test_health_says_what_is_missing(simulate: Any, calibration_file: str) -> No
     assert processor.health().level is Level.WARN
 
 
+def test_wheel_without_signals_is_no_fault_but_one_whose_signals_end_is(simulate: Any) -> None:
+    said: list[str] = []
+    processor = build(SmartTyreParameters(), CAR, lambda _severity, text: said.append(text))[0]
+    processor.watch({TOPIC: inf})
+    assert (processor.health().level, processor.health().message) == (Level.OK, "no tyre signals")
+    assert said == []
+    feed(processor, list(blocks(simulate(8.0, seconds=7.0)))[:3])
+    processor.watch({TOPIC: 1.0})
+    assert processor.health().level is Level.ERROR
+    processor.reset()
+    processor.watch({TOPIC: 2.0})
+    assert processor.health().level is Level.ERROR
+
+
 def test_pressure_change_is_reported_once(simulate: Any, calibration_file: str) -> None:
     said: list[str] = []
     given = SmartTyreParameters(calibration_file=calibration_file)
-    processor = build(given, lambda severity, text: said.append(text))[0]
+    processor = build(given, CAR, lambda severity, text: said.append(text))[0]
     # A tenth more load lengthens the patch by 7 %, as 1.6 bar does.
     feed(processor, blocks(simulate(8.0, seconds=14.0, load=1.1)))
     assert len([text for text in said if "pressure" in text]) == 1

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 def crossings(voltage: Array, cuts: list[int] | None = None) -> list[Stretch]:
-    found, detector = [], EncoderCrossings()
+    found, detector = [], EncoderCrossings(1e4)
     for part in np.split(voltage, cuts or []):
         if len(part):
             found += detector.push(part)
