@@ -79,8 +79,10 @@ def figure(transitions: Transitions) -> Figure:
     xs, ys = zip(*(_PLACES[state] for state in _UNSTABLE), strict=True)
     corner = (min(xs) - 1.0, min(ys) - 1.0)
     size = (max(xs) - min(xs) + 2.0, max(ys) - min(ys) + 2.0)
-    style = {"boxstyle": "round,pad=0,rounding_size=0.25", "linestyle": "--", "edgecolor": "0.5", "facecolor": "0.965"}
-    axes.add_patch(FancyBboxPatch(corner, *size, zorder=0, **style))
+    rounded = "round,pad=0,rounding_size=0.25"
+    axes.add_patch(
+        FancyBboxPatch(corner, *size, boxstyle=rounded, linestyle="--", edgecolor="0.5", facecolor="0.965", zorder=0)
+    )
     axes.text(max(xs) + 0.86, max(ys) + 0.84, "$S_2$", fontsize=14, ha="right", va="top", color="0.35")
     for state in State:
         axes.add_patch(Circle(_PLACES[state], _RADIUS, facecolor="white", edgecolor="black", linewidth=1.5, zorder=3))
