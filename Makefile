@@ -7,7 +7,7 @@ PARTS ?= slope abs identification slip smart_tyre measured live
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test lint demo bench report bags clean
+.PHONY: help setup build test lint demo bench report bags docs clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
@@ -38,6 +38,9 @@ report: build ## every table and figure of the chapter as one page; EFFORT=0.1 f
 
 bags: build ## make the recorded experiments of bags/ anew, from fixed seeds
 	@$(run) python -m friction_bags library
+
+docs: build ## parameter files, parameter tables and Figure 8.1, from the code they follow from
+	@$(run) python tools/docs.py
 
 clean: ## remove what the targets above made
 	rm -rf .venv build install log out .mypy_cache .ruff_cache .pytest_cache .hypothesis
