@@ -58,6 +58,7 @@ class Echo:
         self._offset = parameters.filter.offset
         self.sensors: Mapping[str, type] = dict.fromkeys(self._answers, BrakeDemand)
         self.estimates: Mapping[str, type] = {}
+        self.optional = ("mirrored_brake_demand",)
         self.outputs: Mapping[str, type] = {topic: WheelSlip for topic, _ in self._answers.values()}
         self._count = 0
 

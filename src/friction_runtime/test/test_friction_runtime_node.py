@@ -172,6 +172,23 @@ def test_a_change_of_method_adds_topics_and_a_refused_one_leaves_all_as_it_is(
     mirrored.until_answer(-18.0)
 
 
+def test_an_input_that_may_never_come_is_no_fault_until_it_has_come(client: DdsClient) -> None:
+    health: list[DiagnosticArray] = []
+    client.node.create_subscription(DiagnosticArray, "/diagnostics", health.append, 10)
+
+    def says(text: str) -> bool:
+        link.send()
+        client.executor.spin_once(timeout_sec=0.05)
+        messages = [each.message for array in health for each in array.status if each.name == "/echo: inputs"]
+        return bool(messages) and messages[-1] == text
+
+    client.start(SCRIPT, "--ros-args", "-p", "method:=mirror")
+    link = Link(client)
+    client.until(lambda: says("ok"))
+    Link(client, "mirrored_").until_answer(-6.0)
+    client.until(lambda: says("no message within 1 s on mirrored_brake_demand"))
+
+
 def test_what_is_set_for_another_method_is_said_once(client: DdsClient) -> None:
     process = client.start(SCRIPT, "--ros-args", "-p", "mirror.factor:=3")
     Link(client).until_answer(6.0)
