@@ -18,6 +18,10 @@ from friction_curve_id.start_parameters import StartParameters
 
 Array = NDArray[np.float64]
 
+_LEAST_SLIP_SPAN = 0.003
+"""The first samples must spread over this much slip [-], or there is nothing to fit."""
+_RELEASE_TIME = 0.5
+"""A brake released for longer than this ends the fit [s]."""
 _RELEASED = Refusal(Reason.NO_EXCITATION, "the brake is released")
 
 
@@ -95,7 +99,7 @@ class PointFitting:
         return not self._has_ended(point.time)
 
     def _has_ended(self, time: float) -> bool:
-        return self._released_since is not None and time - self._released_since > self._start.release_time
+        return self._released_since is not None and time - self._released_since > _RELEASE_TIME
 
     def _wait(self, point: FrictionPoint) -> Refusal | None:
         """Collect the first samples; start the fit when they suffice."""
@@ -105,7 +109,7 @@ class PointFitting:
             return Refusal(Reason.TOO_FEW_SAMPLES, f"{count} of {needed} initial samples")
         slips = np.array([first.slip for first in self._waiting])
         span = float(np.ptp(slips))
-        if span < self._start.min_slip_span:
+        if span < _LEAST_SLIP_SPAN:
             return Refusal(Reason.NO_EXCITATION, f"the slip stays within {span:.4f}: nothing to fit")
         if point.slip <= self._start.lambda_init:
             return Refusal(

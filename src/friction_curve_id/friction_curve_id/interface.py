@@ -1,6 +1,6 @@
 """What every estimator of the friction curve takes and returns.
 
-    estimator = SomeEstimator(parameters)
+    estimator = SomeEstimator(wheel, parameters)
     answer = estimator.update(Sample(time, wheel_speed, vehicle_speed, brake_torque))
 
 An estimator takes one sample at a time, in order of time, and answers each with a `CurveEstimate` or with a `Refusal`

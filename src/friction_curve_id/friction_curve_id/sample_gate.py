@@ -6,7 +6,9 @@ from math import isfinite
 
 from friction_curve_id.interface import Reason, Refusal, Sample
 from friction_parameters import shared
-from friction_parameters.parameter import parameter
+
+_REPEATED = 1e-4
+"""Samples closer than this count as repeated [s]."""
 
 
 class Admission(Enum):
@@ -23,9 +25,6 @@ class GateParameters:
 
     minimum_speed: float = shared.minimum_speed(3.0)
     max_gap: float = shared.max_gap(0.025)
-    min_interval: float = parameter(
-        1e-4, "samples closer than this count as repeated", unit="s", minimum=1e-6, maximum=5e-4
-    )
 
 
 class SampleGate:
@@ -61,7 +60,7 @@ class SampleGate:
         if waiting is not None and self._follows(waiting, time):
             self._admitted, self._waiting = time, None
             return Admission.AFTER_GAP
-        if abs(time - last) < self._parameters.min_interval:
+        if abs(time - last) < _REPEATED:
             return Refusal(Reason.BAD_INPUT, f"stamp {time:.6f} s repeats {last:.6f} s")
         self._waiting = time
         if time < last:
@@ -69,7 +68,7 @@ class SampleGate:
         return Refusal(Reason.GAP, f"gap of {time - last:.3f} s since the last sample")
 
     def _follows(self, before: float, time: float) -> bool:
-        return self._parameters.min_interval <= time - before <= self._parameters.max_gap
+        return _REPEATED <= time - before <= self._parameters.max_gap
 
     def _refuse_values(self, sample: Sample) -> Refusal | None:
         speed, torque = sample.vehicle_speed, sample.brake_torque

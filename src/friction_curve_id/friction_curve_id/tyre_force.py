@@ -17,6 +17,8 @@ from friction_parameters.parameter import parameter
 
 _BRAKING_FRICTION = 0.02
 """mu from which the brake counts as applied [-]."""
+_REPEATED = 1e-4
+"""Samples closer than this count as repeated [s]."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +41,6 @@ class TyreForceParameters(StartParameters):
 
     min_load: float = parameter(200.0, "no friction from a vertical load below", unit="N", minimum=1.0, maximum=1e5)
     max_gap: float = shared.max_gap(1.0)
-    min_interval: float = parameter(
-        1e-4, "samples closer than this count as repeated", unit="s", minimum=1e-6, maximum=5e-4
-    )
 
 
 class TyreForceFitting:
@@ -71,7 +70,7 @@ class TyreForceFitting:
         friction = -sample.longitudinal_force / sample.vertical_load
         if abs(friction) > LARGEST_FRICTION:
             return Refusal(Reason.BAD_INPUT, f"the forces give mu = {friction:.3g}")
-        if last is not None and abs(sample.time - last) < p.min_interval:
+        if last is not None and abs(sample.time - last) < _REPEATED:
             return Refusal(Reason.BAD_INPUT, f"stamp {sample.time:.6f} s repeats {last:.6f} s")
         after_gap = last is not None and not 0.0 < sample.time - last <= p.max_gap
         self._last = sample.time

@@ -13,6 +13,9 @@ from friction_curve_id.tyre_force import TyreForceFitting, TyreForceSample
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.stamps import NANOSECONDS
 
+_SLIP_GAP = 0.1
+"""Slip is not interpolated across more than this [s], though forces may come a second apart."""
+
 
 class TyreForceInputs:
     """CurveInputs of one wheel: fires on <wheel>/tyre_force."""
@@ -23,7 +26,7 @@ class TyreForceInputs:
         self._slip = f"{wheel}/slip"
         self.sensors: Mapping[str, type] = {}
         self.estimates: Mapping[str, type] = {self.primary: TyreForce, self._slip: WheelSlip}
-        self.aligned = [AlignedInput(self._slip)]
+        self.aligned = [AlignedInput(self._slip, min(_SLIP_GAP, parameters.tyre_force.max_gap))]
         self._fitting = TyreForceFitting(parameters.tyre_force)
 
     def read_primary(self, message: TyreForce) -> TyreForce:

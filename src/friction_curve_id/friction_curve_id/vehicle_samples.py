@@ -15,6 +15,10 @@ from vehicle_models.vehicle import AIR_DENSITY, Vehicle
 
 Array = NDArray[np.float64]
 
+_REPEATED = 1e-3
+"""Samples closer than this count as repeated [s]."""
+_RELEASED = 0.5
+"""Without braking for longer than this the next braking begins a new fit [s]."""
 _UNSTATED_SPREAD = 0.5
 """Of a relaxation length whose deviation the vehicle file does not state, relative [-]."""
 
@@ -35,16 +39,6 @@ class WholeVehicleParameters:
         2.0, "from here on the car brakes, and does not coast on the engine", unit="m/s^2", minimum=0.1, maximum=10.0
     )
     max_gap: float = shared.max_gap(0.1)
-    min_interval: float = parameter(
-        1e-3, "samples closer than this count as repeated", unit="s", minimum=1e-6, maximum=1e-3
-    )
-    release_time: float = parameter(
-        0.5,
-        "without braking for longer than this the next braking begins a new fit",
-        unit="s",
-        minimum=0.01,
-        maximum=10.0,
-    )
 
 
 def relaxation_spread(vehicle: Vehicle) -> float:
@@ -131,7 +125,7 @@ class VehicleSamples:
             self._relax(slips, per_second, (sample.time - last) * sample.speed / self._relaxation_lengths)
         if -sample.acceleration < p.min_deceleration:
             return Refusal(Reason.NO_EXCITATION, f"deceleration {-sample.acceleration:.2f} m/s^2: not braking")
-        starts = self._braked_at is None or not 0.0 <= sample.time - self._braked_at <= p.release_time
+        starts = self._braked_at is None or not 0.0 <= sample.time - self._braked_at <= _RELEASED
         after_gap, self._after_gap, self._braked_at = self._after_gap, False, sample.time
         deceleration = -sample.acceleration / GRAVITY
         drag = self._rolling_resistance + self._drag * sample.speed**2 / GRAVITY
@@ -157,7 +151,7 @@ class VehicleSamples:
             return Refusal(Reason.BAD_INPUT, f"acceleration is {sample.acceleration:.3g} m/s^2")
         if sample.speed < p.minimum_speed:
             return Refusal(Reason.LOW_SPEED, f"vehicle speed {sample.speed:.2f} m/s is below {p.minimum_speed:.2f} m/s")
-        if self._last is not None and abs(sample.time - self._last) < p.min_interval:
+        if self._last is not None and abs(sample.time - self._last) < _REPEATED:
             return Refusal(Reason.BAD_INPUT, f"stamp {sample.time:.6f} s repeats {self._last:.6f} s")
         slips = 1.0 - np.array(sample.wheel_speeds) * self._radii / sample.speed
         if not np.all(np.abs(slips) < 1.0):

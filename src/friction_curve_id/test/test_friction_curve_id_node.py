@@ -1,11 +1,15 @@
 """The node as a real process over DDS."""
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 from friction_msgs.msg import FrictionCurve, WheelSlip
-from sensor_msgs.msg import FluidPressure, JointState
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
@@ -15,6 +19,19 @@ from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
 
 Brake = Callable[..., Any]
 
+TWO_WHEELS = """
+name: two corners
+mass: 450.0
+front_load_share: 0.5
+wheelbase: 2.7
+centre_of_gravity_height: 0.0
+track: 1.5
+all_wheels: {radius: 0.3, inertia: 1.0, brake_gain: 1.0e-4}
+wheels:
+  front_left: {axle: front, side: left}
+  rear_left: {axle: rear, side: left}
+"""
+
 
 @pytest.fixture
 def client() -> Iterator[DdsClient]:
@@ -22,11 +39,18 @@ def client() -> Iterator[DdsClient]:
         yield made
 
 
-def test_node_identifies_two_wheels_and_begins_anew_on_reset(client: DdsClient, clean: Brake) -> None:
-    wheels = ("front_left", "rear_left")
-    process = client.start(
-        "-m", "friction_curve_id", "--ros-args", "-p", f"wheels:=[{', '.join(wheels)}]", "-p", "method:=rls"
+def start_node(client: DdsClient, *parameters: str) -> Any:
+    """Start the node."""
+    return client.start(
+        "-m", "friction_curve_id", "--ros-args", *(word for each in parameters for word in ("-p", each))
     )
+
+
+def test_node_identifies_two_wheels_and_begins_anew_on_reset(client: DdsClient, clean: Brake, tmp_path: Path) -> None:
+    wheels = ("front_left", "rear_left")
+    car = tmp_path / "two_wheels.yaml"
+    car.write_text(TWO_WHEELS)
+    process = start_node(client, f"vehicle_file:={car}", "method:=rls")
     received: list[FrictionCurve] = []
     for wheel in wheels:
         qos.subscribe(client.node, FrictionCurve, f"{wheel}/friction_curve", received.append, qos.ESTIMATE)
@@ -85,9 +109,89 @@ def test_node_identifies_two_wheels_and_begins_anew_on_reset(client: DdsClient, 
     assert seconds < 5.0
 
 
-@pytest.mark.parametrize(("argument", "named"), [("method:=magic", "method"), ("radii:=[-1.0]", "radii")])
-def test_node_refuses_a_bad_parameter_at_start(client: DdsClient, argument: str, named: str) -> None:
-    process = client.start("-m", "friction_curve_id", "--ros-args", "-p", argument)
+def test_method_and_speed_source_change_live_and_the_topics_with_them(client: DdsClient, clean: Brake) -> None:
+    process = start_node(client, "vehicle_file:=chapter_corner", "method:=rls")
+    received: list[FrictionCurve] = []
+    for name in ("front_left", "vehicle"):
+        qos.subscribe(client.node, FrictionCurve, f"{name}/friction_curve", received.append, qos.ESTIMATE)
+    states = qos.publish(client.node, JointState, "wheel_states")
+    pressure = qos.publish(client.node, FluidPressure, "front_left/brake_pressure")
+    slip = qos.publish(client.node, WheelSlip, "front_left/slip")
+    imu = qos.publish(client.node, Imu, "imu/data")
+    now = 100 * NANOSECONDS
+
+    def send(wheel_speed: float, speed: float, torque: float, acceleration: float) -> None:
+        """One sample on every topic, whether the method reads it or not."""
+        header = Header(stamp=from_nanoseconds(now))
+        pressure.publish(FluidPressure(header=header, fluid_pressure=torque / 1e-4))
+        slip.publish(WheelSlip(header=header, vehicle_speed=speed, valid=True))
+        reading = Imu(header=header)
+        reading.linear_acceleration.x = acceleration
+        imu.publish(reading)
+        states.publish(JointState(header=header, name=["front_left"], velocity=[wheel_speed]))
+
+    def hears_every_input(method: str, missing: set[int]) -> Callable[[], bool]:
+        """Best-effort samples are lost until the node's new readers and the publishers here have found each other."""
+
+        def heard() -> bool:
+            nonlocal now
+            now += NANOSECONDS // 100
+            send(100.0, 30.0, 0.0, 0.0)
+            return bool(received) and received[-1].method == method and received[-1].reason not in missing
+
+        return heard
+
+    def brake(method: str) -> FrictionCurve:
+        nonlocal now
+        silent = {FrictionCurve.NO_TORQUE, FrictionCurve.NO_SLIP, FrictionCurve.NO_ACCELERATION}
+        client.until(hears_every_input(method, silent))
+        assert client.call(Trigger, "/friction_curve_id/reset", Trigger.Request()).success
+        begin, braked = now + NANOSECONDS, clean("wet")
+        received.clear()
+        for count, (sample, friction) in enumerate(zip(braked.samples, braked.friction, strict=True), 1):
+            now = begin + round(sample.time * NANOSECONDS)
+            send(sample.wheel_speed, sample.vehicle_speed, sample.brake_torque, -9.81 * float(friction))
+
+            def answered(expected: int = count) -> bool:
+                return sum(message.header.stamp.sec >= begin // NANOSECONDS for message in received) >= expected
+
+            client.until(answered)
+        assert {message.method for message in received} == {method}
+        return received[-1]
+
+    def set_parameter(name: str, value: Any) -> SetParametersResult:
+        request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+        return client.call(SetParameters, "/friction_curve_id/set_parameters", request).results[0]
+
+    for method, name in (("rls", "front_left"), ("ml", "front_left"), ("vehicle", "vehicle"), ("rls", "front_left")):
+        result = set_parameter("method", method)
+        assert result.successful, result.reason
+        last = brake(method)
+        assert last.wheel == name
+        assert last.mu_max == pytest.approx(0.804, rel=0.05)
+        if method == "vehicle":
+            refused = set_parameter("speed_source", "none")
+            assert not refused.successful and "speed_source" in refused.reason
+            assert set_parameter("noise.torque_variance", 20.0).successful
+    refused = set_parameter("method", "magic")
+    assert not refused.successful and "rml_ml" in refused.reason
+    assert not set_parameter("vehicle_file", "bmw_m8").successful
+    assert set_parameter("speed_source", "none").successful
+    output, _ = stop(process)
+    assert process.returncode == 0, output
+    assert output.count("noise.torque_variance: ignored, as 'method' is 'vehicle'") == 1, output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (("vehicle_file:=chapter_corner", "method:=magic"), "method"),
+        (("vehicle_file:=chapter_corner", "radii:=[0.3]"), "it is 'radius' of the vehicle file"),
+        (("method:=rls",), "chapter_corner"),
+    ],
+)
+def test_node_refuses_a_bad_parameter_at_start(client: DdsClient, arguments: tuple[str, ...], named: str) -> None:
+    process = start_node(client, *arguments)
     output, _ = process.communicate(timeout=60)
     assert process.returncode != 0
     assert named in output
