@@ -205,7 +205,10 @@ class Vehicle:
         Raises:
             KeyError: it has none of this name.
         """
-        return next(wheel for wheel in self.wheels if wheel.name == name)
+        for wheel in self.wheels:
+            if wheel.name == name:
+                return wheel
+        raise KeyError(f"'{self.name}' has no wheel '{name}', it has {', '.join(self.wheel_names)}")
 
     def corner(self, name: str) -> CornerParameters:
         """Return a wheel with the share of the mass that rests on it."""

@@ -22,20 +22,22 @@ the wheels share for which it is said: of all wheels, of an axle, of one.
 """
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, fields
+from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, get_type_hints
 
+from friction_parameters.generated import range_text
 from friction_parameters.parameter import ParameterError, checked, parameter
-from friction_parameters.yaml_source import Entry, read_yaml, refuse_repeated
+from friction_parameters.yaml_source import Entry, plain, read_yaml, refuse_repeated
 from vehicle_models.vehicle import FRONT, REAR, Accelerometer, Deviation, SharedBy, Vehicle, Wheel
 
 _SHIPPED = Path(__file__).parent / "vehicles"
 _TOPIC_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
-_TWO_AXLES = ("front_load_share", "wheelbase", "centre_of_gravity_height", "track")
+TWO_AXLES_NEED = ("front_load_share", "wheelbase", "centre_of_gravity_height", "track")
 """What a car with two axles must give."""
 _OF_ONE_WHEEL = ("axle", "side")
+_ANY_NUMBER = {"unit": "", "minimum": None, "maximum": None, "choices": ()}
 
 
 def shipped_vehicles() -> tuple[str, ...]:
@@ -54,10 +56,17 @@ def vehicle_path(name: str | Path) -> Path:
     """
     if str(name) in shipped_vehicles():
         return _SHIPPED / f"{name}.yaml"
-    if str(name) and Path(name).is_file():
+    if str(name) and _is_file(Path(name)):
         return Path(name).absolute()
     what = f"there is no vehicle file '{name}'" if str(name) else "no vehicle file is given ('vehicle_file')"
     raise ParameterError(f"{what}: give a path, or one of those shipped: {', '.join(shipped_vehicles())}")
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # the name is longer than the system allows, or has a zero in it
+        return False
 
 
 def vehicle_file_parameter(default: str = "") -> Any:
@@ -115,104 +124,145 @@ class _File:
         """Values of fields of `cls` and their deviations."""
         hints = get_type_hints(cls)
         values, deviations = {}, {}
-        for name, limits in _limits(cls).items():
+        for name, limits in file_keys(cls).items():
             if name not in entries:
                 continue
-            entry = entries[name]
-            given, stddev = self._value_and_stddev(name, entry)
+            value, stddev = self._value_and_stddev(name, entries[name])
             try:
-                values[name] = checked(name, hints[name], limits, given)
+                values[name] = checked(name, hints[name], limits, plain(value.value))
             except ParameterError as error:
-                raise self.error(entry, str(error).replace("parameter '", "'", 1)) from error
+                text = f"'{name}' = {plain(value.value)!r} must be {_must_be(cls, name)}"
+                raise self.error(value, text) from error
             if stddev is not None:
                 if hints[name] is not float:
-                    raise self.error(entry, f"'{name}' has no standard deviation")
-                unit = f" {limits['unit']}" if limits["unit"] else ""
-                if not isinstance(stddev, (int, float)) or not 0.0 < stddev < float("inf"):
-                    raise self.error(entry, f"'stddev' of '{name}' = {stddev}{unit} must be a number > 0")
-                deviations[name] = Deviation(float(stddev), shared_by)
+                    raise self.error(stddev, f"'stddev' of '{name}': it is no measured quantity")
+                deviations[name] = Deviation(self._stddev(name, stddev, limits["unit"]), shared_by)
         return values, deviations
 
-    def _value_and_stddev(self, name: str, entry: Entry) -> tuple[Any, Any]:
+    def _value_and_stddev(self, name: str, entry: Entry) -> tuple[Entry, Entry | None]:
         if not isinstance(entry.value, dict):
-            return entry.value, None
+            return entry, None
         self.known(entry.value, ("value", "stddev"))
         if "value" not in entry.value:
             raise self.error(entry, f"'{name}' has no 'value'")
-        stddev = entry.value.get("stddev")
-        return entry.value["value"].value, None if stddev is None else stddev.value
+        return entry.value["value"], entry.value.get("stddev")
+
+    def _stddev(self, name: str, entry: Entry, unit: str) -> float:
+        try:
+            stddev = checked(name, float, _ANY_NUMBER, plain(entry.value))
+        except ParameterError:
+            stddev = 0.0
+        if not stddev > 0.0:
+            text = f"'stddev' of '{name}' = {plain(entry.value)!r} must be a number > 0{_in_brackets(unit)}"
+            raise self.error(entry, text)
+        return float(stddev)
+
+    def misfit(self, error: ValueError, entries: Mapping[str, Entry]) -> ParameterError:
+        """Say what does not fit, with the line of the key that the text of `error` begins with."""
+        key = str(error).split("'")[1]
+        return self.error(entries[key], str(error)) if key in entries else ParameterError(f"{self.path}: {error}")
 
 
-def _limits(cls: type) -> dict[str, Mapping[str, Any]]:
-    """Fields of a dataclass that a file gives, with their limits."""
+def file_keys(cls: type) -> dict[str, Mapping[str, Any]]:
+    """Fields of a dataclass that a file gives, with what `parameter` was told of them."""
     return {each.name: each.metadata for each in fields(cls) if "description" in each.metadata}
+
+
+def required_keys(cls: type) -> tuple[str, ...]:
+    """Fields that have no default."""
+    return tuple(each.name for each in fields(cls) if each.name in file_keys(cls) and each.default != each.default)
+
+
+def _must_be(cls: type, key: str) -> str:
+    """What a value must be, in words."""
+    hint, limits = get_type_hints(cls)[key], file_keys(cls)[key]
+    if limits["choices"]:
+        return f"one of {range_text(limits)}"
+    if hint is bool:
+        return "true or false"
+    kind = "an integer" if hint is int else "a number"
+    return f"{kind}, {range_text(limits)}{_in_brackets(limits['unit'])}"
+
+
+def _in_brackets(unit: str) -> str:
+    return f" [{unit}]" if unit else ""
 
 
 def _vehicle(file: _File, entries: dict[str, Entry]) -> Vehicle:
     for key, entry in entries.items():
         refuse_repeated(file.path, key, entry)
-    parts = ("name", "accelerometer", "all_wheels", "axles", "wheels")
-    file.known(entries, (*parts[:1], *_limits(Vehicle), *parts[1:]))
-    for key in ("name", "mass", "wheels"):
+    parts = ("accelerometer", "all_wheels", "axles", "wheels")
+    file.known(entries, ("name", *file_keys(Vehicle), *parts))
+    for key in ("name", "wheels"):
         if key not in entries:
             raise ParameterError(f"{file.path}: '{key}' is missing")
-    if not isinstance(entries["name"].value, str):
-        raise file.error(entries["name"], f"'name' = {entries['name'].value} must be a text")
+    name = entries["name"]
+    if not (isinstance(name.value, str) and name.value):
+        raise file.error(name, f"'name' = {plain(name.value)!r} must be a text")
+    wheels = _wheels(file, entries)
     values, deviations = file.values(Vehicle, entries, SharedBy.ALL)
-    wheels = tuple(_wheels(file, entries))
-    if any(wheel.axle == REAR for wheel in wheels):
-        for key in _TWO_AXLES:
-            if key not in entries:
-                raise ParameterError(f"{file.path}: '{key}' is missing: a car with two axles needs it")
+    needed = TWO_AXLES_NEED if any(wheel.axle == REAR for wheel in wheels) else ()
+    for key in (*required_keys(Vehicle), *needed):
+        if key not in values:
+            why = ", as a wheel is on the axle 'rear'" if key in needed else ""
+            raise ParameterError(f"{file.path}: '{key}' is missing{why}: {_must_be(Vehicle, key)}")
+    mounting = _accelerometer(file, entries)
     try:
-        mounting = _accelerometer(file, entries)
-        return Vehicle(entries["name"].value, wheels, **values, accelerometer=mounting, deviations=deviations)
-    except ParameterError:
-        raise
+        return Vehicle(name.value, wheels, **values, accelerometer=mounting, deviations=deviations)
     except ValueError as error:
-        raise ParameterError(f"{file.path}: {error}") from error
+        raise file.misfit(error, entries) from error
 
 
 def _accelerometer(file: _File, entries: dict[str, Entry]) -> Accelerometer:
-    if "accelerometer" not in entries:
-        return Accelerometer()
-    given = file.mapping("accelerometer", entries["accelerometer"])
-    file.known(given, tuple(_limits(Accelerometer)))
+    given = file.mapping("accelerometer", entries.get("accelerometer", Entry(0, {})))
+    file.known(given, tuple(file_keys(Accelerometer)))
     values, deviations = file.values(Accelerometer, given, SharedBy.ALL)
     try:
         return Accelerometer(**values, deviations=deviations)
     except ValueError as error:
-        raise file.error(entries["accelerometer"], f"'accelerometer': {error}") from error
+        raise file.misfit(error, given) from error
 
 
-def _wheels(file: _File, entries: dict[str, Entry]) -> Iterator[Wheel]:
-    common = tuple(name for name in _limits(Wheel) if name not in _OF_ONE_WHEEL)
+def _wheels(file: _File, entries: dict[str, Entry]) -> tuple[Wheel, ...]:
+    common = tuple(name for name in file_keys(Wheel) if name not in _OF_ONE_WHEEL)
     all_wheels = file.mapping("all_wheels", entries.get("all_wheels", Entry(0, {})))
     file.known(all_wheels, common)
     axles = file.mapping("axles", entries.get("axles", Entry(0, {})))
     file.known(axles, (FRONT, REAR))
     for axle, entry in axles.items():
         file.known(file.mapping(axle, entry), common)
-    for name, entry in file.mapping("wheels", entries["wheels"]).items():
-        given = file.mapping(name, entry)
-        file.known(given, ("joint", *_limits(Wheel)))
-        if not _TOPIC_NAME.fullmatch(name):
-            raise file.error(entry, f"wheel '{name}': topics begin with it, so letters, digits and _ only; see 'joint'")
-        joint = given["joint"].value if "joint" in given else name
-        if not (isinstance(joint, str) and joint):
-            raise file.error(given["joint"], f"'joint' = {joint} must be a text")
-        axle = given["axle"].value if "axle" in given else None
-        if axle not in (FRONT, REAR):
-            raise file.error(entry, f"wheel '{name}': 'axle' must be {FRONT} or {REAR}")
-        values: dict[str, Any] = {}
-        deviations: dict[str, Deviation] = {}
-        of_axle = axles[axle].value if axle in axles else {}
-        for part, shared_by in ((all_wheels, SharedBy.ALL), (of_axle, SharedBy.AXLE), (given, SharedBy.WHEEL)):
-            found, stated = file.values(Wheel, part, shared_by)
-            values.update(found)
-            deviations = {key: each for key, each in deviations.items() if key not in found or key in stated} | stated
-        missing = [each.name for each in fields(Wheel) if each.default is not MISSING and each.default != each.default]
-        for key in missing:
-            if key not in values:
-                raise file.error(entry, f"'{key}' of wheel '{name}' is missing")
-        yield Wheel(name, joint, **values, deviations=deviations)
+    parts = (all_wheels, {axle: entry.value for axle, entry in axles.items()})
+    wheels = tuple(
+        _wheel(file, name, entry, parts) for name, entry in file.mapping("wheels", entries["wheels"]).items()
+    )
+    for axle, entry in axles.items():
+        if not any(wheel.axle == axle for wheel in wheels):
+            raise file.error(entry, f"'{axle}': no wheel is on this axle")
+    return wheels
+
+
+def _wheel(file: _File, name: str, entry: Entry, common: tuple[dict[str, Entry], dict[str, dict[str, Entry]]]) -> Wheel:
+    """Make a wheel of what is said of it, of its axle and of all wheels; `common` holds all wheels and the axles."""
+    given = file.mapping(name, entry)
+    file.known(given, ("joint", *file_keys(Wheel)))
+    if not _TOPIC_NAME.fullmatch(name):
+        raise file.error(
+            entry,
+            f"wheel '{name}': topics begin with this name, so it is of letters, digits and _, with no digit first; "
+            "what wheel_states calls the wheel is its 'joint'",
+        )
+    joint = given.get("joint", Entry(entry.line, name))
+    if not (isinstance(joint.value, str) and joint.value):
+        raise file.error(joint, f"'joint' = {plain(joint.value)!r} must be a text")
+    if "axle" not in given:
+        raise file.error(entry, f"'axle' of wheel '{name}' is missing: one of {FRONT}, {REAR}")
+    own, own_deviations = file.values(Wheel, given, SharedBy.WHEEL)
+    values, deviations = file.values(Wheel, common[0], SharedBy.ALL)
+    of_axle, axle_deviations = file.values(Wheel, common[1].get(own["axle"], {}), SharedBy.AXLE)
+    for found, stated in ((of_axle, axle_deviations), (own, own_deviations)):
+        values.update(found)
+        deviations = {key: each for key, each in deviations.items() if key not in found} | stated
+    for key in required_keys(Wheel):
+        if key not in values:
+            raise file.error(entry, f"'{key}' of wheel '{name}' is missing: {_must_be(Wheel, key)}")
+    return Wheel(name, joint.value, **values, deviations=deviations)
