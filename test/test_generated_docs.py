@@ -42,7 +42,7 @@ def test_the_figure_shows_the_transitions_of_the_machine() -> None:
 def test_only_what_stands_between_the_marks_is_replaced(tmp_path: Path) -> None:
     file = tmp_path / "README.md"
     file.write_text("above\n<!-- table -->\nold\n\nold\n<!-- /table -->\nbelow\n")
-    assert docs.with_block(file, "table", "new\n") == "above\n<!-- table -->\nnew\n<!-- /table -->\nbelow\n"
+    assert docs.with_block(file, "table", "new\n") == "above\n<!-- table -->\n\nnew\n\n<!-- /table -->\nbelow\n"
 
 
 @pytest.mark.parametrize(

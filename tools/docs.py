@@ -47,7 +47,7 @@ def with_block(file: Path, name: str, block: str) -> str:
     _, found_end, after = rest.partition(end)
     if not (found and found_end) or text.count(begin) != 1 or text.count(end) != 1:
         raise ValueError(f"{file}: it must hold the lines {begin.strip()} and {end.strip()} once")
-    return f"{before}{begin}{block}{end}{after}"
+    return f"{before}{begin}\n{block}\n{end}{after}"
 
 
 def main() -> int:

@@ -48,19 +48,21 @@ def range_text(limits: Mapping[str, Any]) -> str:
     """What values a parameter may have, in words; empty if any."""
     if limits["choices"]:
         return ", ".join(limits["choices"])
-    if limits["minimum"] is None and limits["maximum"] is None:
-        return ""
-    if limits["maximum"] is None:
-        return f"at least {limits['minimum']:g}"
-    if limits["minimum"] is None:
-        return f"at most {limits['maximum']:g}"
-    return f"{limits['minimum']:g} to {limits['maximum']:g}"
+    low, high = (None if limits[name] is None else _number(limits[name]) for name in ("minimum", "maximum"))
+    if low is None:
+        return "" if high is None else f"at most {high}"
+    return f"at least {low}" if high is None else f"{low} to {high}"
 
 
 def table_row(*cells: str) -> str:
     """Row of a Markdown table."""
     escaped = [re.sub(r"([|<])", r"\\\1", cell) for cell in cells]
     return f"| {' | '.join(escaped)} |"
+
+
+def _number(value: float) -> str:
+    short = f"{value:g}"
+    return short if float(short) == value else str(value)
 
 
 def _lines(parameters: Any, indent: str) -> Iterator[str]:
@@ -70,7 +72,9 @@ def _lines(parameters: Any, indent: str) -> Iterator[str]:
             yield _commented(f"{indent}{each.name}:", only_with(each.metadata))
             yield from _lines(value, indent + _INDENT)
         else:
-            yield _commented(f"{indent}{each.name}: {yaml_text(value)}", _comment(each.metadata))
+            # An empty text is no choice: written, it would decide over a value given further left.
+            unset = "# " if value == "" else ""
+            yield _commented(f"{indent}{unset}{each.name}: {yaml_text(value)}", _comment(each.metadata))
 
 
 def _commented(text: str, comment: str) -> str:

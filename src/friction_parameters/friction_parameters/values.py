@@ -47,7 +47,7 @@ def declared(cls: type) -> dict[str, Declared]:
 
 def only_with(metadata: Mapping[str, Any]) -> str:
     """Say which methods a group serves, from the metadata of its field; empty if all."""
-    return f"only with {metadata['selector']} {' or '.join(metadata['methods'])}" if metadata["selector"] else ""
+    return f"only with {metadata['selector']} {_one_of(metadata['methods'])}" if metadata["selector"] else ""
 
 
 def values_of(parameters: Any) -> dict[str, Any]:
@@ -125,8 +125,12 @@ def ignored(parameters: Any) -> list[str]:
         ]
         if names:
             chosen = getattr(parameters, selector)
-            lines.append(f"{', '.join(names)}: ignored, as '{selector}' is '{chosen}', not {' or '.join(methods)}")
+            lines.append(f"{', '.join(names)}: ignored, as '{selector}' is '{chosen}', not {_one_of(methods)}")
     return lines
+
+
+def _one_of(names: tuple[str, ...]) -> str:
+    return " or ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
 def _value(parameters: Any, name: str) -> Any:

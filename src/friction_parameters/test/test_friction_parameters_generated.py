@@ -15,7 +15,7 @@ class FilterParameters:
 
 @dataclass(frozen=True)
 class DetectorParameters:
-    window: int = parameter(6, "samples", minimum=3, maximum=400)
+    window: int = parameter(6, "samples", minimum=3, maximum=2**31 - 1)
     wheel_filter: FilterParameters = group(FilterParameters())
 
 
@@ -29,6 +29,7 @@ class SlopeParameters:
     method: str = parameter("slip", "method", choices=("slip", "no_slip"), read_only=True)
     detector: DetectorParameters = group(DetectorParameters())
     no_slip: NoSlipParameters = group(NoSlipParameters(), selector="method", methods=("no_slip",))
+    car: str = parameter("", "the car")
     distances: tuple[float, ...] = parameter((0.0, 1e-7), "distances", unit="m", minimum=0.0)
 
 
@@ -44,11 +45,12 @@ def test_file_holds_every_parameter_with_unit_range_and_the_methods_it_serves() 
         "  ros__parameters:\n"
         '    method: "slip"                            # method (slip, no_slip); start only\n'
         "    detector:\n"
-        "      window: 28                              # samples (3 to 400)\n"
+        "      window: 28                              # samples (3 to 2147483647)\n"
         "      wheel_filter:\n"
         "        density: 3000.0                       # [rad^2/s^5] bandwidth |q| (at least 1)\n"
         "    no_slip:                                  # only with method no_slip\n"
         "      wait: true                              # wait for <wheel>/slip\n"
+        '    # car: ""                                 # the car\n'
         "    distances: [0.0, 1.0e-07]                 # [m] distances (at least 0)\n"
     )
 
@@ -64,8 +66,9 @@ def test_table_holds_every_parameter_and_nothing_that_markdown_would_swallow() -
         "| parameter | shipped value | unit | range | |\n"
         "|---|---|---|---|---|\n"
         '| `method` | `"slip"` |  | slip, no_slip | method; start only |\n'
-        "| `detector.window` | `28` |  | 3 to 400 | samples |\n"
+        "| `detector.window` | `28` |  | 3 to 2147483647 | samples |\n"
         "| `detector.wheel_filter.density` | `3000.0` | rad^2/s^5 | at least 1 | bandwidth \\|q\\| |\n"
         "| `no_slip.wait` | `true` |  |  | wait for \\<wheel>/slip; only with method no_slip |\n"
+        '| `car` | `""` |  |  | the car |\n'
         "| `distances` | `[0.0, 1.0e-07]` | m | at least 0 | distances |\n"
     )

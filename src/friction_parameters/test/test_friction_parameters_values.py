@@ -39,10 +39,10 @@ class ExampleParameters:
     surfaces: tuple[str, ...] = parameter(("dry",), "names", choices=("dry", "wet", "snow"))
     radius: tuple[float, ...] = parameter((0.3,), "radius", unit="m", minimum=0.05, maximum=2.0)
     deadline: float = parameter(0.05, "deadline", unit="s", minimum=0.0, maximum=1.0)
-    method: str = parameter("slip", "method", choices=("slip", "no_slip", "both"))
+    method: str = parameter("slip", "method", choices=("slip", "no_slip", "both", "all"))
     shadow: bool = parameter(True, "shadow", read_only=True)
     detector: DetectorParameters = group(DetectorParameters(threshold=-2.0))
-    no_slip: NoSlipParameters = group(NoSlipParameters(), selector="method", methods=("no_slip", "both"))
+    no_slip: NoSlipParameters = group(NoSlipParameters(), selector="method", methods=("no_slip", "both", "all"))
 
     MOVED: ClassVar[Mapping[str, str]] = {"window": "it is 'detector.window.length'"}
 
@@ -61,7 +61,7 @@ def test_names_of_nested_parameters_are_dotted_and_defaults_are_those_of_the_gro
     assert known["detector.threshold"].default == -2.0
     assert known["detector.window.length"].hint is int
     assert known["detector.threshold"].limits["unit"] == "rad/s^3"
-    assert known["no_slip.wait"].only == "only with method no_slip or both"
+    assert known["no_slip.wait"].only == "only with method no_slip, both or all"
     assert not known["detector.threshold"].only
     assert values_of(ExampleParameters()) == {name: each.default for name, each in known.items()}
 
@@ -114,7 +114,7 @@ def test_a_change_of_several_values_is_made_at_once_and_leaves_the_others() -> N
         ({"no_slip.eta_margin": float("inf")}, "parameter 'no_slip.eta_margin' = inf is no finite number"),
         ({"no_slip.eta_margin": float("nan")}, "parameter 'no_slip.eta_margin' = nan is no finite number"),
         ({"shadow": 1}, "parameter 'shadow' = 1 must be of type bool"),
-        ({"method": "guess"}, "parameter 'method' = 'guess' must be one of slip, no_slip, both"),
+        ({"method": "guess"}, "parameter 'method' = 'guess' must be one of slip, no_slip, both, all"),
         ({"surfaces": ["ice"]}, "parameter 'surfaces' = 'ice' must be one of dry, wet, snow"),
         ({"surfaces": "dry"}, "parameter 'surfaces' = 'dry' must be a list"),
         ({"detector": 5}, "unknown parameter 'detector'"),
@@ -151,7 +151,7 @@ def test_a_combination_is_refused_by_the_group_that_minds_it() -> None:
 def test_what_is_set_for_another_method_is_named_in_one_line() -> None:
     values = {"no_slip.eta_margin": 0.1, "no_slip.wait": False}
     (line,) = ignored(from_mapping(ExampleParameters, values))
-    assert line == "no_slip.eta_margin, no_slip.wait: ignored, as 'method' is 'slip', not no_slip or both"
+    assert line == "no_slip.eta_margin, no_slip.wait: ignored, as 'method' is 'slip', not no_slip, both or all"
     assert not ignored(from_mapping(ExampleParameters, {**values, "method": "both"}))
     assert not ignored(ExampleParameters())
 

@@ -49,7 +49,7 @@ def deceleration_transfer(corner: CornerParameters, theta: ArrayLike, slip: floa
 
 
 def is_stable(theta: ArrayLike, slip: ArrayLike) -> NDArray[np.bool_]:
-    """Is the pole negative? Whatever speed, load and wheel are: where mu_1 > 0, which is before the peak."""
+    """Is the pole of (8.1) and (8.2) negative? With any speed, load and wheel: where mu_1 > 0, before the peak."""
     return np.asarray(burckhardt.slope(theta, slip) > 0.0)
 
 
