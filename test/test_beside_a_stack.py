@@ -49,11 +49,9 @@ def test_graph_beside_a_stack_estimates_every_wheel_by_its_joint_and_has_no_brak
             client.start(*graph.command(start.node, start.files, start.decided, "my_car")[1:])
         drive(client)
         node = client.node
-        names = [name for name, _ in node.get_topic_names_and_types()]
-        for wheel in JOINTS:
-            for estimate in graph.ESTIMATES:
-                assert node.count_publishers(f"{wheel}/{estimate}") == 1, (wheel, estimate)
-        assert not [name for name in names if graph.COMMAND in name]
+        estimates = [f"{wheel}/{estimate}" for wheel in JOINTS for estimate in graph.ESTIMATES]
+        client.until(lambda: all(node.count_publishers(topic) == 1 for topic in estimates))
+        assert not [name for name, _ in node.get_topic_names_and_types() if graph.COMMAND in name]
 
 
 def drive(client: DdsClient) -> None:

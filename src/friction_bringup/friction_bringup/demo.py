@@ -19,6 +19,7 @@ from friction_bringup import graph
 from friction_bringup.demo_graph import DemoError, DemoGraph, DemoOptions
 from friction_bringup.live_view import LiveView
 from friction_bringup.plots import write_plots
+from friction_bringup.processes import AT_ONCE
 from friction_bringup.recorded_run import read_run
 from friction_bringup.summary import print_summary
 from friction_runtime.spin import stop_on_signals, take_down
@@ -29,6 +30,8 @@ _SETTLE = 0.3
 """Wall time [s] from hearing that all are there until each of them knows it too."""
 _QUIET = 0.4
 """Wall time [s] without a new sample after which everything in flight has arrived."""
+_PATIENCE = 10.0
+"""Wall time [s] in which the processes must end when the run has ended by itself: the machine may be busy."""
 _INTERRUPTED = 130
 """Exit code."""
 _FILE_WIDTH = 120
@@ -91,14 +94,15 @@ def run_demo(options: DemoOptions) -> int:
 
 def _run_graph(console: Console, demo: DemoGraph, view: LiveView, what: str, spin_until: SpinUntil) -> bool:
     """Start the processes, show what they do, end them; return whether a signal came."""
-    interrupted = False
+    interrupted, grace = False, AT_ONCE
     try:
         demo.start()
         _watch(console, demo, view, what, spin_until)
+        grace = _PATIENCE
     except KeyboardInterrupt:
         interrupted = True
     finally:
-        killed = demo.stop()
+        killed = demo.stop(grace)
     if killed and not interrupted:
         raise DemoError(f"{', '.join(killed)} did not end in time and was killed; logs in {demo.bag.parent / 'log'}")
     return interrupted

@@ -125,9 +125,9 @@ class DemoGraph:
                 raise DemoError(f"{name} ended with exit code {code}; the end of {log}:\n{tail}")
         return self.source in ended
 
-    def stop(self) -> list[str]:
-        """End every process within two seconds and return the names of those that had to be killed."""
-        return self._processes.stop()
+    def stop(self, grace: float) -> list[str]:
+        """End every process; return the names of those that took longer than `grace` [s] and were killed."""
+        return self._processes.stop(grace)
 
 
 def _decided(options: DemoOptions) -> Decided:

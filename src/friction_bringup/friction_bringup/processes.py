@@ -9,8 +9,8 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-_GRACE = 1.2
-"""Time [s] between SIGINT and SIGKILL: with it every process is gone within 2 s."""
+AT_ONCE = 1.2
+"""Time [s] between SIGINT and SIGKILL with which every process is gone within 2 s."""
 
 
 class ProcessGroup:
@@ -52,12 +52,12 @@ class ProcessGroup:
         codes = {name: process.poll() for name, process in self._processes.items()}
         return {name: code for name, code in codes.items() if code is not None}
 
-    def stop(self) -> list[str]:
-        """Interrupt what still runs, kill what does not end in time, and return the names of those killed."""
+    def stop(self, grace: float = AT_ONCE) -> list[str]:
+        """Interrupt what still runs, kill what does not end within `grace` [s], return the names of those killed."""
         running = {name: process for name, process in self._processes.items() if process.poll() is None}
         for process in running.values():
             process.send_signal(signal.SIGINT)
-        deadline = time.monotonic() + _GRACE
+        deadline = time.monotonic() + grace
         killed = []
         for name, process in running.items():
             try:
