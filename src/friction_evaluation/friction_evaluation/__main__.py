@@ -14,10 +14,15 @@ from rich.markup import escape
 from rich.table import Table
 
 from friction_evaluation.parts import PARTS, JudgingPart, Row, part, plain
+from friction_parameters.parameter import ParameterError
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one part, print its table and write its rows; return 1 where the part judges its rows and they fail."""
+    """Run one part, print its table and write its rows.
+
+    Returns:
+        Exit code: 1 where the part judges its rows and they fail, 2 where a parameter or a vehicle file is bad, else 0.
+    """
     parser = argparse.ArgumentParser(prog="python -m friction_evaluation", description=__doc__)
     parser.add_argument("part", choices=PARTS, help="; ".join(f"{name}: {text}" for name, text in PARTS.items()))
     name = parser.parse_args(list(arguments if arguments is not None else sys.argv[1:])[:1]).part
@@ -26,7 +31,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     own.add_argument("--json", type=Path, help="write the rows to this file")
     chosen.add_arguments(own)
     options = own.parse_args(list(arguments if arguments is not None else sys.argv[1:])[1:])
-    rows = list(chosen.run(options))
+    try:
+        rows = list(chosen.run(options))
+    except ParameterError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
     print_rows(PARTS[name], rows)
     judge = chosen if isinstance(chosen, JudgingPart) else None
     if options.json is not None:

@@ -20,8 +20,9 @@ from friction_bags.import_bmw import WHEELS as BMW_WHEELS
 from friction_bags.import_csv import read_rows
 from friction_evaluation.measured import BMW, BMW_M8, data_directory
 from friction_evaluation.parts import Row
-from friction_evaluation.slip_stops import CAR, END_SPEED, STEP, Stop, stops
+from friction_evaluation.slip_stops import CAR, END_SPEED, STEP, Stop, cruise_torque, stops
 from friction_evaluation.slip_tables import tables
+from friction_parameters.parameter import ParameterError
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.two_axle import four_wheels
 from vehicle_models.vehicle import Vehicle
@@ -60,12 +61,22 @@ def run(options: argparse.Namespace) -> list[Row]:
     seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
     rows: list[Row] = []
     if "stops" in options.cases:
-        rows += _simulated(seeds, load_vehicle(options.vehicle))
+        rows += _simulated(seeds, _car_of_stops(options.vehicle))
     if "measured" in options.cases:
         rows += _measured(options.data / BMW)
     if "tables" in options.cases:
         rows += tables(seeds, shipped())
     return rows
+
+
+def _car_of_stops(name: str) -> Vehicle:
+    vehicle = load_vehicle(name)
+    try:
+        four_wheels(vehicle)
+        cruise_torque(vehicle, np.zeros(1))
+    except ValueError as error:
+        raise ParameterError(f"--vehicle {name}: {error}") from error
+    return vehicle
 
 
 def _simulated(seeds: range, vehicle: Vehicle) -> list[Row]:

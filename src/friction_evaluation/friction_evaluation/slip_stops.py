@@ -106,7 +106,7 @@ def stops(
     generators = [np.random.default_rng(seed) for seed in seeds]
     onset = round(CRUISE / DT)
     step_at = onset + round(0.5 * SPEED / (GRAVITY * float(burckhardt.peak(theta)[1])) / DT)
-    cruise = _cruise_torque(vehicle, grade)
+    cruise = cruise_torque(vehicle, grade)
     torque: Array = np.zeros((count, len(wheels)))
     kept: list[list[Array]] = [[] for _ in range(5)]
     ends = np.full(count, -1)
@@ -167,8 +167,12 @@ def _controllers(count: int, vehicle: Vehicle) -> list[list[_Controller]]:
     ]
 
 
-def _cruise_torque(vehicle: Vehicle, grade: Array) -> Array:
-    """Drive torque [N m] that holds SPEED on the slope."""
+def cruise_torque(vehicle: Vehicle, grade: Array) -> Array:
+    """Drive torque [N m] that holds SPEED on the slope.
+
+    Raises:
+        ValueError: no wheel is driven.
+    """
     driven = [wheel.radius for wheel in vehicle.wheels if wheel.driven]
     if not driven:
         raise ValueError(f"no wheel of '{vehicle.name}' is driven ('driven'): it cannot cruise")

@@ -41,6 +41,23 @@ def test_unknown_part_is_refused_with_the_known_ones(capsys: pytest.CaptureFixtu
     assert "slope" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["abs", "--vehicle", "no_such_car"], "shipped: bmw_m8"),
+        (["slip", "--cases", "stops", "--vehicle", "chapter_corner"], "four wheels"),
+        (["slip", "--cases", "stops", "--vehicle", "chapter_car"], "driven"),
+    ],
+)
+def test_a_car_that_does_not_serve_is_refused_in_one_line(
+    arguments: Sequence[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert command_line.main(arguments) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert len(error.splitlines()) == 1
+
+
 @pytest.mark.parametrize("name", PARTS)
 def test_every_part_has_the_shape_the_command_line_needs(name: str) -> None:
     chosen = part(name)

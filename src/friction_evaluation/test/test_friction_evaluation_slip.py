@@ -1,12 +1,16 @@
 """Part slip: small numbers of runs within the limits, the measured stop, and the manoeuvres of the tables."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from friction_evaluation import slip
 from friction_evaluation.measured import BMW, data_directory
-from friction_evaluation.slip_stops import CRUISE, DT, stops
+from friction_evaluation.protocol_corner import CORNER
+from friction_evaluation.slip_stops import CAR, CRUISE, DT, Stop, stops
 from friction_evaluation.slip_tables import ACTIVATION_SLIP, LAMBDA_INIT, ROADS, Road, braking, tables
+from vehicle_models.vehicle_file import load_vehicle
 
 needs_data = pytest.mark.skipif(
     not (data_directory() / BMW).is_file(), reason=f"measured data are absent: {data_directory()} (set FRICTION_DATA)"
@@ -19,7 +23,7 @@ def test_stop_begins_with_a_steady_cruise_and_ends_at_3_metres_a_second() -> Non
     assert np.max(np.abs(stop.speed[: stop.onset] - 30.0)) < 0.1
     assert 3.0 < stop.speed[-1] < 3.1
     assert stop.slip[stop.onset :].max() > 0.1
-    noise = stop.wheel_speed - (1.0 - stop.slip) * stop.speed[:, np.newaxis] / 0.3
+    noise = stop.wheel_speed - (1.0 - stop.slip) * stop.speed[:, np.newaxis] / np.array(CAR.radii)
     assert noise.std() == pytest.approx(np.sqrt(0.005), rel=0.05)
 
 
@@ -30,6 +34,23 @@ def test_stops_are_within_the_limits_and_far_better_than_the_best_wheel(road: st
     assert ours["speed_rms"] <= ours["speed_rms_limit"]
     assert ours["slip_rms"] <= ours["slip_rms_limit"]
     assert baseline["speed_rms"] > 4.0 * ours["speed_rms"]
+
+
+def test_the_order_of_the_wheels_in_the_vehicle_file_does_not_matter() -> None:
+    car = load_vehicle("bmw_m8")
+    acceleration = np.where(np.arange(600) < 400, 0.0, -4.0)
+    speed = 30.0 + DT * np.cumsum(acceleration)
+    measured = speed[:, np.newaxis] / np.array(car.radii)
+    stop = Stop(400, measured, acceleration, np.zeros((600, 4)), speed, np.zeros((600, 4)))
+    turned = replace(car, wheels=car.wheels[::-1])
+    found = slip.follow(stop, turned)
+    np.testing.assert_array_equal(found.slip, slip.follow(stop, car).slip)
+    assert np.abs(found.slip[-1]).max() < 0.02
+
+
+def test_a_car_that_no_engine_drives_cannot_cruise() -> None:
+    with pytest.raises(ValueError, match="driven"):
+        stops("dry", range(1), vehicle=load_vehicle("chapter_car"))
 
 
 @needs_data
@@ -47,7 +68,7 @@ def test_measured_stop_is_within_the_limits_and_an_offset_does_not_matter() -> N
 @pytest.mark.parametrize("road", ROADS, ids=lambda road: road.name)
 def test_manoeuvre_takes_the_chapters_samples_from_init_to_activation(road: Road) -> None:
     truth = braking(road)
-    slips = 1.0 - truth.wheel_speed * 0.3 / truth.speed
+    slips = 1.0 - truth.wheel_speed * CORNER.radius / truth.speed
     assert slips[truth.begin - 1] <= LAMBDA_INIT < slips[truth.begin]
     assert slips[truth.begin + road.activation] == pytest.approx(ACTIVATION_SLIP, abs=1e-3)
 
