@@ -111,5 +111,5 @@ def test_what_makes_no_car_is_refused() -> None:
 
 def test_the_readme_holds_the_table_of_the_keys() -> None:
     readme = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
-    assert f"<!-- vehicle -->\n{vehicle_table()}<!-- /vehicle -->\n" in readme
+    assert f"<!-- vehicle -->\n\n{vehicle_table()}\n<!-- /vehicle -->\n" in readme
     assert all(f"`{part}`" in readme for part in ("name", "joint", "all_wheels", "axles", "stddev"))
