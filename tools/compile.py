@@ -16,7 +16,7 @@ from pathlib import Path
 from progress import run_with_progress
 
 COMPILED = {
-    "friction_runtime": "aligner new_message stamps wheel_speeds",
+    "friction_runtime": "aligner brake_torque new_message stamps wheel_speeds",
     "vehicle_models": "derivatives",
     "wheel_slip": "carried_wheels estimate estimator online_radii processor radius_calibration slide_detector slip "
     "speed_filter speed_queue speed_sample stuck_sensor vehicle_speed wheel_speed_filter",
@@ -25,8 +25,9 @@ COMPILED = {
     "friction_curve_id": "activation curve_fitting curve_messages dead_reckoning exponential_curve fitted_curve "
     "friction_samples inputs processor recursive_ls square_root wheel_inputs",
     "friction_bags": "bag_writer cdr cdr_layout mcap_chunk mcap_writer offline_graph stage_run",
+    "friction_parameters": "",
 }
-"""Modules by package."""
+"""Modules by package; of a package without any, the compiled modules need the types."""
 
 
 def compile_modules(root: Path) -> int:
