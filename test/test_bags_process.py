@@ -79,11 +79,11 @@ def sensors_of(bag: Path) -> list[str]:
 
 @pytest.fixture
 def parameters(tmp_path: Path) -> Path:
-    """A parameter file with the car, by which the supervisor commands."""
+    """A parameter file with the car; the supervisor commands, and a stall of the machine does not wake its watchdog."""
     path = tmp_path / "parameters.yaml"
     path.write_text(
         f"/**:\n  ros__parameters:\n    vehicle_file: {CAR}\n"
-        "/**/abs_supervisor:\n  ros__parameters:\n    shadow: false\n"
+        "/**/abs_supervisor:\n  ros__parameters:\n    shadow: false\n    stale_after: 5.0\n"
     )
     return path
 

@@ -63,6 +63,17 @@ def test_no_brake_pressure_is_invented(tmp_path: Path) -> None:
 
 
 @needs_data
+@pytest.mark.parametrize(("kind", "source", "vehicle"), [("bmw", BMW, "bmw_m8"), ("iac", IAC, "indy_av21")])
+def test_a_bag_says_of_which_car_it_is_and_names_its_wheels(
+    tmp_path: Path, kind: str, source: Path, vehicle: str
+) -> None:
+    bag = imported(kind, source, tmp_path / "bag")
+    with BagReader(tmp_path / "bag") as reader:
+        assert reader.custom_data["vehicle"] == vehicle
+    assert tuple(bag["/wheel_states"][0][1].name) == load_vehicle(vehicle).joints
+
+
+@needs_data
 def test_bursts_of_near_duplicate_stamps_are_kept_in_their_order(tmp_path: Path) -> None:
     stamps = [stamp for stamp, _ in imported("bmw", BMW, tmp_path / "bag")["/wheel_states"]]
     steps = [after - before for before, after in pairwise(stamps)]
