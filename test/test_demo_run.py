@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from std_msgs.msg import Header
 
 from friction_bags.bag_reader import BagReader
 from friction_bags.message_bag import write_bag
+from friction_bringup.__main__ import main
 from friction_bringup.recorded_run import RecordedRun, read_run
 from friction_runtime.shipped_files import shipped_file
 from friction_runtime.stamps import from_nanoseconds
@@ -178,21 +179,25 @@ def test_killed_demo_leaves_no_process_behind(running: tuple[subprocess.Popen[st
     assert read_run(directory / "bag", WHEELS).samples.size > 0
 
 
-def refused(out: Path, *arguments: str) -> str:
-    """Return what a demo says that does not start: one line."""
-    result = subprocess.run(command(out, *arguments), capture_output=True, text=True, check=False, timeout=60)
-    assert result.returncode != 0
-    assert result.stdout == ""
-    assert not out.exists()
-    assert len(result.stderr.splitlines()) == 1, result.stderr
-    return result.stderr
+@pytest.fixture
+def refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
+    """Give a function that returns what a demo says that does not start: one line."""
+
+    def run_in_vain(*arguments: str) -> str:
+        assert main(["demo", "--out", str(tmp_path / "out"), *arguments]) != 0
+        printed = capsys.readouterr()
+        assert printed.out == ""
+        assert len(printed.err.splitlines()) == 1, printed.err
+        assert not (tmp_path / "out").exists()
+        return printed.err
+
+    return run_in_vain
 
 
-def test_bad_file_is_named_and_nothing_starts(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    assert "'initial_speed' = -0.3 m/s" in refused(out, "--params", str(parameters(tmp_path, {"initial_speed": -0.3})))
-    assert "no_such.yaml" in refused(out, "--params", str(tmp_path / "no_such.yaml"))
-    assert "compact_car" in refused(out, "--vehicle", "no_such_car")
+def test_bad_file_is_named_and_nothing_starts(refused: Callable[..., str], tmp_path: Path) -> None:
+    assert "'initial_speed' = -0.3 m/s" in refused("--params", str(parameters(tmp_path, {"initial_speed": -0.3})))
+    assert "no_such.yaml" in refused("--params", str(tmp_path / "no_such.yaml"))
+    assert "compact_car" in refused("--vehicle", "no_such_car")
 
 
 def test_node_that_ends_too_soon_is_named_with_its_log_and_ends_the_demo(tmp_path: Path) -> None:
@@ -205,14 +210,16 @@ def test_node_that_ends_too_soon_is_named_with_its_log_and_ends_the_demo(tmp_pat
     assert processes_of(tmp_path / "out") == []
 
 
-def test_bag_without_wheels_is_refused_with_what_it_lacks(tmp_path: Path) -> None:
+def test_bag_without_wheels_is_refused_with_what_it_lacks(refused: Callable[..., str], tmp_path: Path) -> None:
     (tmp_path / "bag").mkdir()
-    assert str(tmp_path / "bag") in refused(tmp_path / "out", "--bag", str(tmp_path / "bag"))
+    assert str(tmp_path / "bag") in refused("--bag", str(tmp_path / "bag"))
 
 
-def test_bag_that_does_not_name_its_car_is_refused_with_the_cars_there_are(tmp_path: Path) -> None:
+def test_bag_that_does_not_name_its_car_is_refused_with_the_cars_there_are(
+    refused: Callable[..., str], tmp_path: Path
+) -> None:
     message = JointState(header=Header(stamp=from_nanoseconds(1_000_000_000)), name=["FL"], velocity=[1.0])
     write_bag(tmp_path / "bag", [("/wheel_states", message)], {})
-    said = refused(tmp_path / "out", "--bag", str(tmp_path / "bag"))
+    said = refused("--bag", str(tmp_path / "bag"))
     assert "--vehicle" in said
     assert "compact_car" in said

@@ -22,9 +22,10 @@ PLANT: dict[str, graph.ParameterValue] = {
 
 
 def closed_loop() -> dict[str, list[bytes]]:
-    found = run_graph(
-        live.LOOP, live.CHAIN, {"corner_sim": PLANT, "abs_supervisor": {"stale_after": 5.0}}, 90.0, lambda _: None
-    )
+    overrides: dict[str, dict[str, graph.ParameterValue]] = {graph.PLANT: PLANT}
+    overrides |= {node: {"vehicle_file": graph.DEMO_VEHICLE} for node in live.LOOP}
+    overrides[graph.SUPERVISOR] |= {"shadow": False, "stale_after": 5.0}
+    found = run_graph(live.LOOP, live.CHAIN, overrides, 90.0, lambda _: None)
     return {topic: [encode(message) for message in observed.messages] for topic, observed in found.items()}
 
 
