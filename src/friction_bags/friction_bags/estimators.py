@@ -20,6 +20,11 @@ WHEEL_ESTIMATORS = tuple(name for name in ESTIMATORS if name != SMART_TYRE)
 """Those that live on wheel_states."""
 
 
+def parameter_class(estimator: str) -> type[Any]:
+    """Dataclass of the parameters of an estimator."""
+    return type(import_module(f"{estimator}.parameters").SHIPPED[estimator].parameters)
+
+
 def read_parameters(
     estimators: Iterable[str], files: Sequence[Path], report: Report, namespace: str = "/"
 ) -> dict[str, Any]:

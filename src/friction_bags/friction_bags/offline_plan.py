@@ -12,8 +12,16 @@ from friction_bags.bag_format import BagError
 from friction_bags.bag_reader import BagReader
 from friction_bags.bag_vehicle import vehicle_for
 from friction_bags.cdr import decode
-from friction_bags.estimators import SMART_TYRE, WHEEL_ESTIMATORS, make_processors, read_parameters, vehicle_of
+from friction_bags.estimators import (
+    SMART_TYRE,
+    WHEEL_ESTIMATORS,
+    make_processors,
+    parameter_class,
+    read_parameters,
+    vehicle_of,
+)
 from friction_bags.message_definition import type_name
+from friction_parameters.values import from_mapping, values_of
 from friction_runtime.processor import Processor, Report
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
@@ -49,8 +57,8 @@ class OfflinePlan:
     """What becomes of the topics of one bag."""
 
     bag: Path
-    parameters: Mapping[str, Any]
-    """Of each estimator, by its name."""
+    parameters: Mapping[str, Mapping[str, Any]]
+    """Values by dotted name, of each estimator by its name: compiled dataclasses cannot be sent to a process."""
     vehicle: Vehicle
     vehicle_note: str
     """How the bag that is made names the car."""
@@ -65,7 +73,8 @@ class OfflinePlan:
         Raises:
             ParameterError: parameters do not fit the car.
         """
-        return make_processors(self.parameters, self.vehicle, report)
+        parameters = {name: from_mapping(parameter_class(name), each) for name, each in self.parameters.items()}
+        return make_processors(parameters, self.vehicle, report)
 
 
 class SayOnce:
@@ -103,7 +112,8 @@ def plan_for(reader: BagReader, options: ProcessOptions, report: Report) -> tupl
     made = {topic for processor in processors for topic in processor.outputs}
     taken = _taken(reader, processors, made, prefix)
     copied = tuple(not options.outputs_only and name not in made for name in names)
-    return OfflinePlan(reader.bag, parameters, vehicle, note, tuple(taken), copied), processors
+    values = {name: values_of(each) for name, each in parameters.items()}
+    return OfflinePlan(reader.bag, values, vehicle, note, tuple(taken), copied), processors
 
 
 def output_numbers(processors: Sequence[Processor]) -> dict[str, int]:
