@@ -37,6 +37,7 @@ wheels:
 WANTS_COMMANDS = """
 /**: {ros__parameters: {shadow: false}}
 /**/abs_supervisor: {ros__parameters: {shadow: false}}
+/my_car/abs_supervisor: {ros__parameters: {shadow: false}}
 """
 
 
