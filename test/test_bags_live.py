@@ -22,11 +22,11 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header, String
 
-from friction_bags.bag_reader import BagReader
-from friction_bags.bag_writer import BagWriter
-from friction_bags.cdr import encode, installed_topic
-from friction_bags.foreign_type import foreign_class
-from friction_bags.reindex import reindex
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.bag_writer import BagWriter
+from friction_bags.bag_io.cdr import encode, installed_topic
+from friction_bags.bag_io.reindex import reindex
+from friction_bags.record_replay.foreign_type import foreign_class
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 
 DOMAIN = 41

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from friction_bags.cdr import encode
+from friction_bags.bag_io.cdr import encode
 from friction_bringup import graph
 from friction_evaluation import live
 from friction_evaluation.live_graph import run_graph

@@ -18,7 +18,7 @@ from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
 from dds_client import DdsClient, dds_client
-from friction_bags.cdr import encode
+from friction_bags.bag_io.cdr import encode
 from friction_bringup import graph
 from friction_evaluation.live import LOOP
 from friction_runtime import qos

@@ -54,7 +54,7 @@ def test_no_shipped_file_lets_the_supervisor_command() -> None:
 
 
 def test_graph_holds_every_estimator_of_the_offline_runner() -> None:
-    from friction_bags.estimators import ESTIMATORS
+    from friction_bags.offline.estimators import ESTIMATORS
 
     assert set(graph.ESTIMATORS) == set(ESTIMATORS)
 

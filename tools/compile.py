@@ -24,10 +24,11 @@ COMPILED = {
     "abs_supervisor": "braking fsm processor supervisor",
     "friction_curve_id": "activation curve_fitting curve_messages dead_reckoning exponential_curve fitted_curve "
     "friction_samples inputs processor recursive_ls square_root wheel_inputs",
-    "friction_bags": "bag_writer cdr cdr_layout mcap_chunk mcap_writer offline_graph stage_run",
+    "friction_bags": "bag_io/bag_writer bag_io/cdr bag_io/cdr_layout bag_io/mcap_chunk bag_io/mcap_writer "
+    "offline/graph offline/stage_run",
     "friction_parameters": "",
 }
-"""Modules by package; of a package without any, the compiled modules need the types."""
+"""Modules by package, as paths within it; of a package without any, the compiled modules need the types."""
 
 
 def compile_modules(root: Path) -> int:
@@ -55,8 +56,8 @@ def compile_modules(root: Path) -> int:
         for library in (root / "install" / setup.parent.name).glob("**/*.so"):
             library.unlink()
     for package in present:
-        for library in (staging / package).glob("*.so"):
-            shutil.copy2(library, _installed(root, package))
+        for library in (staging / package).glob("**/*.so"):
+            shutil.copy2(library, _installed(root, package) / library.parent.relative_to(staging / package))
     for library in staging.glob("*__mypyc*.so"):  # what they share lies beside the first of their packages
         shutil.copy2(library, _installed(root, next(iter(present))).parent)
     return 0
@@ -64,13 +65,13 @@ def compile_modules(root: Path) -> int:
 
 def _copy_changed(source: Path, target: Path) -> None:
     """Copy the modules of a package; what is the same keeps its date, and mypy its knowledge of it."""
-    target.mkdir(parents=True, exist_ok=True)
-    names = {path.name for path in source.glob("*.py")}
-    for path in target.glob("*.py"):
-        if path.name not in names:
+    names = {path.relative_to(source) for path in source.glob("**/*.py")}
+    for path in target.glob("**/*.py"):
+        if path.relative_to(target) not in names:
             path.unlink()
     for name in names:
         if not (target / name).exists() or not filecmp.cmp(source / name, target / name, shallow=False):
+            (target / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(source / name, target / name)
 
 

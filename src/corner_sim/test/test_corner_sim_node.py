@@ -21,7 +21,7 @@ from corner_sim import messages
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
 from dds_client import DdsClient, dds_client, stop
-from friction_bags.cdr import encode
+from friction_bags.bag_io.cdr import encode
 from friction_runtime import qos
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle

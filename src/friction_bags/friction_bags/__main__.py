@@ -6,16 +6,16 @@ from collections.abc import Sequence
 from importlib import import_module
 
 _NODES = {
-    "record": ("record", "record topics to a bag"),
-    "play": ("play", "replay a bag onto its topics"),
+    "record": ("record_replay.record", "record topics to a bag"),
+    "play": ("record_replay.play", "replay a bag onto its topics"),
 }
 _TOOLS = {
-    "info": ("info", "say what a bag holds"),
-    "reindex": ("reindex", "repair a bag whose recorder was killed"),
-    "process": ("process", "run the estimators over bags, without middleware"),
-    "import": ("import_csv", "make a bag from measured data in a CSV file"),
-    "calibrate_radii": ("calibrate_radii", "find the wheel radii from the coasting stretches of a bag"),
-    "library": ("library", "make the recorded experiments of bags/ anew"),
+    "info": ("bag_io.info", "say what a bag holds"),
+    "reindex": ("bag_io.reindex", "repair a bag whose recorder was killed"),
+    "process": ("offline.process", "run the estimators over bags, without middleware"),
+    "import": ("importers.import_csv", "make a bag from measured data in a CSV file"),
+    "calibrate_radii": ("offline.calibrate_radii", "find the wheel radii from the coasting stretches of a bag"),
+    "library": ("experiments.library", "make the recorded experiments of bags/ anew"),
 }
 
 

@@ -2,7 +2,7 @@
 
 from argparse import ArgumentParser
 
-from friction_bags.bag_reader import BagReader
+from friction_bags.bag_io.bag_reader import BagReader
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Report
 from vehicle_models.vehicle_file import shipped_vehicles, vehicle_path

@@ -8,8 +8,8 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import JointState
 
 from friction_bags.__main__ import main
-from friction_bags.message_bag import write_bag
-from friction_bags.vehicle_text import with_radii
+from friction_bags.bag_io.message_bag import write_bag
+from friction_bags.offline.vehicle_text import with_radii
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.vehicle import Deviation, SharedBy
 from vehicle_models.vehicle_file import load_vehicle

@@ -27,8 +27,8 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import String
 
-from friction_bags.cdr import decode, encode
-from friction_bags.message_definition import message_class, message_definition, type_name
+from friction_bags.bag_io.cdr import decode, encode
+from friction_bags.bag_io.message_definition import message_class, message_definition, type_name
 
 KINDS: list[Any] = [
     *(BrakeCommand, BrakeDemand, ContactPatch, FrictionCurve, FrictionSlope, SupervisorState),

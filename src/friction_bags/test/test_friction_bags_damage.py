@@ -9,11 +9,11 @@ from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from friction_bags.__main__ import main
-from friction_bags.bag_format import BagError, Topic
-from friction_bags.bag_reader import BagReader
-from friction_bags.bag_writer import BagWriter
-from friction_bags.mcap_writer import Compression
-from friction_bags.reindex import reindex
+from friction_bags.bag_io.bag_format import BagError, Topic
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.bag_writer import BagWriter
+from friction_bags.bag_io.mcap_writer import Compression
+from friction_bags.bag_io.reindex import reindex
 
 COUNT = 400
 CHUNK = 50

@@ -6,7 +6,7 @@ from rosbags.interfaces import Connection
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer
 
 from friction_bags.__main__ import main
-from friction_bags.bag_reader import BagReader
+from friction_bags.bag_io.bag_reader import BagReader
 
 DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[4] / "shared" / "data"))
 BAGS = DATA / "foreign_bags"

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from rclpy.serialization import deserialize_message
 
-from friction_bags import import_bmw
 from friction_bags.__main__ import main
-from friction_bags.bag_reader import BagReader
-from friction_bags.message_definition import message_class
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.message_definition import message_class
+from friction_bags.importers import bmw
 from vehicle_models.vehicle_file import load_vehicle
 
 DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[4] / "shared" / "data"))
@@ -43,7 +43,7 @@ def test_the_bmw_bag_holds_the_values_and_the_times_of_the_file(tmp_path: Path) 
     assert set(bag) == {"/wheel_states", "/imu/data", "/vehicle_velocity", "/can/total_brake_torque_request"}
     assert all(len(messages) == len(rows) for messages in bag.values())
     for row, (stamp, wheels) in zip(rows, bag["/wheel_states"], strict=True):
-        assert stamp - import_bmw.STAMP_OFFSET * 10**9 == round(row["t_s"] * 1e9)
+        assert stamp - bmw.STAMP_OFFSET * 10**9 == round(row["t_s"] * 1e9)
         assert wheels.name == ["front_left", "front_right", "rear_left", "rear_right"]
         assert list(wheels.velocity) == [row[f"w_{wheel}_radps"] for wheel in ("fl", "fr", "rl", "rr")]
     for row, (_, imu) in zip(rows, bag["/imu/data"], strict=True):
@@ -102,8 +102,8 @@ def test_the_iac_bag_holds_the_values_of_the_file(tmp_path: Path) -> None:
     ("text", "said"),
     [
         ("a,b\n1,2\n", "no column t_s"),
-        (",".join(import_bmw.COLUMNS) + "\n" + ",".join(["1"] * 9) + ",x\n", "line 2"),
-        (",".join(import_bmw.COLUMNS) + "\n" + "1,2\n", "line 2"),
+        (",".join(bmw.COLUMNS) + "\n" + ",".join(["1"] * 9) + ",x\n", "line 2"),
+        (",".join(bmw.COLUMNS) + "\n" + "1,2\n", "line 2"),
     ],
 )
 def test_a_file_with_other_columns_or_no_numbers_is_refused(

@@ -16,15 +16,15 @@ from std_msgs.msg import String
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
 from friction_bags.__main__ import main
-from friction_bags.bag_format import BagError, Topic
-from friction_bags.bag_reader import BagReader
-from friction_bags.bag_writer import BagWriter
-from friction_bags.cdr import encode, installed_topic
-from friction_bags.graph_stages import graph_stages
-from friction_bags.message_definition import message_class
-from friction_bags.offline_graph import OfflineGraph
-from friction_bags.offline_plan import ProcessOptions
-from friction_bags.offline_run import process_bag
+from friction_bags.bag_io.bag_format import BagError, Topic
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.bag_writer import BagWriter
+from friction_bags.bag_io.cdr import encode, installed_topic
+from friction_bags.bag_io.message_definition import message_class
+from friction_bags.offline.graph import OfflineGraph
+from friction_bags.offline.graph_stages import graph_stages
+from friction_bags.offline.plan import ProcessOptions
+from friction_bags.offline.run import process_bag
 from friction_parameters.parameter import ParameterError
 from friction_parameters.values import from_mapping
 from friction_runtime.stamps import from_nanoseconds
@@ -133,7 +133,7 @@ def test_a_system_that_allows_small_pipes_only_gets_the_same_bytes(
         asked.append(arguments)
         raise PermissionError
 
-    monkeypatch.setattr("friction_bags.offline_stage.fcntl", refuse)
+    monkeypatch.setattr("friction_bags.offline.stage_processes.fcntl", refuse)
     process(bag, tmp_path / "out", 2)
     assert asked
     assert (tmp_path / "out" / "out_0.mcap").read_bytes() == (processed / "out_0.mcap").read_bytes()

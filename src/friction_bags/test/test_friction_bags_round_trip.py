@@ -15,10 +15,10 @@ from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
-from friction_bags.bag_format import BagError, Topic
-from friction_bags.bag_reader import BagReader
-from friction_bags.bag_writer import BagWriter
-from friction_bags.message_definition import UnknownTypeError, message_class, message_definition
+from friction_bags.bag_io.bag_format import BagError, Topic
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.bag_writer import BagWriter
+from friction_bags.bag_io.message_definition import UnknownTypeError, message_class, message_definition
 
 FOREVER = QosTime(9223372036, 854775807)
 QOS = Qos(
@@ -162,8 +162,8 @@ def test_an_existing_directory_is_refused_and_left_alone(tmp_path: Path) -> None
 FULL_DISK = """
 import resource, sys
 from pathlib import Path
-from friction_bags.bag_format import BagError, Topic
-from friction_bags.bag_writer import BagWriter
+from friction_bags.bag_io.bag_format import BagError, Topic
+from friction_bags.bag_io.bag_writer import BagWriter
 writer = BagWriter(Path(sys.argv[1]), compression="none")
 channel = writer.add_topic(Topic("/a", "std_msgs/msg/String", "string data", "ros2msg"))
 resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000))

@@ -2,8 +2,8 @@ import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from friction_bags.qos_profiles import matching, replayed, stored
-from friction_bags.topic_selection import TopicSelection
+from friction_bags.record_replay.qos_profiles import matching, replayed, stored
+from friction_bags.record_replay.topic_selection import TopicSelection
 
 
 @pytest.mark.parametrize(

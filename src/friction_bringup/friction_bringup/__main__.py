@@ -7,8 +7,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from friction_bags.bag_format import BagError
-from friction_bags.bag_reader import BagReader
+from friction_bags.bag_io.bag_format import BagError
+from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_vehicle import vehicle_for
 from friction_bringup import graph
 from friction_bringup.demo import run_demo

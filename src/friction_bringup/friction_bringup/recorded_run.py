@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from rclpy.serialization import deserialize_message
 
-from friction_bags.bag_format import BagError
-from friction_bags.bag_reader import BagReader
+from friction_bags.bag_io.bag_format import BagError
+from friction_bags.bag_io.bag_reader import BagReader
 from friction_bringup.braking_metrics import CrossingEvent, hardest_braking
 from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
 

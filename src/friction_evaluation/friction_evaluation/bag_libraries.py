@@ -1,6 +1,6 @@
 """What rosbags and the mcap package take to decode, encode and write the messages that friction_bags does itself.
 
-Why there is code of our own in friction_bags/cdr_layout.py and friction_bags/mcap_chunk.py.
+Why there is code of our own in friction_bags/bag_io: cdr_layout.py and mcap_chunk.py.
 """
 
 import time
@@ -11,8 +11,8 @@ from typing import Any
 from mcap.writer import CompressionType, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from friction_bags.bag_format import Topic
-from friction_bags.bag_reader import BagReader
+from friction_bags.bag_io.bag_format import Topic
+from friction_bags.bag_io.bag_reader import BagReader
 
 
 def library_seconds(bag: Path, inputs: Collection[str], out: Path) -> float:

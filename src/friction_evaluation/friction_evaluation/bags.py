@@ -23,13 +23,13 @@ from rich.progress import track
 
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
-from friction_bags.bag_format import Topic
-from friction_bags.bag_reader import BagReader
-from friction_bags.bag_writer import BagWriter
-from friction_bags.cdr import decode, encode, installed_topic
-from friction_bags.message_definition import message_class
-from friction_bags.offline_plan import ProcessOptions
-from friction_bags.offline_run import process_bag
+from friction_bags.bag_io.bag_format import Topic
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.bag_writer import BagWriter
+from friction_bags.bag_io.cdr import decode, encode, installed_topic
+from friction_bags.bag_io.message_definition import message_class
+from friction_bags.offline.plan import ProcessOptions
+from friction_bags.offline.run import process_bag
 from friction_evaluation.bag_libraries import library_seconds
 from friction_evaluation.parts import Row
 from friction_parameters.values import from_mapping

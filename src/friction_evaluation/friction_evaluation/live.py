@@ -19,8 +19,8 @@ from sensor_msgs.msg import JointState
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS
 from corner_sim.simulation import Simulation
-from friction_bags.cdr import encode
-from friction_bags.estimators import make_processors, read_parameters
+from friction_bags.bag_io.cdr import encode
+from friction_bags.offline.estimators import make_processors, read_parameters
 from friction_bringup import graph
 from friction_evaluation.live_graph import Observation, run_graph
 from friction_evaluation.offline_loop import run_offline

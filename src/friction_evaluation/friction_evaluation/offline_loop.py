@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from corner_sim.simulation import Simulation
-from friction_bags.cdr import encode
-from friction_bags.offline_graph import OfflineGraph
+from friction_bags.bag_io.cdr import encode
+from friction_bags.offline.graph import OfflineGraph
 from friction_runtime.processor import Processor
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from friction_evaluation.manoeuvres import INTERVAL, braking
 from friction_evaluation.report_page import Picture, Section
 from vehicle_models import burckhardt
+from vehicle_models.sprung_car import PITCH_DAMPING, PITCH_FREQUENCY
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -26,10 +27,6 @@ _RELAXATION_LENGTH = _CAR.wheel("front_left").relaxation_length
 """[m]"""
 _LOAD_TRANSFER = _CAR.height_ratio / _CAR.front_load_share
 """The load of a front wheel grows by this share for a deceleration of g [-]."""
-_PITCH_FREQUENCY = 2.0 * np.pi * 1.5
-"""Of the body on its suspension [rad/s]."""
-_PITCH_DAMPING = 0.3
-"""[-]"""
 _TEXT = f"""The friction samples that a car measures on a front wheel, made with the static load, begin below
 the theoretical curve and then overshoot it, as in the chapter's figure: the tyre follows the slip with a
 relaxation length of {_RELAXATION_LENGTH} m, and the body pitches beyond its steady angle (1.5 Hz, damping 0.3), and
@@ -65,7 +62,7 @@ def overshoot(theta: Array) -> tuple[Array, Array, Array]:
         lag = INTERVAL * speed[k] / _RELAXATION_LENGTH
         friction[k] = friction[k - 1] + (static[k] - friction[k - 1]) * -np.expm1(-lag)
         steady = _LOAD_TRANSFER * friction[k]
-        pull = _PITCH_FREQUENCY**2 * (steady - swing[k - 1]) - 2.0 * _PITCH_DAMPING * _PITCH_FREQUENCY * rate
+        pull = PITCH_FREQUENCY**2 * (steady - swing[k - 1]) - 2.0 * PITCH_DAMPING * PITCH_FREQUENCY * rate
         rate += INTERVAL * pull
         swing[k] = swing[k - 1] + INTERVAL * rate
     return slip, static * (1.0 + _LOAD_TRANSFER * static), friction * (1.0 + swing)

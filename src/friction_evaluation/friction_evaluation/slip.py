@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.progress import Progress
 
-from friction_bags.import_bmw import COLUMNS, STAMP_OFFSET, messages
-from friction_bags.import_bmw import WHEELS as BMW_WHEELS
-from friction_bags.import_csv import read_rows
+from friction_bags.importers.bmw import COLUMNS, STAMP_OFFSET, messages
+from friction_bags.importers.bmw import WHEELS as BMW_WHEELS
+from friction_bags.importers.import_csv import read_rows
 from friction_evaluation.measured import BMW, BMW_M8, data_directory
 from friction_evaluation.parts import Row
 from friction_evaluation.slip_stops import CAR, END_SPEED, STEP, Stop, cruise_torque, stops

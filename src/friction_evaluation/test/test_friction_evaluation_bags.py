@@ -5,9 +5,9 @@ from friction_msgs.msg import BrakeDemand
 from mcap.reader import make_reader
 from std_msgs.msg import Header, String
 
-from friction_bags.bag_reader import BagReader
-from friction_bags.bag_writer import BagWriter
-from friction_bags.cdr import decode, encode, installed_topic
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.bag_writer import BagWriter
+from friction_bags.bag_io.cdr import decode, encode, installed_topic
 from friction_evaluation.bag_libraries import library_seconds
 from friction_evaluation.bags import _write
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds

@@ -14,8 +14,8 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from std_msgs.msg import Header
 
-from friction_bags.bag_writer import BagWriter
-from friction_bags.cdr import encode, installed_topic
+from friction_bags.bag_io.bag_writer import BagWriter
+from friction_bags.bag_io.cdr import encode, installed_topic
 from friction_evaluation.__main__ import main
 from friction_evaluation.bag_differences import TopicDifference, bag_differences
 from friction_runtime.stamps import from_nanoseconds

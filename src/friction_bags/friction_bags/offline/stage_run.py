@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
-from friction_bags.cdr import decode, encode
-from friction_bags.graph_stages import Stage
-from friction_bags.offline_graph import OfflineGraph
+from friction_bags.bag_io.cdr import decode, encode
+from friction_bags.offline.graph import OfflineGraph
+from friction_bags.offline.graph_stages import Stage
 
 Outputs = list[tuple[int, bytes]]
 """Number of the topic and CDR of what follows from one message."""

@@ -14,11 +14,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-from friction_bags.bag_format import BagError
+from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_vehicle import add_vehicle_argument
-from friction_bags.estimators import ESTIMATORS
-from friction_bags.offline_plan import ProcessOptions
-from friction_bags.offline_run import ProcessResult, process_bag
+from friction_bags.offline.estimators import ESTIMATORS
+from friction_bags.offline.plan import ProcessOptions
+from friction_bags.offline.run import ProcessResult, process_bag
 from friction_parameters.parameter import ParameterError
 
 _REFRESH_PERIOD = 0.2

@@ -12,9 +12,9 @@ import zstandard
 from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat
 from rosbags.rosbag2 import Reader
 
-from friction_bags.bag_format import METADATA_NAME, BagError, Contents, Topic, read_custom_data
-from friction_bags.salvage_mcap import McapSalvage
-from friction_bags.salvage_sqlite import SqliteSalvage, is_truncated
+from friction_bags.bag_io.bag_format import METADATA_NAME, BagError, Contents, Topic, read_custom_data
+from friction_bags.bag_io.salvage_mcap import McapSalvage
+from friction_bags.bag_io.salvage_sqlite import SqliteSalvage, is_truncated
 
 Message = tuple[Topic, int, bytes]
 """Topic, recording stamp [ns], CDR data."""

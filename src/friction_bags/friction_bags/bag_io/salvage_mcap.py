@@ -20,7 +20,7 @@ from mcap.records import Channel, Schema
 from mcap.writer import MCAP0_MAGIC
 from rosbags.rosbag2.metadata import parse_qos
 
-from friction_bags.bag_format import BagError, Topic
+from friction_bags.bag_io.bag_format import BagError, Topic
 
 _RECORD_HEAD = struct.Struct("<BQ")
 _CHUNK_HEAD = struct.Struct("<QQQI")

@@ -15,11 +15,11 @@ from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from friction_bags.bag_format import BagError
-from friction_bags.bag_reader import BagReader
-from friction_bags.flow_control import FlowControl
-from friction_bags.player import Player, Span
-from friction_bags.topic_selection import TopicSelection, add_selection_arguments, selection_of
+from friction_bags.bag_io.bag_format import BagError
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.record_replay.flow_control import FlowControl
+from friction_bags.record_replay.player import Player, Span
+from friction_bags.record_replay.topic_selection import TopicSelection, add_selection_arguments, selection_of
 from friction_runtime.spin import stop_on_signals, take_down
 
 _NANOSECONDS = 1_000_000_000

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from rosbags.rosbag2 import Reader
 
-from friction_bags.bag_format import BagError, Contents, read_custom_data, write_metadata
-from friction_bags.bag_reader import open_salvage, scan, storage_files, storage_of
-from friction_bags.mcap_writer import McapWriter
+from friction_bags.bag_io.bag_format import BagError, Contents, read_custom_data, write_metadata
+from friction_bags.bag_io.bag_reader import open_salvage, scan, storage_files, storage_of
+from friction_bags.bag_io.mcap_writer import McapWriter
 
 
 def add_arguments(parser: ArgumentParser) -> None:

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 
 from rosbags.rosbag2.metadata import parse_qos
 
-from friction_bags.bag_format import BagError, Topic
+from friction_bags.bag_io.bag_format import BagError, Topic
 
 _MAGIC = b"SQLite format 3\0"
 _PAGE_SIZE_AT = 16

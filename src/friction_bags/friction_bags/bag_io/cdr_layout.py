@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from friction_bags.message_definition import message_class, type_name
+from friction_bags.bag_io.message_definition import message_class, type_name
 
 _HEADER = b"\0\1\0\0"
 """Of little-endian CDR; alignment counts from behind it."""

@@ -19,12 +19,12 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
-from friction_bags.bag_format import BagError
-from friction_bags.bag_reader import BagReader
+from friction_bags.bag_io.bag_format import BagError
+from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_vehicle import add_vehicle_argument, vehicle_for
-from friction_bags.estimators import read_parameters, vehicle_of
-from friction_bags.offline_plan import SayOnce
-from friction_bags.vehicle_text import with_radii
+from friction_bags.offline.estimators import read_parameters, vehicle_of
+from friction_bags.offline.plan import SayOnce
+from friction_bags.offline.vehicle_text import with_radii
 from friction_parameters.parameter import ParameterError
 from friction_runtime.aligner import AlignedInput, Aligner
 from friction_runtime.processor import Report

@@ -13,12 +13,12 @@ from rich.progress import Progress
 
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
-from friction_bags import library_stops, library_tyres
-from friction_bags.bag_format import METADATA_NAME, BagError
+from friction_bags.bag_io.bag_format import METADATA_NAME, BagError
+from friction_bags.bag_io.message_bag import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE
-from friction_bags.estimators import make_processors, read_parameters
-from friction_bags.message_bag import write_bag
-from friction_bags.offline_graph import OfflineGraph
+from friction_bags.experiments import stops, tyre_runs
+from friction_bags.offline.estimators import make_processors, read_parameters
+from friction_bags.offline.graph import OfflineGraph
 from friction_parameters.values import from_mapping
 from friction_runtime.processor import Output, silent
 from vehicle_models.vehicle_file import load_vehicle
@@ -95,7 +95,7 @@ EXPERIMENTS: dict[str, Experiment] = {
 }
 
 
-_NAMES = (*EXPERIMENTS, *library_stops.STOPS, *library_tyres.RUNS)
+_NAMES = (*EXPERIMENTS, *stops.STOPS, *tyre_runs.RUNS)
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -159,24 +159,24 @@ def simulate(experiment: Experiment, seed: int = 0) -> Iterator[Output]:
 def _messages(name: str, full: bool) -> Iterator[Output]:
     if name in EXPERIMENTS:
         return simulate(EXPERIMENTS[name])
-    if name in library_stops.STOPS:
-        return library_stops.simulate(library_stops.STOPS[name], START_STAMP)
-    return library_tyres.simulate(library_tyres.RUNS[name], START_STAMP, full)
+    if name in stops.STOPS:
+        return stops.simulate(stops.STOPS[name], START_STAMP)
+    return tyre_runs.simulate(tyre_runs.RUNS[name], START_STAMP, full)
 
 
 def _note(name: str, full: bool) -> str:
     if name in EXPERIMENTS:
         return EXPERIMENTS[name].note
-    if name in library_stops.STOPS:
-        return library_stops.STOPS[name].note
-    tyre_run = library_tyres.RUNS[name]
+    if name in stops.STOPS:
+        return stops.STOPS[name].note
+    tyre_run = tyre_runs.RUNS[name]
     return tyre_run.note if full else f"{tyre_run.note}; {tyre_run.cut[0]:.1f} to {tyre_run.cut[1]:.1f} s of it"
 
 
 def _vehicle(name: str) -> str:
     if name in EXPERIMENTS:
         return EXPERIMENTS[name].vehicle
-    return library_stops.VEHICLE if name in library_stops.STOPS else library_tyres.VEHICLE
+    return stops.VEHICLE if name in stops.STOPS else tyre_runs.VEHICLE
 
 
 def _replace(bag: Path) -> None:

@@ -10,9 +10,9 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from friction_bags.bag_format import BagError, Topic
-from friction_bags.bag_reader import BagReader
-from friction_bags.message_definition import UnknownTypeError, message_class
+from friction_bags.bag_io.bag_format import BagError, Topic
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.message_definition import UnknownTypeError, message_class
 
 _NANOSECONDS = 1_000_000_000
 _WIDTH = 160

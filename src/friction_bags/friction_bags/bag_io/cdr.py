@@ -19,9 +19,9 @@ from rclpy.serialization import deserialize_message
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from friction_bags.bag_format import Topic
-from friction_bags.cdr_layout import Layout, Message, UnsupportedFieldError
-from friction_bags.message_definition import message_definition, type_name
+from friction_bags.bag_io.bag_format import Topic
+from friction_bags.bag_io.cdr_layout import Layout, Message, UnsupportedFieldError
+from friction_bags.bag_io.message_definition import message_definition, type_name
 
 _LENGTH_SIZE = 4
 _MOST_LAYOUTS = 64

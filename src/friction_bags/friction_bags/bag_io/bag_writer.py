@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
 
-from friction_bags.bag_format import BagError, Topic, write_metadata
-from friction_bags.mcap_writer import Compression, McapWriter
+from friction_bags.bag_io.bag_format import BagError, Topic, write_metadata
+from friction_bags.bag_io.mcap_writer import Compression, McapWriter
 
 
 class BagWriter:

@@ -4,9 +4,10 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from friction_bags.bag_writer import BagWriter
-from friction_bags.cdr import encode, installed_topic
-from friction_runtime.stamps import to_nanoseconds
+from rclpy.time import Time
+
+from friction_bags.bag_io.bag_writer import BagWriter
+from friction_bags.bag_io.cdr import encode, installed_topic
 
 
 def write_bag(bag: Path, messages: Iterable[tuple[str, Any]], notes: Mapping[str, str]) -> int:
@@ -21,6 +22,7 @@ def write_bag(bag: Path, messages: Iterable[tuple[str, Any]], notes: Mapping[str
         for name, message in messages:
             if name not in channels:
                 channels[name] = writer.add_topic(installed_topic(name, type(message)))
-            writer.write(channels[name], to_nanoseconds(message.header.stamp), encode(message))
+            stamp = Time.from_msg(message.header.stamp).nanoseconds
+            writer.write(channels[name], stamp, encode(message))
             count += 1
     return count

@@ -6,11 +6,11 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from friction_bags import import_bmw, import_iac
-from friction_bags.bag_format import BagError
-from friction_bags.message_bag import write_bag
+from friction_bags.bag_io.bag_format import BagError
+from friction_bags.bag_io.message_bag import write_bag
+from friction_bags.importers import bmw, iac
 
-_FORMATS = {"bmw": import_bmw, "iac": import_iac}
+_FORMATS = {"bmw": bmw, "iac": iac}
 
 
 def add_arguments(parser: ArgumentParser) -> None:

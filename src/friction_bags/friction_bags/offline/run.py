@@ -7,14 +7,14 @@ from operator import itemgetter
 from pathlib import Path
 from time import perf_counter
 
-from friction_bags.bag_reader import BagReader
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.bag_writer import BagWriter
+from friction_bags.bag_io.cdr import installed_topic
 from friction_bags.bag_vehicle import VEHICLE_NOTE
-from friction_bags.bag_writer import BagWriter
-from friction_bags.cdr import installed_topic
-from friction_bags.graph_stages import graph_stages
-from friction_bags.offline_plan import ProcessOptions, SayOnce, output_numbers, plan_for
-from friction_bags.offline_stage import read_steps, steps_of_stages, undecoded
-from friction_bags.stage_run import StageRun
+from friction_bags.offline.graph_stages import graph_stages
+from friction_bags.offline.plan import ProcessOptions, SayOnce, output_numbers, plan_for
+from friction_bags.offline.stage_processes import read_steps, steps_of_stages, undecoded
+from friction_bags.offline.stage_run import StageRun
 
 _CHUNK_SIZE = 4 << 20
 _PROGRESS_EVERY = 1000

@@ -30,8 +30,8 @@ from mcap.records import (
 from mcap.writer import MCAP0_MAGIC
 from rosbags.rosbag2.metadata import dump_qos_v9
 
-from friction_bags.bag_format import Contents, Topic
-from friction_bags.mcap_chunk import McapChunk
+from friction_bags.bag_io.bag_format import Contents, Topic
+from friction_bags.bag_io.mcap_chunk import McapChunk
 
 Compression = Literal["zstd", "lz4", "none"]
 _FOOTER = Struct("<BQQQ")

@@ -11,12 +11,12 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 
-from friction_bags import qos_profiles
-from friction_bags.bag_format import Topic
-from friction_bags.bag_reader import BagReader
-from friction_bags.flow_control import FlowControl, has_header, header_stamp
-from friction_bags.foreign_type import raw_class
-from friction_bags.message_definition import UnknownTypeError
+from friction_bags.bag_io.bag_format import Topic
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.message_definition import UnknownTypeError
+from friction_bags.record_replay import qos_profiles
+from friction_bags.record_replay.flow_control import FlowControl, has_header, header_stamp
+from friction_bags.record_replay.foreign_type import raw_class
 
 _NANOSECONDS = 1_000_000_000
 _POLL_PERIOD = 0.005

@@ -8,11 +8,12 @@ from typing import Any
 
 from sensor_msgs.msg import JointState
 
-from friction_bags.bag_format import BagError
-from friction_bags.bag_reader import BagReader
+from friction_bags.bag_io.bag_format import BagError
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.cdr import decode
+from friction_bags.bag_io.message_definition import type_name
 from friction_bags.bag_vehicle import vehicle_for
-from friction_bags.cdr import decode
-from friction_bags.estimators import (
+from friction_bags.offline.estimators import (
     SMART_TYRE,
     WHEEL_ESTIMATORS,
     make_processors,
@@ -20,7 +21,6 @@ from friction_bags.estimators import (
     read_parameters,
     vehicle_of,
 )
-from friction_bags.message_definition import type_name
 from friction_parameters.values import from_mapping, values_of
 from friction_runtime.processor import Processor, Report
 from vehicle_models.vehicle import Vehicle

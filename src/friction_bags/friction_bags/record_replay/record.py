@@ -13,11 +13,11 @@ from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.table import Table
 
-from friction_bags.bag_format import BagError
+from friction_bags.bag_io.bag_format import BagError
+from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_vehicle import VEHICLE_NOTE, add_vehicle_argument, vehicle_note
-from friction_bags.bag_writer import BagWriter
-from friction_bags.recorder import Recorder
-from friction_bags.topic_selection import add_selection_arguments, selection_of
+from friction_bags.record_replay.recorder import Recorder
+from friction_bags.record_replay.topic_selection import add_selection_arguments, selection_of
 from friction_parameters.parameter import ParameterError
 from friction_runtime.spin import stop_on_signals, take_down
 

@@ -9,9 +9,9 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
-from friction_bags import qos_profiles
-from friction_bags.message_definition import UnknownTypeError, message_class
-from friction_bags.topic_selection import TopicSelection
+from friction_bags.bag_io.message_definition import UnknownTypeError, message_class
+from friction_bags.record_replay import qos_profiles
+from friction_bags.record_replay.topic_selection import TopicSelection
 
 _POLL_PERIOD = 0.0002
 _PATIENCE = 1.0

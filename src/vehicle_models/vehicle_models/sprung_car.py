@@ -1,72 +1,33 @@
-"""The driver's stops of the library, as in section 8.2.3: what makes measured friction differ from the static curve.
+"""A car on two axles whose tyres relax and whose load moves through springs.
 
-Two things are added to the quasi-static car of vehicle_models, with the slip s that the contact has built up so far:
+Two things are added to the quasi-static car of two_axle, with the slip s that the contact has built up so far:
 
     L s_dot = v (lambda - s),    Fx_i = Fz_i mu(s_i)                                 (relaxation length L of a tyre)
     q_ddot = w^2 (q_ss - q) - 2 z w q_dot,    q_ss = m h |a| / wheelbase             (load q moved to the front axle)
 
 The suspension lets the load of the front axle overshoot, so that Fx over the quasi-static load exceeds the static curve
-before it settles (Figure 8.9).
+before it settles (Figure 8.9). No rolling resistance and no grade; the car must not come to rest.
 """
-
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from corner_sim import messages
-from corner_sim.driver import DriverProfile
-from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant
-from corner_sim.road import Road
-from corner_sim.sensors import Sensors
-from corner_sim.slope_truth import SlopeCrossings
-from friction_runtime.processor import Output
 from vehicle_models import burckhardt
-from vehicle_models.brake_actuator import ActuatorParameters, Command
-from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.two_axle import four_wheels, peak_torque
 from vehicle_models.vehicle import AIR_DENSITY, Vehicle
-from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]
 
-VEHICLE = "chapter_car"
 PITCH_FREQUENCY = 2.0 * np.pi * 1.5
 """w [rad/s]"""
 PITCH_DAMPING = 0.3
 """z"""
 _SUBSTEPS = 25
-_PROPORTIONING = np.array([1.0, 1.0, 0.375, 0.375])
-"""Line pressure of each wheel over the driver's: a valve spares the rear axle."""
-_SPEED = 25.0
-_DURATION = 2.5
-_ACCELERATION_VARIANCE = 0.01
-
-
-@dataclass(frozen=True)
-class Stop:
-    """A stop that the driver breaks off beyond the peak."""
-
-    note: str
-    """What it is."""
-    surface: str
-    """Name of the road."""
-    level: float
-    """Brake torque of a front wheel in multiples of its quasi-static peak torque."""
-
-
-def _stop(surface: str, level: float) -> Stop:
-    note = "stop by the driver's brake as in 8.2.3, with load transfer, suspension and tyre relaxation"
-    return Stop(f"{surface}: {note} (the overshoot of Figure 8.9); four wheels", surface, level)
-
-
-STOPS = {"high_grip_stop": _stop("high_grip", 1.02), "low_grip_stop": _stop("off_road", 1.03)}
 
 
 class SprungCar:
-    """A car whose tyres relax and whose load moves through springs: a VehicleModel of corner_sim, with four wheels."""
+    """The car; arrays have shape (4,) over the wheels, in the order of two_axle.four_wheels."""
 
     def __init__(self, vehicle: Vehicle, speed: float) -> None:
         """Start free rolling at `speed` [m/s].
@@ -166,28 +127,3 @@ class SprungCar:
                 [state[10], pitch],
             ]
         )
-
-
-def simulate(stop: Stop, start_stamp: int, seed: int = 0) -> Iterator[Output]:
-    """Yield absolute topics and messages of a stop; the first sample is at `start_stamp` [ns]."""
-    vehicle = load_vehicle(VEHICLE)
-    vehicle = replace(vehicle, wheels=four_wheels(vehicle))
-    car = SprungCar(vehicle, _SPEED)
-    road = Road((stop.surface,), (0.0,))
-    plant = Plant(car, road, ActuatorParameters(), vehicle)
-    pressure = stop.level * car.peak_torque(road.theta(0.0)) / vehicle.wheels[0].brake_gain
-    driver = DriverProfile(pressure, start=0.5, rise=0.4, hold=0.35, release=0.1)
-    sensors = Sensors(CHAPTER_NOISE, _ACCELERATION_VARIANCE, 0.0, vehicle, seed)
-    crossings = SlopeCrossings(len(vehicle.wheels))
-    for index in range(round(_DURATION / SAMPLE_TIME) + 1):
-        stamp = start_stamp + index * SAMPLE_TIME_NS
-        demand = driver.demand(index * SAMPLE_TIME)
-        sample = plant.sample()
-        sample = replace(sample, friction=car.friction(sample.theta))
-        crossings.update(sample, stamp)
-        measured = sensors.measure(sample)
-        outputs = messages.truth(stamp, vehicle.wheel_names, sample, crossings)
-        outputs.append(("brake_demand", messages.brake_demand(stamp, demand)))
-        outputs += messages.sensors(stamp, vehicle, measured, CHAPTER_NOISE, _ACCELERATION_VARIANCE)
-        yield from ((f"/{topic}", message) for topic, message in outputs)
-        plant.advance(demand * _PROPORTIONING, Command.NONE)

@@ -7,11 +7,11 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from signal import SIG_IGN, SIGINT, signal
 
-from friction_bags.bag_format import BagError
-from friction_bags.bag_reader import BagReader
-from friction_bags.graph_stages import graph_stages
-from friction_bags.offline_plan import OfflinePlan, SayOnce, output_numbers
-from friction_bags.stage_run import Outputs, StageRun
+from friction_bags.bag_io.bag_format import BagError
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.offline.graph_stages import graph_stages
+from friction_bags.offline.plan import OfflinePlan, SayOnce, output_numbers
+from friction_bags.offline.stage_run import Outputs, StageRun
 
 _BATCH = 128
 """Steps that are sent together."""

@@ -1,0 +1,1 @@
+"""The recorded experiments of bags/, simulated from fixed seeds."""

@@ -1,0 +1,1 @@
+"""Bags from measured data in CSV files."""

@@ -1,0 +1,1 @@
+"""Recording of topics to a bag, and replay of a bag onto its topics."""
