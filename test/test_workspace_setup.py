@@ -182,24 +182,25 @@ def test_module_that_is_listed_no_more_runs_from_its_source_again(workspace: Pat
 
 
 def test_listed_modules_are_compiled_beside_their_source_and_again_when_it_changes(workspace: Path) -> None:
-    table = '{"tiny": "fast"}'
+    table = '{"tiny": "part/fast"}'
     tool = workspace / "tools/compile.py"
     tool.write_text(re.sub(r"COMPILED = \{.*?\n\}", f"COMPILED = {table}", tool.read_text(), flags=re.DOTALL))
     (workspace / "pyproject.toml").write_text("[tool.mypy]\nstrict = true\n")
-    package = add_package(
-        workspace, "tiny", "from setuptools import setup\nsetup(name='tiny', version='0.1.0', packages=['tiny'])\n"
-    )
-    ask = "from tiny import fast; print(fast.__file__.rsplit('.', 1)[1], fast.double(2.5))"
+    setup = "from setuptools import setup\nsetup(name='tiny', version='0.1.0', packages=['tiny', 'tiny.part'])\n"
+    package = add_package(workspace, "tiny", setup)
+    (package / "tiny/part").mkdir()
+    (package / "tiny/part/__init__.py").touch()
+    ask = "from tiny.part import fast; print(fast.__file__.rsplit('.', 1)[1], fast.double(2.5))"
     command = ["bash", "-c", f'source {workspace}/install/setup.bash && python -c "{ask}"']
     (package / "tiny/other.py").write_text('factor: float = "a type error in what is not compiled"\n')
     for factor in (2.0, 3.0):
         source = f"import tiny.other\n\ndef double(value: float) -> float:\n    return {factor} * value\n"
-        (package / "tiny/fast.py").write_text(source)
+        (package / "tiny/part/fast.py").write_text(source)
         result = build(workspace)
         assert result.returncode == 0, result.stdout + result.stderr
         asked = subprocess.run(command, check=True, capture_output=True, text=True)
         assert asked.stdout.split() == ["so", str(2.5 * factor)]
-    (package / "tiny/fast.py").write_text('def double(value: float) -> float:\n    return "text"\n')
+    (package / "tiny/part/fast.py").write_text('def double(value: float) -> float:\n    return "text"\n')
     refused = build(workspace)
     assert refused.returncode != 0
     assert "fast.py" in refused.stdout
