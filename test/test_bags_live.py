@@ -22,6 +22,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header, String
 
+from dds_client import own_domain
 from friction_bags.bag_reader import BagReader
 from friction_bags.bag_writer import BagWriter
 from friction_bags.cdr import encode, installed_topic
@@ -29,7 +30,6 @@ from friction_bags.foreign_type import foreign_class
 from friction_bags.reindex import reindex
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 
-DOMAIN = 41
 SECOND = 10**9
 DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[2] / "shared" / "data"))
 FOREIGN = DATA / "foreign_bags"
@@ -38,7 +38,7 @@ FOREIGN = DATA / "foreign_bags"
 @pytest.fixture
 def node() -> Iterator[Node]:
     context = Context()
-    rclpy.init(context=context, domain_id=DOMAIN)
+    rclpy.init(context=context, domain_id=own_domain())
     node = Node("test_bags", context=context, enable_rosout=False, start_parameter_services=False)
     yield node
     node.destroy_node()
@@ -50,7 +50,7 @@ class Command:
 
     def __init__(self, directory: Path, *arguments: str) -> None:
         self.log = directory / f"{arguments[0]}.log"
-        environment = {**os.environ, "ROS_DOMAIN_ID": str(DOMAIN)}
+        environment = {**os.environ, "ROS_DOMAIN_ID": str(own_domain())}
         with self.log.open("w") as log:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", "friction_bags", *arguments], stdout=log, stderr=log, env=environment
@@ -339,7 +339,7 @@ def test_a_class_made_for_a_type_speaks_to_those_who_have_the_type(node: Node) -
     original = installed_topic("/wheel_states", JointState)
     listener = Listener(node, JointState, "wheel_states")
     context = Context()
-    rclpy.init(context=context, domain_id=DOMAIN)
+    rclpy.init(context=context, domain_id=own_domain())
     other = Node("test_foreign", context=context, enable_rosout=False, start_parameter_services=False)
     kind = foreign_class(original.type, original.type_hash)
     publisher = other.create_publisher(kind, "wheel_states", 10)

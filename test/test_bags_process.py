@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from rclpy.serialization import deserialize_message
 
+from dds_client import own_domain
 from friction_bags import import_bmw
 from friction_bags.bag_reader import BagReader
 from friction_bags.bag_writer import BagWriter
@@ -27,7 +28,6 @@ from friction_bags.offline_plan import ProcessOptions
 from friction_bags.offline_run import process_bag
 from friction_runtime.shipped_files import shipped_file
 
-DOMAIN = "42"
 CAR = Path(__file__).parents[1] / "src" / "friction_bags" / "test" / "two_corners.yaml"
 WHEELS = ["front_left", "rear_right"]
 MADE = ("slip", "friction_slope", "friction_curve", "abs_supervisor", "brake_command")
@@ -46,7 +46,7 @@ class Processes:
         return (self._directory / f"{name}.log").read_text()
 
     def start(self, name: str, *arguments: str) -> subprocess.Popen[bytes]:
-        environment = {**os.environ, "ROS_DOMAIN_ID": DOMAIN, "PYTHONUNBUFFERED": "1"}
+        environment = {**os.environ, "ROS_DOMAIN_ID": str(own_domain()), "PYTHONUNBUFFERED": "1"}
         with (self._directory / f"{name}.log").open("w") as log:
             command = [sys.executable, "-m", *arguments]
             self._running.append(subprocess.Popen(command, stdout=log, stderr=log, env=environment))

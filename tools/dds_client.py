@@ -9,29 +9,31 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from typing import Any
 
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+from friction_runtime.domain import free_domain_id
+
 
 class DdsClient:
     """A node of the test, and the processes it started."""
 
-    def __init__(self, node: Node, domain_id: int) -> None:
+    def __init__(self, node: Node) -> None:
         """Wrap a node; made by dds_client()."""
         self.node = node
         self.executor = SingleThreadedExecutor(context=node.context)
         self.executor.add_node(node)
-        self._domain_id = domain_id
         self._processes: list[subprocess.Popen[str]] = []
 
     def start(self, *arguments: str) -> subprocess.Popen[str]:
         """Start `python ARGUMENTS` (e.g. "-m", "corner_sim") on the domain of this client, output captured."""
         process = subprocess.Popen(
             [sys.executable, *arguments],
-            env=os.environ | {"ROS_DOMAIN_ID": str(self._domain_id)},
+            env=os.environ | {"ROS_DOMAIN_ID": str(own_domain())},
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -74,12 +76,18 @@ def stop(process: subprocess.Popen[str], how: signal.Signals = signal.SIGINT) ->
     return output, time.monotonic() - began
 
 
+@cache
+def own_domain() -> int:
+    """ROS domain of this test process, which no other process on this machine has."""
+    return free_domain_id()
+
+
 @contextmanager
-def dds_client(domain_id: int, arguments: Sequence[str] = ()) -> Iterator[DdsClient]:
-    """Make a client on a ROS domain (1 to 232) and end it and its processes afterwards."""
+def dds_client(arguments: Sequence[str] = ()) -> Iterator[DdsClient]:
+    """Make a client on the domain of this test process and end it and its processes afterwards."""
     context = rclpy.Context()
-    rclpy.init(context=context, args=list(arguments), domain_id=domain_id)
-    client = DdsClient(rclpy.create_node("test_client", context=context), domain_id)
+    rclpy.init(context=context, args=list(arguments), domain_id=own_domain())
+    client = DdsClient(rclpy.create_node("test_client", context=context))
     try:
         yield client
     finally:

@@ -21,7 +21,7 @@ def test_node_commands_a_release_and_falls_back_when_the_slope_goes_silent() -> 
     commands: list[BrakeCommand] = []
     arrived: list[float] = []
     stale_after = 1.0
-    with dds_client(30) as client:
+    with dds_client() as client:
         arguments = (*CAR, "-p", "shadow:=false", "-p", f"stale_after:={stale_after}")
         process = client.start("-m", "abs_supervisor", "--ros-args", *arguments)
         demands = qos.publish(client.node, BrakeDemand, "brake_demand")
@@ -60,7 +60,7 @@ def text(name: str, value: str) -> Parameter:
 
 
 def test_node_commands_nothing_unless_started_to_do_so() -> None:
-    with dds_client(31) as client:
+    with dds_client() as client:
         process = client.start("-m", "abs_supervisor", "--ros-args", *CAR)
         client.until(lambda: client.node.count_publishers("front_left/abs_supervisor") == 1)
         assert client.node.count_publishers("front_left/brake_command") == 0
@@ -80,7 +80,7 @@ def test_node_commands_nothing_unless_started_to_do_so() -> None:
 
 
 def test_node_without_a_car_ends_and_names_the_shipped_ones() -> None:
-    with dds_client(32) as client:
+    with dds_client() as client:
         process = client.start("-m", "abs_supervisor")
         output, _ = process.communicate(timeout=30)
     assert process.returncode == 2

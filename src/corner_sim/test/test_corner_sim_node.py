@@ -1,6 +1,5 @@
 """The plant as a real process over DDS."""
 
-import os
 import signal
 import subprocess
 import time
@@ -26,7 +25,6 @@ from friction_runtime import qos
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle
 
-DOMAIN = 10 + os.getpid() % 10
 START = 1_000_000_000
 PERIOD = 5_000_000
 TOPICS = messages.topics(["front_left"], vehicle_velocity=True, brake_demand=True, tyre_signals=False)
@@ -34,7 +32,7 @@ TOPICS = messages.topics(["front_left"], vehicle_velocity=True, brake_demand=Tru
 
 @pytest.fixture
 def client() -> Iterator[DdsClient]:
-    with dds_client(DOMAIN) as made:
+    with dds_client() as made:
         yield made
 
 
@@ -111,7 +109,7 @@ RECORDED = ("wheel_states", "imu/data", "front_left/brake_pressure", "truth/fron
 
 def closed_loop() -> tuple[dict[str, list[Any]], subprocess.Popen[str]]:
     """Messages of one lock-step run with a supervisor of its own."""
-    with dds_client(DOMAIN) as client:
+    with dds_client() as client:
         found = record(client, RECORDED)
         supervise(client)
         process = start(

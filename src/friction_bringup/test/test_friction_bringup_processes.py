@@ -1,16 +1,14 @@
-"""Processes start and end together, and a domain in use is not chosen."""
+"""Processes start and end together."""
 
 from __future__ import annotations
 
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
 from pathlib import Path
 
-from friction_bringup import domain
 from friction_bringup.processes import ProcessGroup
 
 STUBBORN = (
@@ -56,13 +54,3 @@ def test_processes_do_not_outlive_a_killed_parent(tmp_path: Path) -> None:
     while "bye" not in log.read_text():
         assert time.monotonic() < deadline
         time.sleep(0.01)
-
-
-def test_domain_somebody_listens_in_is_not_free() -> None:
-    found = domain.free_domain_id()
-    assert 1 <= found <= 101
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as participant:
-        participant.bind(("", 7400 + 250 * found))
-        assert not domain.is_free(found)
-        assert domain.free_domain_id() != found
-    assert domain.is_free(found)

@@ -35,7 +35,7 @@ wheels:
 
 @pytest.fixture
 def client() -> Iterator[DdsClient]:
-    with dds_client(60) as made:
+    with dds_client() as made:
         yield made
 
 

@@ -17,8 +17,9 @@ from rclpy.subscription import Subscription
 from std_srvs.srv import Trigger
 
 from friction_bringup import graph
-from friction_bringup.domain import free_domain_id, local_discovery
+from friction_bringup.discovery import local_discovery
 from friction_bringup.processes import ProcessGroup
+from friction_runtime.domain import free_domain_id
 from friction_runtime.stamps import to_nanoseconds
 
 Overrides = Mapping[str, Mapping[str, graph.ParameterValue]]

@@ -25,7 +25,7 @@ SCRIPT = str(Path(__file__).with_name("friction_runtime_echo_node.py"))
 
 @pytest.fixture
 def client() -> Iterator[DdsClient]:
-    with dds_client(81) as made:
+    with dds_client() as made:
         yield made
 
 

@@ -44,7 +44,7 @@ def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
         processor.process(PRESSURE, pressure)
         expected += [message for _, message in processor.process("wheel_states", speed)]
     received: list[FrictionSlope] = []
-    with dds_client(20) as client:
+    with dds_client() as client:
         arguments = (
             *("--params-file", str(CONFIG)),
             *("-p", "vehicle_file:=chapter_corner", "-p", "no_slip.slip_at_crossing:=false"),
@@ -74,7 +74,7 @@ def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
 
 
 def test_method_can_be_changed_while_the_node_runs() -> None:
-    with dds_client(21) as client:
+    with dds_client() as client:
         arguments = ("vehicle_file:=chapter_corner", "method:=no_slip", "no_slip.slip_at_crossing:=false")
         process = client.start("-m", "friction_slope", "--ros-args", *(word for a in arguments for word in ("-p", a)))
         client.until(lambda: client.node.count_publishers(SLOPE) == 1)
@@ -90,7 +90,7 @@ def test_method_can_be_changed_while_the_node_runs() -> None:
 
 
 def test_node_without_a_car_ends_and_names_the_shipped_ones() -> None:
-    with dds_client(22) as client:
+    with dds_client() as client:
         process = client.start("-m", "friction_slope")
         output, _ = process.communicate(timeout=30)
     assert process.returncode == 2

@@ -22,7 +22,7 @@ def test_node_turns_blocks_into_patches_and_serves_new_zeros(simulate: Any) -> N
     block = simulate(10.0, seconds=14.0)
     patches: list[ContactPatch] = []
     forces: list[TyreForce] = []
-    with dds_client(72) as client:
+    with dds_client() as client:
         process = client.start("-m", "smart_tyre_forces", *CAR)
         publisher = qos.publish(client.node, TyreSignals, "front_left/tyre_signals")
         qos.subscribe(client.node, ContactPatch, "front_left/contact_patch", patches.append, qos.ESTIMATE)
@@ -58,7 +58,7 @@ def test_node_turns_blocks_into_patches_and_serves_new_zeros(simulate: Any) -> N
 
 
 def test_node_refuses_a_missing_calibration_file_at_start() -> None:
-    with dds_client(73) as client:
+    with dds_client() as client:
         process = client.start("-m", "smart_tyre_forces", *CAR, "-p", "calibration_file:=/nowhere.yaml")
         output, _ = process.communicate(timeout=20)
         assert process.returncode == 2
@@ -67,7 +67,7 @@ def test_node_refuses_a_missing_calibration_file_at_start() -> None:
 
 def test_node_is_quiet_without_tyre_signals_and_takes_a_wrench_while_it_runs() -> None:
     told: list[DiagnosticArray] = []
-    with dds_client(73) as client:
+    with dds_client() as client:
         process = client.start("-m", "smart_tyre_forces", *CAR)
         client.node.create_subscription(DiagnosticArray, "/diagnostics", told.append, 10)
         client.until(lambda: len(told) >= 2)
@@ -88,7 +88,7 @@ def test_node_is_quiet_without_tyre_signals_and_takes_a_wrench_while_it_runs() -
 
 def test_signals_that_end_are_an_error_and_a_warning_of_the_inputs() -> None:
     told: list[DiagnosticArray] = []
-    with dds_client(73) as client:
+    with dds_client() as client:
         process = client.start("-m", "smart_tyre_forces", *CAR)
         client.node.create_subscription(DiagnosticArray, "/diagnostics", told.append, 10)
         publisher = qos.publish(client.node, TyreSignals, "front_left/tyre_signals")

@@ -48,7 +48,7 @@ def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
         for _, out in processor.process(topic, message)
     ]
     received: list[WheelSlip] = []
-    with dds_client(50) as client:
+    with dds_client() as client:
         given = ("--params-file", str(CONFIG), "-p", f"vehicle_file:={CAR}")
         process = client.start("-m", "wheel_slip", "--ros-args", *given)
         publishers = {topic: qos.publish(client.node, type(message), topic) for topic, message in sample(1).items()}
@@ -79,7 +79,7 @@ def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
     ids=["bad value", "old name", "no car"],
 )
 def test_node_refuses_bad_parameters_at_start(given: tuple[str, ...], said: str) -> None:
-    with dds_client(51) as client:
+    with dds_client() as client:
         arguments = [word for each in given for word in ("-p", each)]
         process = client.start("-m", "wheel_slip", "--ros-args", *arguments)
         output, _ = process.communicate(timeout=60)
@@ -89,7 +89,7 @@ def test_node_refuses_bad_parameters_at_start(given: tuple[str, ...], said: str)
 
 def test_accelerometer_is_left_out_and_taken_again_while_the_node_runs() -> None:
     received: list[WheelSlip] = []
-    with dds_client(51) as client:
+    with dds_client() as client:
         process = client.start("-m", "wheel_slip", "--ros-args", "-p", f"vehicle_file:={CAR}")
         publisher = qos.publish(client.node, JointState, "wheel_states")
         accelerations = qos.publish(client.node, Imu, "imu/data")
