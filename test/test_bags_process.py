@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from rclpy.serialization import deserialize_message
 
-from dds_client import own_domain
+from dds_client import PATIENCE, own_domain
 from friction_bags import import_bmw
 from friction_bags.bag_reader import BagReader
 from friction_bags.bag_writer import BagWriter
@@ -58,7 +58,7 @@ class Processes:
                 process.send_signal(signal.SIGINT)
         for process in self._running:
             try:
-                process.wait(timeout=20.0)
+                process.wait(PATIENCE)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
@@ -94,17 +94,17 @@ def replay_to_live_nodes(processes: Processes, bag: Path, recording: Path, param
         files = ["--params-file", str(shipped_file(name)), "--params-file", str(parameters)]
         processes.start(name, name, "--ros-args", *files)
     recorder = processes.start("record", "friction_bags", "record", "--out", str(recording), "--topics", "*/*")
-    end = time.monotonic() + 60.0
+    end = time.monotonic() + PATIENCE
     expected = {f"recording /{wheel}/{name}" for wheel in WHEELS for name in MADE}
     while not all(line in processes.log("record") for line in expected):
         assert time.monotonic() < end, processes.log("record")
         time.sleep(0.1)
-    answers = ["*/slip", "*/friction_slope", "*/friction_curve", "*/abs_supervisor"]
-    play = ["play", str(bag), "--topics", *sensors_of(bag), "--follow", *answers, "--wait", "10"]
+    answers = [f"{wheel}/{name}" for wheel in WHEELS for name in MADE[:4]]
+    play = ["play", str(bag), "--topics", *sensors_of(bag), "--follow", *answers, "--wait", "60"]
     player = processes.start("play", "friction_bags", *play, *how)
-    assert player.wait(timeout=200.0) == 0, processes.log("play")
+    assert player.wait(PATIENCE) == 0, processes.log("play")
     recorder.send_signal(signal.SIGINT)
-    assert recorder.wait(timeout=20.0) == 0, processes.log("record")
+    assert recorder.wait(PATIENCE) == 0, processes.log("record")
     assert " 0 lost; closed" in processes.log("record")
     processes.stop()
 

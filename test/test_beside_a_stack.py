@@ -74,7 +74,7 @@ def drive(client: DdsClient) -> None:
         wheel_states.publish(JointState(header=header, name=names, velocity=speeds))
         return len(slips) == len(states) == 4 and all(slip.valid for slip in slips.values())
 
-    client.until(answered, timeout=60.0)
+    client.until(answered)
     for slip in slips.values():
         assert slip.slip == pytest.approx(0.0, abs=0.02)
         assert slip.wheel_speed == pytest.approx(20.0 / 0.3, rel=0.01)
