@@ -50,7 +50,7 @@ OF_OTHERS = {"METHOD_TRUTH", "STALE"}
 
 def constants(message: Any, which: str) -> dict[str, int]:
     """Values of constants of a message, by their names without prefix."""
-    attributes: dict[str, Any] = type(message).__prepare__(message.__name__, ())
+    attributes: Any = type(message).__prepare__(message.__name__, ())
     values = {name: value for name, value in attributes.items() if "__" not in name and name not in OF_OTHERS}
     if which.endswith("_"):
         found = {name.removeprefix(which): value for name, value in values.items() if name.startswith(which)}
