@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from rclpy.serialization import deserialize_message
 
+from dds_client import PATIENCE, own_domain
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import encode
@@ -27,7 +28,6 @@ from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_runtime.shipped_files import shipped_file
 
-DOMAIN = "42"
 CAR = Path(__file__).parents[1] / "src" / "friction_bags" / "test" / "two_corners.yaml"
 WHEELS = ["front_left", "rear_right"]
 MADE = ("slip", "friction_slope", "friction_curve", "abs_supervisor", "brake_command")
@@ -46,7 +46,7 @@ class Processes:
         return (self._directory / f"{name}.log").read_text()
 
     def start(self, name: str, *arguments: str) -> subprocess.Popen[bytes]:
-        environment = {**os.environ, "ROS_DOMAIN_ID": DOMAIN, "PYTHONUNBUFFERED": "1"}
+        environment = {**os.environ, "ROS_DOMAIN_ID": str(own_domain()), "PYTHONUNBUFFERED": "1"}
         with (self._directory / f"{name}.log").open("w") as log:
             command = [sys.executable, "-m", *arguments]
             self._running.append(subprocess.Popen(command, stdout=log, stderr=log, env=environment))
@@ -58,7 +58,7 @@ class Processes:
                 process.send_signal(signal.SIGINT)
         for process in self._running:
             try:
-                process.wait(timeout=20.0)
+                process.wait(PATIENCE)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
@@ -94,17 +94,17 @@ def replay_to_live_nodes(processes: Processes, bag: Path, recording: Path, param
         files = ["--params-file", str(shipped_file(name)), "--params-file", str(parameters)]
         processes.start(name, name, "--ros-args", *files)
     recorder = processes.start("record", "friction_bags", "record", "--out", str(recording), "--topics", "*/*")
-    end = time.monotonic() + 60.0
+    end = time.monotonic() + PATIENCE
     expected = {f"recording /{wheel}/{name}" for wheel in WHEELS for name in MADE}
     while not all(line in processes.log("record") for line in expected):
         assert time.monotonic() < end, processes.log("record")
         time.sleep(0.1)
-    answers = ["*/slip", "*/friction_slope", "*/friction_curve", "*/abs_supervisor"]
-    play = ["play", str(bag), "--topics", *sensors_of(bag), "--follow", *answers, "--wait", "10"]
+    answers = [f"{wheel}/{name}" for wheel in WHEELS for name in MADE[:4]]
+    play = ["play", str(bag), "--topics", *sensors_of(bag), "--follow", *answers, "--wait", "60"]
     player = processes.start("play", "friction_bags", *play, *how)
-    assert player.wait(timeout=200.0) == 0, processes.log("play")
+    assert player.wait(PATIENCE) == 0, processes.log("play")
     recorder.send_signal(signal.SIGINT)
-    assert recorder.wait(timeout=20.0) == 0, processes.log("record")
+    assert recorder.wait(PATIENCE) == 0, processes.log("record")
     assert " 0 lost; closed" in processes.log("record")
     processes.stop()
 

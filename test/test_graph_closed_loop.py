@@ -16,7 +16,7 @@ PLANT: dict[str, graph.ParameterValue] = {
     "demand_start": 0.2,
     "end_time": 1.5,
     "lock_step": True,
-    "lock_step_timeout": 30.0,
+    "lock_step_timeout": 60.0,
     "real_time_factor": 0.0,
 }
 
@@ -25,7 +25,7 @@ def closed_loop() -> dict[str, list[bytes]]:
     overrides: dict[str, dict[str, graph.ParameterValue]] = {graph.PLANT: PLANT}
     overrides |= {node: {"vehicle_file": graph.DEMO_VEHICLE} for node in live.LOOP}
     overrides[graph.SUPERVISOR] |= {"shadow": False, "stale_after": 5.0}
-    found = run_graph(live.LOOP, live.CHAIN, overrides, 90.0, lambda _: None)
+    found = run_graph(live.LOOP, live.CHAIN, overrides, 300.0, lambda _: None)
     return {topic: [encode(message) for message in observed.messages] for topic, observed in found.items()}
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,6 @@ from rclpy.parameter import Parameter, parameter_value_to_python
 from dds_client import DdsClient, dds_client, stop
 from friction_bringup import graph
 
-DOMAIN = 50 + os.getpid() % 10
 NAMESPACE = "/my_car"
 CAR: dict[str, graph.ParameterValue] = {"vehicle_file": "compact_car"}
 
@@ -40,14 +38,14 @@ def dumped(path: Path, name: str, values: dict[str, Any]) -> Path:
 
 
 def test_dump_of_a_node_given_back_starts_it_with_the_same_parameters(tmp_path: Path) -> None:
-    with dds_client(DOMAIN) as client:
+    with dds_client() as client:
         first = {node: client.start(*graph.command(node, [], CAR, NAMESPACE)[1:]) for node in graph.NODES}
         values = {node: parameters_of(client, f"{NAMESPACE}/{node}") for node in graph.NODES}
         for node, process in first.items():
             assert "start_type_description_service" in values[node]
             assert any(name.startswith("qos_overrides.") for name in values[node])
             stop(process)
-    with dds_client(DOMAIN) as client:
+    with dds_client() as client:
         for node in graph.NODES:
             file = dumped(tmp_path / f"{node}.yaml", f"{NAMESPACE}/{node}", values[node])
             client.start(*graph.command(node, [file], {}, NAMESPACE)[1:])
@@ -56,7 +54,7 @@ def test_dump_of_a_node_given_back_starts_it_with_the_same_parameters(tmp_path: 
 
 
 def test_supervisor_that_runs_takes_no_command_to_command() -> None:
-    with dds_client(DOMAIN) as client:
+    with dds_client() as client:
         client.start(*graph.command(graph.SUPERVISOR, [], CAR)[1:])
         change = Parameter("shadow", value=False).to_parameter_msg()
         request = SetParameters.Request(parameters=[change])

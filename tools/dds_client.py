@@ -9,29 +9,35 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from typing import Any
 
 import rclpy
+from rcl_interfaces.srv import ListParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+
+from friction_runtime.domain import free_domain_id
+
+PATIENCE = 120.0
+"""Wall time [s] after which a test gives up: far more than a busy machine takes, so that time decides nothing."""
 
 
 class DdsClient:
     """A node of the test, and the processes it started."""
 
-    def __init__(self, node: Node, domain_id: int) -> None:
+    def __init__(self, node: Node) -> None:
         """Wrap a node; made by dds_client()."""
         self.node = node
         self.executor = SingleThreadedExecutor(context=node.context)
         self.executor.add_node(node)
-        self._domain_id = domain_id
         self._processes: list[subprocess.Popen[str]] = []
 
     def start(self, *arguments: str) -> subprocess.Popen[str]:
         """Start `python ARGUMENTS` (e.g. "-m", "corner_sim") on the domain of this client, output captured."""
         process = subprocess.Popen(
             [sys.executable, *arguments],
-            env=os.environ | {"ROS_DOMAIN_ID": str(self._domain_id)},
+            env=os.environ | {"ROS_DOMAIN_ID": str(own_domain())},
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -39,17 +45,25 @@ class DdsClient:
         self._processes.append(process)
         return process
 
-    def until(self, condition: Callable[[], bool], timeout: float = 30.0) -> None:
+    def until(self, condition: Callable[[], bool]) -> None:
         """Spin until the condition holds.
 
         Raises:
-            TimeoutError: it does not within `timeout` [s].
+            TimeoutError: it does not come to hold.
         """
-        limit = time.monotonic() + timeout
+        limit = time.monotonic() + PATIENCE
         while not condition():
             if time.monotonic() > limit:
-                raise TimeoutError(f"not within {timeout} s")
+                raise TimeoutError(f"not within {PATIENCE} s")
             self.executor.spin_once(timeout_sec=0.05)
+
+    def until_known_to(self, node: str) -> None:
+        """Wait until a node knows every publisher and subscription made here so far.
+
+        A publisher counts its reader before the reader counts it; what is sent in between is lost. Endpoints are
+        announced in the order in which they are made: a node that answers a call knows those made before the call.
+        """
+        self.call(ListParameters, f"/{node}/list_parameters", ListParameters.Request())
 
     def call(self, kind: type, name: str, request: Any) -> Any:
         """Call a service and return its response."""
@@ -66,20 +80,30 @@ class DdsClient:
             process.wait()
 
 
-def stop(process: subprocess.Popen[str], how: signal.Signals = signal.SIGINT) -> tuple[str, float]:
-    """Send a signal, return what the process printed and the time [s] it took to end."""
-    began = time.monotonic()
+def stop(process: subprocess.Popen[str], how: signal.Signals = signal.SIGINT) -> str:
+    """Send a signal, return what the process printed once it has ended."""
     process.send_signal(how)
-    output, _ = process.communicate(timeout=20)
-    return output, time.monotonic() - began
+    return output_of(process)
+
+
+def output_of(process: subprocess.Popen[str]) -> str:
+    """Return what a process printed once it has ended."""
+    output, _ = process.communicate(timeout=PATIENCE)
+    return output
+
+
+@cache
+def own_domain() -> int:
+    """ROS domain of this test process, which no other process on this machine has."""
+    return free_domain_id()
 
 
 @contextmanager
-def dds_client(domain_id: int, arguments: Sequence[str] = ()) -> Iterator[DdsClient]:
-    """Make a client on a ROS domain (1 to 232) and end it and its processes afterwards."""
+def dds_client(arguments: Sequence[str] = ()) -> Iterator[DdsClient]:
+    """Make a client on the domain of this test process and end it and its processes afterwards."""
     context = rclpy.Context()
-    rclpy.init(context=context, args=list(arguments), domain_id=domain_id)
-    client = DdsClient(rclpy.create_node("test_client", context=context), domain_id)
+    rclpy.init(context=context, args=list(arguments), domain_id=own_domain())
+    client = DdsClient(rclpy.create_node("test_client", context=context))
     try:
         yield client
     finally:

@@ -180,9 +180,7 @@ except BagError as error:
 
 def test_a_full_disk_is_said_with_the_way_out_and_what_was_flushed_is_kept(tmp_path: Path) -> None:
     bag = tmp_path / "bag"
-    done = subprocess.run(
-        [sys.executable, "-c", FULL_DISK, str(bag)], capture_output=True, text=True, timeout=60, check=True
-    )
+    done = subprocess.run([sys.executable, "-c", FULL_DISK, str(bag)], capture_output=True, text=True, check=True)
     assert str(bag) in done.stdout
     assert "reindex" in done.stdout
     assert done.stderr == ""

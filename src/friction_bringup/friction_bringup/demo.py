@@ -22,6 +22,7 @@ from friction_bringup.plots import write_plots
 from friction_bringup.processes import AT_ONCE
 from friction_bringup.recorded_run import read_run
 from friction_bringup.summary import print_summary
+from friction_runtime.machine_load import slowdown
 from friction_runtime.spin import stop_on_signals, take_down
 
 _STARTUP_LIMIT = 40.0
@@ -31,7 +32,7 @@ _SETTLE = 0.3
 _QUIET = 0.4
 """Wall time [s] without a new sample after which everything in flight has arrived."""
 _PATIENCE = 10.0
-"""Wall time [s] in which the processes must end when the run has ended by itself: the machine may be busy."""
+"""Wall time [s] in which the processes must end when the run has ended by itself. A busy machine gets more of these."""
 _INTERRUPTED = 130
 """Exit code."""
 _FILE_WIDTH = 120
@@ -121,19 +122,19 @@ def _watch(console: Console, demo: DemoGraph, view: LiveView, what: str, spin_un
     samples = -1
     while samples != view.samples:
         samples = view.samples
-        spin_until(lambda: False, _QUIET)
+        spin_until(lambda: False, _QUIET * slowdown())
 
 
 def _bring_up(demo: DemoGraph, view: LiveView, spin_until: SpinUntil) -> None:
     """Wait until all processes hear each other, begin, and wait for the first sample."""
-    spin_until(lambda: demo.ended or not demo.missing(view), _STARTUP_LIMIT)
+    spin_until(lambda: demo.ended or not demo.missing(view), _STARTUP_LIMIT * slowdown())
     if not demo.done and (missing := demo.missing(view)):
-        raise DemoError(f"after {_STARTUP_LIMIT:.0f} s still not there: {', '.join(missing)}")
-    spin_until(lambda: False, _SETTLE)
+        raise DemoError(f"still not there: {', '.join(missing)}")
+    spin_until(lambda: False, _SETTLE * slowdown())
     demo.begin(view)
-    spin_until(lambda: demo.ended or view.samples > 0, _STARTUP_LIMIT)
+    spin_until(lambda: demo.ended or view.samples > 0, _STARTUP_LIMIT * slowdown())
     if not demo.done and view.samples == 0:
-        raise DemoError(f"no wheel_states within {_STARTUP_LIMIT:.0f} s from {demo.source}")
+        raise DemoError(f"no wheel_states in time from {demo.source}")
 
 
 def _follow(demo: DemoGraph, view: LiveView, spin_until: SpinUntil, period: float, show: Callable[[], None]) -> None:

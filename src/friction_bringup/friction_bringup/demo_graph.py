@@ -11,9 +11,10 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from friction_bringup import graph
-from friction_bringup.domain import free_domain_id, local_discovery
+from friction_bringup.discovery import local_discovery
 from friction_bringup.node_start import COMMANDING, WATCHING, Decided, node_starts
 from friction_bringup.processes import ProcessGroup
+from friction_runtime.domain import free_domain_id
 from vehicle_models.vehicle_file import load_vehicle
 
 _RECORDER = "recorder"

@@ -1,4 +1,4 @@
-"""Processes of the graph: started together, watched, and ended together within two seconds."""
+"""Processes of the graph: started together, watched, and ended together: within two seconds on a machine not busy."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from friction_runtime.machine_load import slowdown
+
 AT_ONCE = 1.2
-"""Time [s] between SIGINT and SIGKILL with which every process is gone within 2 s."""
+"""Time [s] between SIGINT and SIGKILL with which every process is gone within 2 s; a busy machine gets more."""
 
 
 class ProcessGroup:
@@ -53,11 +55,15 @@ class ProcessGroup:
         return {name: code for name, code in codes.items() if code is not None}
 
     def stop(self, grace: float = AT_ONCE) -> list[str]:
-        """Interrupt what still runs, kill what does not end within `grace` [s], return the names of those killed."""
+        """Interrupt what still runs, kill what does not end in time, return the names of those killed.
+
+        Args:
+            grace: time [s] to end in, as much longer as this machine is busy.
+        """
         running = {name: process for name, process in self._processes.items() if process.poll() is None}
         for process in running.values():
             process.send_signal(signal.SIGINT)
-        deadline = time.monotonic() + grace
+        deadline = time.monotonic() + grace * slowdown()
         killed = []
         for name, process in running.items():
             try:

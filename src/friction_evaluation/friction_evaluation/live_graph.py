@@ -17,13 +17,15 @@ from rclpy.subscription import Subscription
 from std_srvs.srv import Trigger
 
 from friction_bringup import graph
-from friction_bringup.domain import free_domain_id, local_discovery
+from friction_bringup.discovery import local_discovery
 from friction_bringup.processes import ProcessGroup
+from friction_runtime.domain import free_domain_id
+from friction_runtime.machine_load import slowdown
 from friction_runtime.stamps import to_nanoseconds
 
 Overrides = Mapping[str, Mapping[str, graph.ParameterValue]]
 _TAKE_PERIOD = 0.02
-_START_LIMIT = 10.0
+_START_LIMIT = 60.0
 _SETTLE = 2.0
 """Wall time [s] before the start in which the other nodes find each other."""
 _QUIET = 1.0
@@ -113,10 +115,10 @@ def _observe(
             take_until(lambda: time.monotonic() > until)
 
         take_until(lambda: all(tap.get_publisher_count() for tap in taps.values()))
-        take_for(_SETTLE)
+        take_for(_SETTLE * slowdown())
         _start(context)
         take_until(lambda: graph.PLANT in processes.ended())
-        take_for(_QUIET)
+        take_for(_QUIET * slowdown())
         node.destroy_node()
         return found
     finally:

@@ -12,8 +12,10 @@ from friction_msgs.msg import TyreSignals
 from rclpy.node import Node
 from std_msgs.msg import Header
 
+from friction_bringup.discovery import local_discovery
 from friction_evaluation.smart_tyre_runs import TRACKER, WHEEL, WHEEL_SEEDS, simulate
 from friction_runtime import qos
+from friction_runtime.domain import free_domain_id
 from friction_runtime.stamps import from_nanoseconds
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.correction import PatchCorrection
@@ -31,7 +33,6 @@ _BLOCK = 100
 _LIVE_SECONDS = 15.0
 _CRUISE = 250_000
 """Sample of the drive from which it cruises: the most revolutions a second."""
-_DOMAIN = "70"
 
 
 def algorithm(known: Calibration) -> list[tuple[str, float]]:
@@ -56,8 +57,7 @@ def algorithm(known: Calibration) -> list[tuple[str, float]]:
 def live_node() -> list[tuple[str, float]]:
     """CPU of the live node with four wheels over DDS, in % of a core."""
     block = simulate(dynamic_drive(road_seed=0), "front", 0)
-    os.environ |= {"ROS_DOMAIN_ID": _DOMAIN, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-    os.environ |= {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
+    os.environ |= {"ROS_DOMAIN_ID": str(free_domain_id()), **local_discovery()}
     command = [sys.executable, "-m", "smart_tyre_forces", "--ros-args", "-p", f"vehicle_file:={_VEHICLE}"]
     process = subprocess.Popen(command)
     rclpy.init()

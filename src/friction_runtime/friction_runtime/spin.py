@@ -18,12 +18,13 @@ from rclpy.qos_overriding_options import InvalidQosOverridesError
 from rclpy.signals import SignalHandlerOptions
 
 from friction_parameters.parameter import ParameterError
+from friction_runtime.machine_load import slowdown
 from friction_runtime.parameter_arguments import with_checked_parameters
 
 _WAKE_PERIOD = 0.2
 """[s] EventsExecutor.spin() does not return on a signal; waking up now and then does."""
 _TAKE_DOWN_LIMIT = 0.8
-"""[s]"""
+"""[s] on a machine that is not busy."""
 _STDERR = 2
 _REFUSALS = (
     rclpy_implementation.RCLError,
@@ -90,7 +91,7 @@ def take_down(node: Node | None, executor: Executor | None = None) -> None:
     exits, of many nodes at once). Such a process says so on stderr and ends with exit code 1, instead of never.
     """
     sys.stdout.flush()
-    faulthandler.dump_traceback_later(_TAKE_DOWN_LIMIT, exit=True, file=_STDERR)
+    faulthandler.dump_traceback_later(_TAKE_DOWN_LIMIT * slowdown(), exit=True, file=_STDERR)
     try:
         if executor is not None:
             executor.shutdown()  # it would keep the node's participant until it is gone itself

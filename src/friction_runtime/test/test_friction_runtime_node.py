@@ -17,7 +17,7 @@ from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters
 from rclpy.parameter import Parameter, parameter_value_to_python
 from std_srvs.srv import Trigger
 
-from dds_client import DdsClient, dds_client, stop
+from dds_client import DdsClient, dds_client, output_of, stop
 from friction_runtime import qos
 
 SCRIPT = str(Path(__file__).with_name("friction_runtime_echo_node.py"))
@@ -25,7 +25,7 @@ SCRIPT = str(Path(__file__).with_name("friction_runtime_echo_node.py"))
 
 @pytest.fixture
 def client() -> Iterator[DdsClient]:
-    with dds_client(81) as made:
+    with dds_client() as made:
         yield made
 
 
@@ -193,7 +193,7 @@ def test_what_is_set_for_another_method_is_said_once(client: DdsClient) -> None:
     process = client.start(SCRIPT, "--ros-args", "-p", "mirror.factor:=3")
     Link(client).until_answer(6.0)
     assert set_parameter(client, "gain", 4.0).successful
-    output, _ = stop(process)
+    output = stop(process)
     assert output.count("mirror.factor: ignored, as 'method' is 'plain', not mirror") == 1
 
 
@@ -214,7 +214,7 @@ def test_a_dump_given_back_starts_the_node_with_the_same_parameters(
     client.until(lambda: client.node.count_publishers(f"{namespace}/front_left/slip") == 0)
     again = client.start(SCRIPT, "--ros-args", *place, "--params-file", str(file))
     assert dump(client, node) == text
-    output, _ = stop(again)
+    output = stop(again)
     assert again.returncode == 0, output
 
 
@@ -233,8 +233,7 @@ def test_of_files_and_arguments_the_last_decides(client: DdsClient, tmp_path: Pa
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 def test_node_exits_cleanly_on_a_signal(how: signal.Signals, echo: subprocess.Popen[str], client: DdsClient) -> None:
     client.until(lambda: client.node.count_publishers("front_left/slip") == 1)
-    output, seconds = stop(echo, how)
-    assert seconds < 2.0
+    output = stop(echo, how)
     assert echo.returncode == 0
     assert "Traceback" not in output
 
@@ -242,7 +241,7 @@ def test_node_exits_cleanly_on_a_signal(how: signal.Signals, echo: subprocess.Po
 def ends_with(client: DdsClient, *arguments: str) -> str:
     """Start the node with what must end it; what it says, in one line."""
     process = client.start(SCRIPT, "--ros-args", *arguments)
-    output, _ = process.communicate(timeout=30)
+    output = output_of(process)
     assert process.returncode == 2, output
     lines = [line for line in output.splitlines() if "] [rcl]: " not in line]
     assert len(lines) == 1, output
@@ -333,7 +332,7 @@ executor, node = EventsExecutor(), rclpy.create_node("short_lived")
 executor.add_node(node)
 executor.spin_once(timeout_sec=0.1)
 if "stuck" in sys.argv:
-    node.destroy_node = lambda: time.sleep(60.0)
+    node.destroy_node = lambda: time.sleep(600.0)
 take_down(node, executor)
 threads = [open(f"/proc/self/task/{task}/comm").read() for task in os.listdir("/proc/self/task")]
 print("left:", [name for name in threads if name.startswith(("dds.ev", "dds.udp"))])
@@ -341,13 +340,13 @@ print("left:", [name for name in threads if name.startswith(("dds.ev", "dds.udp"
 
 
 def test_nothing_of_the_middleware_is_left_once_a_node_is_taken_down() -> None:
-    done = subprocess.run([sys.executable, "-c", TAKE_DOWN], capture_output=True, text=True, timeout=30, check=False)
+    done = subprocess.run([sys.executable, "-c", TAKE_DOWN], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (0, "left: []\n"), done.stderr
 
 
 def test_a_middleware_that_hangs_while_it_is_taken_down_is_said_and_left() -> None:
     command = [sys.executable, "-c", TAKE_DOWN, "stuck"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "take_down" in done.stderr
     assert done.stdout == ""

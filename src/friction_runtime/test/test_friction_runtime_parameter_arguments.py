@@ -9,6 +9,7 @@ import pytest
 import rclpy
 from rclpy.context import Context
 
+from dds_client import own_domain
 from friction_parameters.parameter import ParameterError, group, parameter
 from friction_parameters.parameter_file import NodeName, file_values
 from friction_runtime.parameter_arguments import node_name, with_checked_parameters
@@ -39,7 +40,7 @@ def checked(directory: Path, *arguments: str) -> list[str]:
 def seen_by_ros(*arguments: str) -> tuple[str, dict[str, Any]]:
     """Full name of the node and the parameters that plain ROS makes of a command line."""
     context = Context()
-    rclpy.init(context=context, args=list(arguments), domain_id=82)
+    rclpy.init(context=context, args=list(arguments), domain_id=own_domain())
     node = rclpy.create_node("echo", context=context, start_parameter_services=False, enable_rosout=False)
     found = {}
     for name, override in node._parameter_overrides.items():

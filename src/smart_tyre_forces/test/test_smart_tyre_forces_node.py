@@ -10,7 +10,7 @@ from rcl_interfaces.srv import SetParameters
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
-from dds_client import dds_client, stop
+from dds_client import dds_client, output_of, stop
 from friction_runtime import qos
 from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds
@@ -22,7 +22,7 @@ def test_node_turns_blocks_into_patches_and_serves_new_zeros(simulate: Any) -> N
     block = simulate(10.0, seconds=14.0)
     patches: list[ContactPatch] = []
     forces: list[TyreForce] = []
-    with dds_client(72) as client:
+    with dds_client() as client:
         process = client.start("-m", "smart_tyre_forces", *CAR)
         publisher = qos.publish(client.node, TyreSignals, "front_left/tyre_signals")
         qos.subscribe(client.node, ContactPatch, "front_left/contact_patch", patches.append, qos.ESTIMATE)
@@ -34,6 +34,7 @@ def test_node_turns_blocks_into_patches_and_serves_new_zeros(simulate: Any) -> N
                 and client.node.count_publishers("front_left/tyre_force") == 1
             )
         )
+        client.until_known_to("smart_tyre_forces")
         for first in range(0, len(block.encoder_voltage), 2000):
             part = slice(first, first + 2000)
             publisher.publish(
@@ -52,22 +53,21 @@ def test_node_turns_blocks_into_patches_and_serves_new_zeros(simulate: Any) -> N
         assert forces[-1].reason == TyreForce.NOT_CALIBRATED
         for name in ("zero_shift", "zero_length", "reset"):
             assert client.call(Trigger, f"/smart_tyre_forces/{name}", Trigger.Request()).success
-        output, seconds = stop(process)
+        output = stop(process)
         assert process.returncode == 0, output
-        assert seconds < 5.0
 
 
 def test_node_refuses_a_missing_calibration_file_at_start() -> None:
-    with dds_client(73) as client:
+    with dds_client() as client:
         process = client.start("-m", "smart_tyre_forces", *CAR, "-p", "calibration_file:=/nowhere.yaml")
-        output, _ = process.communicate(timeout=20)
+        output = output_of(process)
         assert process.returncode == 2
         assert "calibration_file" in output
 
 
 def test_node_is_quiet_without_tyre_signals_and_takes_a_wrench_while_it_runs() -> None:
     told: list[DiagnosticArray] = []
-    with dds_client(73) as client:
+    with dds_client() as client:
         process = client.start("-m", "smart_tyre_forces", *CAR)
         client.node.create_subscription(DiagnosticArray, "/diagnostics", told.append, 10)
         client.until(lambda: len(told) >= 2)
@@ -81,18 +81,19 @@ def test_node_is_quiet_without_tyre_signals_and_takes_a_wrench_while_it_runs() -
         request = SetParameters.Request(parameters=[Parameter(name="publish_wrench", value=wanted)])
         assert client.call(SetParameters, "/smart_tyre_forces/set_parameters", request).results[0].successful
         client.until(lambda: client.node.count_publishers("front_left/tyre_wrench") == 1)
-        output, _ = stop(process)
+        output = stop(process)
     assert output == ""
     assert process.returncode == 0
 
 
 def test_signals_that_end_are_an_error_and_a_warning_of_the_inputs() -> None:
     told: list[DiagnosticArray] = []
-    with dds_client(73) as client:
+    with dds_client() as client:
         process = client.start("-m", "smart_tyre_forces", *CAR)
         client.node.create_subscription(DiagnosticArray, "/diagnostics", told.append, 10)
         publisher = qos.publish(client.node, TyreSignals, "front_left/tyre_signals")
         client.until(lambda: publisher.get_subscription_count() == 1)
+        client.until_known_to("smart_tyre_forces")
         publisher.publish(
             TyreSignals(
                 header=Header(stamp=from_nanoseconds(1_000_000_000)),

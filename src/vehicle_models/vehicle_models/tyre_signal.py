@@ -109,11 +109,6 @@ class TyreSignalSource:
         self._sensor_state = np.zeros((1, 2))
         self._radio: Array = np.zeros(round(accelerometer.delay * sample_rate))
 
-    @property
-    def next_sample(self) -> int:
-        """Index of the first sample of the next block."""
-        return self._next_sample
-
     def advance(self, wheel_speed: ArrayLike, fx: ArrayLike, fz: ArrayLike) -> TyreBlock:
         """The next n samples.
 

@@ -109,7 +109,7 @@ def test_offset_is_learned_while_rolling_and_its_injection_does_not_matter() -> 
         estimator = SlipEstimator(CAR)
         shifted = replace(d, acceleration=d.acceleration + injected)
         speeds.append(follow(shifted, estimator)[1])
-        assert estimator.vehicle.filter.offset == pytest.approx(OFFSET + injected, abs=0.03)
+        assert estimator.vehicle.offset == pytest.approx(OFFSET + injected, abs=0.03)
     learned = slice(400, None)
     assert np.max(np.abs(speeds[1] - speeds[0])[learned]) < 0.03
     assert np.max(np.abs(speeds[2] - speeds[0])[learned]) < 0.03
@@ -122,10 +122,10 @@ def test_slope_step_while_rolling_is_relearned_in_two_seconds(estimator: SlipEst
     offsets = []
     for k, (omega, a) in enumerate(zip(d.wheel_speed, stepped, strict=True)):
         estimator.update((k + 1) * STEP, omega.tolist(), float(a))
-        offsets.append(estimator.vehicle.filter.offset)
+        offsets.append(estimator.vehicle.offset)
     assert offsets[1399] == pytest.approx(OFFSET, abs=0.01)
     assert offsets[1800] == pytest.approx(OFFSET + step, abs=0.03)
-    assert estimator.vehicle.filter.speed == pytest.approx(25.0, abs=0.02)
+    assert estimator.vehicle.speed == pytest.approx(25.0, abs=0.02)
 
 
 def test_uncertainty_grows_in_the_slide_and_covers_a_slope_step(estimator: SlipEstimator) -> None:
@@ -155,7 +155,7 @@ def test_wheels_released_for_a_moment_take_back_what_a_drifting_offset_does_to_t
         estimates, speed = follow(replace(d, acceleration=drifting), estimator)
         assert all(each[0].source is SpeedSource.INTEGRATED for each in estimates[700:])
         speeds.append(speed)
-        offsets.append(estimator.vehicle.filter.offset)
+        offsets.append(estimator.vehicle.offset)
     # Integration alone would make this 0.02 m/s^2 times 8.5 to 9 s.
     assert np.max(np.abs(speeds[0] - speeds[1])[2300:]) < 0.07
     assert np.max(np.abs(np.array(speeds) - d.speed)[:, 2300:]) < 0.07
@@ -218,7 +218,7 @@ def test_one_faulty_wheel_does_not_disturb_the_speed(reading: float, estimator: 
     faulty[:, 1] = reading
     _, speed = follow(replace(d, wheel_speed=faulty), estimator)
     assert np.max(np.abs(speed - d.speed)[100:]) < 0.12
-    assert estimator.vehicle.slide.spread > 5.0
+    assert estimator.vehicle.disagreement > 5.0
 
 
 def test_silent_imu_wheels_serve_while_they_roll_and_a_slide_is_not_bridged_in_silence(

@@ -90,12 +90,12 @@ class SlipEstimator:
     def _motion(self) -> "_Motion":
         """Motion of the car, and why it gives no wheel a slip, if so."""
         vehicle, lowest = self.vehicle, self._p.minimum_speed
-        source, state = vehicle.source, vehicle.filter
+        source = vehicle.source
         if source is SpeedSource.NONE:
             text = "no vehicle speed: no sensor, and the wheels have not shown to roll yet"
             return _Motion((nan, nan), (nan, nan), source, Reason.NO_SPEED, text)
-        speed, acceleration = (state.speed, vehicle.variance), (state.acceleration, state.acceleration_variance)
-        if state.speed < lowest:
+        speed, acceleration = (vehicle.speed, vehicle.variance), (vehicle.acceleration, vehicle.acceleration_variance)
+        if vehicle.speed < lowest:
             text = f"vehicle speed is below {lowest} m/s"
             return _Motion(speed, acceleration, source, Reason.LOW_SPEED, text)
         return _Motion(speed, acceleration, source, Reason.OK, "")

@@ -1,7 +1,7 @@
 """wheel_states, imu/data and vehicle_velocity in, <wheel>/slip out: one processor for the car."""
 
 from collections.abc import Mapping, Sequence
-from math import isfinite, nan, sqrt
+from math import isfinite, nan
 
 from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
@@ -82,18 +82,9 @@ class CarProcessor:
     def health(self) -> Health:
         """State for diagnostics."""
         car = self._estimator.vehicle
-        speed = car.filter
-        slide = car.slide
         values = {
-            "speed source": car.source.name.lower(),
-            "mode": "sliding" if slide.sliding else "rolling",
-            "time in mode [s]": f"{self._time_in_mode():.1f}",
-            "wheel disagreement [m/s]": f"{slide.spread:.3f}",
+            **car.health_values(self._stamp),
             "radii [m]": ", ".join(f"{radius:.4f}" for radius in self._estimator.radii),
-            "vehicle speed [m/s]": f"{speed.speed:.3f}",
-            "vehicle speed standard deviation [m/s]": f"{sqrt(speed.speed_variance):.3f}",
-            "accelerometer offset [m/s^2]": f"{speed.offset:.3f}",
-            "accelerometer offset standard deviation [m/s^2]": f"{sqrt(speed.offset_variance):.3f}",
             "late samples of vehicle_velocity": str(self._speeds.late),
         }
         bad: list[str] = []
@@ -109,10 +100,6 @@ class CarProcessor:
             bad.append(f"{IMU}: repeats one value that the wheels contradict; left out")
         said = "; ".join([*bad, *([self._missing] if self._missing else [])])
         return Health("car", Level.WARN if said else Level.OK, said or "ok", values)
-
-    def _time_in_mode(self) -> float:
-        since = self._estimator.vehicle.slide.since
-        return (self._stamp - since) / NANOSECONDS if since is not None else 0.0
 
     def _acceleration(self, message: Imu) -> float:
         """Acceleration forward [m/s^2], NaN where it is garbage."""

@@ -87,16 +87,16 @@ class VehicleSpeed:
         """
         self._p = parameters
         self._rim_speed_variance = (wheel_speed_stddev * max(vehicle.radii)) ** 2
-        self.filter = SpeedFilter(parameters.speed_filter)
-        self.slide = SlideDetector(parameters.slide, [wheel.driven for wheel in vehicle.wheels])
+        self._filter = SpeedFilter(parameters.speed_filter)
+        self._slide = SlideDetector(parameters.slide, [wheel.driven for wheel in vehicle.wheels])
         self._carried = CarriedWheels(len(vehicle.wheels), self._rim_speed_variance)
         self._repetition = StuckSensor()
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
-        self.filter.reset()
-        self.slide.reset()
+        self._filter.reset()
+        self._slide.reset()
         self._carried.reset()
         self._repetition.reset()
         self.accelerometer_is_stuck = False
@@ -109,9 +109,34 @@ class VehicleSpeed:
         self._last: int | None = None
 
     @property
+    def speed(self) -> float:
+        """[m/s]."""
+        return self._filter.speed
+
+    @property
+    def acceleration(self) -> float:
+        """Forward, corrected by the offset of the accelerometer [m/s^2]."""
+        return self._filter.acceleration
+
+    @property
+    def acceleration_variance(self) -> float:
+        """[m^2/s^4]."""
+        return self._filter.acceleration_variance
+
+    @property
+    def offset(self) -> float:
+        """Of the accelerometer [m/s^2]."""
+        return self._filter.offset
+
+    @property
+    def disagreement(self) -> float:
+        """Of the wheels about the speed [m/s]."""
+        return self._slide.spread
+
+    @property
     def variance(self) -> float:
         """Of the speed [m^2/s^2], with that of the radii: they scale every speed learned from wheels."""
-        return self.filter.speed_variance + (self._p.radius_uncertainty * self.filter.speed) ** 2
+        return self._filter.speed_variance + (self._p.radius_uncertainty * self._filter.speed) ** 2
 
     def update(
         self,
@@ -137,22 +162,22 @@ class VehicleSpeed:
         dt = (stamp - self._last) / NANOSECONDS if self._last is not None else _SLIP_CORRELATION
         started = self.source is not SpeedSource.NONE
         self.accelerometer_is_stuck = self._repetition.repeats(stamp, acceleration) and (
-            self.accelerometer_is_stuck or not any(self.slide.rolling)
+            self.accelerometer_is_stuck or not any(self._slide.rolling)
         )
         if self.accelerometer_is_stuck:
             acceleration = None
-        self.filter.predict(stamp, acceleration, observed=not (started and self.slide.sliding))
-        integrated = (self.filter.speed, sqrt(self.filter.speed_variance)) if started else None
-        slid = self.slide.sliding
-        corrected = None if acceleration is None else acceleration - self.filter.offset
-        offset_stddev = sqrt(self.filter.offset_variance)
-        self.slide.update(stamp, smooth_rim_speeds, rim_accelerations, corrected, offset_stddev, integrated)
-        if slid and not self.slide.sliding and started and not self._sensor_is_fresh(stamp):
+        self._filter.predict(stamp, acceleration, observed=not (started and self._slide.sliding))
+        integrated = (self._filter.speed, sqrt(self._filter.speed_variance)) if started else None
+        slid = self._slide.sliding
+        corrected = None if acceleration is None else acceleration - self._filter.offset
+        offset_stddev = sqrt(self._filter.offset_variance)
+        self._slide.update(stamp, smooth_rim_speeds, rim_accelerations, corrected, offset_stddev, integrated)
+        if slid and not self._slide.sliding and started and not self._sensor_is_fresh(stamp):
             self._return_to_wheels(smooth_rim_speeds)
         for sample in measured:
             self._use_sensor(sample)
         # Without an accelerometer only a speed sensor can tell a slide from braking.
-        if self.slide.sliding or (acceleration is None and self._sensor_is_fresh(stamp)):
+        if self._slide.sliding or (acceleration is None and self._sensor_is_fresh(stamp)):
             self._not_yet_believed.clear()
             self._surprise = 0.0
             if self.source is not SpeedSource.NONE:
@@ -163,8 +188,24 @@ class VehicleSpeed:
             self._use_wheels(stamp, dt, rim_speeds)
         self._last = stamp
         if self.source is not SpeedSource.NONE:
-            without_sensor = SpeedSource.INTEGRATED if self.slide.sliding else SpeedSource.WHEELS
+            without_sensor = SpeedSource.INTEGRATED if self._slide.sliding else SpeedSource.WHEELS
             self.source = SpeedSource.SENSOR if self._sensor_is_fresh(stamp) else without_sensor
+
+    def health_values(self, stamp: int) -> dict[str, str]:
+        """Texts for diagnostics at a stamp [ns], by name."""
+        known, slide = self._filter, self._slide
+        since = slide.since
+        time_in_mode = (stamp - since) / NANOSECONDS if since is not None else 0.0
+        return {
+            "speed source": self.source.name.lower(),
+            "mode": "sliding" if slide.sliding else "rolling",
+            "time in mode [s]": f"{time_in_mode:.1f}",
+            "wheel disagreement [m/s]": f"{slide.spread:.3f}",
+            "vehicle speed [m/s]": f"{known.speed:.3f}",
+            "vehicle speed standard deviation [m/s]": f"{sqrt(known.speed_variance):.3f}",
+            "accelerometer offset [m/s^2]": f"{known.offset:.3f}",
+            "accelerometer offset standard deviation [m/s^2]": f"{sqrt(known.offset_variance):.3f}",
+        }
 
     def _sensor_is_fresh(self, stamp: int) -> bool:
         timeout = self._p.sensor_timeout * NANOSECONDS
@@ -172,17 +213,17 @@ class VehicleSpeed:
 
     def _use_sensor(self, sample: SpeedSample) -> None:
         if self.source is SpeedSource.NONE:
-            self.filter.start(sample.speed, sample.variance)
+            self._filter.start(sample.speed, sample.variance)
         else:
-            self.filter.correct(sample.speed, sample.variance, sample.stamp)
+            self._filter.correct(sample.speed, sample.variance, sample.stamp)
         self._sensor_stamp = sample.stamp
         self.source = SpeedSource.SENSOR
 
     def _use_wheels(self, stamp: int, dt: float, rim_speeds: Sequence[float]) -> None:
-        believed = [rim_speeds[index] for index in self.slide.believed() if isfinite(rim_speeds[index])]
+        believed = [rim_speeds[index] for index in self._slide.believed() if isfinite(rim_speeds[index])]
         if believed:
             speed = sum(believed) / len(believed)
-            a = self.slide.acceleration or 0.0
+            a = self._slide.acceleration or 0.0
             blind = abs(speed) < _BLIND_SPEED
             if not blind or abs(a) < _AT_REST:
                 slip = self._p.slip_per_acceleration * speed * a
@@ -191,12 +232,12 @@ class VehicleSpeed:
                 variance = noise + slip**2 * many
                 self._not_yet_believed.append((stamp, speed, variance))
         if self.source is SpeedSource.NONE and self._not_yet_believed:
-            self.filter.start(*self._not_yet_believed.pop()[1:])
+            self._filter.start(*self._not_yet_believed.pop()[1:])
             self._not_yet_believed.clear()
             self.source = SpeedSource.WHEELS
         while self._not_yet_believed and self._not_yet_believed[0][0] <= stamp - _BELIEF_LAG:
             when, speed, variance = self._not_yet_believed.popleft()
-            if self.filter.correct(speed, variance, when):
+            if self._filter.correct(speed, variance, when):
                 self._watch_offset(dt)
 
     def _return_to_wheels(self, smooth_rim_speeds: Sequence[float]) -> None:
@@ -205,37 +246,37 @@ class VehicleSpeed:
         What the integration was off by is not put down to the offset: lag and scale of the accelerometer may be to
         blame as well, and a wrong offset would begin the next slide.
         """
-        believed = [smooth_rim_speeds[index] for index in self.slide.believed()]
+        believed = [smooth_rim_speeds[index] for index in self._slide.believed()]
         if not believed:
             believed = [speed for speed in smooth_rim_speeds if isfinite(speed)]
         speed = median(believed)
-        slip = self._p.slip_per_acceleration * speed * (self.slide.acceleration or 0.0)
-        self.filter.start(speed, self._rim_speed_variance + slip**2)
-        if self.slide.contradicted:
-            self.filter.doubt_offset(self._p.speed_filter.offset_stddev**2)
+        slip = self._p.slip_per_acceleration * speed * (self._slide.acceleration or 0.0)
+        self._filter.start(speed, self._rim_speed_variance + slip**2)
+        if self._slide.contradicted:
+            self._filter.doubt_offset(self._p.speed_filter.offset_stddev**2)
 
     def _watch_offset(self, dt: float) -> None:
         """Learn anew when the wheels surprise the filter in one direction."""
-        self._surprise += min(dt / _SURPRISE_TIME, 1.0) * (self.filter.surprise - self._surprise)
+        self._surprise += min(dt / _SURPRISE_TIME, 1.0) * (self._filter.surprise - self._surprise)
         if abs(self._surprise) > _SURPRISE:
-            self.filter.doubt_offset(_DOUBT**2)
+            self._filter.doubt_offset(_DOUBT**2)
 
     def _bound(self, rim_speeds: Sequence[float]) -> None:
         """Keep the speed above braked and below driven wheels; two of them must say so, for one may vibrate or fail."""
-        a = self.slide.acceleration
+        a = self._slide.acceleration
         known = sorted(speed for speed in rim_speeds if abs(speed) > _BLIND_SPEED)
         if a is None or not known:
             return
         noise = 3.0 * sqrt(self._rim_speed_variance)
-        margin = _BOUND_MARGIN * abs(self.filter.speed) + _BOUND_LATENCY * abs(a) + noise
+        margin = _BOUND_MARGIN * abs(self._filter.speed) + _BOUND_LATENCY * abs(a) + noise
         second = min(1, len(known) - 1)
         if a < -1.0:
-            if self.filter.speed < known[-1 - second] - margin:
-                self.filter.correct(known[-1 - second] - margin, margin**2)
-            if known[-1 - second] > (1.0 - _CLOSE) * self.filter.speed:
-                self.filter.limit((0.5 * _CLOSE * self.filter.speed) ** 2 + margin**2)
-        elif a > 1.0 and self.filter.speed > known[second] + margin:
-            self.filter.correct(known[second] + margin, margin**2)
+            if self._filter.speed < known[-1 - second] - margin:
+                self._filter.correct(known[-1 - second] - margin, margin**2)
+            if known[-1 - second] > (1.0 - _CLOSE) * self._filter.speed:
+                self._filter.limit((0.5 * _CLOSE * self._filter.speed) ** 2 + margin**2)
+        elif a > 1.0 and self._filter.speed > known[second] + margin:
+            self._filter.correct(known[second] + margin, margin**2)
 
     def _believe_carried(self, dt: float, rim_speeds: Sequence[float]) -> None:
         """Correct the speed by the fastest wheel that the road carries, if it is where the speed may be.
@@ -243,7 +284,7 @@ class VehicleSpeed:
         That is judged, and corrected, as on a road that keeps its slope: wheels may also stand still in a slip, and the
         more the road may have done meanwhile the more of that would pass for the speed.
         """
-        car, a = self.filter, self.slide.acceleration
+        car, a = self._filter, self._slide.acceleration
         if a is None:
             return
         gaps = self._carried.update(dt, rim_speeds, car.speed)

@@ -86,10 +86,3 @@ def make_processors(parameters: Mapping[str, Any], vehicle: Vehicle, report: Rep
         except ValueError as error:
             raise ParameterError(f"{name}: {error}") from error
     return processors
-
-
-def build_processors(
-    estimators: Iterable[str], vehicle: Vehicle, files: Sequence[Path], report: Report, namespace: str = "/"
-) -> list[Processor]:
-    """Read the parameters of some estimators and make their processors: arguments and errors of the two above."""
-    return make_processors(read_parameters(estimators, files, report, namespace), vehicle, report)

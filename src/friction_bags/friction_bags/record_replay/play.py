@@ -126,11 +126,11 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
 
 
 def _flow_control(args: Namespace, node: Node, stop: Event) -> FlowControl:
-    """Follow what appears within the time that discovery may take."""
+    """Follow what appears within the time that discovery may take, which ends when all that is named has appeared."""
     flow = FlowControl(node)
     selection = TopicSelection(args.follow, (), node.get_namespace())
     end = monotonic() + args.wait
-    while monotonic() < end and not stop.is_set():
+    while not selection.is_complete(flow.topics) and monotonic() < end and not stop.is_set():
         flow.follow(selection)
         stop.wait(_PROGRESS_PERIOD)
     while not flow.is_connected() and not stop.is_set() and monotonic() < end + args.wait:

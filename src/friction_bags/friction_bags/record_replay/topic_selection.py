@@ -1,7 +1,7 @@
 """Which topics a command means: names and patterns, in the namespace of its node."""
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from fnmatch import fnmatchcase
 
 
@@ -24,6 +24,10 @@ class TopicSelection:
         if any(fnmatchcase(name, pattern) for pattern in self._exclude):
             return False
         return not self._include or any(fnmatchcase(name, pattern) for pattern in self._include)
+
+    def is_complete(self, names: Collection[str]) -> bool:
+        """Whether every wanted topic is among these absolute names; with a wildcard that is never known."""
+        return bool(self._include) and set(self._include) <= set(names)
 
 
 def add_selection_arguments(parser: ArgumentParser) -> None:

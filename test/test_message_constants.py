@@ -1,0 +1,80 @@
+"""Algorithms import no messages: the enums that stand for constants of messages have their names and values."""
+
+from __future__ import annotations
+
+import ast
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from friction_msgs.msg import (
+    BrakeCommand,
+    ContactPatch,
+    FrictionCurve,
+    FrictionSlope,
+    SupervisorState,
+    TyreForce,
+    WheelSlip,
+)
+
+import abs_supervisor.fsm
+import friction_curve_id.interface
+import friction_runtime.processor
+import friction_slope.estimate
+import smart_tyre_forces.reasons
+import vehicle_models.brake_actuator
+import wheel_slip.estimate
+
+SOURCES = Path(__file__).parents[1] / "src"
+MIRRORED: list[tuple[type[IntEnum], Any, str]] = [
+    (abs_supervisor.fsm.Command, BrakeCommand, ""),
+    (vehicle_models.brake_actuator.Command, BrakeCommand, ""),
+    (abs_supervisor.fsm.Cause, SupervisorState, "CAUSE_"),
+    (abs_supervisor.fsm.State, SupervisorState, "S0 S1 S21 S22"),
+    (friction_curve_id.interface.Reason, FrictionCurve, ""),
+    (friction_curve_id.interface.RestartCause, FrictionCurve, "RESTART_"),
+    (friction_runtime.processor.Level, DiagnosticStatus, ""),
+    (friction_slope.estimate.Method, FrictionSlope, "METHOD_"),
+    (friction_slope.estimate.Reason, FrictionSlope, ""),
+    (smart_tyre_forces.reasons.ForceReason, TyreForce, ""),
+    (smart_tyre_forces.reasons.PatchReason, ContactPatch, ""),
+    (wheel_slip.estimate.Reason, WheelSlip, ""),
+    (wheel_slip.estimate.SpeedSource, WheelSlip, "SPEED_"),
+]
+"""Enum, message, and which of its constants: those of a prefix, those named, or all but the ones with a prefix."""
+OF_OTHERS = {"METHOD_TRUTH", "STALE"}
+"""The plant's, and the one of aggregators."""
+
+
+def constants(message: Any, which: str) -> dict[str, int]:
+    """Values of constants of a message, by their names without prefix."""
+    attributes: Any = type(message).__prepare__(message.__name__, ())
+    values = {name: value for name, value in attributes.items() if "__" not in name and name not in OF_OTHERS}
+    if which.endswith("_"):
+        found = {name.removeprefix(which): value for name, value in values.items() if name.startswith(which)}
+    elif which:
+        found = {name: values[name] for name in which.split()}
+    else:
+        others = {name for _, other, names in MIRRORED if other is message for name in names.split()}
+        found = {name: value for name, value in values.items() if not name.startswith(tuple(others))}
+    return {name: value[0] if isinstance(value, bytes) else value for name, value in found.items()}
+
+
+@pytest.mark.parametrize(
+    ("enum", "message", "which"), MIRRORED, ids=[f"{enum.__module__}.{enum.__name__}" for enum, _, _ in MIRRORED]
+)
+def test_enum_has_the_constants_of_the_message(enum: type[IntEnum], message: Any, which: str) -> None:
+    assert {member.name: member.value for member in enum} == constants(message, which)
+
+
+def test_every_enum_of_the_packages_that_has_numbers_is_compared() -> None:
+    found = {
+        f"{'.'.join(file.relative_to(package.parent).with_suffix('').parts)}.{node.name}"
+        for package in (setup.parent / setup.parent.name for setup in SOURCES.glob("*/setup.py"))
+        for file in package.rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, ast.ClassDef) and any(ast.unparse(base).endswith("IntEnum") for base in node.bases)
+    }
+    assert found == {f"{enum.__module__}.{enum.__name__}" for enum, _, _ in MIRRORED}
