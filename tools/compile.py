@@ -22,12 +22,13 @@ COMPILED = {
     "speed_filter speed_queue speed_sample stuck_sensor vehicle_speed wheel_speed_filter",
     "friction_slope": "crossing detector estimate indicator processor reference_speed signals",
     "abs_supervisor": "braking fsm processor supervisor",
-    "friction_curve_id": "activation curve_fitting curve_messages dead_reckoning exponential_curve fitted_curve "
-    "friction_samples inputs processor recursive_ls square_root wheel_inputs",
+    "friction_curve_id": "activation chapter/curve_fitting chapter/dead_reckoning chapter/exponential_curve "
+    "chapter/friction_samples chapter/recursive_ls chapter/square_root curve/fitted_curve curve_messages inputs "
+    "processor wheel_inputs",
     "friction_bags": "bag_writer cdr cdr_layout mcap_chunk mcap_writer offline_graph stage_run",
     "friction_parameters": "",
 }
-"""Modules by package; of a package without any, the compiled modules need the types."""
+"""Modules by package, `room/module` in a subpackage; of a package without any, the compiled modules need the types."""
 
 
 def compile_modules(root: Path) -> int:
@@ -55,8 +56,8 @@ def compile_modules(root: Path) -> int:
         for library in (root / "install" / setup.parent.name).glob("**/*.so"):
             library.unlink()
     for package in present:
-        for library in (staging / package).glob("*.so"):
-            shutil.copy2(library, _installed(root, package))
+        for library in (staging / package).glob("**/*.so"):
+            shutil.copy2(library, _installed(root, package) / library.relative_to(staging / package))
     for library in staging.glob("*__mypyc*.so"):  # what they share lies beside the first of their packages
         shutil.copy2(library, _installed(root, next(iter(present))).parent)
     return 0
@@ -64,12 +65,12 @@ def compile_modules(root: Path) -> int:
 
 def _copy_changed(source: Path, target: Path) -> None:
     """Copy the modules of a package; what is the same keeps its date, and mypy its knowledge of it."""
-    target.mkdir(parents=True, exist_ok=True)
-    names = {path.name for path in source.glob("*.py")}
-    for path in target.glob("*.py"):
-        if path.name not in names:
+    names = {path.relative_to(source) for path in source.glob("**/*.py")}
+    for path in target.glob("**/*.py"):
+        if path.relative_to(target) not in names:
             path.unlink()
     for name in names:
+        (target / name).parent.mkdir(parents=True, exist_ok=True)
         if not (target / name).exists() or not filecmp.cmp(source / name, target / name, shallow=False):
             shutil.copyfile(source / name, target / name)
 

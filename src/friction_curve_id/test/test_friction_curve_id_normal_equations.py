@@ -5,19 +5,19 @@ import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
-from friction_curve_id import log_curve
-from friction_curve_id.banded_normal_equations import (
+from friction_curve_id.default import log_curve
+from friction_curve_id.default.banded_normal_equations import (
     NormalEquations,
     OutlierThresholds,
     assemble,
     fold,
     solve,
 )
-from friction_curve_id.braking_window import BrakingWindow
-from friction_curve_id.curve_prior import CurvePrior
+from friction_curve_id.default.braking_window import BrakingWindow
+from friction_curve_id.default.curve_prior import CurvePrior
+from friction_curve_id.default.past_evidence import PastEvidence, momentum_evidence, no_evidence
+from friction_curve_id.default.robust_weights import robust_cost, robust_weights
 from friction_curve_id.measurement_noise import MeasurementNoise
-from friction_curve_id.past_evidence import PastEvidence, momentum_evidence, no_evidence
-from friction_curve_id.robust_weights import robust_cost, robust_weights
 from vehicle_models import burckhardt
 from vehicle_models.single_corner import CornerParameters
 from vehicle_models.surfaces import SURFACES

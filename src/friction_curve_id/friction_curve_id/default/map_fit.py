@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.banded_normal_equations import (
+from friction_curve_id.default.banded_normal_equations import (
     NormalEquations,
     OutlierThresholds,
     Solution,
@@ -17,11 +17,11 @@ from friction_curve_id.banded_normal_equations import (
     fold,
     solve,
 )
-from friction_curve_id.braking_window import BrakingWindow
-from friction_curve_id.curve_prior import CurvePrior
+from friction_curve_id.default.braking_window import BrakingWindow
+from friction_curve_id.default.curve_prior import CurvePrior
+from friction_curve_id.default.past_evidence import MOMENTUM, WHEEL_SPEED, momentum_evidence, no_evidence
+from friction_curve_id.default.prediction import Prediction, predict
 from friction_curve_id.measurement_noise import MeasurementNoise
-from friction_curve_id.past_evidence import MOMENTUM, WHEEL_SPEED, momentum_evidence, no_evidence
-from friction_curve_id.prediction import Prediction, predict
 from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]

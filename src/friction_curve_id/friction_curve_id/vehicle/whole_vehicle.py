@@ -19,10 +19,10 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.burckhardt_curve import BurckhardtCurve
-from friction_curve_id.fitted_curve import FittedCurve, samples_per_information
+from friction_curve_id.curve.burckhardt_curve import BurckhardtCurve
+from friction_curve_id.curve.fitted_curve import FittedCurve, samples_per_information
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
-from friction_curve_id.vehicle_samples import (
+from friction_curve_id.vehicle.vehicle_samples import (
     VehiclePoint,
     VehicleSample,
     VehicleSamples,

@@ -11,8 +11,8 @@ from math import erf, isfinite, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id import log_curve
-from friction_curve_id.braking_window import NewestSlip
+from friction_curve_id.default import log_curve
+from friction_curve_id.default.braking_window import NewestSlip
 from friction_curve_id.interface import CurveEstimate, Reason, RestartCause
 
 Array = NDArray[np.float64]

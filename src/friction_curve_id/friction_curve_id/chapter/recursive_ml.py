@@ -18,10 +18,10 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.burckhardt_curve import BurckhardtCurve
-from friction_curve_id.fitted_curve import FittedCurve
-from friction_curve_id.maximum_likelihood import initial_theta
-from friction_curve_id.square_root import add_row
+from friction_curve_id.chapter.maximum_likelihood import initial_theta
+from friction_curve_id.chapter.square_root import add_row
+from friction_curve_id.curve.burckhardt_curve import BurckhardtCurve
+from friction_curve_id.curve.fitted_curve import FittedCurve
 from vehicle_models import burckhardt
 
 Array = NDArray[np.float64]

@@ -9,14 +9,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.braking_window import SET_ASIDE
-from friction_curve_id.curve_uncertainty import ValidityLimits, describe
-from friction_curve_id.excitation import is_driven, is_excited, is_released, wheel_trend
+from friction_curve_id.default.braking_window import SET_ASIDE
+from friction_curve_id.default.curve_uncertainty import ValidityLimits, describe
+from friction_curve_id.default.excitation import is_driven, is_excited, is_released, wheel_trend
+from friction_curve_id.default.map_fit import FitParameters, MapFit
+from friction_curve_id.default.surface_change import LONGEST_OUTLIER, SurfaceChangeMonitor
+from friction_curve_id.default.torque_watch import TorqueWatch
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
-from friction_curve_id.map_fit import FitParameters, MapFit
 from friction_curve_id.sample_gate import Admission, GateParameters, SampleGate
-from friction_curve_id.surface_change import LONGEST_OUTLIER, SurfaceChangeMonitor
-from friction_curve_id.torque_watch import TorqueWatch
 from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]

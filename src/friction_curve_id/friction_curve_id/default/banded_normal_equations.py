@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dpttrf, dpttrs
 
-from friction_curve_id import log_curve
-from friction_curve_id.braking_window import BrakingWindow
+from friction_curve_id.default import log_curve
+from friction_curve_id.default.braking_window import BrakingWindow
+from friction_curve_id.default.past_evidence import PastEvidence
+from friction_curve_id.default.robust_weights import huber_cost, huber_weights, robust_cost, robust_weights
 from friction_curve_id.measurement_noise import MeasurementNoise
-from friction_curve_id.past_evidence import PastEvidence
-from friction_curve_id.robust_weights import huber_cost, huber_weights, robust_cost, robust_weights
 from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
