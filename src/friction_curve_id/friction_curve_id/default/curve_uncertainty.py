@@ -11,9 +11,9 @@ from math import erf, isfinite, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.default import log_curve
 from friction_curve_id.default.braking_window import NewestSlip
 from friction_curve_id.interface import CurveEstimate, Reason, RestartCause
+from vehicle_models import burckhardt_log
 
 Array = NDArray[np.float64]
 
@@ -62,22 +62,19 @@ def describe(
     cause: RestartCause,
 ) -> CurveEstimate:
     """Say what the fit says; `covariance` is that of (q, u, omega), shape (5, 5)."""
-    theta = log_curve.to_theta(q)
-    th1, th2, th3 = (float(value) for value in theta)
+    theta = burckhardt_log.to_theta(q)
     of_q = covariance[:3, :3]
-    jacobian = log_curve.theta_jacobian(q)
-    peak = log_curve.peak(q)
+    jacobian = burckhardt_log.theta_jacobian(theta)
+    peak = burckhardt_log.peak(q)
     lambda_stddev = peak.lambda_max * sqrt(max(float(peak.lambda_gradient @ of_q @ peak.lambda_gradient), 0.0))
     mu_stddev = sqrt(max(float(peak.mu_gradient @ of_q @ peak.mu_gradient), 0.0))
     reason, text = limits.judge(samples, slip_span, peak.lambda_max, lambda_stddev)
 
-    slip = abs(present.slip)
-    steep = th1 * th2 * float(np.exp(-th2 * slip))
-    slope = steep - th3
-    row = np.array([slope, steep * (1.0 - th2 * slip), -th3, 0.0, 0.0])
-    row[3], row[4] = -steep * th2 * present.per_u, -steep * th2 * present.per_omega
-    beyond_row = np.array([0.0, th2 * slip - 1.0, 1.0, th2 * present.per_u, th2 * present.per_omega])
-    beyond = th2 * present.slip - float(q[1] - q[2])
+    here = burckhardt_log.at(theta, present.slip)
+    row = np.array([*here.slope_gradient, here.curvature * present.per_u, here.curvature * present.per_omega])
+    th2 = float(theta[1])
+    beyond_row = np.array([0.0, th2 * abs(present.slip) - 1.0, 1.0, th2 * present.per_u, th2 * present.per_omega])
+    beyond = th2 * present.slip - burckhardt_log.peak_exponent(q)
     spread = sqrt(max(float(beyond_row @ covariance @ beyond_row), 1e-30))
     return CurveEstimate(
         samples=samples,
@@ -88,8 +85,8 @@ def describe(
         mu_max_stddev=mu_stddev,
         theta=theta,
         theta_stddev=np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", jacobian, of_q, jacobian), 0.0)),
-        mu=float(np.copysign(th1 - steep / th2, present.slip) - th3 * present.slip),
-        slope=slope,
+        mu=here.friction,
+        slope=here.slope,
         slope_stddev=sqrt(max(float(row @ covariance @ row), 0.0)),
         probability_beyond_peak=0.5 * (1.0 + erf(beyond / (spread * sqrt(2.0)))),
         restarted=cause is not RestartCause.NONE,

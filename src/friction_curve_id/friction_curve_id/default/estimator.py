@@ -17,6 +17,7 @@ from friction_curve_id.default.surface_change import LONGEST_OUTLIER, SurfaceCha
 from friction_curve_id.default.torque_watch import TorqueWatch
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
 from friction_curve_id.sample_gate import Admission, GateParameters, SampleGate
+from vehicle_models import burckhardt_log
 from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
@@ -214,8 +215,7 @@ class DefaultEstimator:
         There th2 has no effect on the data any more, and the quadratic about the fit does not see the long tail of
         steeper curves: th2 is then as uncertain as the prior says.
         """
-        peak = float(self._fit.q[1] - self._fit.q[2]) / float(np.exp(self._fit.q[1]))
-        if self._smallest_slip <= peak:
+        if self._smallest_slip <= burckhardt_log.lambda_max(self._fit.q):
             return self._fit.covariance
         blind = np.zeros((5, 5))
         blind[1, 1] = self._p.prior.theta_2_log_stddev**2

@@ -22,6 +22,7 @@ from friction_curve_id.default.curve_prior import CurvePrior
 from friction_curve_id.default.past_evidence import MOMENTUM, WHEEL_SPEED, momentum_evidence, no_evidence
 from friction_curve_id.default.prediction import Prediction, predict
 from friction_curve_id.measurement_noise import MeasurementNoise
+from vehicle_models import burckhardt_log
 from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
@@ -177,8 +178,8 @@ class MapFit:
         """First guess of u: a wheel on the stable side of the curve, and the measured speeds."""
         window, wheel = self.window, self._wheel
         n = window.count
-        stiffness = np.exp(self.q[0] + self.q[1])
-        slip = min(max(window.torque[0] / (wheel.radius * wheel.vertical_load * stiffness), 0.0), 0.2)
+        stiffness = wheel.radius * wheel.vertical_load * burckhardt_log.steepness(self.q)
+        slip = min(max(window.torque[0] / stiffness, 0.0), 0.2)
         omega = window.measured_wheel_speed[:n]
         lever = window.speed_per_wheel_speed
         guess = omega[0] * (wheel.radius / (1.0 - slip) + lever) + window.impulse[0]
