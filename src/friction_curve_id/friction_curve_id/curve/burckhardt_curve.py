@@ -1,6 +1,6 @@
 """The Burckhardt curve (2.13) as a model to fit, theta = (th1, th2, th3)."""
 
-from math import isfinite
+from math import isfinite, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,8 +60,8 @@ class BurckhardtCurve:
     def peak(self, parameters: Array) -> float:
         """lambda_max in closed form where it lies in (0, 1), else NaN."""
         peak = float(burckhardt.peak(parameters)[0])
-        return peak if isfinite(peak) and 0.0 < peak < 1.0 else float("nan")
+        return peak if isfinite(peak) and 0.0 < peak < 1.0 else nan
 
-    def theta(self, parameters: Array) -> Array | None:
+    def theta(self, parameters: Array) -> Array:
         """The parameters themselves, shape (3,)."""
         return parameters

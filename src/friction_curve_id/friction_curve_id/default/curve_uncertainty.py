@@ -5,51 +5,18 @@ logarithms times the values. The slip is beyond the peak where th2 slip > ln(th1
 nearly linear in the unknowns (q, u, omega): the probability is that of this normal variable.
 """
 
-from dataclasses import dataclass
-from math import erf, isfinite, sqrt
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_curve_id.curve.fitted_curve import probability_negative
+from friction_curve_id.curve.validity import ValidityLimits
 from friction_curve_id.default.braking_window import NewestSlip
-from friction_curve_id.interface import CurveEstimate, Reason, RestartCause
+from friction_curve_id.interface import CurveEstimate, RestartCause
 from vehicle_models import burckhardt_log
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class ValidityLimits:
-    """When lambda_max and mu_max may be used."""
-
-    min_samples: int = 20
-    max_relative_stddev: float = 0.1
-    """Of lambda_max, > 0."""
-
-    def judge(
-        self, samples: int, slip_span: tuple[float, float], lambda_max: float, stddev: float
-    ) -> tuple[Reason, str]:
-        """Why the peak may not be used, OK if it may.
-
-        Args:
-            samples: in the fit.
-            slip_span: smallest and largest slip in the fit [-].
-            lambda_max: estimate [-], NaN for no peak.
-            stddev: its standard deviation [-].
-        """
-        if samples < self.min_samples:
-            return Reason.TOO_FEW_SAMPLES, f"{samples} of {self.min_samples} samples"
-        if not isfinite(lambda_max):
-            return Reason.NO_PEAK, "the fitted curve has no peak in (0, 1)"
-        smallest, largest = slip_span
-        if largest < lambda_max:
-            text = f"slip has not passed the peak: it reached {largest:.3f}, the peak is expected at {lambda_max:.3f}"
-            return Reason.PEAK_NOT_PASSED, text
-        if smallest > lambda_max:
-            return Reason.UNCERTAIN, f"all slips lie beyond the peak, from {smallest:.3f} on"
-        if stddev > self.max_relative_stddev * lambda_max:
-            return Reason.UNCERTAIN, f"lambda_max {lambda_max:.3f} has a standard deviation of {stddev:.3f}"
-        return Reason.OK, ""
 
 
 def describe(
@@ -88,10 +55,8 @@ def describe(
         mu=here.friction,
         slope=here.slope,
         slope_stddev=sqrt(max(float(row @ covariance @ row), 0.0)),
-        probability_beyond_peak=0.5 * (1.0 + erf(beyond / (spread * sqrt(2.0)))),
-        restarted=cause is not RestartCause.NONE,
+        probability_beyond_peak=probability_negative(-beyond, spread),
         restart_cause=cause,
-        valid=reason is Reason.OK,
         reason=reason,
         text=text,
     )

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_curve_id.curve.validity import ValidityLimits
 from friction_curve_id.default.braking_window import SET_ASIDE
-from friction_curve_id.default.curve_uncertainty import ValidityLimits, describe
+from friction_curve_id.default.curve_uncertainty import describe
 from friction_curve_id.default.excitation import is_driven, is_excited, is_released, wheel_trend
 from friction_curve_id.default.map_fit import FitParameters, MapFit
 from friction_curve_id.default.surface_change import LONGEST_OUTLIER, SurfaceChangeMonitor
@@ -38,7 +39,7 @@ class DefaultParameters(FitParameters):
     """What the default estimator believes, admits and publishes as valid."""
 
     gate: GateParameters = field(default_factory=GateParameters)
-    limits: ValidityLimits = field(default_factory=ValidityLimits)
+    limits: ValidityLimits = ValidityLimits(min_samples=20)
 
 
 class DefaultEstimator:

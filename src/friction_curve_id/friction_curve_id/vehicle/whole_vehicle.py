@@ -27,6 +27,7 @@ from friction_curve_id.curve.burckhardt_curve import (
     to_theta,
 )
 from friction_curve_id.curve.fitted_curve import FittedCurve, samples_per_information
+from friction_curve_id.curve.validity import ValidityLimits
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
 from friction_curve_id.vehicle.vehicle_samples import (
     VehiclePoint,
@@ -53,8 +54,8 @@ _LONGEST_STEP = 1.0
 """Of one Gauss-Newton step, in standard deviations of the prior."""
 _SAMPLES_BEYOND = 5
 """Samples that must lie beyond the peak before it counts as passed."""
-_LARGEST_RELATIVE_STDDEV = 0.25
-"""Of a valid lambda_max. Timing and relaxation alone leave 0.13 on a measured stop, all of it counted."""
+_LIMITS = ValidityLimits(max_relative_stddev=0.25)
+"""Timing and relaxation alone leave a relative deviation of 0.13 on a measured stop, all of it counted."""
 _FEWEST_SAMPLES = 20
 _WINDOW = 400
 
@@ -95,9 +96,9 @@ class WholeVehicle:
         curve = FittedCurve(BurckhardtCurve(), theta, covariance[:3, :3] * np.outer(scale, scale))
         reached = float(mean_slips[-_SAMPLES_BEYOND])
         slip = float(point.shares @ point.slips)
-        estimate = curve.estimate(slip, len(self._points), reached, _LARGEST_RELATIVE_STDDEV)
+        estimate = curve.estimate(slip, len(self._points), reached, _LIMITS)
         cause, self._cause = self._cause, RestartCause.NONE
-        return estimate._replace(restarted=cause is not RestartCause.NONE, restart_cause=cause)
+        return estimate._replace(restart_cause=cause)
 
     def _clear(self) -> None:
         self._points.clear()
