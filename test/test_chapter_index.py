@@ -36,7 +36,7 @@ def index_rows() -> Iterator[tuple[str, str, str]]:
         if line.startswith("| ") and not line.startswith("| |"):
             row = ROW.fullmatch(line)
             assert row, f"a row of the index cannot be read: {line}"
-            package, name = row["name"].split("/")
+            package, name = row["name"].split("/", 1)
             assert row["file"] == f"src/{package}/{package}/{name}"
             yield row["numbers"], row["file"], row["function"]
 

@@ -13,7 +13,7 @@ import pytest
 from compile import COMPILED
 
 ROOT = Path(__file__).resolve().parents[1]
-MODULES = [f"{package}.{name}".replace("/", ".") for package, names in COMPILED.items() for name in names.split()]
+MODULES = [f"{package}.{name.replace('/', '.')}" for package, names in COMPILED.items() for name in names.split()]
 
 
 @pytest.mark.parametrize("module", MODULES)

@@ -22,8 +22,9 @@ COMPILED = {
     "speed_filter speed_queue speed_sample stuck_sensor vehicle_speed wheel_speed_filter",
     "friction_slope": "crossing detector estimate indicator processor reference_speed signals",
     "abs_supervisor": "braking fsm processor supervisor",
-    "friction_curve_id": "activation curve_fitting curve_messages dead_reckoning exponential_curve fitted_curve "
-    "friction_samples inputs processor recursive_ls square_root wheel_inputs",
+    "friction_curve_id": "activation chapter/curve_fitting chapter/dead_reckoning chapter/exponential_curve "
+    "chapter/friction_samples chapter/recursive_ls chapter/square_root curve/fitted_curve curve_messages inputs "
+    "processor wheel_inputs",
     "friction_bags": "bag_io/bag_writer bag_io/cdr bag_io/cdr_layout bag_io/mcap_chunk bag_io/mcap_writer "
     "offline/graph offline/stage_run",
     "friction_parameters": "",
@@ -57,7 +58,7 @@ def compile_modules(root: Path) -> int:
             library.unlink()
     for package in present:
         for library in (staging / package).glob("**/*.so"):
-            shutil.copy2(library, _installed(root, package) / library.parent.relative_to(staging / package))
+            shutil.copy2(library, _installed(root, package) / library.relative_to(staging / package))
     for library in staging.glob("*__mypyc*.so"):  # what they share lies beside the first of their packages
         shutil.copy2(library, _installed(root, next(iter(present))).parent)
     return 0

@@ -1,6 +1,6 @@
 """The moment of ABS activation, as in Tables 8.4 and 8.5: the slip first exceeds a threshold."""
 
-from friction_curve_id.interface import NAN
+from math import nan
 
 _ROLLING_SLIP = 0.02
 _ROLLING_TIME = 0.5
@@ -21,7 +21,7 @@ class ActivationMark:
         """The slip has passed the threshold in this braking."""
         self.at_activation = False
         """It did so at the latest sample."""
-        self.lambda_max = NAN
+        self.lambda_max = nan
         """Estimate of lambda_max at that moment [-]."""
         self._rolling_since: float | None = None
 

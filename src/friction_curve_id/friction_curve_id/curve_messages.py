@@ -2,14 +2,16 @@
 activation.
 """
 
+from math import nan
+
 from friction_msgs.msg import FrictionCurve
 
 from friction_curve_id.activation import ActivationMark
-from friction_curve_id.interface import NAN, CurveEstimate, Reason, Refusal, RestartCause
+from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
 from friction_runtime.new_message import new_message
 from friction_runtime.stamps import NANOSECONDS, header_at
 
-_NO_ESTIMATE = CurveEstimate(samples=0, slip=NAN)
+_NO_ESTIMATE = CurveEstimate(samples=0, slip=nan)
 
 
 class CurveMessages:
@@ -57,7 +59,7 @@ class CurveMessages:
         message.abs_active = self._activation.active
         message.at_activation = self._activation.at_activation
         message.lambda_max_at_activation = self._activation.lambda_max
-        message.valid = estimate.valid and estimate.reason is Reason.OK
+        message.valid = estimate.valid
         message.reason = int(answer.reason)
         message.reason_text = answer.text and f"{self._wheel}: {answer.text}"
         return message

@@ -5,16 +5,19 @@
 
 An estimator takes one sample at a time, in order of time, and answers each with a `CurveEstimate` or with a `Refusal`
 that says why there is none. A refused sample leaves the state as it was. Nothing here knows ROS.
+
+What is not known is said in one way each: an input that is not there is None, a number that a method cannot give is
+NaN, a sample that gives no estimate at all is a `Refusal`.
 """
 
 from enum import IntEnum
+from math import nan
 from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-NAN = float("nan")
 
 
 class Reason(IntEnum):
@@ -63,7 +66,7 @@ class Refusal(NamedTuple):
     text: str
 
 
-UNKNOWN_THETA: Array = np.full(3, NAN)
+UNKNOWN_THETA: Array = np.full(3, nan)
 """Theta of a method with another model, and its standard deviations."""
 UNKNOWN_THETA.flags.writeable = False
 
@@ -75,33 +78,39 @@ class CurveEstimate(NamedTuple):
     """Samples in the present fit."""
     slip: float
     """Present slip [-] as the method knows it."""
-    lambda_max: float = NAN
+    lambda_max: float = nan
     """Slip at the peak [-]; NaN where the curve has no peak in (0, 1)."""
-    mu_max: float = NAN
+    mu_max: float = nan
     """Friction coefficient at the peak [-]."""
-    lambda_max_stddev: float = NAN
-    mu_max_stddev: float = NAN
+    lambda_max_stddev: float = nan
+    mu_max_stddev: float = nan
     theta: Array = UNKNOWN_THETA
     """Burckhardt parameters of (2.13), shape (3,)."""
     theta_stddev: Array = UNKNOWN_THETA
     """Shape (3,)."""
-    mu: float = NAN
+    mu: float = nan
     """Friction coefficient of the fitted curve at the present slip [-]."""
-    slope: float = NAN
+    slope: float = nan
     """d mu / d slip of the fitted curve at the present slip [-]."""
-    slope_stddev: float = NAN
-    probability_beyond_peak: float = NAN
+    slope_stddev: float = nan
+    probability_beyond_peak: float = nan
     """Probability that the present slip is beyond the peak, 0..1."""
-    restarted: bool = False
-    """This sample began the fit anew."""
     restart_cause: RestartCause = RestartCause.NONE
-    """Cause of this restart, NONE where `restarted` is False."""
-    valid: bool = False
-    """May lambda_max and mu_max be used?"""
+    """Why this sample began the fit anew, NONE where it did not."""
     reason: Reason = Reason.TOO_FEW_SAMPLES
-    """Why not (OK when valid)."""
+    """Why lambda_max and mu_max may not be used, OK where they may."""
     text: str = ""
     """The same in words."""
+
+    @property
+    def valid(self) -> bool:
+        """May lambda_max and mu_max be used?"""
+        return self.reason is Reason.OK
+
+    @property
+    def restarted(self) -> bool:
+        """Did this sample begin the fit anew?"""
+        return self.restart_cause is not RestartCause.NONE
 
 
 class CurveEstimator(Protocol):

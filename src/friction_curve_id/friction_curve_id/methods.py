@@ -4,17 +4,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from friction_curve_id.curve_fitting import CurveFit, WheelFitting
-from friction_curve_id.default_estimator import DefaultEstimator, DefaultParameters
-from friction_curve_id.friction_samples import FrictionSamples, FrictionSource
+from friction_curve_id.chapter.curve_fitting import CurveFit, WheelFitting
+from friction_curve_id.chapter.friction_samples import FrictionSamples, FrictionSource
+from friction_curve_id.chapter.least_squares import LeastSquares
+from friction_curve_id.chapter.maximum_likelihood import MaximumLikelihood
+from friction_curve_id.chapter.recursive_ls import RecursiveLS
+from friction_curve_id.chapter.recursive_ml import RecursiveML, RecursiveMLWithBatch
+from friction_curve_id.chapter.start_parameters import StartParameters
+from friction_curve_id.default.estimator import DefaultEstimator, DefaultParameters
 from friction_curve_id.interface import CurveEstimator
-from friction_curve_id.least_squares import LeastSquares
-from friction_curve_id.maximum_likelihood import MaximumLikelihood
 from friction_curve_id.measurement_noise import MeasurementNoise
-from friction_curve_id.recursive_ls import RecursiveLS
-from friction_curve_id.recursive_ml import RecursiveML, RecursiveMLWithBatch
 from friction_curve_id.sample_gate import GateParameters
-from friction_curve_id.start_parameters import StartParameters
 from friction_parameters.parameter import parameter
 from vehicle_models.single_corner import CornerParameters
 

@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from friction_curve_id.friction_samples import FrictionSource
+from friction_curve_id.chapter.friction_samples import FrictionSource
+from friction_curve_id.chapter.tyre_force import TyreForceParameters
 from friction_curve_id.interface import CurveEstimator
 from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.methods import CHAPTER_METHODS, DEFAULT, METHODS, ChapterParameters, make_estimator
 from friction_curve_id.sample_gate import GateParameters
-from friction_curve_id.tyre_force import TyreForceParameters
-from friction_curve_id.vehicle_samples import WholeVehicleParameters
+from friction_curve_id.vehicle.vehicle_samples import WholeVehicleParameters
 from friction_parameters import shared
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import group, parameter

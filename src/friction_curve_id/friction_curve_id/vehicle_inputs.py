@@ -19,8 +19,8 @@ from friction_curve_id.inputs import (
 )
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal
 from friction_curve_id.parameters import SLIP, FrictionCurveParameters
-from friction_curve_id.vehicle_samples import VehicleSample
-from friction_curve_id.whole_vehicle import WholeVehicle
+from friction_curve_id.vehicle.vehicle_samples import VehicleSample
+from friction_curve_id.vehicle.whole_vehicle import WholeVehicle
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.processor import Report
 from friction_runtime.stamps import NANOSECONDS, to_nanoseconds

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from friction_curve_id.default_estimator import DefaultEstimator, DefaultParameters
+from friction_curve_id.default.estimator import DefaultEstimator, DefaultParameters
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE

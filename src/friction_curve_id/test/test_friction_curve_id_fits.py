@@ -9,15 +9,15 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
-from friction_curve_id import maximum_likelihood
-from friction_curve_id.burckhardt_curve import THETA_HIGH, THETA_LOW
-from friction_curve_id.curve_fitting import CurveFit
-from friction_curve_id.least_squares import LeastSquares
-from friction_curve_id.maximum_likelihood import MaximumLikelihood, initial_theta
+from friction_curve_id.chapter import maximum_likelihood
+from friction_curve_id.chapter.curve_fitting import CurveFit
+from friction_curve_id.chapter.least_squares import LeastSquares
+from friction_curve_id.chapter.maximum_likelihood import MaximumLikelihood, initial_theta
+from friction_curve_id.chapter.recursive_ls import RecursiveLS
+from friction_curve_id.chapter.recursive_ml import RecursiveML, RecursiveMLWithBatch
+from friction_curve_id.chapter.square_root import add_row
+from friction_curve_id.curve.burckhardt_curve import THETA_HIGH, THETA_LOW
 from friction_curve_id.methods import CHAPTER_METHODS
-from friction_curve_id.recursive_ls import RecursiveLS
-from friction_curve_id.recursive_ml import RecursiveML, RecursiveMLWithBatch
-from friction_curve_id.square_root import add_row
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
 

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
-from friction_curve_id.burckhardt_curve import BurckhardtCurve
-from friction_curve_id.exponential_curve import EXPONENTS, ExponentialCurve, regressor
-from friction_curve_id.fitted_curve import CurveModel, FittedCurve, fit_covariance, samples_per_information
+from friction_curve_id.chapter.exponential_curve import EXPONENTS, ExponentialCurve, regressor
+from friction_curve_id.chapter.least_squares import solve, triangle
+from friction_curve_id.curve.burckhardt_curve import BurckhardtCurve
+from friction_curve_id.curve.fitted_curve import CurveModel, FittedCurve, fit_covariance, samples_per_information
 from friction_curve_id.interface import Reason
-from friction_curve_id.least_squares import solve, triangle
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_curve_id.friction_samples import FrictionPoint, FrictionSamples, FrictionSource
+from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSamples, FrictionSource
+from friction_curve_id.chapter.start_parameters import StartParameters
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
 from friction_curve_id.methods import CHAPTER_METHODS, make_estimator
-from friction_curve_id.start_parameters import StartParameters
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle_file import load_vehicle

@@ -5,20 +5,19 @@ import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
-from friction_curve_id import log_curve
-from friction_curve_id.banded_normal_equations import (
+from friction_curve_id.default.banded_normal_equations import (
     NormalEquations,
     OutlierThresholds,
     assemble,
     fold,
     solve,
 )
-from friction_curve_id.braking_window import BrakingWindow
-from friction_curve_id.curve_prior import CurvePrior
+from friction_curve_id.default.braking_window import BrakingWindow
+from friction_curve_id.default.curve_prior import CurvePrior
+from friction_curve_id.default.past_evidence import PastEvidence, momentum_evidence, no_evidence
+from friction_curve_id.default.robust_weights import robust_cost, robust_weights
 from friction_curve_id.measurement_noise import MeasurementNoise
-from friction_curve_id.past_evidence import PastEvidence, momentum_evidence, no_evidence
-from friction_curve_id.robust_weights import robust_cost, robust_weights
-from vehicle_models import burckhardt
+from vehicle_models import burckhardt, burckhardt_log
 from vehicle_models.single_corner import CornerParameters
 from vehicle_models.surfaces import SURFACES
 
@@ -27,7 +26,7 @@ Array = NDArray[np.float64]
 WHEEL = CornerParameters(radius=0.31, inertia=1.2, mass=260.0, vertical_load=2700.0)
 NOISE = MeasurementNoise(0.08**2, 0.4**2, 4.0**2)
 FAR = OutlierThresholds(1e9, 1e9, 1e9)
-Q = log_curve.from_theta(SURFACES["wet"])
+Q = np.log(SURFACES["wet"] / [1.0, 1.0, SURFACES["wet"][0]])
 
 
 @pytest.fixture
@@ -49,7 +48,7 @@ MOMENTUM_SPEED = 26.9
 def residuals(window: BrakingWindow, unknowns: Array) -> Array:
     """All residuals of (omega, q, u), in standard deviations, from the equations of the documentation."""
     n = window.count
-    omega, theta, u = unknowns[:n], log_curve.to_theta(unknowns[n : n + 3]), unknowns[n + 3]
+    omega, theta, u = unknowns[:n], burckhardt_log.to_theta(unknowns[n : n + 3]), unknowns[n + 3]
     speed = u - WHEEL.inertia / (WHEEL.mass * WHEEL.radius) * omega - window.impulse[:n]
     mu = burckhardt.friction(theta, 1.0 - WHEEL.radius * omega / speed)
     h, torque = np.diff(window.time[:n]), window.torque[:n]
@@ -169,29 +168,3 @@ def test_robust_weights_are_the_slope_of_the_robust_cost_and_leave_noise_alone()
     assert_allclose(robust_weights(error**2, 3.5) * error, cost, rtol=1e-4)
     assert np.all(robust_weights(error[error < 3.5] ** 2, 3.5) == 1.0)
     assert robust_cost(np.array([1e12]), 3.5)[0] <= 3.5**2
-
-
-def test_gradients_of_the_logarithmic_curve_are_finite_differences() -> None:
-    slip = np.array([-0.05, 0.0, 0.01, 0.1, 0.4, 0.9])
-    gradient = np.empty((6, 3))
-    mu, slope = log_curve.friction_into(Q, slip, gradient)
-    theta = log_curve.to_theta(Q)
-    assert_allclose(mu, burckhardt.friction(theta, slip))
-    assert_allclose(slope, burckhardt.slope(theta, slip))
-    peak = log_curve.peak(Q)
-    assert_allclose([peak.lambda_max, peak.mu_max], burckhardt.peak(theta))
-    for index in range(3):
-        step = 1e-6 * np.eye(3)[index]
-        up, down = log_curve.to_theta(Q + step), log_curve.to_theta(Q - step)
-        difference = (burckhardt.friction(up, slip) - burckhardt.friction(down, slip)) / 2e-6
-        assert_allclose(gradient[:, index], difference, atol=1e-8)
-        assert_allclose(log_curve.theta_jacobian(Q)[:, index], (up - down) / 2e-6, rtol=1e-6, atol=1e-9)
-        (high, top), (low, bottom) = burckhardt.peak(up), burckhardt.peak(down)
-        assert peak.lambda_gradient[index] == pytest.approx((np.log(high) - np.log(low)) / 2e-6, abs=1e-7)
-        assert peak.mu_gradient[index] == pytest.approx((top - bottom) / 2e-6, abs=1e-7)
-    assert_allclose(log_curve.from_theta(theta), Q)
-
-
-def test_a_curve_without_a_peak_below_slip_one_says_so() -> None:
-    peak = log_curve.peak(log_curve.from_theta(np.array([1.0, 2.0, 0.2])))
-    assert np.isnan(peak.lambda_max) and np.isnan(peak.mu_max) and np.isnan(peak.lambda_gradient).all()

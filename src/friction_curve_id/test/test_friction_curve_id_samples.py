@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_curve_id.dead_reckoning import DeadReckonedSpeed
-from friction_curve_id.friction_samples import FrictionPoint, FrictionSamples, FrictionSource, slip_equation
+from friction_curve_id.chapter.dead_reckoning import DeadReckonedSpeed
+from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSamples, FrictionSource, slip_equation
 from friction_curve_id.interface import Reason, Refusal, Sample
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface

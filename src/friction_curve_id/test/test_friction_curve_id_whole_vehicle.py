@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
-from friction_curve_id.vehicle_samples import (
+from friction_curve_id.vehicle.vehicle_samples import (
     VehiclePoint,
     VehicleSample,
     VehicleSamples,
     WholeVehicleParameters,
     relaxation_spread,
 )
-from friction_curve_id.whole_vehicle import WholeVehicle
+from friction_curve_id.vehicle.whole_vehicle import WholeVehicle
 from friction_parameters.parameter import ParameterError
 from friction_parameters.values import from_mapping
 from vehicle_models import burckhardt

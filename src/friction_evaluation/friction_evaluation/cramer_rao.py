@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from friction_evaluation.protocol_corner import CORNER
-from vehicle_models import burckhardt
+from vehicle_models import burckhardt, burckhardt_log
 from vehicle_models.sensor_noise import CHAPTER_NOISE, SensorNoise
 from vehicle_models.single_corner import CornerParameters
 
@@ -116,13 +116,9 @@ def relative_bound(theta: ArrayLike, of_theta: Array, prior: ArrayLike | None = 
         prior: information of (ln th1, ln th2, ln(th3 / th1)), shape (3, 3).
     """
     roads = np.atleast_2d(np.asarray(theta, dtype=np.float64))
-    to_theta = np.zeros((len(roads), 3, 3))
-    to_theta[:, 0, 0] = roads[:, 0]
-    to_theta[:, 1, 1] = roads[:, 1]
-    to_theta[:, 2, 0] = to_theta[:, 2, 2] = roads[:, 2]
+    to_theta = burckhardt_log.theta_jacobian(roads)
     of_q = np.swapaxes(to_theta, 1, 2) @ of_theta @ to_theta
     if prior is not None:
         of_q = of_q + np.asarray(prior)
-    ratio = np.log(roads[:, 0] * roads[:, 1] / roads[:, 2])
-    gradient = np.stack([np.zeros_like(ratio), 1.0 / ratio - 1.0, -1.0 / ratio], axis=-1)
+    gradient = np.ascontiguousarray(burckhardt_log.lambda_gradient(burckhardt.peak_exponent(roads)).T)
     return np.asarray(np.sqrt(np.einsum("ni,nij,nj->n", gradient, np.linalg.inv(of_q), gradient)))

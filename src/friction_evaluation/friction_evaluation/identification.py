@@ -9,7 +9,7 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-from friction_curve_id.friction_samples import FrictionSource
+from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.methods import METHODS
 from friction_evaluation import identification_studies as studies
 from friction_evaluation.identification_chapter import chapter_tables

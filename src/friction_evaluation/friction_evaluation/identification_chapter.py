@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.progress import track
 
-from friction_curve_id import maximum_likelihood
-from friction_curve_id.curve_fitting import CurveFit
-from friction_curve_id.friction_samples import FrictionPoint, FrictionSamples, FrictionSource
+from friction_curve_id.chapter import maximum_likelihood
+from friction_curve_id.chapter.curve_fitting import CurveFit
+from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSamples, FrictionSource
 from friction_curve_id.interface import Sample
 from friction_curve_id.methods import CHAPTER_METHODS
 from friction_evaluation.identification_runs import Batch, measured

@@ -11,7 +11,7 @@ from padasip.filters import FilterRLS
 from rich.progress import Progress
 from scipy.optimize import curve_fit
 
-from friction_curve_id.friction_samples import FrictionSamples, FrictionSource
+from friction_curve_id.chapter.friction_samples import FrictionSamples, FrictionSource
 from friction_curve_id.interface import CurveEstimator, Refusal, Sample
 from friction_curve_id.methods import METHODS, make_estimator
 from friction_evaluation.identification_runs import Batch, measured

@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from rich.progress import Progress
 
-from friction_curve_id.fitted_curve import FittedCurve
-from friction_curve_id.friction_samples import FrictionSource
+from friction_curve_id.chapter.friction_samples import FrictionSource
+from friction_curve_id.curve.fitted_curve import FittedCurve
 from friction_curve_id.interface import CurveEstimate, Refusal
 from friction_curve_id.methods import CHAPTER_METHODS, make_estimator
 from friction_evaluation.identification_chapter import INITIAL_SAMPLES, begun, friction_points

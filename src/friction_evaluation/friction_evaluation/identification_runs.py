@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.progress import Progress
 
-from friction_curve_id.friction_samples import FrictionSource
+from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.interface import CurveEstimator, Refusal, Sample
 from friction_curve_id.methods import make_estimator
 from friction_evaluation.manoeuvres import Truth

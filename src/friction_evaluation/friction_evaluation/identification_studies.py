@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import lambertw
 
-from friction_curve_id.curve_prior import CurvePrior
-from friction_curve_id.friction_samples import FrictionSource
+from friction_curve_id.chapter.friction_samples import FrictionSource
+from friction_curve_id.default.curve_prior import CurvePrior
 from friction_curve_id.methods import DEFAULT
 from friction_evaluation import cramer_rao
 from friction_evaluation.identification_runs import Batch, make

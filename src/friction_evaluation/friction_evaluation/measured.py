@@ -14,8 +14,8 @@ import numpy as np
 from rich.progress import track
 
 from friction_curve_id.interface import CurveEstimate
-from friction_curve_id.vehicle_samples import VehicleSample
-from friction_curve_id.whole_vehicle import WholeVehicle
+from friction_curve_id.vehicle.vehicle_samples import VehicleSample
+from friction_curve_id.vehicle.whole_vehicle import WholeVehicle
 from friction_evaluation.measured_tyre_rig import estimate_columns, tyre_rig_rows
 from friction_evaluation.parts import Row
 from vehicle_models.vehicle import Vehicle

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.burckhardt_curve import BurckhardtCurve
-from friction_curve_id.fitted_curve import FittedCurve
+from friction_curve_id.chapter.maximum_likelihood import fit, initial_theta
+from friction_curve_id.curve.burckhardt_curve import BurckhardtCurve
+from friction_curve_id.curve.fitted_curve import FittedCurve
 from friction_curve_id.interface import CurveEstimate
-from friction_curve_id.maximum_likelihood import fit, initial_theta
 from friction_evaluation.parts import Row
 from vehicle_models import burckhardt
 

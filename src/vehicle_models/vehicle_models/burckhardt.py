@@ -51,12 +51,24 @@ def gradient(theta: ArrayLike, slip: ArrayLike) -> Array:
     return np.asarray(np.sign(slip)[..., np.newaxis] * np.stack(columns, axis=-1))
 
 
-def peak(theta: ArrayLike) -> tuple[Array, Array]:
-    """Peak of the curve, (lambda_max, mu_max), both [-].
+def slope_gradient(theta: Array, slip: float) -> Array:
+    """Gradient of the slope of one curve at one slip with respect to its theta, shape (3,)."""
+    th1, th2, _ = theta
+    magnitude = abs(slip)
+    decay = np.exp(-th2 * magnitude)
+    return np.array([th2 * decay, th1 * decay * (1.0 - th2 * magnitude), -1.0])
 
-    lambda_max = ln(th1 th2 / th3) / th2 and mu_max = th1 - (th3 / th2)(1 + ln(th1 th2 / th3)), from slope = 0.
-    Both are NaN where the curve has no maximum at a positive slip (a theta that is not positive, or th1 th2 <= th3).
-    The peak may lie above slip 1; the caller decides whether that counts.
+
+def curvature(theta: Array, slip: float) -> float:
+    """d^2 mu / d slip^2 [-] of one curve, shape (3,), at one slip >= 0."""
+    th1, th2, _ = theta
+    return float(-th1 * th2**2 * np.exp(-th2 * slip))
+
+
+def peak_exponent(theta: ArrayLike) -> Array:
+    """Decay th2 lambda_max = ln(th1 th2 / th3) at the peak [-], from slope = 0.
+
+    NaN where the curve has no maximum at a positive slip (a theta that is not positive, or th1 th2 <= th3).
 
     Raises:
         ValueError: the last dimension of theta is not 3.
@@ -65,7 +77,23 @@ def peak(theta: ArrayLike) -> tuple[Array, Array]:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ratio = th1 * th2 / th3
         exists = (th1 > 0.0) & (th2 > 0.0) & (th3 > 0.0) & (ratio > 1.0) & np.isfinite(ratio)
-        log_ratio = np.log(np.where(exists, ratio, 1.0))
-        lambda_max = np.where(exists, log_ratio / th2, np.nan)
-        mu_max = np.where(exists, th1 - th3 / th2 * (1.0 + log_ratio), np.nan)
-    return lambda_max, mu_max
+        return np.where(exists, np.log(np.where(exists, ratio, 1.0)), np.nan)
+
+
+def friction_at_peak(theta: Array, exponent: ArrayLike) -> Array:
+    """mu_max = th1 - (th3 / th2)(1 + th2 lambda_max) [-], `exponent` being th2 lambda_max."""
+    return np.asarray(theta[..., 0] - theta[..., 2] / theta[..., 1] * (1.0 + np.asarray(exponent)))
+
+
+def peak(theta: ArrayLike) -> tuple[Array, Array]:
+    """Peak of the curve, (lambda_max, mu_max), both [-].
+
+    Both are NaN where the curve has no maximum at a positive slip (see `peak_exponent`).
+    The peak may lie above slip 1; the caller decides whether that counts.
+
+    Raises:
+        ValueError: the last dimension of theta is not 3.
+    """
+    curve, exponent = np.asarray(theta, dtype=np.float64), peak_exponent(theta)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        return np.asarray(exponent / curve[..., 1]), friction_at_peak(curve, exponent)

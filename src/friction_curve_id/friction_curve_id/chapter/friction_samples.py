@@ -22,7 +22,7 @@ from enum import Enum
 from math import isfinite
 from typing import NamedTuple
 
-from friction_curve_id.dead_reckoning import FREE_ROLLING_TORQUE, DeadReckonedSpeed
+from friction_curve_id.chapter.dead_reckoning import FREE_ROLLING_TORQUE, DeadReckonedSpeed
 from friction_curve_id.interface import Reason, Refusal, Sample
 from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.sample_gate import Admission, GateParameters, SampleGate

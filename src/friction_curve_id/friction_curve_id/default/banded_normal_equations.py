@@ -1,7 +1,7 @@
 """Normal equations of the full-information fit over a window, and their solution in linear time.
 
-Unknowns: omega at every sample, q (see `log_curve`) and u (see `braking_window`). Residuals, each in its own standard
-deviations:
+Unknowns: omega at every sample, q (see `burckhardt_log`) and u (see `braking_window`). Residuals, each in its own
+standard deviations:
 
     wheel equation (2.15), trapezoidal  (omega_{k+1} - omega_k - (h/J)(r Fz mean(mu) - mean(T))) / (sigma_T h / J)
     wheel speed                         (omega_k - measured) / sigma_omega
@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dpttrf, dpttrs
 
-from friction_curve_id import log_curve
-from friction_curve_id.braking_window import BrakingWindow
+from friction_curve_id.default.braking_window import BrakingWindow
+from friction_curve_id.default.past_evidence import PastEvidence
+from friction_curve_id.default.robust_weights import huber_cost, huber_weights, robust_cost, robust_weights
 from friction_curve_id.measurement_noise import MeasurementNoise
-from friction_curve_id.past_evidence import PastEvidence
-from friction_curve_id.robust_weights import huber_cost, huber_weights, robust_cost, robust_weights
+from vehicle_models import burckhardt_log
 from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
@@ -99,7 +99,7 @@ def assemble(
     slip_per_omega = slip_per_u * speed_per_omega - wheel.radius / speed
 
     mu_gradient = np.empty((n, 5))
-    mu, slope = log_curve.friction_into(q, slip, mu_gradient)
+    mu, slope = burckhardt_log.friction_into(q, slip, mu_gradient)
     mu_gradient[:, 3] = slope * slip_per_u
     mu_gradient[:, 4] = mu
     mu_per_omega = slope * slip_per_omega

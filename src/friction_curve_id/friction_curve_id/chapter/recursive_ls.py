@@ -9,10 +9,10 @@ sample and so equals it.
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.exponential_curve import regressor_row
-from friction_curve_id.fitted_curve import FittedCurve
-from friction_curve_id.least_squares import solve, triangle
-from friction_curve_id.square_root import add_row
+from friction_curve_id.chapter.exponential_curve import regressor_row
+from friction_curve_id.chapter.least_squares import solve, triangle
+from friction_curve_id.chapter.square_root import add_row
+from friction_curve_id.curve.fitted_curve import FittedCurve
 
 Array = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.burckhardt_curve import THETA_HIGH, THETA_LOW, BurckhardtCurve
-from friction_curve_id.fitted_curve import FittedCurve, fit_covariance
-from friction_curve_id.sample_window import SampleWindow
+from friction_curve_id.chapter.sample_window import SampleWindow
+from friction_curve_id.curve.burckhardt_curve import THETA_HIGH, THETA_LOW, BurckhardtCurve
+from friction_curve_id.curve.fitted_curve import FittedCurve, fit_covariance
 from vehicle_models import burckhardt
 
 Array = NDArray[np.float64]

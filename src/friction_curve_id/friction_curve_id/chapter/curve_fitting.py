@@ -11,10 +11,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.fitted_curve import FittedCurve
-from friction_curve_id.friction_samples import FrictionPoint, FrictionSamples
+from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSamples
+from friction_curve_id.chapter.start_parameters import StartParameters
+from friction_curve_id.curve.fitted_curve import FittedCurve
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
-from friction_curve_id.start_parameters import StartParameters
 
 Array = NDArray[np.float64]
 
@@ -79,7 +79,7 @@ class PointFitting:
             self._largest_slip = max(self._largest_slip, point.slip)
         estimate = self._fit.curve().estimate(point.slip, self._count, self._largest_slip)
         cause, self._cause = self._cause, RestartCause.NONE
-        return estimate if cause is RestartCause.NONE else estimate._replace(restarted=True, restart_cause=cause)
+        return estimate._replace(restart_cause=cause)
 
     def _clear(self) -> None:
         self._waiting.clear()

@@ -10,6 +10,8 @@ from math import exp, nan
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_curve_id.interface import UNKNOWN_THETA
+
 Array = NDArray[np.float64]
 
 EXPONENTS = np.array([4.0, 36.0, 68.0, 100.0])
@@ -88,9 +90,9 @@ class ExponentialCurve:
             return max(among, key=lambda peak: self.friction(parameters, peak))
         return next(iter(among or maxima), nan)
 
-    def theta(self, parameters: Array) -> Array | None:
-        """None: (8.12) is not a Burckhardt curve."""
-        return None
+    def theta(self, parameters: Array) -> Array:
+        """Unknown: (8.12) is not a Burckhardt curve."""
+        return UNKNOWN_THETA
 
 
 def _zero_of_slope(parameters: Array, low: float, high: float) -> float:

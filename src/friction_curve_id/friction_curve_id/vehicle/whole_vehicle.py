@@ -19,10 +19,17 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.burckhardt_curve import BurckhardtCurve
-from friction_curve_id.fitted_curve import FittedCurve, samples_per_information
+from friction_curve_id.curve.burckhardt_curve import (
+    UNKNOWNS_HIGH,
+    UNKNOWNS_LOW,
+    BurckhardtCurve,
+    theta_per_unknown,
+    to_theta,
+)
+from friction_curve_id.curve.fitted_curve import FittedCurve, samples_per_information
+from friction_curve_id.curve.validity import ValidityLimits
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
-from friction_curve_id.vehicle_samples import (
+from friction_curve_id.vehicle.vehicle_samples import (
     VehiclePoint,
     VehicleSample,
     VehicleSamples,
@@ -37,8 +44,8 @@ Array = NDArray[np.float64]
 _PRIOR_MEAN = np.array([np.log(0.8), np.log(25.0), 0.4, 0.0, 0.0])
 _PRIOR_STDDEV = np.array([0.8, 1.0, 0.5])
 """Of ln th1, ln th2, th3; that of tau is a parameter, that of ln L stands in the vehicle file."""
-_LOW = np.array([np.log(0.02), np.log(1.0), 1e-3, -0.1, -2.0])
-_HIGH = np.array([np.log(5.0), np.log(300.0), 5.0, 0.1, 2.0])
+_LOW = np.append(UNKNOWNS_LOW, [-0.1, -2.0])
+_HIGH = np.append(UNKNOWNS_HIGH, [0.1, 2.0])
 _LEAST_NOISE = 0.01
 """Floor of the residuals' standard deviation [-]: a pitching vehicle's accelerometer is no better."""
 _HUBER = 1.345
@@ -47,8 +54,8 @@ _LONGEST_STEP = 1.0
 """Of one Gauss-Newton step, in standard deviations of the prior."""
 _SAMPLES_BEYOND = 5
 """Samples that must lie beyond the peak before it counts as passed."""
-_LARGEST_RELATIVE_STDDEV = 0.25
-"""Of a valid lambda_max. Timing and relaxation alone leave 0.13 on a measured stop, all of it counted."""
+_LIMITS = ValidityLimits(max_relative_stddev=0.25)
+"""Timing and relaxation alone leave a relative deviation of 0.13 on a measured stop, all of it counted."""
 _FEWEST_SAMPLES = 20
 _WINDOW = 400
 
@@ -83,15 +90,15 @@ class WholeVehicle:
         if len(self._points) < _FEWEST_SAMPLES:
             return Refusal(Reason.TOO_FEW_SAMPLES, f"{len(self._points)} of {_FEWEST_SAMPLES} samples")
         covariance = self._fit()
-        theta = np.array([np.exp(self._unknowns[0]), np.exp(self._unknowns[1]), self._unknowns[2]])
-        scale = np.array([theta[0], theta[1], 1.0])
+        theta = to_theta(self._unknowns[:3])
+        scale = theta_per_unknown(theta)
         mean_slips = np.sort([float(each.shares @ each.slips) for each in self._points])
         curve = FittedCurve(BurckhardtCurve(), theta, covariance[:3, :3] * np.outer(scale, scale))
         reached = float(mean_slips[-_SAMPLES_BEYOND])
         slip = float(point.shares @ point.slips)
-        estimate = curve.estimate(slip, len(self._points), reached, _LARGEST_RELATIVE_STDDEV)
+        estimate = curve.estimate(slip, len(self._points), reached, _LIMITS)
         cause, self._cause = self._cause, RestartCause.NONE
-        return estimate._replace(restarted=cause is not RestartCause.NONE, restart_cause=cause)
+        return estimate._replace(restart_cause=cause)
 
     def _clear(self) -> None:
         self._points.clear()
@@ -121,9 +128,9 @@ class WholeVehicle:
 
         `slips` holds slip and its two derivatives of n samples of w wheels, shape (n, 3, w).
         """
-        theta = np.array([np.exp(self._unknowns[0]), np.exp(self._unknowns[1]), self._unknowns[2]])
+        theta = to_theta(self._unknowns[:3])
         shifted = slips[:, 0] + np.einsum("k,nkw->nw", self._unknowns[3:], slips[:, 1:])
         residuals = frictions - np.sum(shares * burckhardt.friction(theta, shifted), axis=1)
-        curve = np.einsum("nw,nwk->nk", shares, burckhardt.gradient(theta, shifted)) * [theta[0], theta[1], 1.0]
+        curve = np.einsum("nw,nwk->nk", shares, burckhardt.gradient(theta, shifted)) * theta_per_unknown(theta)
         nuisance = np.einsum("nw,nkw->nk", shares * burckhardt.slope(theta, shifted), slips[:, 1:])
         return residuals, np.column_stack([curve, nuisance]) * self._prior_stddev

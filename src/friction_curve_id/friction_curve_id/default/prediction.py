@@ -1,13 +1,14 @@
 """Prediction of the next wheel speed by the wheel equation (2.15), with its standard deviation."""
 
 from dataclasses import dataclass
-from math import copysign, exp, sqrt
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.braking_window import BrakingWindow
+from friction_curve_id.default.braking_window import BrakingWindow
 from friction_curve_id.measurement_noise import MeasurementNoise
+from vehicle_models import burckhardt_log
 from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
@@ -46,12 +47,9 @@ def predict(
     interval = time - float(window.time[last])
     impulse = window.impulse_after(time, torque)
     newest = window.newest_slip(momentum_speed)
-    slip = newest.slip
-    th1, th2 = exp(q[0]), exp(q[1])
-    th3 = th1 * exp(q[2])
-    decay = exp(-th2 * abs(slip))
-    mu = copysign(th1 * (1.0 - decay), slip) - th3 * slip
-    slope = th1 * th2 * decay - th3
+    mu_row = np.empty(5)
+    mu, slope = map(float, burckhardt_log.friction_into(q, newest.slip, mu_row[:3]))
+    mu_row[3], mu_row[4] = slope * newest.per_u, slope * newest.per_omega
 
     gain = interval * wheel.radius * wheel.vertical_load / wheel.inertia
     impulse_effect = -slope * newest.per_u * (impulse - float(window.impulse[last]))
@@ -60,7 +58,6 @@ def predict(
     implicit = 1.0 / max(1.0 - 0.5 * gain * slope * newest.per_omega, 0.1)
     predicted = omega + implicit * change
 
-    mu_row = np.array([mu, th1 * th2 * slip * decay, -th3 * slip, slope * newest.per_u, slope * newest.per_omega])
     row = implicit * gain * mu_row
     row[4] += 1.0
     process = noise.torque * interval / wheel.inertia

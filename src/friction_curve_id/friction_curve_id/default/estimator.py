@@ -9,14 +9,16 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.braking_window import SET_ASIDE
-from friction_curve_id.curve_uncertainty import ValidityLimits, describe
-from friction_curve_id.excitation import is_driven, is_excited, is_released, wheel_trend
+from friction_curve_id.curve.validity import ValidityLimits
+from friction_curve_id.default.braking_window import SET_ASIDE
+from friction_curve_id.default.curve_uncertainty import describe
+from friction_curve_id.default.excitation import is_driven, is_excited, is_released, wheel_trend
+from friction_curve_id.default.map_fit import FitParameters, MapFit
+from friction_curve_id.default.surface_change import LONGEST_OUTLIER, SurfaceChangeMonitor
+from friction_curve_id.default.torque_watch import TorqueWatch
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
-from friction_curve_id.map_fit import FitParameters, MapFit
 from friction_curve_id.sample_gate import Admission, GateParameters, SampleGate
-from friction_curve_id.surface_change import LONGEST_OUTLIER, SurfaceChangeMonitor
-from friction_curve_id.torque_watch import TorqueWatch
+from vehicle_models import burckhardt_log
 from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
@@ -37,7 +39,7 @@ class DefaultParameters(FitParameters):
     """What the default estimator believes, admits and publishes as valid."""
 
     gate: GateParameters = field(default_factory=GateParameters)
-    limits: ValidityLimits = field(default_factory=ValidityLimits)
+    limits: ValidityLimits = ValidityLimits(min_samples=20)
 
 
 class DefaultEstimator:
@@ -214,8 +216,7 @@ class DefaultEstimator:
         There th2 has no effect on the data any more, and the quadratic about the fit does not see the long tail of
         steeper curves: th2 is then as uncertain as the prior says.
         """
-        peak = float(self._fit.q[1] - self._fit.q[2]) / float(np.exp(self._fit.q[1]))
-        if self._smallest_slip <= peak:
+        if self._smallest_slip <= burckhardt_log.lambda_max(self._fit.q):
             return self._fit.covariance
         blind = np.zeros((5, 5))
         blind[1, 1] = self._p.prior.theta_2_log_stddev**2

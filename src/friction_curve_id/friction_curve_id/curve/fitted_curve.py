@@ -6,17 +6,16 @@ First-order error propagation. With s = d mu / d slip and p the parameters,
 """
 
 from dataclasses import dataclass
-from math import erf, isfinite, sqrt
+from math import erf, isfinite, isnan, nan, sqrt
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.interface import NAN, UNKNOWN_THETA, CurveEstimate, Reason
+from friction_curve_id.curve.validity import ValidityLimits
+from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate
 
 Array = NDArray[np.float64]
-
-_LARGEST_RELATIVE_STDDEV = 0.1
 
 
 class CurveModel(Protocol):
@@ -46,8 +45,8 @@ class CurveModel(Protocol):
         """lambda_max in (0, 1), NaN where there is none."""
         ...
 
-    def theta(self, parameters: Array) -> Array | None:
-        """Burckhardt parameters, shape (3,), None for another model."""
+    def theta(self, parameters: Array) -> Array:
+        """Burckhardt parameters, shape (3,), UNKNOWN_THETA for another model."""
         ...
 
 
@@ -64,7 +63,7 @@ class FittedCurve:
         slip: float,
         samples: int,
         largest_slip: float,
-        largest_relative_stddev: float = _LARGEST_RELATIVE_STDDEV,
+        limits: ValidityLimits = ValidityLimits(),
     ) -> CurveEstimate:
         """Say what the curve says at the present `slip`.
 
@@ -72,16 +71,16 @@ class FittedCurve:
             slip: present slip [-].
             samples: points in the fit.
             largest_slip: the largest slip among them; a peak beyond it is extrapolated, hence not valid.
-            largest_relative_stddev: a lambda_max known no better than this share of itself is not valid.
+            limits: when the peak may be used.
         """
         m, p, covariance = self.model, self.parameters, self.covariance
 
         def stddev(row: Array) -> float:
             variance = float(row @ covariance @ row)
-            return sqrt(variance) if 0.0 <= variance < np.inf else NAN
+            return sqrt(variance) if 0.0 <= variance < np.inf else nan
 
         peak = m.peak(p)
-        mu_max = lambda_stddev = mu_stddev = NAN
+        mu_max = lambda_stddev = mu_stddev = nan
         if isfinite(peak):
             mu_max = m.friction(p, peak)
             mu_stddev = stddev(m.gradient(p, peak))
@@ -90,9 +89,8 @@ class FittedCurve:
                 lambda_stddev = stddev(m.slope_gradient(p, peak)) / -curvature
         slope = m.slope(p, slip)
         slope_stddev = stddev(m.slope_gradient(p, slip))
-        reason, text = _judge(peak, lambda_stddev, largest_slip, largest_relative_stddev)
+        reason, text = limits.judge(samples, (0.0, largest_slip), peak, lambda_stddev)
         theta = m.theta(p)
-        known = theta is not None
         return CurveEstimate(
             samples=samples,
             slip=slip,
@@ -100,31 +98,21 @@ class FittedCurve:
             mu_max=mu_max,
             lambda_max_stddev=lambda_stddev,
             mu_max_stddev=mu_stddev,
-            theta=theta.copy() if theta is not None else UNKNOWN_THETA,
-            theta_stddev=np.sqrt(np.maximum(np.diag(covariance), 0.0)) if known else UNKNOWN_THETA,
+            theta=theta.copy(),
+            theta_stddev=UNKNOWN_THETA if isnan(theta[0]) else np.sqrt(np.maximum(np.diag(covariance), 0.0)),
             mu=m.friction(p, slip),
             slope=slope,
             slope_stddev=slope_stddev,
-            probability_beyond_peak=_probability_negative(slope, slope_stddev),
-            valid=reason is Reason.OK,
+            probability_beyond_peak=probability_negative(slope, slope_stddev),
             reason=reason,
             text=text,
         )
 
 
-def _judge(peak: float, stddev: float, largest_slip: float, largest_relative_stddev: float) -> tuple[Reason, str]:
-    if not isfinite(peak):
-        return Reason.NO_PEAK, "the fitted curve has no peak in (0, 1)"
-    if largest_slip < peak:
-        return Reason.PEAK_NOT_PASSED, f"slip reached {largest_slip:.3f}, the fitted peak lies at {peak:.3f}"
-    if not stddev <= largest_relative_stddev * peak:
-        return Reason.UNCERTAIN, f"standard deviation {stddev:.3f} of lambda_max {peak:.3f} is too large"
-    return Reason.OK, ""
-
-
-def _probability_negative(mean: float, stddev: float) -> float:
+def probability_negative(mean: float, stddev: float) -> float:
+    """Probability that a normal variable is below zero, NaN where its standard deviation is."""
     if not isfinite(stddev):
-        return NAN
+        return nan
     if stddev == 0.0:
         return 1.0 if mean < 0.0 else 0.0
     return 0.5 * (1.0 + erf(-mean / (stddev * sqrt(2.0))))

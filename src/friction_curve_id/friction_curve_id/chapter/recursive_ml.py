@@ -18,10 +18,17 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.burckhardt_curve import BurckhardtCurve
-from friction_curve_id.fitted_curve import FittedCurve
-from friction_curve_id.maximum_likelihood import initial_theta
-from friction_curve_id.square_root import add_row
+from friction_curve_id.chapter.maximum_likelihood import initial_theta
+from friction_curve_id.chapter.square_root import add_row
+from friction_curve_id.curve.burckhardt_curve import (
+    UNKNOWNS_HIGH,
+    UNKNOWNS_LOW,
+    BurckhardtCurve,
+    theta_per_unknown,
+    to_theta,
+    to_unknowns,
+)
+from friction_curve_id.curve.fitted_curve import FittedCurve
 from vehicle_models import burckhardt
 
 Array = NDArray[np.float64]
@@ -30,21 +37,15 @@ _PRIOR_STDDEV = np.array([0.5, 0.7, 0.2])
 """Of ln th1, ln th2 and th3 around theta(0)."""
 _FRICTION_NOISE = 0.02
 """Noise of mu that weighs the prior against the samples [-]."""
-_LOW = np.array([np.log(0.02), np.log(1.0), 1e-3])
-_HIGH = np.array([np.log(5.0), np.log(300.0), 5.0])
 _LONGEST_STEP = 1.0
 """Of one sample, in standard deviations of the prior: beyond it the linearisation does not hold."""
 _NOISE_SAMPLES = 10
 """Samples the assumed noise counts for in the estimate of the noise."""
 
 
-def _theta(unknowns: Array) -> Array:
-    return np.array([np.exp(unknowns[0]), np.exp(unknowns[1]), unknowns[2]])
-
-
 def _scale(theta: Array) -> Array:
     """D theta / d (unknowns in standard deviations of the prior), diagonal, shape (3,)."""
-    return np.array([theta[0], theta[1], 1.0]) * _PRIOR_STDDEV
+    return theta_per_unknown(theta) * _PRIOR_STDDEV
 
 
 def _triangular(rows: Array) -> Array:
@@ -70,7 +71,7 @@ class RecursiveML:
     def start(self, slips: Array, frictions: Array) -> None:
         """Begin with theta(0) by (8.11) and the information of the first samples, shapes (n,)."""
         theta = initial_theta(slips, frictions)
-        self._prior = np.array([np.log(theta[0]), np.log(theta[1]), theta[2]])
+        self._prior = to_unknowns(theta)
         self._unknowns = self._prior.copy()
         self._linearise(slips)
         residuals = frictions - burckhardt.friction(theta, slips)
@@ -79,7 +80,7 @@ class RecursiveML:
 
     def add(self, slip: float, friction: float) -> float:
         """Take one more sample and return its prediction error [-]."""
-        theta = _theta(self._unknowns)
+        theta = to_theta(self._unknowns)
         row = burckhardt.gradient(theta, slip) * _scale(theta)
         error = friction - float(burckhardt.friction(theta, slip))
         self._root = add_row(self._root, row)
@@ -88,8 +89,8 @@ class RecursiveML:
         step[1:] += longer
         step[0] -= self._root[0, 1:] @ longer / self._root[0, 0]
         step /= max(1.0, float(np.max(np.abs(step))) / _LONGEST_STEP)
-        self._unknowns = np.clip(self._unknowns + step * _PRIOR_STDDEV, _LOW, _HIGH)
-        after = friction - float(burckhardt.friction(_theta(self._unknowns), slip))
+        self._unknowns = np.clip(self._unknowns + step * _PRIOR_STDDEV, UNKNOWNS_LOW, UNKNOWNS_HIGH)
+        after = friction - float(burckhardt.friction(to_theta(self._unknowns), slip))
         self._squares += abs(error * after)
         self._count += 1
         return error
@@ -97,18 +98,20 @@ class RecursiveML:
     def iterate(self, slips: Array, frictions: Array, iterations: int) -> None:
         """Improve by a few batch steps (8.10) over all samples, shapes (n,), and continue from there."""
         for _ in range(iterations):
-            theta = _theta(self._unknowns)
+            theta = to_theta(self._unknowns)
             residuals = frictions - burckhardt.friction(theta, slips)
             self._linearise(slips)
             rows = burckhardt.gradient(theta, slips) * _scale(theta)
             pull = _FRICTION_NOISE**2 * (self._prior - self._unknowns) / _PRIOR_STDDEV
             step = self._solve(rows.T @ residuals + pull)
-            self._unknowns = np.clip(self._unknowns + np.clip(step, -1.0, 1.0) * _PRIOR_STDDEV, _LOW, _HIGH)
+            self._unknowns = np.clip(
+                self._unknowns + np.clip(step, -1.0, 1.0) * _PRIOR_STDDEV, UNKNOWNS_LOW, UNKNOWNS_HIGH
+            )
         self._linearise(slips)
 
     def curve(self) -> FittedCurve:
         """The curve so far; its covariance is that of the linearised recursion."""
-        theta = _theta(self._unknowns)
+        theta = to_theta(self._unknowns)
         inverse_root = np.linalg.inv(self._root) * np.sqrt(self._squares / self._count)
         columns = _scale(theta)[:, np.newaxis] * inverse_root
         return FittedCurve(BurckhardtCurve(), theta, columns @ columns.T)
@@ -118,7 +121,7 @@ class RecursiveML:
         return np.asarray(np.linalg.solve(self._root, np.linalg.solve(self._root.T, right)))
 
     def _linearise(self, slips: Array) -> None:
-        theta = _theta(self._unknowns)
+        theta = to_theta(self._unknowns)
         rows = burckhardt.gradient(theta, slips) * _scale(theta)
         self._root = _triangular(np.vstack([rows, _FRICTION_NOISE * np.eye(3)]))
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.banded_normal_equations import (
+from friction_curve_id.default.banded_normal_equations import (
     NormalEquations,
     OutlierThresholds,
     Solution,
@@ -17,11 +17,12 @@ from friction_curve_id.banded_normal_equations import (
     fold,
     solve,
 )
-from friction_curve_id.braking_window import BrakingWindow
-from friction_curve_id.curve_prior import CurvePrior
+from friction_curve_id.default.braking_window import BrakingWindow
+from friction_curve_id.default.curve_prior import CurvePrior
+from friction_curve_id.default.past_evidence import MOMENTUM, WHEEL_SPEED, momentum_evidence, no_evidence
+from friction_curve_id.default.prediction import Prediction, predict
 from friction_curve_id.measurement_noise import MeasurementNoise
-from friction_curve_id.past_evidence import MOMENTUM, WHEEL_SPEED, momentum_evidence, no_evidence
-from friction_curve_id.prediction import Prediction, predict
+from vehicle_models import burckhardt_log
 from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
@@ -177,8 +178,8 @@ class MapFit:
         """First guess of u: a wheel on the stable side of the curve, and the measured speeds."""
         window, wheel = self.window, self._wheel
         n = window.count
-        stiffness = np.exp(self.q[0] + self.q[1])
-        slip = min(max(window.torque[0] / (wheel.radius * wheel.vertical_load * stiffness), 0.0), 0.2)
+        stiffness = wheel.radius * wheel.vertical_load * burckhardt_log.steepness(self.q)
+        slip = min(max(window.torque[0] / stiffness, 0.0), 0.2)
         omega = window.measured_wheel_speed[:n]
         lever = window.speed_per_wheel_speed
         guess = omega[0] * (wheel.radius / (1.0 - slip) + lever) + window.impulse[0]

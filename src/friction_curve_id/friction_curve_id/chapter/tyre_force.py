@@ -7,11 +7,11 @@ forces alone, and an error common to Fx and Fz cancels. They come once a revolut
 from dataclasses import dataclass
 from math import isfinite
 
-from friction_curve_id.curve_fitting import PointFitting
-from friction_curve_id.friction_samples import LARGEST_FRICTION, FrictionPoint
+from friction_curve_id.chapter.curve_fitting import PointFitting
+from friction_curve_id.chapter.friction_samples import LARGEST_FRICTION, FrictionPoint
+from friction_curve_id.chapter.maximum_likelihood import MaximumLikelihood
+from friction_curve_id.chapter.start_parameters import StartParameters
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal
-from friction_curve_id.maximum_likelihood import MaximumLikelihood
-from friction_curve_id.start_parameters import StartParameters
 from friction_parameters import shared
 from friction_parameters.parameter import parameter
 

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.exponential_curve import ExponentialCurve, regressor
-from friction_curve_id.fitted_curve import FittedCurve
-from friction_curve_id.sample_window import SampleWindow
+from friction_curve_id.chapter.exponential_curve import ExponentialCurve, regressor
+from friction_curve_id.chapter.sample_window import SampleWindow
+from friction_curve_id.curve.fitted_curve import FittedCurve
 
 Array = NDArray[np.float64]
 

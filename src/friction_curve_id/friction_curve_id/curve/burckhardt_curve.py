@@ -1,6 +1,6 @@
 """The Burckhardt curve (2.13) as a model to fit, theta = (th1, th2, th3)."""
 
-from math import isfinite
+from math import isfinite, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,25 @@ THETA_LOW = np.array([0.02, 1.0, -5.0])
 THETA_HIGH = np.array([5.0, 300.0, 5.0])
 """No fit leaves this box: wide enough for racing tyres (2.33, 23.4, 3.79) and snow (0.19, 94.13, 0.06). th3 < 0 is a
 curve without a peak, the honest fit of data that end before it."""
+
+UNKNOWNS_LOW = np.array([np.log(0.02), np.log(1.0), 1e-3])
+UNKNOWNS_HIGH = np.array([np.log(5.0), np.log(300.0), 5.0])
+"""The same box for fits in (ln th1, ln th2, th3), which do not end before the peak."""
+
+
+def to_theta(unknowns: Array) -> Array:
+    """Theta of (ln th1, ln th2, th3), both of shape (3,)."""
+    return np.array([np.exp(unknowns[0]), np.exp(unknowns[1]), unknowns[2]])
+
+
+def to_unknowns(theta: Array) -> Array:
+    """(ln th1, ln th2, th3) of theta, both of shape (3,)."""
+    return np.array([np.log(theta[0]), np.log(theta[1]), theta[2]])
+
+
+def theta_per_unknown(theta: Array) -> Array:
+    """D theta / d (ln th1, ln th2, th3), which is diagonal: shape (3,)."""
+    return np.array([theta[0], theta[1], 1.0])
 
 
 class BurckhardtCurve:
@@ -32,21 +51,17 @@ class BurckhardtCurve:
 
     def slope_gradient(self, parameters: Array, slip: float) -> Array:
         """Gradient of the slope with respect to theta, shape (3,)."""
-        th1, th2, _ = parameters
-        magnitude = abs(slip)
-        decay = np.exp(-th2 * magnitude)
-        return np.array([th2 * decay, th1 * decay * (1.0 - th2 * magnitude), -1.0])
+        return burckhardt.slope_gradient(parameters, slip)
 
     def curvature(self, parameters: Array, slip: float) -> float:
         """d^2 mu / d slip^2 [-] at slip >= 0."""
-        th1, th2, _ = parameters
-        return float(-th1 * th2**2 * np.exp(-th2 * slip))
+        return burckhardt.curvature(parameters, slip)
 
     def peak(self, parameters: Array) -> float:
         """lambda_max in closed form where it lies in (0, 1), else NaN."""
         peak = float(burckhardt.peak(parameters)[0])
-        return peak if isfinite(peak) and 0.0 < peak < 1.0 else float("nan")
+        return peak if isfinite(peak) and 0.0 < peak < 1.0 else nan
 
-    def theta(self, parameters: Array) -> Array | None:
+    def theta(self, parameters: Array) -> Array:
         """The parameters themselves, shape (3,)."""
         return parameters

@@ -1,0 +1,1 @@
+"""The default estimator: a full-information maximum a posteriori fit to the signals of one wheel."""

@@ -1,0 +1,1 @@
+"""The whole-vehicle method: one curve from deceleration and the slips of all wheels."""

@@ -1,0 +1,67 @@
+"""Which module of the package may import which, read from the sources."""
+
+import ast
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import friction_curve_id
+
+PACKAGE = Path(friction_curve_id.__file__).parent
+MODULES = {".".join(path.relative_to(PACKAGE).with_suffix("").parts): path for path in PACKAGE.glob("**/*.py")}
+
+INTERFACE = {"interface", "measurement_noise", "sample_gate"}
+METHODS = {"chapter", "default", "vehicle"}
+CHOICE = {"methods", "parameters"}
+ABOVE_ALL = {"processor", "node", "__main__"}
+ROS_LAYER = {"curve_messages", "inputs", "tyre_force_inputs", "vehicle_inputs", "wheel_inputs", *ABOVE_ALL}
+
+LAYER_1: dict[str, set[str]] = {
+    **{module: INTERFACE for module in INTERFACE},
+    "activation": INTERFACE,
+    "curve": INTERFACE | {"curve"},
+    **{room: INTERFACE | {"curve", room} for room in METHODS},
+    **{module: INTERFACE | {"curve"} | METHODS | CHOICE for module in CHOICE},
+}
+"""What a place (a room, or a module beside the rooms) may import of the package, where it may not know ROS."""
+PACKAGES = {"friction_curve_id", "friction_parameters", "vehicle_models", "numpy", "scipy", *sys.stdlib_module_names}
+"""What it may import at all: no message, and not friction_runtime, which knows ROS."""
+
+
+def place(module: str) -> str:
+    return module.split(".")[0]
+
+
+def imported(path: Path) -> Iterator[str]:
+    """Full names of the modules that a file imports, wherever in it the import stands."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0 and node.module, f"{path}: a relative import"
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+            inside = [name for name in names if name.removeprefix("friction_curve_id.") in MODULES]
+            yield from inside or [node.module]
+
+
+def of_the_package(path: Path) -> set[str]:
+    prefix = "friction_curve_id."
+    return {place(name.removeprefix(prefix)) for name in imported(path) if name.startswith(prefix)}
+
+
+def test_every_module_has_its_place() -> None:
+    assert {place(module) for module in MODULES} == {"__init__", *LAYER_1, *ROS_LAYER}
+
+
+@pytest.mark.parametrize("module", [module for module in MODULES if place(module) in LAYER_1])
+def test_an_algorithm_imports_no_ros_and_nothing_above_it(module: str) -> None:
+    assert {name.split(".")[0] for name in imported(MODULES[module])} <= PACKAGES
+    assert of_the_package(MODULES[module]) <= LAYER_1[place(module)]
+
+
+@pytest.mark.parametrize("module", sorted(ROS_LAYER))
+def test_nothing_imports_the_processor_but_the_node(module: str) -> None:
+    below = {"node": {"processor"}, "__main__": {"node"}}
+    assert of_the_package(MODULES[module]) & ABOVE_ALL <= below.get(module, set())
