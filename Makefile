@@ -7,7 +7,7 @@ PARTS ?= slope abs identification slip smart_tyre measured live
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test lint demo bench report bags docs clean
+.PHONY: help setup build ready test lint demo bench report bags docs clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
@@ -18,6 +18,9 @@ setup: ## make .venv with ROS 2 Jazzy (where ROS is sourced: with the few extra 
 build: setup ## colcon build of all packages; afterwards: source install/setup.bash
 	@$(run) python tools/build.py
 
+ready: setup
+	@$(run) python tools/build.py --sources-do
+
 lint: setup ## ruff and mypy
 	@$(run) ruff check
 	@$(run) ruff format --check
@@ -26,7 +29,7 @@ lint: setup ## ruff and mypy
 test: build lint ## everything that must hold: lint, format, types, tests
 	@$(run) pytest
 
-demo: build ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow, or BAG=path to replay; VEHICLE=name|file
+demo: ready ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow, or BAG=path to replay; VEHICLE=name|file
 	@$(run) python -m friction_bringup demo $(if $(BAG),--bag "$(BAG)",--surface $(SURFACE)) \
 		$(if $(VEHICLE),--vehicle "$(VEHICLE)") --out "$(OUT)/demo"
 

@@ -125,9 +125,9 @@ def add_package(workspace: Path, name: str, setup: str) -> Path:
     return package
 
 
-def build(workspace: Path) -> subprocess.CompletedProcess[str]:
+def build(workspace: Path, *options: str) -> subprocess.CompletedProcess[str]:
     """Build a workspace in the environment of the tests."""
-    command = [sys.executable, str(workspace / "tools/build.py")]
+    command = [sys.executable, str(workspace / "tools/build.py"), *options]
     return subprocess.run(command, check=False, capture_output=True, text=True)
 
 
@@ -204,6 +204,34 @@ def test_listed_modules_are_compiled_beside_their_source_and_again_when_it_chang
     refused = build(workspace)
     assert refused.returncode != 0
     assert "fast.py" in refused.stdout
+
+
+def test_demo_runs_from_sources_until_something_is_compiled_and_compiled_from_then_on(workspace: Path) -> None:
+    tool = workspace / "tools/compile.py"
+    tool.write_text(re.sub(r"COMPILED = \{.*?\n\}", 'COMPILED = {"tiny": "fast"}', tool.read_text(), flags=re.DOTALL))
+    (workspace / "pyproject.toml").write_text("[tool.mypy]\nstrict = true\n")
+    setup = "from setuptools import setup\nsetup(name='tiny', version='0.1.0', packages=['tiny'])\n"
+    package = add_package(workspace, "tiny", setup)
+
+    def write(factor: float) -> None:
+        source = f"def scaled(value: float) -> float:\n    return {factor} * value\n"
+        (package / "tiny/fast.py").write_text(source)
+
+    def libraries() -> int:
+        return len(list(workspace.glob("install/tiny/**/fast.*.so")))
+
+    write(2.0)
+    for _ in range(2):  # said also where nothing is left to be built
+        first = build(workspace, "--sources-do")
+        assert first.returncode == 0, first.stdout + first.stderr
+        assert "`make build` compiles them" in first.stdout.splitlines()[-1]
+        assert libraries() == 0
+    assert build(workspace).returncode == 0
+    assert libraries() == 1
+    assert build(workspace, "--sources-do").stdout == ""
+    write(3.0)
+    assert "mypyc" in build(workspace, "--sources-do").stdout
+    assert libraries() == 1
 
 
 def test_package_that_fails_to_build_is_named_with_the_end_of_its_log_and_built_once_mended(workspace: Path) -> None:

@@ -1,11 +1,12 @@
 """Build the packages below src that changed with colcon, and compile their algorithms, with one line of progress.
 
 A build that was killed, or was made elsewhere or by another Python, is removed first.
-Usage: tools/run.bash python tools/build.py   (normally through `make build`)
+Usage: tools/run.bash python tools/build.py   [--sources-do]   (normally through `make build`)
 """
 
 from __future__ import annotations
 
+import argparse
 import fcntl
 import hashlib
 import json
@@ -19,6 +20,8 @@ from compile import COMPILED, compile_modules
 from progress import run_with_progress
 
 ROOT = Path(__file__).resolve().parents[1]
+NOTHING_YET = "nothing yet"
+"""Stands in the stamp for what compiled the estimators, where they run from their sources."""
 IGNORED = {"__pycache__", "test", ".mypy_cache", ".ruff_cache", ".pytest_cache", ".hypothesis"}
 
 
@@ -57,13 +60,21 @@ def write_stamp(root: Path, stamp: dict[str, str]) -> None:
     new.replace(root / "build" / ".friction_stamp")
 
 
-def build(root: Path) -> int:
-    """Bring ``install`` up to date; return the exit status."""
+def build(root: Path, must_compile: bool = True) -> int:
+    """Bring ``install`` up to date; return the exit status.
+
+    Args:
+        root: of the workspace.
+        must_compile: False where sources will do as long as nothing has been compiled; later all is compiled again.
+    """
     made_by = f"{root} {sys.executable} {sys.version} {os.environ.get('AMENT_PREFIX_PATH', '').split(':')[-1]}"
     wanted = {package.name: source_digest(package) for package in packages(root / "src")}
     tools = hashlib.sha256((root / "tools/compile.py").read_bytes()).hexdigest()
     finished = {"made by": made_by, "state": "finished", "compiled by": tools, **wanted}
     found = read_stamp(root)
+    sources_do = not must_compile and found.get("compiled by", NOTHING_YET) == NOTHING_YET
+    if sources_do:
+        finished["compiled by"] = NOTHING_YET
     if found == finished and (root / "install/setup.bash").exists():
         return 0
     colcon = shutil.which("colcon")
@@ -75,6 +86,8 @@ def build(root: Path) -> int:
         for name in ("build", "install"):
             shutil.rmtree(root / name, ignore_errors=True)
         found = {}
+        sources_do = not must_compile
+        finished["compiled by"] = NOTHING_YET if sources_do else tools
     (root / "build").mkdir(exist_ok=True)
     changed = [name for name, digest in wanted.items() if found.get(name) != digest]
     for name in changed:
@@ -83,10 +96,11 @@ def build(root: Path) -> int:
                 shutil.rmtree(root / directory / name, ignore_errors=True)
     write_stamp(root, {**finished, "state": "building"})
     code = run_colcon(colcon, root, changed) if changed else 0
-    if code == 0 and (COMPILED.keys() & changed or found.get("compiled by") != tools):
+    failed = changed if sources_do else [*changed, "compiled by"]
+    if code == 0 and not sources_do and (COMPILED.keys() & changed or found.get("compiled by") != tools):
         code = compile_modules(root)
     # What failed is built again, as is what came after it.
-    write_stamp(root, finished if code == 0 else {**finished, **dict.fromkeys([*changed, "compiled by"], "failed")})
+    write_stamp(root, finished if code == 0 else {**finished, **dict.fromkeys(failed, "failed")})
     return code
 
 
@@ -120,10 +134,16 @@ def run_colcon(colcon: str, root: Path, names: list[str]) -> int:
 
 def main() -> None:
     """Build, one process at a time, from the root of the workspace."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sources-do", action="store_true", help="compile nothing if nothing has been compiled yet")
+    args = parser.parse_args()
     os.chdir(ROOT)
     directory = os.open(ROOT / "tools", os.O_RDONLY)
     fcntl.flock(directory, fcntl.LOCK_EX)
-    sys.exit(build(ROOT))
+    code = build(ROOT, must_compile=not args.sources_do)
+    if code == 0 and read_stamp(ROOT)["compiled by"] == NOTHING_YET:
+        print("The estimators run from their Python sources: the same results, slower. `make build` compiles them.")
+    sys.exit(code)
 
 
 if __name__ == "__main__":
