@@ -16,11 +16,11 @@ from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.new_message import new_message
 from friction_runtime.processor import Health, Level, Output, Report, silent
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import HIGHEST_PRESSURE, HIGHEST_TORQUE
 from vehicle_models.vehicle import Vehicle
 
 BRAKE_DEMAND = "brake_demand"
-_NANOSECONDS = 1_000_000_000
 _OK, _LOW_SPEED = int(SupervisorState.OK), int(SupervisorState.LOW_SPEED)
 _SLOPE_LOW_SPEED = int(FrictionSlope.LOW_SPEED)
 """Of the messages, kept: a message class looks its constants up by a Python function, here at every sample."""
@@ -144,7 +144,7 @@ class WheelProcessor:
         """Torque the driver asks for [N m]; None where it is not known."""
         if self._demand in sample.values:
             return sample.values[self._demand][0]
-        if self._held is not None and 0 <= sample.stamp - self._held[0] <= self._p.demand_timeout * _NANOSECONDS:
+        if self._held is not None and 0 <= sample.stamp - self._held[0] <= self._p.demand_timeout * NANOSECONDS:
             return self._held[1]
         return None
 
@@ -166,7 +166,7 @@ class WheelProcessor:
 
     def _log_transition(self, severity: Any) -> None:
         machine = self._supervisor
-        seconds = machine.transition_stamp / _NANOSECONDS
+        seconds = machine.transition_stamp / NANOSECONDS
         because = f" ({self._text})" if self._text else ""
         self._report(
             severity,

@@ -13,8 +13,8 @@ from rich.table import Table
 from friction_bags.bag_format import BagError, Topic
 from friction_bags.bag_reader import BagReader
 from friction_bags.message_definition import UnknownTypeError, message_class
+from vehicle_models.nanoseconds import NANOSECONDS
 
-_NANOSECONDS = 1_000_000_000
 _WIDTH = 160
 """Of the output where it goes to no terminal."""
 
@@ -46,11 +46,11 @@ def run(args: Namespace) -> int:
 
 def describe(reader: BagReader) -> dict[str, Any]:
     """What a bag holds, as plain data; times in seconds."""
-    duration = (reader.end - reader.start) / _NANOSECONDS
+    duration = (reader.end - reader.start) / NANOSECONDS
     return {
         "bag": str(reader.bag),
         "storage": reader.storage,
-        "start": reader.start / _NANOSECONDS,
+        "start": reader.start / NANOSECONDS,
         "duration": duration,
         "messages": reader.message_count,
         "topics": [_describe_topic(topic, count, duration) for topic, count in _by_name(reader)],

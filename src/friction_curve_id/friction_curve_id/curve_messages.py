@@ -7,7 +7,8 @@ from friction_msgs.msg import FrictionCurve
 from friction_curve_id.activation import ActivationMark
 from friction_curve_id.interface import NAN, CurveEstimate, Reason, Refusal, RestartCause
 from friction_runtime.new_message import new_message
-from friction_runtime.stamps import NANOSECONDS, header_at
+from friction_runtime.stamps import header_at
+from vehicle_models.nanoseconds import NANOSECONDS
 
 _NO_ESTIMATE = CurveEstimate(samples=0, slip=NAN)
 

@@ -11,7 +11,7 @@ from friction_curve_id.interface import CurveEstimate, Reason, Refusal
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.tyre_force import TyreForceFitting, TyreForceSample
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.stamps import NANOSECONDS
+from vehicle_models.nanoseconds import NANOSECONDS
 
 _SLIP_GAP = 0.1
 """Slip is not interpolated across more than this [s], though forces may come a second apart."""

@@ -23,7 +23,8 @@ from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from friction_parameters.values import declared, from_mapping, ignored
 from friction_runtime.processor import Level, Report, silent
-from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
+from friction_runtime.stamps import from_nanoseconds
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Accelerometer, Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -10,7 +10,7 @@ from geometry_msgs.msg import WrenchStamped
 from std_msgs.msg import Header
 
 from friction_runtime.processor import Health, Level, Output, Report, silent
-from friction_runtime.stamps import NANOSECONDS, from_nanoseconds, to_nanoseconds
+from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces import messages
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.correction import Patch, PatchCorrection
@@ -20,6 +20,7 @@ from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker
 from smart_tyre_forces.reasons import ForceReason, PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import LATEST_STAMP
 from vehicle_models.vehicle import Vehicle
 

@@ -10,8 +10,9 @@ from sensor_msgs.msg import Imu, JointState
 from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
 from friction_runtime.new_message import new_message
 from friction_runtime.processor import Health, Level, Output, Report, silent
-from friction_runtime.stamps import NANOSECONDS, header_at, to_nanoseconds
+from friction_runtime.stamps import header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import HIGHEST_ACCELERATION, HIGHEST_SPEED
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
