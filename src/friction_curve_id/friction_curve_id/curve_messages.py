@@ -7,6 +7,7 @@ from friction_msgs.msg import FrictionCurve
 from friction_curve_id.activation import ActivationMark
 from friction_curve_id.interface import NAN, CurveEstimate, Reason, Refusal, RestartCause
 from friction_runtime.new_message import new_message
+from friction_runtime.reason_text import of_wheel
 from friction_runtime.stamps import header_at
 from vehicle_models.nanoseconds import NANOSECONDS
 
@@ -60,7 +61,7 @@ class CurveMessages:
         message.lambda_max_at_activation = self._activation.lambda_max
         message.valid = estimate.valid and estimate.reason is Reason.OK
         message.reason = int(answer.reason)
-        message.reason_text = answer.text and f"{self._wheel}: {answer.text}"
+        message.reason_text = of_wheel(self._wheel, answer.text)
         return message
 
 

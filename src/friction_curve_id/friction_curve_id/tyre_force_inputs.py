@@ -11,6 +11,7 @@ from friction_curve_id.interface import CurveEstimate, Reason, Refusal
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.tyre_force import TyreForceFitting, TyreForceSample
 from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.reason_text import of_topic
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _SLIP_GAP = 0.1
@@ -44,7 +45,7 @@ class TyreForceInputs:
             return Refusal(Reason.NO_SLIP, sample.missing.get(self._slip, f"{self._slip}: not valid")), nan
         slip = values[2]
         if not force.valid:
-            return Refusal(Reason.BAD_INPUT, f"{self.primary}: {force.reason_text or 'not valid'}"), slip
+            return Refusal(Reason.BAD_INPUT, of_topic(self.primary, force.reason_text or "not valid")), slip
         return self._fitting.update(TyreForceSample(sample.stamp / NANOSECONDS, slip, force.fx, force.fz)), slip
 
     def reset(self) -> None:

@@ -162,7 +162,9 @@ def test_a_wheel_that_is_not_among_the_joints_is_named(clean: Brake, method: str
     found = drive(made, braking(clean, wheel="another"))
     assert len(found) > 80
     assert not any(message.valid for message in found)
-    assert reports[0].startswith("error: wheel_states: no velocity for wheel 'front_left', names are: other, another")
+    assert reports[0].startswith(
+        "error: wheel_states: no velocity for wheel 'front_left', names are: \"other, another\""
+    )
 
 
 def test_messages_with_and_without_an_estimate_can_be_published(clean: Brake) -> None:
