@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from friction_parameters.parameter import parameter
+from vehicle_models.nanoseconds import NANOSECONDS
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class TorqueWithHysteresis:
             begin: T-bar [N m], above the release torque.
             end: when braking is over.
         """
-        self._begin, self._end, self._hold_ns = begin, end.release_torque, round(end.release_hold * 1e9)
+        self._begin, self._end, self._hold_ns = begin, end.release_torque, round(end.release_hold * NANOSECONDS)
         self.reset()
 
     def reset(self) -> None:

@@ -8,32 +8,40 @@ from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, Supervis
 from sensor_msgs.msg import FluidPressure
 
 from abs_supervisor.braking import TorqueWithHysteresis
+from abs_supervisor.braking_log import BrakingLog
 from abs_supervisor.fsm import COMMANDS
 from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.supervisor import Evidence, Supervisor
-from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
+from friction_runtime.aligned_processor import AlignedProcessor
+from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.new_message import new_message
-from friction_runtime.processor import Health, Level, Output, Report, silent
+from friction_runtime.primary import Primary
+from friction_runtime.processor import Level, Output, Report, level_of, silent
+from friction_runtime.reason_text import of_topic, of_wheel, without_wheel
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import HIGHEST_PRESSURE, HIGHEST_TORQUE
 from vehicle_models.vehicle import Vehicle
 
 BRAKE_DEMAND = "brake_demand"
-_NANOSECONDS = 1_000_000_000
 _OK, _LOW_SPEED = int(SupervisorState.OK), int(SupervisorState.LOW_SPEED)
+_QUIET = (_OK, _LOW_SPEED)
+"""Reasons that belong to ordinary driving."""
+_BROKEN = (int(SupervisorState.NO_SLOPE), int(SupervisorState.NO_DEMAND), int(SupervisorState.INVALID_SLOPE))
+"""Reasons that bring the fail-safe."""
 _SLOPE_LOW_SPEED = int(FrictionSlope.LOW_SPEED)
 """Of the messages, kept: a message class looks its constants up by a Python function, here at every sample."""
 _ALIVE = (FrictionSlope.OK, FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION, FrictionSlope.LOW_SPEED)
 """Reasons of friction_slope with which the machine can go on."""
 
 
-class WheelProcessor:
-    """Layer 2 of abs_supervisor. Fires for each friction_slope message, once the demand has reached its stamp."""
+class WheelProcessor(AlignedProcessor[FrictionSlope]):
+    """Layer 2 of abs_supervisor: fires on <wheel>/friction_slope."""
 
     def __init__(self, wheel: str, vehicle: Vehicle, parameters: SupervisorParameters, report: Report = silent) -> None:
         """Build for one wheel of a car; `report` takes what a person should know."""
-        self._wheel, self._p, self._report = wheel, parameters, report
+        self._wheel, self._p = wheel, parameters
         self._gain = vehicle.wheel(wheel).brake_gain
         self._brake_torque = BrakeTorque(vehicle, wheel)
         self._slope = f"{wheel}/friction_slope"
@@ -46,46 +54,51 @@ class WheelProcessor:
         self.outputs: Mapping[str, type] = {f"{wheel}/abs_supervisor": SupervisorState}
         if not parameters.shadow:
             self.outputs = {**self.outputs, f"{wheel}/brake_command": BrakeCommand}
-        self._aligner: Aligner[FrictionSlope] = Aligner(self._slope, [AlignedInput(self._demand)], parameters.deadline)
+        primary = Primary(self._slope, wheel, report, silent_after=parameters.stale_after)
+        super().__init__(wheel, primary, [AlignedInput(self._demand)], parameters.deadline)
         self._supervisor = Supervisor(parameters.thresholds, parameters.tolerance)
+        self._log = BrakingLog(wheel, report)
         self._hysteresis = TorqueWithHysteresis(parameters.braking_torque, parameters.pressure)
-        self.reset()
+        self._forget()
 
-    def reset(self) -> None:
-        """Start anew, as after construction."""
-        self._aligner.reset()
+    def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
+        """Fail safe when friction_slope has fallen silent; a silent demand is seen in message time."""
+        super().watch(ages)
+        silence = self._primary.silence
+        if self._stamp == 0 or not silence:
+            return []
+        self._reason, self._text = SupervisorState.NO_SLOPE, f"{self._slope}: silent"
+        if self._supervisor.fail(self._stamp):
+            self._log.note(self._supervisor, self._stamp, silence)
+            return self._outputs()
+        return []
+
+    def _payload(self, message: FrictionSlope) -> FrictionSlope:
+        return message
+
+    def _take(self, topic: str, message: Any) -> str | None:
+        return self._offer_demand(topic, to_nanoseconds(message.header.stamp), message)
+
+    def _forget(self) -> None:
         self._supervisor.reset()
+        self._log.reset()
         self._hysteresis.reset()
         self._held: tuple[int, float] | None = None
         self._stamp = 0
         self._reason, self._text = SupervisorState.NO_SLOPE, f"{self._slope}: no message yet"
         self._indicator = self._torque = float("nan")
 
-    def process(self, topic: str, message: Any) -> Sequence[Output]:
-        """Take one message, return what follows from it."""
-        stamp = to_nanoseconds(message.header.stamp)
-        if topic == self._slope:
-            refusal = self._aligner.offer_primary(stamp, message)
-        else:
-            refusal = self._offer_demand(topic, stamp, message)
-        if refusal is not None:
-            self._report("warning", f"{refusal}: sample refused")
-        return [output for sample in self._aligner.ready() for output in self._fire(sample)]
+    def _start_again(self, stamp: int) -> None:
+        self._hysteresis.reset()
+        if self._supervisor.restart(stamp):
+            self._log.note(self._supervisor, self._stamp, "")
 
-    def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
-        """Fail safe when friction_slope has fallen silent; a silent demand is seen in message time."""
-        if self._stamp == 0 or ages[self._slope] <= self._p.stale_after:
-            return []
-        self._reason, self._text = SupervisorState.NO_SLOPE, f"{self._slope}: silent"
-        if self._supervisor.fail(self._stamp):
-            self._log_transition("error")
-            return self._outputs()
-        return []
+    def _state(self) -> tuple[Level, str]:
+        return level_of(self._reason, _QUIET, _BROKEN), self._text or self._supervisor.state.name
 
-    def health(self) -> Health:
-        """State for diagnostics."""
+    def _values(self) -> dict[str, str]:
         machine, counts = self._supervisor, self._supervisor.counts
-        values = {
+        return {
             "state": machine.state.name,
             "cause of the last transition": machine.cause.name.lower(),
             "transitions": str(counts.transitions),
@@ -95,9 +108,6 @@ class WheelProcessor:
             "fail-safes": str(counts.fail_safes),
             "shadow": str(self._p.shadow).lower(),
         }
-        ordinary = self._reason in (_OK, _LOW_SPEED)
-        level = Level.OK if ordinary else Level.ERROR
-        return Health(self._wheel, level, self._text or f"{machine.state.name}", values)
 
     def _offer_demand(self, topic: str, stamp: int, message: Any) -> str | None:
         if topic == BRAKE_DEMAND:
@@ -119,16 +129,11 @@ class WheelProcessor:
 
     def _fire(self, sample: AlignedSample[FrictionSlope]) -> list[Output]:
         slope = sample.payload
-        if sample.rewound:
-            self._hysteresis.reset()
-            if self._supervisor.restart(sample.stamp):
-                self._stamp = sample.stamp
-                self._log_transition("info")
         self._stamp, self._indicator = sample.stamp, slope.indicator
         torque = self._torque_at(sample)
         self._reason, self._text = self._judge(sample, torque)
         self._torque = float("nan") if torque is None else torque
-        usable = self._reason in (_OK, _LOW_SPEED)
+        usable = self._reason in _QUIET
         evidence = Evidence(
             h=slope.h,
             indicator=slope.indicator,
@@ -137,14 +142,14 @@ class WheelProcessor:
             braking=torque is not None and self._brakes(sample.stamp, torque),
         )
         if self._supervisor.update(sample.stamp, evidence):
-            self._log_transition("info" if usable else "error")
+            self._log.note(self._supervisor, sample.stamp, self._text)
         return self._outputs()
 
     def _torque_at(self, sample: AlignedSample[FrictionSlope]) -> float | None:
         """Torque the driver asks for [N m]; None where it is not known."""
         if self._demand in sample.values:
             return sample.values[self._demand][0]
-        if self._held is not None and 0 <= sample.stamp - self._held[0] <= self._p.demand_timeout * _NANOSECONDS:
+        if self._held is not None and 0 <= sample.stamp - self._held[0] <= self._p.demand_timeout * NANOSECONDS:
             return self._held[1]
         return None
 
@@ -159,20 +164,10 @@ class WheelProcessor:
         if torque is None:
             return SupervisorState.NO_DEMAND, sample.missing[self._demand]
         if slope.reason == _SLOPE_LOW_SPEED:
-            return _LOW_SPEED, slope.reason_text
+            return _LOW_SPEED, without_wheel(self._wheel, slope.reason_text)
         if slope.reason not in _ALIVE and not isfinite(slope.indicator):
-            return SupervisorState.INVALID_SLOPE, f"{self._slope}: {slope.reason_text}"
+            return SupervisorState.INVALID_SLOPE, of_topic(self._slope, slope.reason_text)
         return _OK, ""
-
-    def _log_transition(self, severity: Any) -> None:
-        machine = self._supervisor
-        seconds = machine.transition_stamp / _NANOSECONDS
-        because = f" ({self._text})" if self._text else ""
-        self._report(
-            severity,
-            f"{self._wheel}: {machine.previous_state.name} -> {machine.state.name} at {seconds:.3f} s, "
-            f"cause {machine.cause.name.lower()}{because}",
-        )
 
     def _outputs(self) -> list[Output]:
         machine, counts = self._supervisor, self._supervisor.counts
@@ -194,7 +189,7 @@ class WheelProcessor:
         state.fail_safes = counts.fail_safes
         state.valid = self._reason == _OK
         state.reason = self._reason
-        state.reason_text = self._text and f"{self._wheel}: {self._text}"
+        state.reason_text = of_wheel(self._wheel, self._text)
         outputs: list[Output] = [(f"{self._wheel}/abs_supervisor", state)]
         if not self._p.shadow:
             command = new_message(BrakeCommand)

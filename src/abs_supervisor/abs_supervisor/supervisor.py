@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from abs_supervisor.fsm import Cause, Inputs, State, Thresholds, transition
-
-_NANOSECOND = 1e-9
+from vehicle_models.nanoseconds import NANOSECOND
 
 
 @dataclass
@@ -46,7 +45,7 @@ class Supervisor:
             tolerance: inputs that are not usable for longer [s] bring the fail-safe; until then the state is kept.
         """
         self._thresholds = thresholds
-        self._tolerance_ns = round(tolerance / _NANOSECOND)
+        self._tolerance_ns = round(tolerance / NANOSECOND)
         self.reset()
 
     def reset(self) -> None:
@@ -86,7 +85,7 @@ class Supervisor:
             failed=failed,
             slow=evidence.slow,
         )
-        in_state = (stamp - self.transition_stamp) * _NANOSECOND
+        in_state = (stamp - self.transition_stamp) * NANOSECOND
         state, cause = transition(self.state, inputs, in_state, self._thresholds)
         return self._enter(state, cause, stamp)
 

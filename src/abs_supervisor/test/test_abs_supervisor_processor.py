@@ -51,7 +51,7 @@ def slope(stamp: int, indicator: float, growing: int = 1, reason: int = Friction
         indicator=indicator,
         reason=reason,
         valid=reason == FrictionSlope.OK,
-        reason_text="" if reason == FrictionSlope.OK else "why",
+        reason_text="" if reason == FrictionSlope.OK else "front_left: why",
     )
 
 
@@ -111,8 +111,12 @@ def test_a_cycle_is_commanded_counted_and_logged_with_its_causes() -> None:
     assert bench.sample(0.0, torque=0.0) == "S0"
     state = bench.state
     assert (state.transitions, state.instabilities, state.recoveries, state.fail_safes) == (5, 1, 1, 0)
-    causes = [text.split("cause ")[1] for _, text in bench.said]
+    transitions = [text for severity, text in bench.said if severity == "debug"]
+    causes = [text.split("cause ")[1] for text in transitions]
     assert causes == ["braking", "instability", "wait_over", "stability", "braking_over"]
+    lasted = f"{(bench.stamp - 2 * STEP) / 1e9:.2f} s"
+    told = [each for each in bench.said if each[0] != "debug"]
+    assert told == [("info", f"front_left: braked for {lasted}, releases: 1, last cause: braking_over")]
     values = bench.processor.health().values
     assert values["transitions"] == "5"
     assert values["recoveries"] == "1"
@@ -142,7 +146,10 @@ def test_invalid_slope_brings_the_fail_safe_within_the_stated_time(reason: int) 
     assert bench.command == BrakeCommand.NONE
     assert (bench.stamp - first) * 1e-9 == pytest.approx(P.tolerance)
     assert bench.state.cause == SupervisorState.CAUSE_FAIL_SAFE
-    assert bench.said[-1][0] == "error"
+    assert [severity for severity, _ in bench.said if severity != "debug"] == ["info", "error"]
+    assert bench.said[-2][1].endswith(", releases: 1, last cause: fail_safe")
+    assert bench.said[-1][1] == "front_left/friction_slope: why: fail-safe"
+    assert bench.state.reason_text == "front_left/friction_slope: why"
 
 
 def test_one_bad_sample_does_not_end_a_release() -> None:
@@ -168,6 +175,7 @@ def test_low_speed_ends_the_intervention() -> None:
     assert bench.sample(nan, reason=FrictionSlope.LOW_SPEED) == "S0"
     assert bench.state.cause == SupervisorState.CAUSE_LOW_SPEED
     assert bench.state.reason == SupervisorState.LOW_SPEED
+    assert bench.state.reason_text == "front_left: why"
 
 
 def test_silence_brings_the_fail_safe_by_the_clock_of_the_node() -> None:
@@ -221,10 +229,16 @@ def test_jump_back_in_time_returns_to_s0_and_goes_on() -> None:
     for _ in range(40):
         bench.sample(500.0)
     bench.brake_into_s22()
+    lasted = f"{(bench.stamp - STEP) / 1e9:.2f} s"
     bench.stamp = 0
     bench.sample(500.0, torque=0.0)
     assert bench.name == "S0"
     assert bench.state.cause == SupervisorState.CAUSE_RESET
+    told = [each for each in bench.said if each[0] != "debug"]
+    assert told == [
+        ("info", f"{SLOPE}: stamps jumped back, front_left starts again"),
+        ("info", f"front_left: braked for {lasted}, releases: 1, last cause: reset"),
+    ]
     assert bench.sample(500.0) == "S1"
 
 

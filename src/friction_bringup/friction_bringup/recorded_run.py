@@ -17,7 +17,8 @@ from rclpy.serialization import deserialize_message
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bringup.braking_metrics import CrossingEvent, hardest_braking
-from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
+from friction_runtime.stamps import to_nanoseconds
+from vehicle_models.nanoseconds import NANOSECONDS
 
 Array = NDArray[np.float64]
 

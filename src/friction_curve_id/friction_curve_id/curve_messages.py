@@ -9,7 +9,9 @@ from friction_msgs.msg import FrictionCurve
 from friction_curve_id.activation import ActivationMark
 from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
 from friction_runtime.new_message import new_message
-from friction_runtime.stamps import NANOSECONDS, header_at
+from friction_runtime.reason_text import of_wheel
+from friction_runtime.stamps import header_at
+from vehicle_models.nanoseconds import NANOSECONDS
 
 _NO_ESTIMATE = CurveEstimate(samples=0, slip=nan)
 
@@ -61,7 +63,7 @@ class CurveMessages:
         message.lambda_max_at_activation = self._activation.lambda_max
         message.valid = estimate.valid
         message.reason = int(answer.reason)
-        message.reason_text = answer.text and f"{self._wheel}: {answer.text}"
+        message.reason_text = of_wheel(self._wheel, answer.text)
         return message
 
 

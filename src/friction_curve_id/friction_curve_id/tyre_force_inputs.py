@@ -11,7 +11,8 @@ from friction_curve_id.inputs import Reading, wheel_slip
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.stamps import NANOSECONDS
+from friction_runtime.reason_text import of_topic
+from vehicle_models.nanoseconds import NANOSECONDS
 
 _SLIP_GAP = 0.1
 """Slip is not interpolated across more than this [s], though forces may come a second apart."""
@@ -44,7 +45,7 @@ class TyreForceInputs:
             return Refusal(Reason.NO_SLIP, sample.missing.get(self._slip, f"{self._slip}: not valid")), nan
         slip = values[2]
         if not force.valid:
-            return Refusal(Reason.BAD_INPUT, f"{self.primary}: {force.reason_text or 'not valid'}"), slip
+            return Refusal(Reason.BAD_INPUT, of_topic(self.primary, force.reason_text or "not valid")), slip
         return self._fitting.update(TyreForceSample(sample.stamp / NANOSECONDS, slip, force.fx, force.fz)), slip
 
     def reset(self) -> None:

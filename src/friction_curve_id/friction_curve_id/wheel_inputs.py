@@ -22,8 +22,8 @@ from friction_curve_id.parameters import VEHICLE_VELOCITY as SPEED_SENSOR
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.processor import Report
-from friction_runtime.stamps import NANOSECONDS
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 
 

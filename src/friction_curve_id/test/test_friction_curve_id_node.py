@@ -15,7 +15,8 @@ from std_srvs.srv import Trigger
 
 from dds_client import DdsClient, dds_client, output_of, stop
 from friction_runtime import qos
-from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
+from friction_runtime.stamps import from_nanoseconds
+from vehicle_models.nanoseconds import NANOSECONDS
 
 Brake = Callable[..., Any]
 

@@ -23,7 +23,8 @@ from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from friction_parameters.values import declared, from_mapping, ignored
 from friction_runtime.processor import Level, Report, silent
-from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
+from friction_runtime.stamps import from_nanoseconds
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Accelerometer, Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -161,7 +162,9 @@ def test_a_wheel_that_is_not_among_the_joints_is_named(clean: Brake, method: str
     found = drive(made, braking(clean, wheel="another"))
     assert len(found) > 80
     assert not any(message.valid for message in found)
-    assert reports[0].startswith("error: wheel_states: no velocity for wheel 'front_left', names are: other, another")
+    assert reports[0].startswith(
+        "error: wheel_states: no velocity for wheel 'front_left', names are: \"other, another\""
+    )
 
 
 def test_messages_with_and_without_an_estimate_can_be_published(clean: Brake) -> None:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Generic, TypeVar
 
-from friction_runtime.stamps import NANOSECONDS
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import LATEST_STAMP
 
 Payload = TypeVar("Payload")

@@ -10,11 +10,16 @@ from typing import Any, Literal, Protocol
 
 Output = tuple[str, Any]
 """A relative topic and the message for it."""
-Report = Callable[[Literal["info", "warning", "error"], str], None]
-"""Takes what a processor has to say to a person: the severity and one line that names topic, wheel or parameter."""
+Severity = Literal["debug", "info", "warning", "error"]
+Report = Callable[[Severity, str], None]
+"""Takes what a processor has to say to a person: the severity and one line that names topic, wheel or parameter.
+
+Strings that come from a message stand in double quotes, so that lines that differ in these and in numbers alone can be
+told to be of one kind (report_kind.py).
+"""
 
 
-def silent(severity: str, text: str) -> None:
+def silent(severity: Severity, text: str) -> None:
     """A Report that says nothing."""
 
 
@@ -24,6 +29,17 @@ class Level(IntEnum):
     OK = 0
     WARN = 1
     ERROR = 2
+
+
+def level_of(reason: int, quiet: Collection[int], broken: Collection[int]) -> Level:
+    """Level that a reason for an estimate or against it has in diagnostics, the same in every package.
+
+    Args:
+        reason: of the last estimate.
+        quiet: reasons that belong to ordinary driving.
+        broken: reasons that no wait cures.
+    """
+    return Level.OK if reason in quiet else Level.ERROR if reason in broken else Level.WARN
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,8 @@ from friction_parameters.parameter import ParameterError
 from friction_parameters.values import ignored
 from friction_runtime import qos
 from friction_runtime.node_parameters import declare
-from friction_runtime.processor import Health, Level, Output, Processor, Report, optional_inputs
+from friction_runtime.processor import Health, Level, Output, Processor, Report, Severity, optional_inputs
+from friction_runtime.report_kind import ReportLimit
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -34,8 +35,6 @@ Parameters = TypeVar("Parameters", bound=NodeParameters)
 
 _WATCH_PERIOD = 0.02
 _DIAGNOSTICS_PERIOD = 1.0
-_REPEAT_REPORT_AFTER = 5.0
-"""[s]"""
 
 
 class ProcessorNode(Node, Generic[Parameters]):
@@ -64,7 +63,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         """
         super().__init__(name)
         self._build = build
-        self._said: dict[str, float] = {}
+        self._limit = ReportLimit()
         self._publishers_by_topic: dict[str, Publisher] = {}
         self._arrivals: dict[str, float] = {}
         self._counts: dict[str, int] = {}
@@ -102,20 +101,18 @@ class ProcessorNode(Node, Generic[Parameters]):
                         qos.subscribe(self, kind, topic, partial(self._on_message, topic), profile)
                     self._readers.setdefault(topic, []).append(processor)
 
-    def _report(self, severity: str, text: str) -> None:
-        now = monotonic()
-        if severity == "info":
-            self.get_logger().info(text)
-            return
-        if now - self._said.get(text, -inf) < _REPEAT_REPORT_AFTER:
-            return
-        if len(self._said) > 1000:
-            self._said.clear()
-        self._said[text] = now
-        if severity == "warning":
-            self.get_logger().warning(text)
-        else:
-            self.get_logger().error(text)
+    def _report(self, severity: Severity, text: str) -> None:
+        """Log; warnings and errors of one kind once in a while."""
+        logger = self.get_logger()
+        if severity == "debug":
+            logger.debug(text)
+        elif severity == "info":
+            logger.info(text)
+        elif self._limit.passes(text, monotonic()):
+            if severity == "warning":
+                logger.warning(text)
+            else:
+                logger.error(text)
 
     def _on_message(self, topic: str, message: Any) -> None:
         self._arrivals[topic] = monotonic()

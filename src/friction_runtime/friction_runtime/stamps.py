@@ -1,12 +1,10 @@
-"""Message stamps as integer nanoseconds: exact, ordered, and the only time the estimators know."""
+"""Message stamps from and to integer nanoseconds."""
 
 from builtin_interfaces.msg import Time
 from std_msgs.msg import Header
 
 from friction_runtime.new_message import new_message
-
-NANOSECONDS = 1_000_000_000
-"""Nanoseconds in a second."""
+from vehicle_models.nanoseconds import NANOSECONDS
 
 
 def to_nanoseconds(stamp: Time) -> int:

@@ -60,7 +60,7 @@ class WheelSpeeds:
                 self._report(
                     "error",
                     f"{WHEEL_STATES}: no velocity for wheel '{wheel.name}'{joint}, names are: "
-                    f"{', '.join(self._names)}; check the vehicle file",
+                    f'"{", ".join(self._names)}"; check the vehicle file',
                 )
             elif not abs(speed) <= HIGHEST_WHEEL_SPEED:
                 self._report("warning", f"{WHEEL_STATES}: velocity of wheel '{wheel.name}' is no wheel speed: {speed}")

@@ -46,7 +46,7 @@ class EchoParameters:
 class Echo:
     """A processor with one input and one output, and two of each with method mirror."""
 
-    def __init__(self, parameters: EchoParameters, vehicle: Vehicle) -> None:
+    def __init__(self, parameters: EchoParameters, vehicle: Vehicle, report: Report) -> None:
         """Take the first wheel."""
         if parameters.gain > 9.0 and parameters.method == "mirror":
             raise ValueError("parameter 'gain' is too much for a mirror")
@@ -61,10 +61,14 @@ class Echo:
         self.optional = ("mirrored_brake_demand",)
         self.outputs: Mapping[str, type] = {topic: WheelSlip for topic, _ in self._answers.values()}
         self._count = 0
+        self._report = report
 
     def process(self, topic: str, message: Any) -> list[Output]:
         """Multiply."""
         self._count += 1
+        if message.pressure < 0.0:
+            self._report("warning", f"{topic}: {message.pressure} Pa is negative: refused")
+            return []
         output, factor = self._answers[topic]
         return [(output, WheelSlip(header=message.header, slip=factor * message.pressure + self._offset))]
 
@@ -83,7 +87,7 @@ class Echo:
 
 def build(parameters: EchoParameters, vehicle: Vehicle, report: Report) -> Sequence[Echo]:
     """Make the processor."""
-    return [Echo(parameters, vehicle)]
+    return [Echo(parameters, vehicle, report)]
 
 
 def main() -> int:

@@ -49,9 +49,9 @@ class Link:
             )
         )
 
-    def send(self) -> None:
-        """Send a demand of 3 Pa."""
-        self._publisher.publish(BrakeDemand(pressure=3.0))
+    def send(self, pressure: float = 3.0) -> None:
+        """Send a demand [Pa]."""
+        self._publisher.publish(BrakeDemand(pressure=pressure))
 
     def until_answer(self, expected: float) -> None:
         """Send demands until the answer is as expected."""
@@ -195,6 +195,18 @@ def test_what_is_set_for_another_method_is_said_once(client: DdsClient) -> None:
     assert set_parameter(client, "gain", 4.0).successful
     output = stop(process)
     assert output.count("mirror.factor: ignored, as 'method' is 'plain', not mirror") == 1
+
+
+def test_warnings_that_differ_in_a_value_only_are_logged_once_in_a_while(
+    echo: subprocess.Popen[str], client: DdsClient
+) -> None:
+    link = Link(client)
+    link.until_answer(6.0)
+    for k in range(50):
+        link.send(-1.0 - 0.01 * k)
+    link.until_answer(6.0)
+    output = stop(echo)
+    assert output.count(" Pa is negative: refused") == 1
 
 
 @pytest.mark.parametrize("namespace", ["", "/my_car"])

@@ -60,7 +60,7 @@ def test_a_missing_wheel_is_nan_and_named_with_what_is_there(message: JointState
     (text,) = [text for text in said.texts if text.startswith("error")]
     assert text == (
         "error: wheel_states: no velocity for wheel 'front_right' (joint 'front-right'), names are: "
-        f"{', '.join(message.name)}; check the vehicle file"
+        f'"{", ".join(message.name)}"; check the vehicle file'
     )
 
 
@@ -68,7 +68,7 @@ def test_a_missing_wheel_without_a_joint_of_its_own_is_named_once() -> None:
     said = _Said()
     WheelSpeeds(CAR, ("rear_left",), said).read(JointState(name=["left"], velocity=[1.0]))
     (text,) = said.texts
-    assert text.startswith("error: wheel_states: no velocity for wheel 'rear_left', names are: left;")
+    assert text.startswith("error: wheel_states: no velocity for wheel 'rear_left', names are: \"left\";")
 
 
 def test_other_joints_are_noted_once_by_the_reader_of_the_first_wheel() -> None:
@@ -85,7 +85,7 @@ def test_messages_without_any_wheel_say_what_is_missing_and_nothing_else() -> No
     said = _Said()
     WheelSpeeds(CAR, FRONT, said).read(JointState(name=["FL", "FR"], velocity=[1.0, 2.0]))
     assert len(said.texts) == 2
-    assert all(text.startswith("error: ") and "names are: FL, FR;" in text for text in said.texts)
+    assert all(text.startswith("error: ") and 'names are: "FL, FR";' in text for text in said.texts)
 
 
 @pytest.mark.parametrize("garbage", [nan, inf, -inf, 1e4])

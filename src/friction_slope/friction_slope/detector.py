@@ -10,9 +10,9 @@ from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
 from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign, slope_indicator
 from friction_slope.reference_speed import ReferenceSpeed
 from friction_slope.signals import SignalWindow
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import CornerParameters
 
-_NANOSECONDS = 1_000_000_000
 LOCKED_SLIP = 0.8
 """Beyond the peak of any road [-]. A wheel that stands does so by constraint: (8.3) does not hold for it."""
 HIGHEST_FRICTION = 1.5
@@ -120,7 +120,7 @@ class SlopeDetector:
         if not isfinite(sample.brake_torque):
             return self._estimate(Reason.NO_TORQUE, "no brake torque")
         if self._last is not None:
-            gap = (sample.stamp - self._last.stamp) / _NANOSECONDS
+            gap = (sample.stamp - self._last.stamp) / NANOSECONDS
             if gap <= 0.0:
                 return self._estimate(Reason.BAD_INPUT, "stamp does not advance")
             possible = self._possible_jump(sample, self._last, gap)
@@ -152,12 +152,12 @@ class SlopeDetector:
         if speed < p.minimum_speed:
             return self._unknown(Reason.LOW_SPEED, f"speed is below {p.minimum_speed} m/s")
         h, delay = signals.h(), signals.delay
-        if self._braked is None or sample.stamp - self._braked > p.braking_hold * _NANOSECONDS:
+        if self._braked is None or sample.stamp - self._braked > p.braking_hold * NANOSECONDS:
             return self._unknown(Reason.NOT_BRAKING, f"brake torque is below {p.minimum_torque} N m", h, delay)
         slip_rate = signals.slip_rate() if self._method is Method.SLIP else 0.0
         if isnan(slip_rate):
             return self._unknown(Reason.NO_SLIP, "slip was not valid throughout the window", h, delay)
-        read_at = sample.stamp - round(delay * _NANOSECONDS)
+        read_at = sample.stamp - round(delay * NANOSECONDS)
         if sample.wheel_speed * self._radius < (1.0 - LOCKED_SLIP) * speed:
             self._crossing.update(LOCKED_INDICATOR, 1, signals.slip, read_at)
             return self._estimate(Reason.OK, "", nan, delay, LOCKED_INDICATOR)

@@ -1,8 +1,7 @@
 """Vehicle speed for method no_slip, only to know standstill: a locked wheel must not look like a car that stands."""
 
 from friction_slope.estimate import SlopeSample
-
-_NANOSECOND = 1e-9
+from vehicle_models.nanoseconds import NANOSECOND
 
 
 class ReferenceSpeed:
@@ -26,6 +25,6 @@ class ReferenceSpeed:
 
     def update(self, sample: SlopeSample) -> None:
         """Take a sample, later than the last."""
-        dt = 0.0 if self._stamp is None else (sample.stamp - self._stamp) * _NANOSECOND
+        dt = 0.0 if self._stamp is None else (sample.stamp - self._stamp) * NANOSECOND
         self._stamp = sample.stamp
         self.speed = max(sample.wheel_speed * self._radius, self.speed - self._max_deceleration * dt, 0.0)

@@ -8,8 +8,8 @@ derivative they pass the same filter and cancel exactly; taken apart they would 
 
 from friction_slope.estimate import SlopeSample
 from vehicle_models.derivatives import LocalPolynomial
+from vehicle_models.nanoseconds import NANOSECOND
 
-_NANOSECOND = 1e-9
 _OMEGA, _Z, _SLIP, _SLIP_RATE = range(4)
 
 
@@ -50,7 +50,7 @@ class SignalWindow:
     def update(self, sample: SlopeSample) -> None:
         """Take a sample, later than the last, with finite wheel speed and torque."""
         if self._last is not None:
-            dt = (sample.stamp - self._last.stamp) * _NANOSECOND
+            dt = (sample.stamp - self._last.stamp) * NANOSECOND
             self._impulse += 0.5 * dt * (self._last.brake_torque + sample.brake_torque)
         self._last = sample
         values = (sample.wheel_speed, sample.wheel_speed + self._impulse / self._inertia, sample.slip, sample.slip_rate)

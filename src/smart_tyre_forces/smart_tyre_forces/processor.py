@@ -1,7 +1,6 @@
 """<wheel>/tyre_signals in, <wheel>/contact_patch and <wheel>/tyre_force out, once per revolution."""
 
 from collections.abc import Mapping, Sequence
-from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +8,9 @@ from friction_msgs.msg import ContactPatch, TyreForce, TyreSignals
 from geometry_msgs.msg import WrenchStamped
 from std_msgs.msg import Header
 
-from friction_runtime.processor import Health, Level, Output, Report, silent
-from friction_runtime.stamps import NANOSECONDS, from_nanoseconds, to_nanoseconds
+from friction_runtime.primary import Primary
+from friction_runtime.processor import Health, Level, Output, Report, level_of, silent
+from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces import messages
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.correction import Patch, PatchCorrection
@@ -20,11 +20,14 @@ from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker
 from smart_tyre_forces.reasons import ForceReason, PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import LATEST_STAMP
 from vehicle_models.vehicle import Vehicle
 
-_SILENT_AFTER = 0.25
-"""[s]"""
+_QUIET = (PatchReason.OK, PatchReason.NOT_READY, PatchReason.SPEED_RANGE, PatchReason.REVERSAL)
+"""Reasons that belong to ordinary driving."""
+_BROKEN = (PatchReason.NOT_CALIBRATED,)
+"""Reasons that no wait cures."""
 
 
 class TyreProcessor:
@@ -53,6 +56,7 @@ class TyreProcessor:
             self.outputs = {**self.outputs, f"{wheel}/tyre_wrench": WrenchStamped}
         self._p = parameters
         self._report = report
+        self._primary = Primary(self._topic, wheel, report, optional=True)
         self._came = False
         self._template = _template(parameters, calibration)
         self._wheel_calibration = None if calibration is None else calibration.wheels.get(wheel)
@@ -75,7 +79,6 @@ class TyreProcessor:
         self._last_stamp: int | None = None
         self._patch: Patch | None = None
         self._forces: Forces | None = None
-        self._silent = ""
 
     def request_shift_zero(self) -> None:
         """Call the shift zero at the next stretch of constant speed."""
@@ -93,13 +96,12 @@ class TyreProcessor:
         acceleration = np.asarray(message.radial_acceleration, dtype=np.float32)
         refusal = self._refusal(message, stamp, len(voltage), len(acceleration))
         if refusal:
-            self._report("warning", f"{topic}: {refusal}: block refused")
+            self._primary.refuse(f"{topic}: {refusal}")
             return []
         if self._last_stamp is not None and stamp < self._last_stamp:
-            self._report("warning", f"{topic}: time went back: started anew")
+            self._primary.jumped_back()
             self.reset()
         self._last_stamp = stamp
-        self._silent = ""
         outputs: list[Output] = []
         for passage in self._tracker.push(int(message.first_sample), voltage, acceleration):
             seconds = (passage.time - message.first_sample) / self._p.tracker.sample_rate
@@ -120,11 +122,11 @@ class TyreProcessor:
 
     def _refusal(self, message: TyreSignals, stamp: int, voltages: int, accelerations: int) -> str:
         if message.wheel != self._wheel.name:
-            return f"wheel '{message.wheel}' where '{self._wheel.name}' is expected"
+            return f"wheel \"{message.wheel}\" where '{self._wheel.name}' is expected"
         if not 0 < stamp <= LATEST_STAMP - voltages / self._p.tracker.sample_rate * NANOSECONDS:
             return "stamp is zero" if stamp <= 0 else "stamp is no time"
         if stamp == self._last_stamp:
-            return "repeated stamp"
+            return "stamp repeats"
         if voltages == 0 or voltages != accelerations:
             return f"{voltages} encoder and {accelerations} acceleration samples"
         rate = self._p.tracker.sample_rate
@@ -157,8 +159,7 @@ class TyreProcessor:
 
     def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
         """Note silence for diagnostics, of signals that have come once."""
-        age = ages.get(self._topic, 0.0)
-        self._silent = f"{self._topic}: no message for {age:.2f} s" if _SILENT_AFTER < age < inf else ""
+        self._primary.watch(ages)
         return []
 
     def health(self) -> Health:
@@ -177,17 +178,16 @@ class TyreProcessor:
         return Health(self._wheel.name, level, text, values)
 
     def _state(self) -> tuple[Level, str]:
-        if self._silent:
-            return Level.ERROR, self._silent
+        if self._primary.silence:
+            return Level.ERROR, self._primary.silence
         if not self._came:
             return Level.OK, "no tyre signals"
         if self._patch is None:
-            return Level.WARN, "no revolution seen yet"
-        if self._patch.reason is not PatchReason.OK:
-            return Level.WARN, messages.PATCH_TEXTS[self._patch.reason]
-        if self._correction.pressure_changed:
+            return Level.OK, "no revolution seen yet"
+        level, text = level_of(self._patch.reason, _QUIET, _BROKEN), messages.PATCH_TEXTS[self._patch.reason]
+        if level is Level.OK and self._correction.pressure_changed:
             return Level.WARN, "pressure changed: re-zero the length"
-        return Level.OK, "ok"
+        return level, text or "ok"
 
 
 def build(parameters: SmartTyreParameters, vehicle: Vehicle, report: Report = silent) -> list[TyreProcessor]:

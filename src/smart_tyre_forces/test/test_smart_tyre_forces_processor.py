@@ -215,15 +215,17 @@ def _fields(message: TyreSignals) -> dict[str, Any]:
 def test_time_that_goes_back_starts_anew(simulate: Any, calibration_file: str) -> None:
     given = SmartTyreParameters(calibration_file=calibration_file)
     messages = list(blocks(simulate(8.0, seconds=7.0)))
-    processor = build(given, CAR)[0]
+    said: list[tuple[str, str]] = []
+    processor = build(given, CAR, lambda severity, text: said.append((severity, text)))[0]
     first, second = feed(processor, messages), feed(processor, messages)
     assert repr(first) == repr(second)
+    assert said == [("info", f"{TOPIC}: stamps jumped back, front_left starts again")]
 
 
 def test_health_says_what_is_missing(simulate: Any, calibration_file: str) -> None:
     processor = build(SmartTyreParameters(calibration_file=calibration_file), CAR)[0]
     feed(processor, list(blocks(simulate(8.0, seconds=7.0)))[:3])
-    assert processor.health().level is Level.WARN
+    assert (processor.health().level, processor.health().message) == (Level.OK, "no revolution seen yet")
     feed(processor, blocks(simulate(8.0, seconds=7.0)))
     assert processor.health().level is Level.OK
     processor.watch({TOPIC: 1.0})
@@ -231,7 +233,13 @@ def test_health_says_what_is_missing(simulate: Any, calibration_file: str) -> No
     processor.watch({TOPIC: 0.0})
     processor.request_length_zero()
     feed(processor, blocks(simulate(8.0, seconds=3.0), start=20_000_000_000))
-    assert processor.health().level is Level.WARN
+    assert (processor.health().level, processor.health().message[:11]) == (Level.OK, "no zero yet")
+
+
+def test_health_of_a_wheel_that_nobody_calibrated_is_an_error(simulate: Any) -> None:
+    processor = build(SmartTyreParameters(), CAR)[0]
+    feed(processor, blocks(simulate(10.0, seconds=14.0)))
+    assert (processor.health().level, processor.health().message[:14]) == (Level.ERROR, "not calibrated")
 
 
 def test_wheel_without_signals_is_no_fault_but_one_whose_signals_end_is(simulate: Any) -> None:

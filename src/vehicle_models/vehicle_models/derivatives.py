@@ -16,8 +16,9 @@ from math import factorial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vehicle_models.nanoseconds import NANOSECOND
+
 Array = NDArray[np.float64]
-_NANOSECOND = 1e-9
 
 
 def polynomial_weights(offsets: ArrayLike, degree: int, order: int, delay: float) -> Array:
@@ -102,7 +103,7 @@ class LocalPolynomial:
         if self._equal_intervals < self._window or not self.ready:
             self._weights.clear()
             self.ready = len(self._stamps) == self._window
-            self.span = (stamp - self._stamps[0]) * _NANOSECOND if self.ready else 0.0
+            self.span = (stamp - self._stamps[0]) * NANOSECOND if self.ready else 0.0
 
     def derivative(self, order: int, delay: float) -> Array:
         """Derivative of each signal `delay` [s] before the newest sample, shape (signals,).
@@ -114,7 +115,7 @@ class LocalPolynomial:
             raise ValueError(f"window is not full: {len(self._stamps)} of {self._window} samples")
         weights = self._weights.get((order, delay))
         if weights is None:
-            offsets = (np.array(self._stamps) - self._stamps[-1]) * _NANOSECOND
+            offsets = (np.array(self._stamps) - self._stamps[-1]) * NANOSECOND
             weights = polynomial_weights(offsets, self._degree, order, delay)
             self._weights[order, delay] = weights
         # `dot` is `@` without its search for a loop, which for few samples takes longer than the product.

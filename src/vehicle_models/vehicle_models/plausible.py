@@ -1,5 +1,7 @@
 """Limits of plausibility: what is beyond is garbage, not a measurement of a car on a road. Every node uses them."""
 
+from vehicle_models.nanoseconds import NANOSECONDS
+
 HIGHEST_WHEEL_SPEED = 1000.0
 """[rad/s]"""
 HIGHEST_SPEED = 200.0
@@ -10,5 +12,5 @@ HIGHEST_TORQUE = 1e5
 """Of a brake [N m]."""
 HIGHEST_PRESSURE = 1e9
 """Of a brake line [Pa]."""
-LATEST_STAMP = (2**31 - 2) * 1_000_000_000
+LATEST_STAMP = (2**31 - 2) * NANOSECONDS
 """[ns] A message stamp holds a second more."""

@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Sequence
 
-from friction_runtime.stamps import NANOSECONDS
+from vehicle_models.nanoseconds import NANOSECONDS
 from wheel_slip.radius_calibration import CalibrationParameters, Radii, RadiusCalibration
 from wheel_slip.speed_sample import SpeedSample
 

@@ -1,17 +1,21 @@
 """wheel_states, imu/data and vehicle_velocity in, <wheel>/slip out: one processor for the car."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import isfinite, nan
 
 from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import Imu, JointState
 
-from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
+from friction_runtime.aligned_processor import AlignedProcessor
+from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.new_message import new_message
-from friction_runtime.processor import Health, Level, Output, Report, silent
-from friction_runtime.stamps import NANOSECONDS, header_at, to_nanoseconds
+from friction_runtime.primary import Primary
+from friction_runtime.processor import Level, Output, Report, silent
+from friction_runtime.reason_text import of_wheel
+from friction_runtime.stamps import header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import HIGHEST_ACCELERATION, HIGHEST_SPEED
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
@@ -22,19 +26,18 @@ from wheel_slip.speed_sample import SpeedSample
 
 IMU = "imu/data"
 VEHICLE_VELOCITY = "vehicle_velocity"
-_SILENT_AFTER = 0.25
-"""[s]"""
+_QUIET = (Reason.OK, Reason.LOW_SPEED)
+"""Reasons that belong to ordinary driving."""
 
 
-class CarProcessor:
-    """Layer 2 of wheel_slip. Fires for each wheel_states sample, once the accelerometer has reached its stamp."""
+class CarProcessor(AlignedProcessor[tuple[float, ...]]):
+    """Layer 2 of wheel_slip: fires on wheel_states."""
 
     def __init__(self, vehicle: Vehicle, parameters: WheelSlipParameters, report: Report = silent) -> None:
         """Build for a car; `report` takes what a person should know."""
         self._p = parameters
         self._wheels = vehicle.wheel_names
         self._accelerometer = vehicle.accelerometer
-        self._report = report
         self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, VEHICLE_VELOCITY: TwistWithCovarianceStamped}
         self.optional = (VEHICLE_VELOCITY,)
         inputs: list[AlignedInput] = []
@@ -43,63 +46,55 @@ class CarProcessor:
             inputs.append(AlignedInput(IMU, parameters.estimator.max_gap))
         self.estimates: Mapping[str, type] = {}
         self.outputs: Mapping[str, type] = {f"{wheel}/slip": WheelSlip for wheel in self._wheels}
-        self._aligner: Aligner[tuple[float, ...]] = Aligner(WHEEL_STATES, inputs, parameters.deadline)
+        super().__init__("car", Primary(WHEEL_STATES, "car", report), inputs, parameters.deadline)
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
         self._speeds: SpeedQueue[tuple[float, float]] = SpeedQueue(parameters.speed_sensor.wait)
         self._estimator = SlipEstimator(vehicle, parameters.estimator)
-        self.reset()
+        self._forget()
 
-    def reset(self) -> None:
-        """Start anew, as after construction."""
-        self._aligner.reset()
+    def _payload(self, message: JointState) -> tuple[float, ...]:
+        return self._wheel_speeds.read(message)
+
+    def _take(self, topic: str, message: Imu | TwistWithCovarianceStamped) -> str | None:
+        stamp = to_nanoseconds(message.header.stamp)
+        if topic == IMU:
+            return self._aligner.offer(topic, stamp, (self._acceleration(message),))
+        return self._offer_speed(stamp, message)
+
+    def _forget(self) -> None:
         self._speeds.reset()
         self._estimator.reset()
         self._last: dict[str, WheelEstimate] = {}
         self._missing = ""
-        self._silent = ""
         self._stamp = 0
 
-    def process(self, topic: str, message: JointState | Imu | TwistWithCovarianceStamped) -> Sequence[Output]:
-        """Take one message, return what follows from it."""
-        stamp = to_nanoseconds(message.header.stamp)
-        if topic == WHEEL_STATES:
-            refusal = self._aligner.offer_primary(stamp, self._wheel_speeds.read(message))
-        elif topic == IMU:
-            refusal = self._aligner.offer(topic, stamp, (self._acceleration(message),))
-        else:
-            refusal = self._offer_speed(stamp, message)
-        if refusal is not None:
-            self._report("warning", f"{refusal}: sample refused")
-        self._silent = ""
-        return [output for sample in self._aligner.ready() for output in self._fire(sample)]
+    def _start_again(self, stamp: int) -> None:
+        self._estimator.reset()
 
-    def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
-        """Note silence of wheel_states for diagnostics: without a sample there is no stamp to speak of."""
-        age = ages.get(WHEEL_STATES, 0.0)
-        self._silent = f"{WHEEL_STATES}: no message for {age:.2f} s" if age > _SILENT_AFTER else ""
-        return []
+    def _state(self) -> tuple[Level, str]:
+        if self._estimator.vehicle.source is SpeedSource.NONE:
+            return Level.ERROR, "no vehicle speed"
+        bad = [
+            f"{wheel}: {estimate.reason_text}"
+            for wheel, estimate in self._last.items()
+            if estimate.reason not in _QUIET
+        ]
+        if self._estimator.vehicle.accelerometer_is_stuck:
+            bad.append(f"{IMU}: repeats one value that the wheels contradict; left out")
+        if self._missing:
+            bad.append(self._missing)
+        return Level.WARN if bad else Level.OK, "; ".join(bad)
 
-    def health(self) -> Health:
-        """State for diagnostics."""
+    def _values(self) -> dict[str, str]:
         car = self._estimator.vehicle
         values = {
             **car.health_values(self._stamp),
             "radii [m]": ", ".join(f"{radius:.4f}" for radius in self._estimator.radii),
             "late samples of vehicle_velocity": str(self._speeds.late),
         }
-        bad: list[str] = []
         for wheel, estimate in self._last.items():
             values[f"{wheel} reason"] = estimate.reason_text or "ok"
-            if estimate.reason not in (Reason.OK, Reason.LOW_SPEED):
-                bad.append(f"{wheel}: {estimate.reason_text}")
-        if self._silent or not self._last:
-            return Health("car", Level.ERROR, self._silent or f"{WHEEL_STATES}: no sample yet", values)
-        if car.source is SpeedSource.NONE:
-            return Health("car", Level.ERROR, "no vehicle speed", values)
-        if car.accelerometer_is_stuck:
-            bad.append(f"{IMU}: repeats one value that the wheels contradict; left out")
-        said = "; ".join([*bad, *([self._missing] if self._missing else [])])
-        return Health("car", Level.WARN if said else Level.OK, said or "ok", values)
+        return values
 
     def _acceleration(self, message: Imu) -> float:
         """Acceleration forward [m/s^2], NaN where it is garbage."""
@@ -116,9 +111,6 @@ class CarProcessor:
         return None if refusal is None else f"{VEHICLE_VELOCITY}: {refusal}"
 
     def _fire(self, sample: AlignedSample[tuple[float, ...]]) -> list[Output]:
-        if sample.rewound:
-            self._estimator.reset()
-            self._report("info", f"{WHEEL_STATES}: stamps jumped back, started anew")
         self._stamp = sample.stamp
         self._missing = sample.missing.get(IMU, "")
         latency = round(self._p.speed_sensor.latency * NANOSECONDS)
@@ -153,5 +145,5 @@ def _message(stamp: int, wheel: str, estimate: WheelEstimate) -> WheelSlip:
     message.speed_source = int(estimate.source)
     message.valid = estimate.reason is Reason.OK
     message.reason = int(estimate.reason)
-    message.reason_text = estimate.reason_text and f"{wheel}: {estimate.reason_text}"
+    message.reason_text = of_wheel(wheel, estimate.reason_text)
     return message

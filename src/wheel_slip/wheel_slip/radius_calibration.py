@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, sqrt
 
-from friction_runtime.stamps import NANOSECONDS
+from vehicle_models.nanoseconds import NANOSECONDS
 
 _CORRELATION = 0.2
 """[s]"""

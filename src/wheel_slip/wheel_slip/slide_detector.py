@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from math import exp, isfinite, nan
 
 from friction_parameters.parameter import parameter
-from friction_runtime.stamps import NANOSECONDS
+from vehicle_models.nanoseconds import NANOSECONDS
 
 _LAG = 0.015
 """Time constant [s] that gives the acceleration the lag of the wheel filter."""

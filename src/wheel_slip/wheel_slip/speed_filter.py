@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import isfinite, sqrt
 
 from friction_parameters.parameter import parameter
-from friction_runtime.stamps import NANOSECONDS
+from vehicle_models.nanoseconds import NANOSECONDS
 
 _HISTORY = 1 * NANOSECONDS
 """How far back [ns] a measurement can be used."""

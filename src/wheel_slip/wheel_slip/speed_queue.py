@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Iterator
 from typing import Generic, TypeVar
 
-from friction_runtime.stamps import NANOSECONDS
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import LATEST_STAMP
 
 Payload = TypeVar("Payload")

@@ -1,6 +1,6 @@
 """Does a sensor repeat one value to the last bit?"""
 
-from friction_runtime.stamps import NANOSECONDS
+from vehicle_models.nanoseconds import NANOSECONDS
 
 _STUCK_AFTER = round(0.25 * NANOSECONDS)
 

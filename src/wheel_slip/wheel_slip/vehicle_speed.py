@@ -16,7 +16,7 @@ from math import isfinite, sqrt
 from statistics import median
 
 from friction_parameters.parameter import group, parameter
-from friction_runtime.stamps import NANOSECONDS
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.carried_wheels import CarriedWheels
 from wheel_slip.estimate import SpeedSource

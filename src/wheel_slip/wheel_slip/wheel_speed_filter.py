@@ -16,7 +16,7 @@ Noise alone hardly reaches m = 2, so that the smoothing of a quiet wheel stays w
 from dataclasses import dataclass
 
 from friction_parameters.parameter import parameter
-from friction_runtime.stamps import NANOSECONDS
+from vehicle_models.nanoseconds import NANOSECONDS
 
 _FIRST_ACCELERATION_VARIANCE = 100.0**2
 """Of a wheel nothing is known of [rad^2/s^4]: ten times the acceleration of a wheel that rolls in a hard stop."""

@@ -15,6 +15,7 @@ from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.message_definition import UnknownTypeError, message_class
 
 _NANOSECONDS = 1_000_000_000
+"""In a second; said here too, as reading bags imports nothing of the graph."""
 _WIDTH = 160
 """Of the output where it goes to no terminal."""
 

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from std_msgs.msg import Header
 
 from friction_runtime.processor import Output
-from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
+from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.encoder import EncoderParameters
 from vehicle_models.force_history import Drive, dynamic_drive, quasi_static_drives
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.tyre_ring import TyreRing
 from vehicle_models.tyre_signal import AccelerometerParameters, TyreSignalSource
 from vehicle_models.vehicle_file import load_vehicle

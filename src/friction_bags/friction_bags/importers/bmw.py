@@ -11,7 +11,8 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import Imu, JointState
 
 from friction_bags.bag_vehicle import VEHICLE_NOTE
-from friction_runtime.stamps import NANOSECONDS, from_nanoseconds
+from friction_runtime.stamps import from_nanoseconds
+from vehicle_models.nanoseconds import NANOSECONDS
 
 STAMP_OFFSET = 1000
 """[s] added to t_s."""

@@ -28,8 +28,9 @@ from friction_bags.offline.vehicle_text import with_radii
 from friction_parameters.parameter import ParameterError
 from friction_runtime.aligner import AlignedInput, Aligner
 from friction_runtime.processor import Report
-from friction_runtime.stamps import NANOSECONDS, to_nanoseconds
+from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle, vehicle_path
 from wheel_slip.processor import VEHICLE_VELOCITY

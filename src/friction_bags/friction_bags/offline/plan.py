@@ -22,7 +22,8 @@ from friction_bags.offline.estimators import (
     vehicle_of,
 )
 from friction_parameters.values import from_mapping, values_of
-from friction_runtime.processor import Processor, Report
+from friction_runtime.processor import Processor, Report, Severity
+from friction_runtime.report_kind import report_kind
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -78,15 +79,16 @@ class OfflinePlan:
 
 
 class SayOnce:
-    """Report of processors: each text once, without mere information."""
+    """Report of processors: warnings and errors, each kind once."""
 
     def __init__(self) -> None:
         self._said: set[str] = set()
 
-    def __call__(self, severity: str, text: str) -> None:
+    def __call__(self, severity: Severity, text: str) -> None:
         """Print what was not printed before."""
-        if severity != "info" and text not in self._said and len(self._said) < _MOST_REPORTS:
-            self._said.add(text)
+        kind = report_kind(text)
+        if severity in ("warning", "error") and kind not in self._said and len(self._said) < _MOST_REPORTS:
+            self._said.add(kind)
             print(f"{severity}: {text}", file=sys.stderr)
 
 

@@ -21,8 +21,8 @@ from friction_bags.record_replay.flow_control import FlowControl
 from friction_bags.record_replay.player import Player, Span
 from friction_bags.record_replay.topic_selection import TopicSelection, add_selection_arguments, selection_of
 from friction_runtime.spin import stop_on_signals, take_down
+from vehicle_models.nanoseconds import NANOSECONDS
 
-_NANOSECONDS = 1_000_000_000
 _PROGRESS_PERIOD = 0.1
 
 
@@ -93,8 +93,8 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
         return 2
     if args.clock:
         player.publish_clock(args.clock)
-    start = reader.start + round(args.start_offset * _NANOSECONDS)
-    stop_at = reader.end + 1 if args.duration is None else start + round(args.duration * _NANOSECONDS)
+    start = reader.start + round(args.start_offset * NANOSECONDS)
+    stop_at = reader.end + 1 if args.duration is None else start + round(args.duration * NANOSECONDS)
     span = Span(start, min(stop_at, reader.end + 1))
     if span.stop <= span.start:
         print(f"error: {args.bag}: nothing behind --start-offset {args.start_offset} s", file=sys.stderr)
@@ -107,7 +107,7 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
         print(f"error: nobody publishes {' '.join(args.follow)}: start the nodes first", file=sys.stderr)
         return 2
     begun = monotonic()
-    with _progress((span.stop - span.start) / _NANOSECONDS) as progress:
+    with _progress((span.stop - span.start) / NANOSECONDS) as progress:
         player.play(span, rate, stop, progress, flow)
         while args.loop and not stop.is_set():
             player.play(span, rate, stop, progress, flow)

@@ -17,8 +17,8 @@ from friction_bags.bag_io.message_definition import UnknownTypeError
 from friction_bags.record_replay import qos_profiles
 from friction_bags.record_replay.flow_control import FlowControl, has_header, header_stamp
 from friction_bags.record_replay.foreign_type import raw_class
+from vehicle_models.nanoseconds import NANOSECONDS
 
-_NANOSECONDS = 1_000_000_000
 _POLL_PERIOD = 0.005
 _ACKNOWLEDGE_TIMEOUT = 5.0
 _ACKNOWLEDGE_EVERY = 50
@@ -110,10 +110,10 @@ class Player:
         begun = monotonic()
         next_clock = 0.0
         for topic, stamp, data in self._reader.messages(self._publishers, span.start, span.stop):
-            offset = (stamp - span.start) / _NANOSECONDS
+            offset = (stamp - span.start) / NANOSECONDS
             while self._clock is not None and next_clock <= offset:
                 self._sleep_until(begun + next_clock / rate, stop)
-                self._tell_time(span.start + round(next_clock * _NANOSECONDS))
+                self._tell_time(span.start + round(next_clock * NANOSECONDS))
                 next_clock += self._clock_period
             self._sleep_until(begun + offset / rate, stop)
             if flow is not None and topic in stamped:
@@ -145,7 +145,7 @@ class Player:
 
     def _tell_time(self, now: int) -> None:
         assert self._clock is not None
-        seconds, nanoseconds = divmod(now, _NANOSECONDS)
+        seconds, nanoseconds = divmod(now, NANOSECONDS)
         message = Clock()
         message.clock.sec, message.clock.nanosec = seconds, nanoseconds
         self._clock.publish(message)

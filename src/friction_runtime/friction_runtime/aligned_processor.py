@@ -1,0 +1,98 @@
+"""What the processors of all estimators with several inputs do alike: align, refuse, start again, notice silence."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Any, Generic, TypeVar
+
+from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
+from friction_runtime.primary import Primary
+from friction_runtime.processor import Health, Level, Output
+from friction_runtime.stamps import to_nanoseconds
+
+Payload = TypeVar("Payload")
+
+
+class AlignedProcessor(ABC, Generic[Payload]):
+    """A processor that fires for each sample of its primary, once the other inputs have reached its stamp.
+
+    An estimator says what a message holds (`_payload`, `_take`), what it gives for a sample (`_fire`), what it forgets
+    (`_forget`, `_start_again`), and how it is (`_state`, `_values`).
+    """
+
+    def __init__(self, name: str, primary: Primary, aligned: Sequence[AlignedInput], deadline: float) -> None:
+        """Connect the inputs.
+
+        Args:
+            name: of the wheel, or of what else is estimated.
+            primary: the stream that it fires on.
+            aligned: inputs that are interpolated to the primary.
+            deadline: message time [s] a primary sample waits for the others, > 0.
+        """
+        self._name = name
+        self._primary = primary
+        self._aligner: Aligner[Payload] = Aligner(primary.topic, aligned, deadline)
+        self._fired = False
+
+    def process(self, topic: str, message: Any) -> Sequence[Output]:
+        """Take one message, return what follows from it."""
+        if topic == self._primary.topic:
+            refusal = self._aligner.offer_primary(to_nanoseconds(message.header.stamp), self._payload(message))
+        else:
+            refusal = self._take(topic, message)
+        if refusal is not None:
+            self._primary.refuse(refusal)
+        outputs: list[Output] = []
+        for sample in self._aligner.ready():
+            if sample.rewound:
+                self._primary.jumped_back()
+                self._start_again(sample.stamp)
+            self._fired = True
+            outputs += self._fire(sample)
+        return outputs
+
+    def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
+        """Note silence of the primary for diagnostics: without a sample there is no stamp to speak of."""
+        self._primary.watch(ages)
+        return []
+
+    def reset(self) -> None:
+        """Start again, as after construction."""
+        self._aligner.reset()
+        self._fired = False
+        self._forget()
+
+    def health(self) -> Health:
+        """State for diagnostics."""
+        if self._primary.silence or not self._fired:
+            text = self._primary.silence or f"{self._primary.topic}: no sample yet"
+            return Health(self._name, Level.ERROR, text, self._values())
+        level, text = self._state()
+        return Health(self._name, level, text or "ok", self._values())
+
+    @abstractmethod
+    def _payload(self, message: Any) -> Payload:
+        """What a message of the primary holds."""
+
+    @abstractmethod
+    def _take(self, topic: str, message: Any) -> str | None:
+        """Take a message of another input, mostly to the aligner; return why it is refused."""
+
+    @abstractmethod
+    def _fire(self, sample: AlignedSample[Payload]) -> list[Output]:
+        """Estimate at the stamp of a sample."""
+
+    @abstractmethod
+    def _forget(self) -> None:
+        """Forget everything: a reset was asked for."""
+
+    @abstractmethod
+    def _start_again(self, stamp: int) -> None:
+        """Forget what lies before a jump back in time, to `stamp` [ns]. The inputs are the aligner's."""
+
+    @abstractmethod
+    def _state(self) -> tuple[Level, str]:
+        """Level and text for diagnostics, after at least one sample; the text is empty where all is well."""
+
+    @abstractmethod
+    def _values(self) -> dict[str, str]:
+        """Values for diagnostics."""

@@ -1,0 +1,88 @@
+"""Layers of the packages: algorithms know no ROS, so that they run, and are tested, wherever Python does."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SOURCES = Path(__file__).resolve().parents[1] / "src"
+ALGORITHMS = (
+    "friction_parameters",
+    "vehicle_models",
+    "wheel_slip",
+    "friction_slope",
+    "friction_curve_id",
+    "abs_supervisor",
+    "smart_tyre_forces",
+)
+"""Packages that consist of an algorithm, and what stands around it."""
+AROUND = {
+    "__main__": "starts the node",
+    "node": "layer 3",
+    "processor": "layer 2",
+    "messages": "smart_tyre_forces: estimates as messages",
+    "curve_messages": "friction_curve_id: estimates as messages",
+    "inputs": "friction_curve_id: messages as samples",
+    "wheel_inputs": "the same of one wheel",
+    "vehicle_inputs": "the same of a vehicle",
+    "tyre_force_inputs": "the same of a smart tyre",
+    "calibration_bags": "smart_tyre_forces: reads bags",
+    "calibration_tool": "smart_tyre_forces: a command that reads bags",
+}
+"""Modules that may import ROS, and why; all others are layer 1."""
+WITHOUT_ROS = """
+import sys
+from importlib import import_module
+from importlib.abc import MetaPathFinder
+
+class NoRos(MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        root = name.partition(".")[0]
+        if root.endswith("_msgs") or root in ("rclpy", "rosbag2_py", "builtin_interfaces", "ament_index_python"):
+            raise ModuleNotFoundError(f"{name} is ROS")
+        return None
+
+sys.meta_path.insert(0, NoRos())
+failed = []
+for module in sys.argv[1:]:
+    try:
+        import_module(module)
+    except ImportError as error:
+        failed.append(f"{module}: {error}")
+print("\\n".join(failed))
+sys.exit(bool(failed))
+"""
+
+
+def modules_of(package: str) -> list[str]:
+    """Names of all modules of a package, those of its subpackages too."""
+    directory = SOURCES / package
+    files = sorted((directory / package).rglob("*.py"))
+    names = [".".join(file.relative_to(directory).with_suffix("").parts) for file in files]
+    return [name.removesuffix(".__init__") for name in names]
+
+
+def imported_without_ros(modules: list[str]) -> str:
+    """Import modules in a new interpreter in which ROS cannot be imported; return what failed."""
+    command = [sys.executable, "-c", WITHOUT_ROS, *modules]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode in (0, 1), done.stderr
+    return done.stdout.strip()
+
+
+@pytest.mark.parametrize("package", ALGORITHMS)
+def test_algorithms_import_no_ros(package: str) -> None:
+    layer_1 = [name for name in modules_of(package) if name.rpartition(".")[2] not in AROUND]
+    assert layer_1
+    assert imported_without_ros(layer_1) == ""
+
+
+def test_what_processors_share_with_algorithms_imports_no_ros_either() -> None:
+    assert imported_without_ros(["friction_runtime.aligner", "friction_runtime.processor"]) == ""
+
+
+def test_a_module_that_imports_ros_is_found() -> None:
+    assert "friction_msgs is ROS" in imported_without_ros(["friction_slope.estimate", "friction_slope.processor"])
