@@ -150,7 +150,7 @@ def test_a_wheel_that_is_missing_in_the_bag_is_named_with_the_names_there_are(
     bag = rolling(tmp_path / "bag", {"vehicle": cars["medium"]}, ("car::FL", "car::fr"))
     options = ProcessOptions(WHEEL_ESTIMATORS, parameter_files=(no_imu,))
     process_bag(bag, tmp_path / "out", options, processes, lambda _: None)
-    assert "no velocity for wheel 'FR' (joint 'car::FR'), names are: car::FL, car::fr" in capfd.readouterr().err
+    assert "no velocity for wheel 'FR' (joint 'car::FR'), names are: \"car::FL, car::fr\"" in capfd.readouterr().err
     assert rim_speed(tmp_path / "out") == pytest.approx(12.0, rel=0.02)
 
 
