@@ -26,8 +26,6 @@ from vehicle_models.vehicle import Vehicle
 
 _QUIET = (PatchReason.OK, PatchReason.NOT_READY, PatchReason.SPEED_RANGE, PatchReason.REVERSAL)
 """Reasons that belong to ordinary driving."""
-_BROKEN = (PatchReason.NOT_CALIBRATED,)
-"""Reasons that no wait cures."""
 
 
 class TyreProcessor:
@@ -184,7 +182,7 @@ class TyreProcessor:
             return Level.OK, "no tyre signals"
         if self._patch is None:
             return Level.OK, "no revolution seen yet"
-        level, text = level_of(self._patch.reason, _QUIET, _BROKEN), messages.PATCH_TEXTS[self._patch.reason]
+        level, text = level_of(self._patch.reason, _QUIET, broken=()), messages.PATCH_TEXTS[self._patch.reason]
         if level is Level.OK and self._correction.pressure_changed:
             return Level.WARN, "pressure changed: re-zero the length"
         return level, text or "ok"
