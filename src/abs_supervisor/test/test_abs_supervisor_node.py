@@ -51,7 +51,7 @@ def test_node_commands_a_release_and_falls_back_when_the_slope_goes_silent() -> 
     assert arrived[-1] - last >= stale_after - 0.02
     assert states[-1].cause == SupervisorState.CAUSE_FAIL_SAFE
     assert states[-1].fail_safes == 1
-    for text in ("releases: 1, last cause: fail_safe", "front_left/friction_slope: no message for 1."):
+    for text in ("releases: 1, last cause: fail_safe", "front_left/friction_slope: no message for"):
         assert text in output
     assert "S1 -> S21" not in output, "transitions are for debugging"
     assert process.returncode == 0

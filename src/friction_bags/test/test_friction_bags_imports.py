@@ -18,6 +18,7 @@ ALLOWED: dict[str, set[str]] = {
         "friction_bags.bag_vehicle",
         "friction_parameters",
         "friction_runtime",
+        "vehicle_models",
     },
     "offline": {
         "friction_bags.bag_io",

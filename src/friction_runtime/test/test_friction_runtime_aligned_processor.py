@@ -1,19 +1,32 @@
 """What all processors do alike: refusals, jumps back, silence, levels in diagnostics, texts that name a wheel once."""
 
 from collections.abc import Sequence
+from importlib.machinery import SourceFileLoader
+from importlib.util import module_from_spec, spec_from_loader
 from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from builtin_interfaces.msg import Time
 from friction_msgs.msg import BrakeDemand
 from std_msgs.msg import Header
 
-from friction_runtime.aligned_processor import AlignedProcessor
+import friction_runtime
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Severity, level_of
 from friction_runtime.reason_text import of_topic, of_wheel, without_wheel
 from friction_runtime.stamps import to_nanoseconds
+
+if TYPE_CHECKING:
+    from friction_runtime.aligned_processor import AlignedProcessor
+else:
+    # From its source: a class of a test cannot inherit from a compiled one.
+    loader = SourceFileLoader("aligned_source", str(Path(friction_runtime.__file__).with_name("aligned_processor.py")))
+    source = module_from_spec(spec_from_loader("aligned_source", loader))
+    loader.exec_module(source)
+    AlignedProcessor = source.AlignedProcessor
 
 
 class Adder(AlignedProcessor[float]):
