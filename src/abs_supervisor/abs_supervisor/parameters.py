@@ -40,7 +40,7 @@ class SupervisorParameters:
     deadline: float = shared.deadline()
 
     MOVED: ClassVar[Mapping[str, str]] = {
-        "wheels": "they are the wheels of the vehicle file (parameter 'vehicle_file')",
+        "wheels": moved("wheels"),
         "brake_gains": moved("brake_gain"),
         **{each.name: f"it is 'pressure.{each.name}'" for each in fields(PressureParameters)},
         **{each.name: f"it is 'thresholds.{each.name}'" for each in fields(Thresholds)},

@@ -109,7 +109,7 @@ class SimParameters:
     exit_when_done: bool = parameter(False, "leave with exit code 0 when the run has ended", read_only=True)
 
     MOVED: ClassVar[Mapping[str, str]] = {
-        "wheels": "they are the wheels of the vehicle file (parameter 'vehicle_file')",
+        "wheels": moved("wheels"),
         "radius": moved("radius"),
         "inertia": moved("inertia"),
         "mass": f"{moved('mass')}: of the whole car, not of a wheel",

@@ -5,7 +5,7 @@ from argparse import ArgumentParser
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Report
-from vehicle_models.vehicle_file import shipped_vehicles, vehicle_path
+from vehicle_models.vehicle_file import shipped_vehicles, vehicle_reference
 
 VEHICLE_NOTE = "vehicle"
 """Note of a bag: name of a shipped vehicle file, or path of another."""
@@ -18,18 +18,8 @@ def add_vehicle_argument(parser: ArgumentParser, otherwise: str = "that of the b
     parser.add_argument("--vehicle", default="", metavar="NAME|FILE", help=text)
 
 
-def vehicle_note(vehicle: str) -> str:
-    """Text of the note for a car: a shipped name as it is, a path from the root.
-
-    Raises:
-        ParameterError: there is no such file; the text names those shipped.
-    """
-    path = vehicle_path(vehicle)
-    return vehicle if vehicle in shipped_vehicles() else str(path)
-
-
 def vehicle_for(reader: BagReader, given: str, by_files: str, report: Report) -> str:
-    """Choose the car of a bag; return it as vehicle_note does.
+    """Choose the car of a bag; return it as vehicle_reference does.
 
     Args:
         reader: the bag.
@@ -43,13 +33,13 @@ def vehicle_for(reader: BagReader, given: str, by_files: str, report: Report) ->
     noted = reader.custom_data.get(VEHICLE_NOTE, "")
     chosen = given or noted or by_files
     try:
-        note = vehicle_note(chosen)
+        note = vehicle_reference(chosen)
     except ParameterError as error:
         shipped = f"a path, or one of {', '.join(shipped_vehicles())}"
         if not chosen:
             raise ParameterError(f"{reader.bag} does not say its car: give --vehicle, {shipped}") from error
         where = "--vehicle" if given else f"note '{VEHICLE_NOTE}' of {reader.bag}" if noted else "parameter files"
         raise ParameterError(f"{where}: {error}") from error
-    if noted and by_files and not given and vehicle_note(by_files) != note:
+    if noted and by_files and not given and vehicle_reference(by_files) != note:
         report("warning", f"{reader.bag} is of the car '{noted}'; '{by_files}' of the parameter files needs --vehicle")
     return note

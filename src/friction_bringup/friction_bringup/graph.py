@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
 
-from friction_runtime.shipped_files import shipped_file
+from friction_runtime.shipped_files import shipped_file, shipped_parameters
 
 PLANT = "corner_sim"
 SUPERVISOR = "abs_supervisor"
@@ -37,7 +36,7 @@ ParameterValue = bool | int | float | str | Sequence[float] | Sequence[str]
 
 def parameter_class(node: str) -> type:
     """Dataclass of the parameters of a node: that of the file its package ships."""
-    return type(import_module(f"{node}.parameters").SHIPPED[node].parameters)
+    return type(shipped_parameters(node))
 
 
 def parameter_files(node: str, params_file: Path | None) -> list[Path]:

@@ -11,7 +11,7 @@ from friction_bringup import graph
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import NodeName, file_values, is_ros_own
 from friction_parameters.values import from_mapping
-from vehicle_models.vehicle_file import load_vehicle, shipped_vehicles, vehicle_path
+from vehicle_models.vehicle_file import load_vehicle, vehicle_reference
 
 Decided = Mapping[str, Mapping[str, graph.ParameterValue]]
 """Parameters that decide over every file, by node."""
@@ -52,7 +52,7 @@ def node_starts(
     path = Path(params_file).absolute() if params_file else None
     car: dict[str, graph.ParameterValue] = {}
     if vehicle_file:
-        car["vehicle_file"] = vehicle_file if vehicle_file in shipped_vehicles() else str(vehicle_path(vehicle_file))
+        car["vehicle_file"] = vehicle_reference(vehicle_file)
     return [_checked(node, {**car, **decided.get(node, {})}, path, namespace) for node in nodes]
 
 

@@ -1,6 +1,8 @@
-"""Files that packages ship beside their code."""
+"""What the packages of the nodes ship: parameter files, and the values in them."""
 
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from ament_index_python.packages import get_package_share_directory
 
@@ -12,3 +14,8 @@ def shipped_file(package: str, name: str = "") -> Path:
         PackageNotFoundError: the package is not installed.
     """
     return Path(get_package_share_directory(package), "config", f"{name or package}.yaml")
+
+
+def shipped_parameters(node: str) -> Any:
+    """Parameters of the file that is named like the node's package: an instance of the node's dataclass."""
+    return import_module(f"{node}.parameters").SHIPPED[node].parameters

@@ -25,7 +25,7 @@ class FrictionSlopeParameters:
     deadline: float = shared.deadline()
 
     MOVED: ClassVar[Mapping[str, str]] = {
-        "wheels": "they are the wheels of the vehicle file (parameter 'vehicle_file')",
+        "wheels": moved("wheels"),
         "radii": moved("radius"),
         "inertias": moved("inertia"),
         "vertical_loads": "they follow from 'mass' and 'front_load_share' of the vehicle file ('vehicle_file')",

@@ -28,7 +28,7 @@ class SmartTyreParameters:
     zero: ZeroParameters = group(ZeroParameters())
 
     MOVED: ClassVar[Mapping[str, str]] = {
-        "wheels": "they are the wheels of the vehicle file (parameter 'vehicle_file')",
+        "wheels": moved("wheels"),
         "tyre_radius": moved("radius"),
         "teeth": moved("encoder_teeth"),
         **{

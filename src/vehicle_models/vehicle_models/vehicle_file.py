@@ -69,6 +69,16 @@ def _is_file(path: Path) -> bool:
         return False
 
 
+def vehicle_reference(name: str) -> str:
+    """Name of a car that means the same in every directory: a shipped name as it is, else the absolute path.
+
+    Raises:
+        ParameterError: as vehicle_path.
+    """
+    path = vehicle_path(name)
+    return name if name in shipped_vehicles() else str(path)
+
+
 def vehicle_file_parameter(default: str = "") -> Any:
     """Parameter `vehicle_file` of a node."""
     text = "the car: path of a vehicle file, or the name of a shipped one"

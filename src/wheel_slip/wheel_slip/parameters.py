@@ -41,7 +41,7 @@ class WheelSlipParameters:
     estimator: EstimatorParameters = group(EstimatorParameters())
 
     MOVED: ClassVar[Mapping[str, str]] = {
-        "wheels": "they are the wheels of the vehicle file (parameter 'vehicle_file')",
+        "wheels": moved("wheels"),
         "radii": moved("radius"),
         "driven_wheels": moved("driven"),
         **{f"imu_{name}": moved(f"accelerometer.{name}") for name in ("axis", "sign", "offset")},

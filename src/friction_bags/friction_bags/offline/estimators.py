@@ -9,6 +9,7 @@ from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import NodeName, file_values, is_ros_own
 from friction_parameters.values import changed, ignored
 from friction_runtime.processor import Processor, Report
+from friction_runtime.shipped_files import shipped_parameters
 from vehicle_models.vehicle import Vehicle
 
 ESTIMATORS = ("wheel_slip", "friction_slope", "friction_curve_id", "abs_supervisor", "smart_tyre_forces")
@@ -18,11 +19,6 @@ imported: all of it takes a second."""
 SMART_TYRE = "smart_tyre_forces"
 WHEEL_ESTIMATORS = tuple(name for name in ESTIMATORS if name != SMART_TYRE)
 """Those that live on wheel_states."""
-
-
-def parameter_class(estimator: str) -> type[Any]:
-    """Dataclass of the parameters of an estimator."""
-    return type(import_module(f"{estimator}.parameters").SHIPPED[estimator].parameters)
 
 
 def read_parameters(
@@ -42,7 +38,7 @@ def read_parameters(
     """
     found: dict[str, Any] = {}
     for name in estimators:
-        parameters = import_module(f"{name}.parameters").SHIPPED[name].parameters
+        parameters = shipped_parameters(name)
         values: dict[str, Any] = {}
         for file in files:
             values.update(file_values(type(parameters), file, NodeName(name, namespace)))

@@ -17,13 +17,13 @@ from friction_bags.offline.estimators import (
     SMART_TYRE,
     WHEEL_ESTIMATORS,
     make_processors,
-    parameter_class,
     read_parameters,
     vehicle_of,
 )
 from friction_parameters.values import from_mapping, values_of
 from friction_runtime.processor import Processor, Report, Severity
 from friction_runtime.report_kind import report_kind
+from friction_runtime.shipped_files import shipped_parameters
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -74,7 +74,9 @@ class OfflinePlan:
         Raises:
             ParameterError: parameters do not fit the car.
         """
-        parameters = {name: from_mapping(parameter_class(name), each) for name, each in self.parameters.items()}
+        parameters = {
+            name: from_mapping(type(shipped_parameters(name)), each) for name, each in self.parameters.items()
+        }
         return make_processors(parameters, self.vehicle, report)
 
 

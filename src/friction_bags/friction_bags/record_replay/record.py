@@ -15,11 +15,12 @@ from rich.table import Table
 
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_writer import BagWriter
-from friction_bags.bag_vehicle import VEHICLE_NOTE, add_vehicle_argument, vehicle_note
+from friction_bags.bag_vehicle import VEHICLE_NOTE, add_vehicle_argument
 from friction_bags.record_replay.recorder import Recorder
 from friction_bags.record_replay.topic_selection import add_selection_arguments, selection_of
 from friction_parameters.parameter import ParameterError
 from friction_runtime.spin import stop_on_signals, take_down
+from vehicle_models.vehicle_file import vehicle_reference
 
 _TAKE_PERIOD = 0.02
 _DISCOVER_PERIOD = 0.1
@@ -72,7 +73,7 @@ def run(args: Namespace, ros_args: list[str]) -> int:
 
 def _notes(args: Namespace) -> dict[str, str]:
     notes = {"note": args.note} if args.note else {}
-    return {**notes, VEHICLE_NOTE: vehicle_note(args.vehicle)} if args.vehicle else notes
+    return {**notes, VEHICLE_NOTE: vehicle_reference(args.vehicle)} if args.vehicle else notes
 
 
 def _loop(recorder: Recorder, writer: BagWriter, stop: Event, duration: float) -> None:
