@@ -27,7 +27,7 @@ lint: setup ## ruff and mypy
 	@$(run) mypy
 
 test: build lint ## everything that must hold: lint, format, types, tests
-	@$(run) pytest -n auto --dist loadfile src
+	@$(run) pytest -n auto --dist loadfile --max-worker-restart 0 src
 	@$(run) pytest test
 
 demo: ready ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow, or BAG=path to replay; VEHICLE=name|file

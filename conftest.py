@@ -8,9 +8,8 @@ from pathlib import Path
 
 from hypothesis import settings
 
-os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-os.environ["FASTDDS_BUILTIN_TRANSPORTS"] = "UDPv4"  # the default transports discover in 0.1 s or in 2 s, by chance
-# By default a process announces itself for half a second, then every 3 s: those that start later wait for that.
+# What local_discovery() of friction_bringup gives; its package is not on the path of every test.
+os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SYSTEM_DEFAULT"
 os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(__file__).parent / "src/friction_bringup/config/discovery.xml")
 os.environ["MPLBACKEND"] = "Agg"
 os.environ.setdefault("OMP_NUM_THREADS", "1")
