@@ -14,7 +14,7 @@ from friction_parameters.generated import parameter_file
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from friction_parameters.values import declared, from_mapping
-from friction_runtime.processor import Level, optional_inputs
+from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces.calibration import Calibration, TyreCalibration, WheelCalibration
 from smart_tyre_forces.force_map import ForceMap
@@ -123,7 +123,7 @@ def test_wheels_that_the_calibration_lacks_give_raw_patches_and_say_so_once_they
     processors = build(
         SmartTyreParameters(calibration_file=calibration_file), CAR, lambda _severity, text: said.append(text)
     )
-    assert [list(optional_inputs(each)) for each in processors] == [[f"{w}/tyre_signals"] for w in CAR.wheel_names]
+    assert [list(each.optional) for each in processors] == [[f"{w}/tyre_signals"] for w in CAR.wheel_names]
     assert said == []
     messages = list(blocks(simulate(10.0, seconds=14.0)))
     for message in messages:

@@ -17,7 +17,6 @@ from friction_parameters.generated import parameter_file
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from friction_parameters.values import declared, from_mapping
-from friction_runtime.processor import optional_inputs
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models.vehicle import Accelerometer
 from vehicle_models.vehicle_file import load_vehicle
@@ -90,7 +89,7 @@ def test_shipped_parameter_file_holds_the_defaults() -> None:
 
 def test_one_processor_serves_every_wheel_of_the_car() -> None:
     (processor,) = build(WheelSlipParameters(), load_vehicle("chapter_car"))
-    assert optional_inputs(processor) == ("vehicle_velocity",)
+    assert processor.optional == ("vehicle_velocity",)
     assert list(processor.outputs) == [f"{wheel}/slip" for wheel in load_vehicle("chapter_car").wheel_names]
 
 

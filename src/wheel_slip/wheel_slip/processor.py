@@ -39,14 +39,14 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         self._wheels = vehicle.wheel_names
         self._accelerometer = vehicle.accelerometer
         self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, VEHICLE_VELOCITY: TwistWithCovarianceStamped}
-        self.optional = (VEHICLE_VELOCITY,)
         inputs: list[AlignedInput] = []
         if parameters.use_imu:
             self.sensors = {**self.sensors, IMU: Imu}
             inputs.append(AlignedInput(IMU, parameters.estimator.max_gap))
         self.estimates: Mapping[str, type] = {}
         self.outputs: Mapping[str, type] = {f"{wheel}/slip": WheelSlip for wheel in self._wheels}
-        super().__init__("car", Primary(WHEEL_STATES, "car", report), inputs, parameters.deadline)
+        primary = Primary(WHEEL_STATES, "car", report)
+        super().__init__("car", primary, inputs, parameters.deadline, optional=(VEHICLE_VELOCITY,))
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
         self._speeds: SpeedQueue[tuple[float, float]] = SpeedQueue(parameters.speed_sensor.wait)
         self._estimator = SlipEstimator(vehicle, parameters.estimator)
