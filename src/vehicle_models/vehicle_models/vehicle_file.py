@@ -101,10 +101,7 @@ def load_vehicle(name: str | Path) -> Vehicle:
             missing or stands twice, a value is bad, or the whole makes no car.
     """
     path = vehicle_path(name)
-    try:
-        return _vehicle(_File(path), read_yaml(path))
-    except OSError as error:
-        raise ParameterError(f"{path}: {error.strerror}") from error
+    return _vehicle(_File(path), read_yaml(path, "vehicle file"))
 
 
 class _File:
