@@ -147,7 +147,10 @@ def test_one_patch_and_one_force_a_revolution_and_a_wrench_on_request(simulate: 
     # The patch of the first revolutions may be cut by the start.
     assert revolutions - 3.0 < len(patches) < revolutions + 1.0
     assert [p.revolution for p in patches] == list(range(1, len(patches) + 1))
-    assert all(p.reason == ContactPatch.NOT_READY and not p.valid and p.reason_text for p in patches[:10])
+    assert all(p.reason == ContactPatch.NOT_READY and not p.valid for p in patches[:10])
+    for message in (*patches, *forces):
+        assert message.valid == (message.reason_text == "")
+        assert message.valid or message.reason_text.startswith("front_left: ")
     assert patches[-1].valid and patches[-1].reason == ContactPatch.OK
     assert patches[-1].length == pytest.approx(patches[-1].alpha_2 - patches[-1].alpha_1, abs=0.02)
     assert [f.valid for f in forces] == [p.valid for p in patches]

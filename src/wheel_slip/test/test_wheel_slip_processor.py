@@ -202,6 +202,7 @@ def test_missing_and_not_finite_wheels_are_invalid_and_named_while_others_go_on(
         assert message.reason == WheelSlip.BAD_INPUT
         assert wheel in message.reason_text
         assert isnan(message.slip)
+        assert isnan(message.wheel_speed)  # none has ever come: it is unknown, not 0
         assert any(f"'{wheel}'" in text for text in said)
 
 

@@ -12,7 +12,7 @@ from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, silent
-from friction_runtime.reason_text import of_wheel
+from friction_runtime.reason_text import set_reason
 from friction_runtime.stamps import header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -74,11 +74,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     def _state(self) -> tuple[Level, str]:
         if self._estimator.vehicle.source is SpeedSource.NONE:
             return Level.ERROR, "no vehicle speed"
-        bad = [
-            f"{wheel}: {estimate.reason_text}"
-            for wheel, estimate in self._last.items()
-            if estimate.reason not in _QUIET
-        ]
+        bad = [f"{wheel}: {estimate.text}" for wheel, estimate in self._last.items() if estimate.reason not in _QUIET]
         if self._estimator.vehicle.accelerometer_is_stuck:
             bad.append(f"{IMU}: repeats one value that the wheels contradict; left out")
         if self._missing:
@@ -93,7 +89,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             "late samples of vehicle_velocity": str(self._speeds.late),
         }
         for wheel, estimate in self._last.items():
-            values[f"{wheel} reason"] = estimate.reason_text or "ok"
+            values[f"{wheel} reason"] = estimate.text or "ok"
         return values
 
     def _acceleration(self, message: Imu) -> float:
@@ -143,7 +139,5 @@ def _message(stamp: int, wheel: str, estimate: WheelEstimate) -> WheelSlip:
     message.slip_rate_variance = estimate.slip_rate_variance
     message.vehicle_speed_variance = estimate.vehicle_speed_variance
     message.speed_source = int(estimate.source)
-    message.valid = estimate.reason is Reason.OK
-    message.reason = int(estimate.reason)
-    message.reason_text = of_wheel(wheel, estimate.reason_text)
+    set_reason(message, wheel, estimate.reason, estimate.text)
     return message
