@@ -21,7 +21,6 @@ from friction_runtime.processor import Level, Output, Report, level_of, silent
 from friction_runtime.reason_text import of_topic, set_reason, without_wheel
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.plausible import HIGHEST_PRESSURE, HIGHEST_TORQUE
 from vehicle_models.vehicle import Vehicle
 
 BRAKE_DEMAND = "brake_demand"
@@ -41,7 +40,6 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
     def __init__(self, wheel: str, vehicle: Vehicle, parameters: SupervisorParameters, report: Report = silent) -> None:
         """Build for one wheel of a car; `report` takes what a person should know."""
         self._wheel, self._p = wheel, parameters
-        self._gain = vehicle.wheel(wheel).brake_gain
         self._brake_torque = BrakeTorque(vehicle, wheel)
         self._slope = f"{wheel}/friction_slope"
         by_demand = parameters.braking_source == "demand"
@@ -112,10 +110,9 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         if topic == BRAKE_DEMAND:
             if message.wheel not in ("", self._wheel):
                 return None
-            pressure = message.pressure
-            torque = self._gain * pressure
-            if not (abs(pressure) <= HIGHEST_PRESSURE and abs(torque) <= HIGHEST_TORQUE):
-                return f"{topic}: {pressure} Pa is no brake pressure"
+            torque = self._brake_torque.torque(topic, message.pressure)
+            if isinstance(torque, str):
+                return torque
         else:
             read = self._brake_torque.read(message)
             if isinstance(read, str):

@@ -2,6 +2,7 @@
 
 from array import array
 from collections.abc import Sequence
+from math import nan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from vehicle_models.tyre_signal import TyreBlock
 
 BASE_FRAME = "base_link"
-NAN = float("nan")
 TYRE_SAMPLE_RATE = 1.0e4
 """Of the smart tyres [Hz]."""
 _STANDING = f"slip is not defined at or below {SLIP_MIN_SPEED} m/s"
@@ -146,7 +146,7 @@ def _slip(header: Header, wheel: str, sample: PlantSample, i: int) -> WheelSlip:
     message = WheelSlip(
         header=header,
         wheel=wheel,
-        slip=float(sample.slip[i]) if moving else NAN,
+        slip=float(sample.slip[i]) if moving else nan,
         slip_rate=float(sample.slip_rate[i]),
         vehicle_speed=sample.speed,
         wheel_speed=float(sample.wheel_speed[i]),
@@ -197,7 +197,7 @@ def _curve(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCros
         restarts=int(crossings.surface_changes[i]),
         restarted=bool(crossings.surface_changed[i]),
         restart_cause=FrictionCurve.RESTART_SURFACE if crossings.surface_changes[i] else FrictionCurve.RESTART_NONE,
-        lambda_max_at_activation=NAN,
+        lambda_max_at_activation=nan,
         valid=True,
         reason=FrictionCurve.OK,
     )
