@@ -15,7 +15,6 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_toeplitz
 
 from smart_tyre_forces.fir import filtered
 from smart_tyre_forces.fronts import NOISE_END, Fronts
@@ -99,6 +98,10 @@ class TemplateFit:
 
     def __init__(self, template: FrontTemplate) -> None:
         """Start with no knowledge of the noise: the first passage gives the first estimate."""
+        # Here, because nodes without a template start faster without it; the first passage must not wait for it either.
+        from scipy.linalg import solve_toeplitz
+
+        self._solve_toeplitz = solve_toeplitz
         self._tables = (template.leading, template.trailing)
         self._slopes = tuple(np.gradient(table, GRID) for table in self._tables)
         self._covariance: Array | None = None
@@ -125,7 +128,7 @@ class TemplateFit:
             self._covariance = self._covariance + _FORGETTING * (lags - self._covariance)
         column = self._covariance[:_ORDER].copy()
         column[0] *= 1.0 + _RIDGE
-        return np.concatenate(((1.0,), -solve_toeplitz(column, self._covariance[1:])))
+        return np.concatenate(((1.0,), -self._solve_toeplitz(column, self._covariance[1:])))
 
     def _fit(self, fronts: Fronts, theta: Array, z: Array, whitener: Array) -> Fronts | None:
         """Least squares of the whitened passage, from the crossings."""
