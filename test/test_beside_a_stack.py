@@ -11,6 +11,7 @@ from sensor_msgs.msg import Imu, JointState
 from std_msgs.msg import Header
 
 from dds_client import DdsClient, dds_client
+from friction_bags.offline.estimators import ESTIMATORS
 from friction_bringup import graph
 from friction_bringup.node_start import WATCHING, node_starts
 from friction_runtime import qos
@@ -44,7 +45,7 @@ def test_graph_beside_a_stack_estimates_every_wheel_by_its_joint_and_has_no_brak
     (tmp_path / "parameters.yaml").write_text(WANTS_COMMANDS)
     files = str(tmp_path / "parameters.yaml"), str(tmp_path / "car.yaml")
     with dds_client(["--ros-args", "-r", "__ns:=/my_car"]) as client:
-        for start in node_starts(graph.ESTIMATORS, WATCHING, *files, "my_car"):
+        for start in node_starts(ESTIMATORS, WATCHING, *files, "my_car"):
             client.start(*graph.command(start.node, start.files, start.decided, "my_car")[1:])
         drive(client)
         node = client.node

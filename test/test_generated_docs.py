@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 
 import docs
+from friction_bringup import graph
 from friction_evaluation import figure_state_machine
 from friction_parameters.parameter_file import load
 
@@ -20,12 +21,12 @@ def test_generated_files_are_up_to_date() -> None:
 
 def test_every_node_package_is_listed_and_ships_no_parameter_file_of_its_own_beside() -> None:
     packages = {file.parent.name for file in docs.ROOT.glob("src/*/*/parameters.py")}
-    assert packages == set(docs.NODES)
+    assert packages == set(graph.NODES)
     written = {file for file, _ in docs.generated_texts() if file.suffix == ".yaml"}
-    assert written == {file for node in docs.NODES for file in (docs.ROOT / "src" / node / "config").glob("*.yaml")}
+    assert written == {file for node in graph.NODES for file in (docs.ROOT / "src" / node / "config").glob("*.yaml")}
 
 
-@pytest.mark.parametrize("node", docs.NODES)
+@pytest.mark.parametrize("node", graph.NODES)
 def test_shipped_files_give_what_they_were_made_from(node: str) -> None:
     shipped = import_module(f"{node}.parameters").SHIPPED
     assert next(iter(shipped)) == node

@@ -10,12 +10,12 @@ from collections.abc import Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
 
+from friction_bringup import graph
 from friction_evaluation import figure_state_machine
 from friction_parameters.generated import ShippedFile, parameter_file, parameter_table
 from vehicle_models.vehicle_table import vehicle_table
 
 ROOT = Path(__file__).resolve().parents[1]
-NODES = ("corner_sim", "wheel_slip", "friction_slope", "abs_supervisor", "friction_curve_id", "smart_tyre_forces")
 FIGURE = ROOT / "docs" / "figure_8_1.png"
 
 
@@ -25,7 +25,7 @@ def generated_texts() -> Iterator[tuple[Path, str]]:
     Raises:
         ValueError: a README has no place for its table.
     """
-    for node in NODES:
+    for node in graph.NODES:
         shipped: Mapping[str, ShippedFile] = import_module(f"{node}.parameters").SHIPPED
         for name, file in shipped.items():
             yield ROOT / "src" / node / "config" / f"{name}.yaml", parameter_file(node, file)

@@ -1,10 +1,22 @@
 """The state machine in message time: how long in its state, why it changed, what failed and for how long."""
 
 from dataclasses import dataclass
-from math import isfinite
+from enum import IntEnum
+from math import isfinite, nan
 
 from abs_supervisor.fsm import Cause, Inputs, State, Thresholds, transition
 from vehicle_models.nanoseconds import NANOSECOND
+
+
+class Reason(IntEnum):
+    """Why the supervisor cannot act; the values are those of friction_msgs/SupervisorState."""
+
+    OK = 0
+    NO_SLOPE = 1
+    INVALID_SLOPE = 2
+    NO_DEMAND = 3
+    BAD_INPUT = 4
+    LOW_SPEED = 5
 
 
 @dataclass
@@ -80,7 +92,7 @@ class Supervisor:
         measured = isfinite(evidence.indicator) and evidence.indicator != 0.0
         inputs = Inputs(
             braking=evidence.braking,
-            indicator=evidence.indicator if measured else float("nan"),
+            indicator=evidence.indicator if measured else nan,
             slip_growing=not evidence.indicator * evidence.h < 0.0,
             failed=failed,
             slow=evidence.slow,

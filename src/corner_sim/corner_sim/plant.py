@@ -10,13 +10,14 @@ from corner_sim.road import Road
 from corner_sim.vehicle_model import VehicleModel
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
+from vehicle_models.nanoseconds import NANOSECOND
 from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
 SAMPLE_TIME_NS = 5_000_000
 """Sample time of the plant and its sensors [ns]: 200 Hz."""
-SAMPLE_TIME = SAMPLE_TIME_NS * 1e-9
+SAMPLE_TIME = SAMPLE_TIME_NS * NANOSECOND
 """The same [s]."""
 SLIP_MIN_SPEED = 0.1
 """Below this speed [m/s] slip and its rate are not defined."""

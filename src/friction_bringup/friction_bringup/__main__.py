@@ -18,7 +18,7 @@ from friction_bringup.recorded_run import require_samples
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import silent
 from friction_runtime.shipped_files import shipped_file
-from vehicle_models.vehicle_file import shipped_vehicles
+from vehicle_models.vehicle_argument import add_vehicle_argument
 
 _BAD_INPUT = 2
 """Exit code."""
@@ -34,13 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     demo.add_argument("--surface", choices=graph.SURFACES, default="dry", help="road of the plant (default: dry)")
     demo.add_argument("--bag", type=Path, help="replay this bag in place of the plant")
-    demo.add_argument(
-        "--vehicle",
-        default="",
-        metavar="NAME|FILE",
-        help=f"the car: a vehicle file, or one of those shipped: {', '.join(shipped_vehicles())} "
-        f"(default: {graph.DEMO_VEHICLE}, or the one the bag names)",
-    )
+    add_vehicle_argument(demo, f"{graph.DEMO_VEHICLE}, or the one the bag names")
     demo.add_argument(
         "--params", type=Path, help="parameter file (default: that of the demo, or the one the bag names)"
     )

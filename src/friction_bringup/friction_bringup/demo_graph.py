@@ -10,6 +10,7 @@ from pathlib import Path
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from friction_bags.offline.estimators import ESTIMATORS
 from friction_bringup import graph
 from friction_bringup.discovery import local_discovery
 from friction_bringup.node_start import COMMANDING, WATCHING, Decided, node_starts
@@ -55,7 +56,7 @@ class DemoGraph:
         self._options = options
         self.wheels = load_vehicle(options.vehicle).wheel_names
         """Of the car."""
-        nodes = graph.ESTIMATORS if options.bag else (*graph.ESTIMATORS, graph.PLANT)
+        nodes = ESTIMATORS if options.bag else (*ESTIMATORS, graph.PLANT)
         self._starts = node_starts(nodes, _decided(options), str(options.params_file), options.vehicle)
         self.notes = tuple(note for start in self._starts for note in start.notes)
         """What a person should know before the start."""
@@ -87,7 +88,7 @@ class DemoGraph:
         """Name what must be there before the first sample, so that nobody misses one, and is not there yet."""
         replay = self._options.bag is not None
         nodes = set(observer.get_node_names())
-        missing = [node for node in (_RECORDER, *(graph.ESTIMATORS if replay else graph.NODES)) if node not in nodes]
+        missing = [node for node in (_RECORDER, *(ESTIMATORS if replay else graph.NODES)) if node not in nodes]
         topics = [name for name, _ in observer.get_topic_names_and_types()]
         for suffix in graph.ESTIMATES if replay else (*graph.ESTIMATES, graph.COMMAND):
             estimates = [topic for topic in topics if topic.endswith(f"/{suffix}") and "/truth/" not in topic]

@@ -7,13 +7,13 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from friction_bags.offline.estimators import ESTIMATORS
 from friction_runtime.shipped_files import shipped_file, shipped_parameters
 
 PLANT = "corner_sim"
 SUPERVISOR = "abs_supervisor"
-ESTIMATORS = ("wheel_slip", "friction_slope", "friction_curve_id", SUPERVISOR, "smart_tyre_forces")
-"""In the order in which data flows. Package, module, node and parameter file of a node have one name."""
 NODES = (PLANT, *ESTIMATORS)
+"""In the order in which data flows. Package, module, node and parameter file of a node have one name."""
 ESTIMATES = ("slip", "friction_slope", "friction_curve", "abs_supervisor", "contact_patch", "tyre_force")
 """What the estimators publish below each wheel."""
 COMMAND = "brake_command"

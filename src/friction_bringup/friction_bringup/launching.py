@@ -12,7 +12,7 @@ from launch_ros.utilities.namespace_utils import prefix_namespace
 
 from friction_bringup import graph
 from friction_bringup.node_start import Decided, node_starts
-from vehicle_models.vehicle_file import shipped_vehicles
+from vehicle_models.vehicle_file import vehicle_choices
 
 
 def common_arguments(params_file: str = "", vehicle_file: str = "") -> list[LaunchDescriptionEntity]:
@@ -21,7 +21,7 @@ def common_arguments(params_file: str = "", vehicle_file: str = "") -> list[Laun
         DeclareLaunchArgument(
             "vehicle_file",
             default_value=vehicle_file,
-            description=f"the car: path of a vehicle file, or one of those shipped: {', '.join(shipped_vehicles())}",
+            description=f"the car: {vehicle_choices()}",
         ),
         DeclareLaunchArgument(
             "params_file",

@@ -61,12 +61,7 @@ def _checked(
 ) -> NodeStart:
     files = graph.parameter_files(node, params_file)
     cls, name = graph.parameter_class(node), NodeName(node, f"/{namespace.strip('/')}")
-    found: list[dict[str, Any]] = []
-    for file in files:
-        try:
-            found.append(file_values(cls, file, name))
-        except OSError as error:
-            raise ParameterError(f"parameter file {file}: {error.strerror}") from error
+    found = [file_values(cls, file, name) for file in files]
     values = {key: value for each in (*found, decided) for key, value in each.items() if not is_ros_own(key)}
     try:
         parameters: Any = from_mapping(cls, values)

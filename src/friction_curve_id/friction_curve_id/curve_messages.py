@@ -9,7 +9,7 @@ from friction_msgs.msg import FrictionCurve
 from friction_curve_id.activation import ActivationMark
 from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
 from friction_runtime.new_message import new_message
-from friction_runtime.reason_text import of_wheel
+from friction_runtime.reason_text import set_reason
 from friction_runtime.stamps import header_at
 from vehicle_models.nanoseconds import NANOSECONDS
 
@@ -61,9 +61,7 @@ class CurveMessages:
         message.abs_active = self._activation.active
         message.at_activation = self._activation.at_activation
         message.lambda_max_at_activation = self._activation.lambda_max
-        message.valid = estimate.valid
-        message.reason = int(answer.reason)
-        message.reason_text = of_wheel(self._wheel, answer.text)
+        set_reason(message, self._wheel, answer.reason, answer.text)
         return message
 
 

@@ -72,12 +72,11 @@ def file_values(cls: type, path: str | Path, node: NodeName) -> dict[str, Any]:
         node: the node.
 
     Raises:
-        ParameterError: in one line with file and line: no YAML, a key that stands twice, a parameter that the node
-            does not have, a bad value, a section whose name is nearly that of the node, or is that of the node
-            without matching its full name.
-        OSError: the file cannot be read.
+        ParameterError: in one line with file and line: it cannot be read, no YAML, a key that stands twice, a parameter
+            that the node does not have, a bad value, a section whose name is nearly that of the node, or is that of the
+            node without matching its full name.
     """
-    entries = read_yaml(path)
+    entries = read_yaml(path, "parameter file")
     if _KEY in entries:
         raise ParameterError(f"{path}: line {entries[_KEY].line}: '{_KEY}' stands below no name of a node")
     found: dict[str, Any] = {}
@@ -118,7 +117,6 @@ def load(cls: type[Parameters], path: str | Path, node: str) -> Parameters:
 
     Raises:
         ParameterError: the file has no value for the node, or as file_values and from_mapping.
-        OSError: the file cannot be read.
     """
     values = file_values(cls, path, NodeName(node))
     if not values:

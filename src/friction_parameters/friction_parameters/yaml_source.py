@@ -41,12 +41,11 @@ class Entry:
     """What the same key holds further up, if it stands there too."""
 
 
-def read_yaml(path: str | Path) -> dict[str, Entry]:
-    """Read a file that holds one mapping.
+def read_yaml(path: str | Path, what: str) -> dict[str, Entry]:
+    """Read a file that holds one mapping; `what` kind of file it is stands in the text where it cannot be read.
 
     Raises:
-        ParameterError: it is no YAML, or its top is no mapping.
-        OSError: it cannot be read.
+        ParameterError: in one line: it cannot be read, is no YAML, or its top is no mapping.
     """
     try:
         node = _node(Path(path).read_text(encoding="utf-8"))
@@ -55,6 +54,8 @@ def read_yaml(path: str | Path) -> dict[str, Entry]:
         if not isinstance(node, yaml.MappingNode):
             raise ParameterError(f"line {node.start_mark.line + 1}: a mapping is expected")
         return _mapping(node, 0)
+    except OSError as error:
+        raise ParameterError(f"{what} {path}: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise ParameterError(f"{path}: no text in UTF-8: {error}") from error
     except ParameterError as error:

@@ -1,7 +1,7 @@
 """What the processors of all estimators with several inputs do alike: align, refuse, start again, notice silence."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Generic, TypeVar
 
 from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
@@ -19,7 +19,14 @@ class AlignedProcessor(ABC, Generic[Payload]):
     (`_forget`, `_start_again`), and how it is (`_state`, `_values`).
     """
 
-    def __init__(self, name: str, primary: Primary, aligned: Sequence[AlignedInput], deadline: float) -> None:
+    def __init__(
+        self,
+        name: str,
+        primary: Primary,
+        aligned: Sequence[AlignedInput],
+        deadline: float,
+        optional: Collection[str] = (),
+    ) -> None:
         """Connect the inputs.
 
         Args:
@@ -27,7 +34,9 @@ class AlignedProcessor(ABC, Generic[Payload]):
             primary: the stream that it fires on.
             aligned: inputs that are interpolated to the primary.
             deadline: message time [s] a primary sample waits for the others, > 0.
+            optional: inputs that may never come, and are no fault then.
         """
+        self.optional = optional
         self._name = name
         self._primary = primary
         self._aligner: Aligner[Payload] = Aligner(primary.topic, aligned, deadline)

@@ -36,7 +36,7 @@ def with_checked_parameters(arguments: Sequence[str], name: str, cls: type, dire
         The command line to give to the middleware.
 
     Raises:
-        ParameterError: a file cannot be read or file_values refuses it, a parameter is unknown or has a bad value.
+        ParameterError: file_values refuses a file, a parameter is unknown or has a bad value.
     """
     node = node_name(arguments, name)
     result: list[str] = []
@@ -80,10 +80,7 @@ def _flags_and_values(arguments: Sequence[str]) -> Iterator[tuple[str, str | Non
 
 
 def _checked_file(cls: type, path: str, node: NodeName, copy: Path) -> Path:
-    try:
-        values = file_values(cls, path, node)
-    except OSError as error:
-        raise ParameterError(f"parameter file {path}: {error.strerror}") from error
+    values = file_values(cls, path, node)
     lines = [f"{json.dumps(EVERY_NODE)}:", "  ros__parameters:" + ("" if values else " {}")]
     lines += [f"    {json.dumps(name)}: {yaml_text(value)}" for name, value in values.items()]
     copy.write_text("\n".join(lines), encoding="utf-8")

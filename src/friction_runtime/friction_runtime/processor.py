@@ -65,6 +65,10 @@ class Processor(Protocol):
         """Relative topics and types it takes with reliable QoS: other nodes' estimates, demands, tyre blocks."""
 
     @property
+    def optional(self) -> Collection[str]:
+        """Inputs that may never come, and are no fault then."""
+
+    @property
     def outputs(self) -> Mapping[str, type]:
         """Relative topics and types it gives."""
 
@@ -82,9 +86,3 @@ class Processor(Protocol):
 
     def health(self) -> Health:
         """State for diagnostics."""
-
-
-def optional_inputs(processor: Processor) -> Collection[str]:
-    """Topics of a processor that may never come, and are no fault then: those it lists as `optional`, if it does."""
-    listed: Collection[str] = getattr(processor, "optional", ())
-    return listed

@@ -17,7 +17,7 @@ from friction_parameters.parameter import ParameterError
 from friction_parameters.values import ignored
 from friction_runtime import qos
 from friction_runtime.node_parameters import declare
-from friction_runtime.processor import Health, Level, Output, Processor, Report, Severity, optional_inputs
+from friction_runtime.processor import Health, Level, Output, Processor, Report, Severity
 from friction_runtime.report_kind import ReportLimit
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
@@ -163,7 +163,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         return self._status(Health("inputs", Level.WARN if silent_topics else Level.OK, text, values))
 
     def _may_never_come(self, topic: str) -> bool:
-        return all(topic in optional_inputs(processor) for processor in self._readers[topic])
+        return all(topic in processor.optional for processor in self._readers[topic])
 
     def _status(self, health: Health) -> DiagnosticStatus:
         return DiagnosticStatus(

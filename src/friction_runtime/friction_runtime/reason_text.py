@@ -1,4 +1,20 @@
-"""Texts of the reasons in messages: each names its wheel once."""
+"""Why an estimate may not be used, in messages: valid, reason, and a text that names its wheel once."""
+
+from typing import Any
+
+
+def set_reason(message: Any, wheel: str, reason: int, text: str) -> None:
+    """Set what every message of an estimate has: `valid`, `reason` and `reason_text`.
+
+    Args:
+        message: with these fields.
+        wheel: it is of.
+        reason: enum with the values of the message; 0 is OK in all of them.
+        text: the reason in words, empty where it is OK.
+    """
+    message.valid = reason == 0
+    message.reason = int(reason)
+    message.reason_text = of_wheel(wheel, text)
 
 
 def of_wheel(wheel: str, text: str) -> str:

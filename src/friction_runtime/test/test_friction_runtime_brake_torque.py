@@ -48,5 +48,11 @@ def test_what_is_no_pressure_is_refused_by_topic(value: float) -> None:
     )
 
 
+def test_a_pressure_of_another_topic_is_judged_alike() -> None:
+    brake = BrakeTorque(car(delay=0.025), "front_left")
+    assert brake.torque("brake_demand", 5e6) == 1e-4 * 5e6
+    assert brake.torque("brake_demand", nan) == "brake_demand: nan Pa is no brake pressure"
+
+
 def test_a_pressure_whose_torque_no_brake_has_is_refused() -> None:
     assert isinstance(BrakeTorque(car(gain=1.0), "front_left").read(pressure(2e5)), str)

@@ -209,5 +209,5 @@ class SlopeDetector:
             slip_at_crossing=crossing.slip,
             crossing_stamp=crossing.stamp,
             reason=reason,
-            reason_text=text,
+            text=text,
         )

@@ -69,4 +69,5 @@ class SlopeEstimate:
     crossing_stamp: int = 0
     """[ns], compensated for the delay; 0 before the first."""
     reason: Reason = Reason.OK
-    reason_text: str = ""
+    text: str = ""
+    """The reason in words, empty where it is OK."""

@@ -13,7 +13,7 @@ from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, level_of, silent
-from friction_runtime.reason_text import of_topic, of_wheel
+from friction_runtime.reason_text import of_topic, set_reason
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from friction_slope.detector import SlopeDetector
@@ -119,7 +119,7 @@ class WheelProcessor(AlignedProcessor[float]):
 
     def _reason(self, sample: AlignedSample[float], estimate: SlopeEstimate) -> str:
         """Reason of an estimate in words; where an input is missing, what is known of that."""
-        text = estimate.reason_text
+        text = estimate.text
         if estimate.reason is Reason.NO_TORQUE:
             return sample.missing.get(self._pressure, text)
         if estimate.reason is Reason.NO_SLIP:
@@ -139,9 +139,7 @@ class WheelProcessor(AlignedProcessor[float]):
         message.crossing_sign = estimate.crossing_sign
         message.slip_at_crossing = estimate.slip_at_crossing
         message.crossing_stamp = from_nanoseconds(estimate.crossing_stamp)
-        message.valid = estimate.reason is Reason.OK
-        message.reason = int(estimate.reason)
-        message.reason_text = of_wheel(self._wheel, self._text)
+        set_reason(message, self._wheel, estimate.reason, self._text)
         return message
 
 

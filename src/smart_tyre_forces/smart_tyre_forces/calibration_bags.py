@@ -14,6 +14,7 @@ from smart_tyre_forces.calibrate import WheelRun
 from smart_tyre_forces.front_template import FrontRefiner
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker, TrackerParameters
 from smart_tyre_forces.tooth_table import ToothTable
+from vehicle_models.nanoseconds import NANOSECOND
 from vehicle_models.vehicle import Vehicle, Wheel
 
 Array = NDArray[np.float64]
@@ -99,7 +100,7 @@ def read(bag: Path, vehicle: Vehicle, imu_topic: str = "imu/data") -> BagRun:
             wanted = [c for c in reader.connections if c.topic.endswith(("/tyre_signals", imu_topic))]
             for connection, _, data in reader.messages(connections=wanted):
                 message: Any = reader.deserialize(data, connection.msgtype)
-                stamp = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
+                stamp = message.header.stamp.sec + NANOSECOND * message.header.stamp.nanosec
                 if connection.topic.endswith("/tyre_signals"):
                     signals = (message.encoder_voltage, message.radial_acceleration)
                     tyres.setdefault(message.wheel, []).append(Block(stamp, int(message.first_sample), *signals))

@@ -16,7 +16,7 @@ import numpy as np
 from friction_parameters.parameter import parameter
 from smart_tyre_forces.calibration import TyreCalibration, polynomial
 from smart_tyre_forces.patch_tracker import Passage
-from smart_tyre_forces.reasons import PatchReason
+from smart_tyre_forces.reasons import PATCH_TEXTS, PatchReason
 
 _UNSTEADY = (PatchReason.SPEED_RANGE, PatchReason.REVERSAL)
 """What ends a stretch of constant speed; a revolution lost for another reason is only missing from it."""
@@ -68,6 +68,11 @@ class Patch:
     """Speed trend and the part of the load removed, see load_shift."""
     length_bias: float = 0.0
     """How far the length was off at the last constant speed, once that is called a change of pressure [rad]."""
+
+    @property
+    def text(self) -> str:
+        """The reason in words, empty where it is OK."""
+        return PATCH_TEXTS[self.reason]
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import numpy as np
 
 from smart_tyre_forces.calibration import TyreCalibration, WheelCalibration, polynomial
 from smart_tyre_forces.correction import Patch
-from smart_tyre_forces.reasons import ForceReason, PatchReason
+from smart_tyre_forces.reasons import FORCE_TEXTS, ForceReason, PatchReason
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,11 @@ class Forces:
     """On the tyre, upwards."""
     fx_stddev: float = np.nan
     fz_stddev: float = np.nan
+
+    @property
+    def text(self) -> str:
+        """The reason in words, empty where it is OK."""
+        return FORCE_TEXTS[self.reason]
 
 
 def steady_force(tyre: TyreCalibration, wheel: WheelCalibration, speed: float, zero_speed: float) -> float:

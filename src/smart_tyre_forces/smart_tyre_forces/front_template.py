@@ -15,8 +15,8 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg, signal
 
+from smart_tyre_forces.fir import filtered
 from smart_tyre_forces.fronts import NOISE_END, Fronts
 
 Array = NDArray[np.float64]
@@ -98,6 +98,10 @@ class TemplateFit:
 
     def __init__(self, template: FrontTemplate) -> None:
         """Start with no knowledge of the noise: the first passage gives the first estimate."""
+        # Here, because nodes without a template start faster without it; the first passage must not wait for it either.
+        from scipy.linalg import solve_toeplitz
+
+        self._solve_toeplitz = solve_toeplitz
         self._tables = (template.leading, template.trailing)
         self._slopes = tuple(np.gradient(table, GRID) for table in self._tables)
         self._covariance: Array | None = None
@@ -124,7 +128,7 @@ class TemplateFit:
             self._covariance = self._covariance + _FORGETTING * (lags - self._covariance)
         column = self._covariance[:_ORDER].copy()
         column[0] *= 1.0 + _RIDGE
-        return np.concatenate(((1.0,), -linalg.solve_toeplitz(column, self._covariance[1:])))
+        return np.concatenate(((1.0,), -self._solve_toeplitz(column, self._covariance[1:])))
 
     def _fit(self, fronts: Fronts, theta: Array, z: Array, whitener: Array) -> Fronts | None:
         """Least squares of the whitened passage, from the crossings."""
@@ -141,7 +145,7 @@ class TemplateFit:
                 phi = theta[part] - alphas[side]
                 columns[2, part] = np.interp(phi, GRID, self._tables[side])
                 columns[3 + side, part] = -np.interp(phi, GRID, self._slopes[side])
-            white = signal.lfilter(whitener, (1.0, 0.0), columns)[:, _ORDER:]
+            white = filtered(whitener, columns)
             gram = white[1:] @ white[1:].T
             solution = np.linalg.solve(gram, white[1:] @ white[0])
             alphas = alphas + solution[2:] / solution[1]

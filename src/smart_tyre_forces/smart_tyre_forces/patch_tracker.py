@@ -216,16 +216,16 @@ class PatchTracker:
         start = self.wheel.time_of(begin)
         speed = self._rate(2.0 * np.pi, end - start)
         self.wheel.forget_before(end)
-        reason = self._speed_reason(speed) or PatchReason.NO_FRONTS
-        return self._invalid(reason, end, speed)
+        reason = self._speed_reason(speed)
+        return self._invalid(PatchReason.NO_FRONTS if reason is PatchReason.OK else reason, end, speed)
 
     def _rate(self, angle: float, samples: float) -> float:
         return angle * self._parameters.sample_rate / samples
 
-    def _speed_reason(self, wheel_speed: float) -> PatchReason | None:
+    def _speed_reason(self, wheel_speed: float) -> PatchReason:
         speed = wheel_speed * self._radius
         inside = self._parameters.minimum_speed <= speed <= self._parameters.maximum_speed
-        return None if inside else PatchReason.SPEED_RANGE
+        return PatchReason.OK if inside else PatchReason.SPEED_RANGE
 
     def _passage(self, centre: float) -> Passage:
         wheel = self.wheel
@@ -234,7 +234,7 @@ class PatchTracker:
         speed = self._rate(WINDOW_END - FREE_END, end - free_end)
         self._centre = centre + 2.0 * np.pi
         reason = self._speed_reason(speed)
-        if reason is not None:
+        if reason is not PatchReason.OK:
             return self._invalid(reason, end, speed)
         times, acceleration = self._samples(centre + FREE_BEGIN, centre + WINDOW_END)
         if not np.all(np.isfinite(acceleration)):

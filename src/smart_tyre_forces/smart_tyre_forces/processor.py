@@ -182,7 +182,7 @@ class TyreProcessor:
             return Level.OK, "no tyre signals"
         if self._patch is None:
             return Level.OK, "no revolution seen yet"
-        level, text = level_of(self._patch.reason, _QUIET, broken=()), messages.PATCH_TEXTS[self._patch.reason]
+        level, text = level_of(self._patch.reason, _QUIET, broken=()), self._patch.text
         if level is Level.OK and self._correction.pressure_changed:
             return Level.WARN, "pressure changed: re-zero the length"
         return level, text or "ok"

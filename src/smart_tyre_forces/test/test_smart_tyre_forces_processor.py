@@ -14,7 +14,7 @@ from friction_parameters.generated import parameter_file
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from friction_parameters.values import declared, from_mapping
-from friction_runtime.processor import Level, optional_inputs
+from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces.calibration import Calibration, TyreCalibration, WheelCalibration
 from smart_tyre_forces.force_map import ForceMap
@@ -123,7 +123,7 @@ def test_wheels_that_the_calibration_lacks_give_raw_patches_and_say_so_once_they
     processors = build(
         SmartTyreParameters(calibration_file=calibration_file), CAR, lambda _severity, text: said.append(text)
     )
-    assert [list(optional_inputs(each)) for each in processors] == [[f"{w}/tyre_signals"] for w in CAR.wheel_names]
+    assert [list(each.optional) for each in processors] == [[f"{w}/tyre_signals"] for w in CAR.wheel_names]
     assert said == []
     messages = list(blocks(simulate(10.0, seconds=14.0)))
     for message in messages:
@@ -147,7 +147,10 @@ def test_one_patch_and_one_force_a_revolution_and_a_wrench_on_request(simulate: 
     # The patch of the first revolutions may be cut by the start.
     assert revolutions - 3.0 < len(patches) < revolutions + 1.0
     assert [p.revolution for p in patches] == list(range(1, len(patches) + 1))
-    assert all(p.reason == ContactPatch.NOT_READY and not p.valid and p.reason_text for p in patches[:10])
+    assert all(p.reason == ContactPatch.NOT_READY and not p.valid for p in patches[:10])
+    for message in (*patches, *forces):
+        assert message.valid == (message.reason_text == "")
+        assert message.valid or message.reason_text.startswith("front_left: ")
     assert patches[-1].valid and patches[-1].reason == ContactPatch.OK
     assert patches[-1].length == pytest.approx(patches[-1].alpha_2 - patches[-1].alpha_1, abs=0.02)
     assert [f.valid for f in forces] == [p.valid for p in patches]

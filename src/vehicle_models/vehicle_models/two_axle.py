@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vehicle_models import burckhardt, load_transfer
-from vehicle_models.single_corner import GRAVITY, REST_SPEED, ROSENBROCK_GAMMA, SLIP_SPEED_FLOOR
+from vehicle_models.rosenbrock import GAMMA, check_start, inner_steps, two_stages
+from vehicle_models.single_corner import GRAVITY, REST_SPEED, SLIP_SPEED_FLOOR
 from vehicle_models.vehicle import AIR_DENSITY, FRONT, REAR, Vehicle, Wheel
 
 Array = NDArray[np.float64]
@@ -105,10 +106,7 @@ class TwoAxleCar:
         self.distance: Array = np.zeros_like(self.speed)
         """Distance covered [m], shape (n,)."""
         self.grade: ArrayLike = grade
-        if not (np.all(self.speed >= 0.0) and np.all(self.wheel_speed >= 0.0)):
-            raise ValueError("speed and wheel_speed must be finite and >= 0")
-        if not max_step > 0.0:
-            raise ValueError(f"max_step must be > 0, is {max_step}")
+        check_start(self.speed, self.wheel_speed, max_step)
         self._max_step = max_step
 
     @property
@@ -159,8 +157,7 @@ class TwoAxleCar:
             drive_torque: of the engine at all driven wheels together [N m], negative for engine braking, broadcasts to
                 (n,); they share it equally (open differential). A car without a driven wheel has no use for it.
         """
-        steps = max(1, int(np.ceil(dt / self._max_step - 1e-9)))
-        h = dt / steps
+        steps, h = inner_steps(dt, self._max_step)
         begin, end = self._net_torque(torque_begin, drive_torque), self._net_torque(torque_end, drive_torque)
         rate = (end - begin) / dt
         road = _per_wheel(theta)
@@ -214,7 +211,7 @@ class TwoAxleCar:
         f_v, f_w = self._derivative(v, w, torque, theta)
         # A locked wheel has no equation: left in, its pull below zero would reach the body through the matrix.
         turns = (w > 0.0) | (f_w >= 0.0)
-        gh = ROSENBROCK_GAMMA * h
+        gh = GAMMA * h
         by_wheel = np.where(turns, gh * force_w / mass, 0.0)
         wheel_by_v = np.where(turns, -gh * radius * force_v / inertia, 0.0)
         wheel_own = 1.0 - np.where(turns, gh * radius * force_w / inertia, 0.0)
@@ -225,12 +222,11 @@ class TwoAxleCar:
             x_v = (b_v - (by_wheel * b_w / wheel_own).sum(axis=1)) / body
             return x_v, (b_w - wheel_by_v * x_v[:, np.newaxis]) / wheel_own
 
+        def derivative_at_end(speed: Array, wheel_speed: Array) -> tuple[Array, Array]:
+            return self._derivative(speed, wheel_speed, torque + h * torque_rate, theta)
+
         time_term = -gh * torque_rate / inertia
-        k1_v, k1_w = solve(f_v, f_w + time_term)
-        f_v, f_w = self._derivative(v + h * k1_v, np.maximum(w + h * k1_w, 0.0), torque + h * torque_rate, theta)
-        k2_v, k2_w = solve(f_v - 2.0 * k1_v, f_w - 2.0 * k1_w - time_term)
-        speed = v + h * (1.5 * k1_v + 0.5 * k2_v)
-        wheel_speed = w + h * (1.5 * k1_w + 0.5 * k2_w)
+        speed, wheel_speed = two_stages((v, w), (f_v, f_w), time_term, h, solve, derivative_at_end)
         standing = (speed < REST_SPEED) & (speed <= v)
         self.speed = np.where(standing, 0.0, speed)
         self.wheel_speed = np.where(standing[:, np.newaxis], 0.0, np.maximum(wheel_speed, 0.0))

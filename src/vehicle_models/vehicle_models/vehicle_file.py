@@ -45,6 +45,11 @@ def shipped_vehicles() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _SHIPPED.glob("*.yaml")))
 
 
+def vehicle_choices() -> str:
+    """Say how a car may be given, for help and refusals."""
+    return f"a path, or one of those shipped: {', '.join(shipped_vehicles())}"
+
+
 def vehicle_path(name: str | Path) -> Path:
     """Path of a vehicle file.
 
@@ -59,7 +64,7 @@ def vehicle_path(name: str | Path) -> Path:
     if str(name) and _is_file(Path(name)):
         return Path(name).absolute()
     what = f"there is no vehicle file '{name}'" if str(name) else "no vehicle file is given ('vehicle_file')"
-    raise ParameterError(f"{what}: give a path, or one of those shipped: {', '.join(shipped_vehicles())}")
+    raise ParameterError(f"{what}: give {vehicle_choices()}")
 
 
 def _is_file(path: Path) -> bool:
@@ -101,10 +106,7 @@ def load_vehicle(name: str | Path) -> Vehicle:
             missing or stands twice, a value is bad, or the whole makes no car.
     """
     path = vehicle_path(name)
-    try:
-        return _vehicle(_File(path), read_yaml(path))
-    except OSError as error:
-        raise ParameterError(f"{path}: {error.strerror}") from error
+    return _vehicle(_File(path), read_yaml(path, "vehicle file"))
 
 
 class _File:

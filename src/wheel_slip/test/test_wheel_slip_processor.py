@@ -17,7 +17,6 @@ from friction_parameters.generated import parameter_file
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from friction_parameters.values import declared, from_mapping
-from friction_runtime.processor import optional_inputs
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models.vehicle import Accelerometer
 from vehicle_models.vehicle_file import load_vehicle
@@ -90,7 +89,7 @@ def test_shipped_parameter_file_holds_the_defaults() -> None:
 
 def test_one_processor_serves_every_wheel_of_the_car() -> None:
     (processor,) = build(WheelSlipParameters(), load_vehicle("chapter_car"))
-    assert optional_inputs(processor) == ("vehicle_velocity",)
+    assert processor.optional == ("vehicle_velocity",)
     assert list(processor.outputs) == [f"{wheel}/slip" for wheel in load_vehicle("chapter_car").wheel_names]
 
 
@@ -203,6 +202,7 @@ def test_missing_and_not_finite_wheels_are_invalid_and_named_while_others_go_on(
         assert message.reason == WheelSlip.BAD_INPUT
         assert wheel in message.reason_text
         assert isnan(message.slip)
+        assert isnan(message.wheel_speed)  # none has ever come: it is unknown, not 0
         assert any(f"'{wheel}'" in text for text in said)
 
 

@@ -46,4 +46,5 @@ class WheelEstimate:
     """[m^2/s^2]"""
     source: SpeedSource = SpeedSource.NONE
     reason: Reason = Reason.OK
-    reason_text: str = ""
+    text: str = ""
+    """The reason in words, empty where it is OK."""

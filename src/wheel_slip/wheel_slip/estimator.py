@@ -133,4 +133,4 @@ class _Motion(NamedTuple):
     acceleration: tuple[float, float]
     source: SpeedSource
     reason: Reason
-    reason_text: str
+    text: str

@@ -14,6 +14,7 @@ Noise alone hardly reaches m = 2, so that the smoothing of a quiet wheel stays w
 """
 
 from dataclasses import dataclass
+from math import nan
 
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -61,8 +62,8 @@ class WheelSpeedFilter:
 
     def reset(self) -> None:
         """Forget everything."""
-        self.speed = 0.0
-        """Wheel speed [rad/s]."""
+        self.speed = nan
+        """Wheel speed [rad/s]; NaN before the first sample."""
         self.acceleration = 0.0
         """Wheel acceleration [rad/s^2]."""
         self.speed_variance = self._variance

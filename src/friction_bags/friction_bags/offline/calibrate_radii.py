@@ -21,7 +21,7 @@ from sensor_msgs.msg import JointState
 
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_bags.bag_vehicle import add_vehicle_argument, vehicle_for
+from friction_bags.bag_vehicle import CAR_OTHERWISE, vehicle_for
 from friction_bags.offline.estimators import read_parameters, vehicle_of
 from friction_bags.offline.plan import SayOnce
 from friction_bags.offline.vehicle_text import with_radii
@@ -32,6 +32,7 @@ from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_argument import add_vehicle_argument
 from vehicle_models.vehicle_file import load_vehicle, vehicle_path
 from wheel_slip.processor import VEHICLE_VELOCITY
 from wheel_slip.radius_calibration import CalibrationParameters, Radii, RadiusCalibration
@@ -111,7 +112,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this command."""
     parser.add_argument("bag", type=Path, help="bag with wheel_states and, against the sensor, vehicle_velocity")
     parser.add_argument("--out", type=Path, required=True, help="vehicle file to be written: the car's, with new radii")
-    add_vehicle_argument(parser)
+    add_vehicle_argument(parser, CAR_OTHERWISE)
     parser.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
     parser.add_argument("--against", choices=("sensor", "wheels"), default="sensor")
     limit = CalibrationParameters().max_acceleration

@@ -34,7 +34,6 @@ def read_parameters(
 
     Raises:
         ParameterError: a file or a parameter is bad; the text names it.
-        OSError: a file cannot be read.
     """
     found: dict[str, Any] = {}
     for name in estimators:

@@ -100,7 +100,6 @@ def plan_for(reader: BagReader, options: ProcessOptions, report: Report) -> tupl
     Raises:
         BagError: it holds no wheel of the car.
         ParameterError: a parameter or the vehicle file is bad, or no car is named.
-        OSError: a parameter file cannot be read.
     """
     prefix = options.prefix
     names = [topic.name.removeprefix(prefix) for topic in reader.counts]

@@ -15,11 +15,12 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.bag_vehicle import add_vehicle_argument
+from friction_bags.bag_vehicle import CAR_OTHERWISE
 from friction_bags.offline.estimators import ESTIMATORS
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import ProcessResult, process_bag
 from friction_parameters.parameter import ParameterError
+from vehicle_models.vehicle_argument import add_vehicle_argument
 
 _REFRESH_PERIOD = 0.2
 _INTERRUPTED = 130
@@ -33,7 +34,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--out", type=Path, required=True, metavar="DIR", help="bag to be made; of several bags: where to make them"
     )
     parser.add_argument("--estimators", nargs="+", choices=ESTIMATORS, default=[], help="default: all with inputs")
-    add_vehicle_argument(parser)
+    add_vehicle_argument(parser, CAR_OTHERWISE)
     parser.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
     parser.add_argument("--namespace", default="/", help="of the topics, such as /car")
     parser.add_argument("--outputs-only", action="store_true", help="leave out the topics of the bag")

@@ -15,6 +15,7 @@ from friction_bags.offline.graph_stages import graph_stages
 from friction_bags.offline.plan import ProcessOptions, SayOnce, output_numbers, plan_for
 from friction_bags.offline.stage_processes import read_steps, steps_of_stages, undecoded
 from friction_bags.offline.stage_run import StageRun
+from vehicle_models.nanoseconds import NANOSECOND
 
 _CHUNK_SIZE = 4 << 20
 _PROGRESS_EVERY = 1000
@@ -92,6 +93,6 @@ def process_bag(
             if count % _PROGRESS_EVERY == 0:
                 progress(count / total)
         progress(1.0)
-        duration = (reader.end - reader.start) * 1e-9
+        duration = (reader.end - reader.start) * NANOSECOND
         found = tuple(dict.fromkeys([*reader.problems, *problems, *undecoded(run)]))
         return ProcessResult(str(bag), count, given, duration, perf_counter() - begun, found)

@@ -12,6 +12,7 @@ from rclpy.subscription import Subscription
 from friction_bags.bag_io.message_definition import UnknownTypeError, message_class
 from friction_bags.record_replay import qos_profiles
 from friction_bags.record_replay.topic_selection import TopicSelection
+from vehicle_models.nanoseconds import NANOSECONDS
 
 _POLL_PERIOD = 0.0002
 _PATIENCE = 1.0
@@ -126,7 +127,7 @@ def has_header(kind: Any) -> bool:
 def header_stamp(data: bytes) -> int:
     """Stamp [ns] of the header a CDR message begins with."""
     seconds, nanoseconds = (_LITTLE if data[1] & 1 else _BIG).unpack_from(data, 4)
-    return int(seconds) * 1_000_000_000 + int(nanoseconds)
+    return int(seconds) * NANOSECONDS + int(nanoseconds)
 
 
 def _never_called(_: bytes) -> None:

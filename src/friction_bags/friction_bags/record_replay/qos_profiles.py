@@ -7,6 +7,8 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
+from vehicle_models.nanoseconds import NANOSECONDS
+
 _RECORDING_DEPTH = 4000
 """Samples a topic may wait for the recorder: 20 s at 200 Hz."""
 _REPLAY_DEPTH = 1000
@@ -53,4 +55,4 @@ def _profile(depth: int, *, reliable: bool, latched: bool) -> QoSProfile:
 
 
 def _time(duration: Duration) -> QosTime:
-    return QosTime(*divmod(int(duration.nanoseconds), 1_000_000_000))
+    return QosTime(*divmod(int(duration.nanoseconds), NANOSECONDS))
