@@ -7,13 +7,13 @@ import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from friction_evaluation.parts import PARTS, JudgingPart, Row, part, plain
+from friction_evaluation.parts import PARTS, JudgingPart, part
+from friction_evaluation.rows import Row, as_text, columns, plain
 from friction_parameters.parameter import ParameterError
 
 
@@ -48,19 +48,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def print_rows(title: str, rows: Sequence[Row]) -> None:
     """Print flat rows as a table; every row may have its own columns."""
-    columns = list(dict.fromkeys(name for row in rows for name in row))
+    names = columns(rows)
     table = Table(title=title)
-    for name in columns:
+    for name in names:
         table.add_column(escape(name), overflow="fold")
     for row in rows:
-        table.add_row(*(_text(row.get(name, "")) for name in columns))
+        table.add_row(*(escape(as_text(row.get(name, ""))) for name in names))
     # Wide enough that no column is cut where the output goes to a file.
     console = Console()
     (console if console.is_terminal else Console(width=240)).print(table)
-
-
-def _text(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else escape(str(value))
 
 
 if __name__ == "__main__":

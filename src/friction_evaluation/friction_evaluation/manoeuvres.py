@@ -8,18 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction_evaluation.protocol_corner import CORNER
+from friction_evaluation.protocol import CORNER, DT, SPEED
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE, SensorNoise
 from vehicle_models.single_corner import CornerParameters, SingleCorner
 
 Array = NDArray[np.float64]
 
-INTERVAL = 0.005
-"""Sample time [s]."""
 SAMPLES = 100
-SPEED = 30.0
-"""At the start, rolling freely [m/s]."""
 RAMP_TIMES = {"A": 0.5, "B": 0.25, "C": 0.1}
 """Duration of the torque ramp [s]."""
 _FINAL_SLIP = 1.5
@@ -87,13 +83,13 @@ def braking(manoeuvre: str, theta: ArrayLike, corner: CornerParameters = CORNER)
 
 
 def _drive(manoeuvre: str, level: Array, theta: Array, corner: CornerParameters) -> Truth:
-    time: Array = np.arange(SAMPLES, dtype=np.float64) * INTERVAL
+    time: Array = np.arange(SAMPLES, dtype=np.float64) * DT
     torque = brake_torque(manoeuvre, level, time)
     plant = SingleCorner(corner, np.full(len(theta), SPEED))
     states = []
     for k in range(SAMPLES):
         states.append((plant.wheel_speed, plant.speed, plant.slip))
         if k < SAMPLES - 1:
-            plant.step(torque[:, k], torque[:, k + 1], theta, INTERVAL)
+            plant.step(torque[:, k], torque[:, k + 1], theta, DT)
     history: Array = np.moveaxis(np.array(states, dtype=np.float64), 0, -1)
     return Truth(theta, time, history[0], history[1], torque, history[2])

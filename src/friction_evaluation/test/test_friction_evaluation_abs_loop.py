@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_evaluation.abs_loop import END_SPEED, Parameters, shipped, stops
+from friction_evaluation.closed_loop.controller import Parameters, shipped
+from friction_evaluation.closed_loop.stops import END_SPEED, stops
 from friction_evaluation.parts import part
-from friction_evaluation.protocol_corner import CAR, CORNER, VEHICLE
-from friction_evaluation.slope_runs import SPEED
+from friction_evaluation.protocol import CAR, CORNER, SPEED, VEHICLE
 from friction_parameters.values import changed
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE

@@ -17,7 +17,7 @@ from std_msgs.msg import Header
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import encode, installed_topic
 from friction_evaluation.__main__ import main
-from friction_evaluation.bag_differences import TopicDifference, bag_differences
+from friction_evaluation.checkouts.bag_differences import TopicDifference, bag_differences
 from friction_runtime.stamps import from_nanoseconds
 
 SLIP, SLOPE = "/front_left/slip", "/front_left/friction_slope"

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from friction_evaluation import __main__ as command_line
-from friction_evaluation.parts import PARTS, Row, part
+from friction_evaluation.parts import PARTS, part
+from friction_evaluation.rows import Row
 
 
 def test_rows_are_printed_and_written_as_strict_json(

@@ -7,11 +7,11 @@ import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
-from friction_evaluation import identification
-from friction_evaluation.identification_runs import SERIES, Batch, Traces, measured
-from friction_evaluation.identification_statistics import alarm_row, coverage, kept_from, peak_row
-from friction_evaluation.identification_studies import draw_curves, roads, seeds_of
-from friction_evaluation.identification_surface_change import drive
+from friction_evaluation.identification import part as identification
+from friction_evaluation.identification.runs import SERIES, Batch, Traces, measured
+from friction_evaluation.identification.statistics import alarm_row, coverage, kept_from, peak_row
+from friction_evaluation.identification.studies import draw_curves, roads, seeds_of
+from friction_evaluation.identification.surface_change import drive
 from friction_evaluation.manoeuvres import SAMPLES, braking
 from vehicle_models import burckhardt
 
