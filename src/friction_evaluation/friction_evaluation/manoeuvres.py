@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from friction_evaluation.protocol import CORNER, DT, SPEED
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import CHAPTER_NOISE, SensorNoise
+from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.single_corner import CornerParameters, SingleCorner
 
 Array = NDArray[np.float64]
@@ -42,16 +42,20 @@ class Truth:
     slip: Array
     """[-]"""
 
-    def noisy(
-        self, run: int, generator: np.random.Generator, noise: SensorNoise = CHAPTER_NOISE
-    ) -> tuple[Array, Array, Array]:
+    def noisy(self, run: int, generator: np.random.Generator) -> tuple[Array, Array, Array]:
         """Measured (wheel speed, speed, torque) of manoeuvre number `run` with white noise, shapes (samples,)."""
-        size = len(self.time)
-        return (
-            self.wheel_speed[run] + generator.normal(0.0, noise.wheel_speed_variance**0.5, size),
-            self.speed[run] + generator.normal(0.0, noise.speed_variance**0.5, size),
-            self.torque[run] + generator.normal(0.0, noise.torque_variance**0.5, size),
-        )
+        return noisy((self.wheel_speed[run], self.speed[run], self.torque[run]), generator)
+
+
+def noisy(signals: tuple[Array, Array, Array], generator: np.random.Generator) -> tuple[Array, Array, Array]:
+    """Measured (wheel speed, speed, torque) with white noise, from the true ones, shapes (samples,)."""
+    wheel_speed, speed, torque = signals
+    noise = CHAPTER_NOISE
+    return (
+        wheel_speed + generator.normal(0.0, noise.wheel_speed_variance**0.5, wheel_speed.size),
+        speed + generator.normal(0.0, noise.speed_variance**0.5, speed.size),
+        torque + generator.normal(0.0, noise.torque_variance**0.5, torque.size),
+    )
 
 
 def brake_torque(manoeuvre: str, level: ArrayLike, time: ArrayLike) -> Array:

@@ -5,29 +5,24 @@ the friction samples' (dead_reckoned unless asked otherwise).
 """
 
 import argparse
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from rich.progress import track
 
 from friction_curve_id.chapter import maximum_likelihood
-from friction_curve_id.chapter.curve_fitting import CurveFit
-from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSamples, FrictionSource
-from friction_curve_id.interface import Sample
-from friction_curve_id.methods import CHAPTER_METHODS
+from friction_curve_id.chapter.friction_samples import FrictionSource
+from friction_evaluation.identification.chapter_fits import INITIAL_SAMPLES, begun, completed, friction_points
 from friction_evaluation.identification.runs import Batch, measured
 from friction_evaluation.identification.studies import roads, seeds_of
 from friction_evaluation.manoeuvres import braking
-from friction_evaluation.protocol import CORNER
 from friction_evaluation.rows import Row
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1
 
 Array = NDArray[np.float64]
 
-INITIAL_SAMPLES = 20
-"""Of RML and RLS, section 8.3.2."""
 _COMPARED_RUNS = 25
 """Runs in which RLS is compared with LS at every sample."""
 _EQUAL = 1e-6
@@ -76,21 +71,6 @@ def chapter_tables(options: argparse.Namespace) -> list[Row]:
     return rows
 
 
-def friction_points(samples: Iterable[Sample], source: FrictionSource) -> tuple[Array, Array]:
-    """Slips and frictions of one run, shapes (samples - 1,); fewer where samples were refused."""
-    maker = FrictionSamples(CORNER, source)
-    points = [point for point in map(maker.update, samples) if isinstance(point, FrictionPoint)]
-    slips, frictions = np.array([(point.slip, point.mu) for point in points]).T
-    return slips, frictions
-
-
-def begun(method: str, slips: Array, frictions: Array) -> CurveFit:
-    """Return a fit by `method`, begun with the first 20 samples."""
-    fit = CHAPTER_METHODS[method]()
-    fit.start(slips[:INITIAL_SAMPLES], frictions[:INITIAL_SAMPLES])
-    return fit
-
-
 def _equal_from(slips: Array, frictions: Array) -> int:
     """Sample (of the sensors) from which on lambda_max of RLS and of LS agree."""
     fits = begun("ls", slips, frictions), begun("rls", slips, frictions)
@@ -112,9 +92,7 @@ def _final(method: str, slips: Array, frictions: Array) -> Sequence[float]:
     else:
         iterations = np.nan
     fit = begun(method, slips, frictions)
-    for slip, friction in zip(slips[INITIAL_SAMPLES:], frictions[INITIAL_SAMPLES:], strict=True):
-        fit.add(float(slip), float(friction))
-    estimate = fit.curve().estimate(float(slips[-1]), len(slips), float(np.max(slips)))
+    estimate = completed(fit, slips, frictions).estimate(float(slips[-1]), len(slips), float(np.max(slips)))
     return [*estimate.theta, estimate.lambda_max, estimate.mu_max, iterations]
 
 

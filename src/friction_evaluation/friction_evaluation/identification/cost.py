@@ -11,9 +11,10 @@ from padasip.filters import FilterRLS
 from rich.progress import Progress
 from scipy.optimize import curve_fit
 
-from friction_curve_id.chapter.friction_samples import FrictionSamples, FrictionSource
-from friction_curve_id.interface import CurveEstimator, Refusal, Sample
+from friction_curve_id.chapter.friction_samples import FrictionSource
+from friction_curve_id.interface import CurveEstimator, Sample
 from friction_curve_id.methods import METHODS, make_estimator
+from friction_evaluation.identification.chapter_fits import friction_points
 from friction_evaluation.identification.runs import Batch, measured
 from friction_evaluation.identification.studies import roads, seeds_of
 from friction_evaluation.manoeuvres import braking
@@ -65,9 +66,7 @@ def _update_times(estimator: CurveEstimator, samples: list[Sample]) -> list[tupl
 
 def _competitors(samples: list[Sample]) -> dict[str, list[tuple[float, float]]]:
     """The filter of padasip and curve_fit on the friction samples of the chapter's methods."""
-    source = FrictionSamples(CORNER, FrictionSource.DEAD_RECKONED)
-    points = [point for point in map(source.update, samples) if not isinstance(point, Refusal)]
-    slips, frictions = np.array([(point.slip, point.mu) for point in points]).T
+    slips, frictions = friction_points(samples, FrictionSource.DEAD_RECKONED)
     rows = np.column_stack([np.exp(-np.outer(slips, _EXPONENTS)), slips, np.ones_like(slips)])
     rls = FilterRLS(n=rows.shape[1], mu=1.0, eps=1e-3, w="zeros")
     for friction, row in zip(frictions[:-10], rows[:-10], strict=True):

@@ -23,7 +23,7 @@ from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.curve.fitted_curve import FittedCurve
 from friction_curve_id.interface import CurveEstimate, Refusal
 from friction_curve_id.methods import CHAPTER_METHODS, make_estimator
-from friction_evaluation.identification.chapter_tables import INITIAL_SAMPLES, begun, friction_points
+from friction_evaluation.identification.chapter_fits import begun, completed, friction_points
 from friction_evaluation.identification.runs import Batch, measured
 from friction_evaluation.identification.studies import roads, seeds_of
 from friction_evaluation.manoeuvres import SAMPLES, braking
@@ -72,9 +72,7 @@ def _curves(method: str, points: tuple[Array, Array], answers: list[CurveEstimat
         return partial(burckhardt.friction, thetas[0]), partial(burckhardt.friction, thetas[-1])
     fit = begun(method, *points)
     first = fit.curve()
-    for slip, friction in zip(points[0][INITIAL_SAMPLES:], points[1][INITIAL_SAMPLES:], strict=True):
-        fit.add(float(slip), float(friction))
-    last = fit.curve()
+    last = completed(fit, *points)
 
     def drawn(curve: FittedCurve) -> Curve:
         return lambda grid: np.array([curve.model.friction(curve.parameters, float(slip)) for slip in grid])

@@ -9,11 +9,10 @@ from rich.progress import Progress
 
 from friction_curve_id.interface import CurveEstimate, RestartCause, Sample
 from friction_curve_id.methods import DEFAULT, make_estimator
-from friction_evaluation.manoeuvres import SAMPLES, brake_torque, hold_torque
+from friction_evaluation.manoeuvres import SAMPLES, brake_torque, hold_torque, noisy
 from friction_evaluation.protocol import CORNER, DT, SPEED
 from friction_evaluation.rows import Row
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import surface
 
@@ -98,14 +97,11 @@ def surface_change(options: argparse.Namespace) -> list[Row]:
 
 def _follow(change: Change, after: Array, seed: int) -> tuple[float, int, float, float]:
     """Delay of the restart [ms], restarts before the change, errors of lambda_max and mu_max at the end [stddev]."""
-    noise, generator = CHAPTER_NOISE, np.random.default_rng([_FIRST_SEED, 20, seed])
-    size = len(change.torque)
-    omega = change.wheel_speed + generator.normal(0.0, noise.wheel_speed_variance**0.5, size)
-    speed = change.speed + generator.normal(0.0, noise.speed_variance**0.5, size)
-    torque = change.torque + generator.normal(0.0, noise.torque_variance**0.5, size)
+    generator = np.random.default_rng([_FIRST_SEED, 20, seed])
+    omega, speed, torque = noisy((change.wheel_speed, change.speed, change.torque), generator)
     estimator = make_estimator(DEFAULT, CORNER)
     delay, false, last = np.inf, 0, CurveEstimate(0, 0.0)
-    for k in range(size):
+    for k in range(len(torque)):
         answer = estimator.update(Sample(k * DT, float(omega[k]), float(speed[k]), float(torque[k])))
         if not isinstance(answer, CurveEstimate):
             continue

@@ -11,17 +11,25 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from friction_evaluation.smart_tyre.runs import LOW, NOMINAL, RING, TRACKER, WHEEL, CalibrationRuns, passages, simulate
+from friction_evaluation.smart_tyre.runs import (
+    LOW,
+    NOMINAL,
+    RING,
+    TRACKER,
+    WHEEL,
+    CalibrationRuns,
+    passages,
+    simulate,
+    wheel_angle,
+)
 from friction_evaluation.smart_tyre.runs import NOISY as SENSORS
 from smart_tyre_forces.calibrate import raw_points
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.calibration_plots import quasi_static_maps
 from smart_tyre_forces.correction import Patch, PatchCorrection
-from smart_tyre_forces.encoder_crossings import EncoderCrossings
 from smart_tyre_forces.fronts import LEVEL, find_fronts
 from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
-from smart_tyre_forces.wheel_angle import WheelAngle
 from vehicle_models.force_history import CAR, dynamic_drive
 from vehicle_models.tyre_signal import TyreBlock
 
@@ -102,17 +110,10 @@ def _raw_signal(block: TyreBlock, file: Path) -> None:
     _finish(figure, [axis], [("time [s]", "radial acceleration [g]")], file)
 
 
-def _wheel(block: TyreBlock, table: ToothTable) -> WheelAngle:
-    wheel = WheelAngle(len(table) // 2, table)
-    for stretch in EncoderCrossings(TRACKER.sample_rate).push(np.asarray(block.encoder_voltage, dtype=np.float64)):
-        wheel.extend(stretch.times)
-    return wheel
-
-
 def _encoder(block: TyreBlock, table: ToothTable, file: Path) -> None:
     figure, axes = plt.subplots(3, 1, figsize=(8.0, 9.0))
     axes[0].plot(np.arange(1000) / 1e4, block.encoder_voltage[50_000:51_000])
-    wheel = _wheel(block, table)
+    wheel = wheel_angle(block, table)
     turn = len(table)
     speed = (wheel.angles[turn:] - wheel.angles[:-turn]) / (wheel.times[turn:] - wheel.times[:-turn])
     axes[1].plot(wheel.times[turn // 2 : -turn // 2] / 1e4, speed * TRACKER.sample_rate * RING.radius)
@@ -123,7 +124,7 @@ def _encoder(block: TyreBlock, table: ToothTable, file: Path) -> None:
 
 
 def _fronts(block: TyreBlock, table: ToothTable, file: Path) -> None:
-    wheel = _wheel(block, table)
+    wheel = wheel_angle(block, table)
     first = passages(block, table)[100]
     centre = 0.5 * (first.alpha_1 + first.alpha_2)
     turns = np.round((float(wheel.at(np.array([first.time]))[0]) - centre) / (2.0 * np.pi))

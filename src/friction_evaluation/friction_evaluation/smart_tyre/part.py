@@ -27,7 +27,6 @@ from friction_evaluation.smart_tyre.runs import (
     QUIET_UNEVEN,
     RING,
     ROUGH,
-    TRACKER,
     WHEEL_SEEDS,
     Estimated,
     Sensors,
@@ -35,12 +34,11 @@ from friction_evaluation.smart_tyre.runs import (
     estimate,
     passages,
     simulate,
+    wheel_angle,
 )
 from smart_tyre_forces.calibration import Calibration
-from smart_tyre_forces.encoder_crossings import EncoderCrossings
 from smart_tyre_forces.front_template import FrontTemplate, TemplateFit
 from smart_tyre_forces.tooth_table import ToothTable
-from smart_tyre_forces.wheel_angle import WheelAngle
 from vehicle_models.force_history import dynamic_drive
 from vehicle_models.tyre_signal import TyreBlock
 
@@ -121,9 +119,7 @@ def evaluate(seeds: range, known: Calibration, ideal: Calibration, progress: Pro
 
 def angle_rms(block: TyreBlock, table: ToothTable) -> float:
     """RMS error of the wheel angle at every sample of a drive [rad], its zero being a convention."""
-    wheel = WheelAngle(len(table) // 2, table)
-    for stretch in EncoderCrossings(TRACKER.sample_rate).push(np.asarray(block.encoder_voltage, dtype=np.float64)):
-        wheel.extend(stretch.times)
+    wheel = wheel_angle(block, table)
     samples = np.arange(int(np.ceil(wheel.times[0])), int(wheel.times[-1]))
     error = wheel.at(samples.astype(np.float64)) - block.wheel_angle[samples]
     return float(np.std(error))

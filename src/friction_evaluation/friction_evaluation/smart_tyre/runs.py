@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 from smart_tyre_forces.calibrate import WheelRun, calibrate
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.correction import Patch, PatchCorrection
+from smart_tyre_forces.encoder_crossings import EncoderCrossings
 from smart_tyre_forces.forces import Forces, forces
 from smart_tyre_forces.front_template import FrontRefiner, FrontTemplate, TemplateLearner
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker, TrackerParameters
 from smart_tyre_forces.reasons import ForceReason
 from smart_tyre_forces.tooth_table import ToothTable
+from smart_tyre_forces.wheel_angle import WheelAngle
 from vehicle_models.encoder import EncoderParameters
 from vehicle_models.force_history import CAR, Drive, dynamic_drive, quasi_static_drives
 from vehicle_models.tyre_ring import TyreRing
@@ -103,6 +105,14 @@ def passages(block: TyreBlock, table: ToothTable | None, refiner: FrontRefiner |
     """Passages of a whole drive."""
     tracker = PatchTracker(WHEEL, TRACKER, table, refiner)
     return tracker.push(block.first_sample, block.encoder_voltage, block.radial_acceleration)
+
+
+def wheel_angle(block: TyreBlock, table: ToothTable) -> WheelAngle:
+    """Wheel angle over a whole drive."""
+    wheel = WheelAngle(len(table) // 2, table)
+    for stretch in EncoderCrossings(TRACKER.sample_rate).push(np.asarray(block.encoder_voltage, dtype=np.float64)):
+        wheel.extend(stretch.times)
+    return wheel
 
 
 def learned_table(block: TyreBlock) -> ToothTable:
