@@ -14,7 +14,9 @@ def columns(rows: Sequence[Row]) -> list[str]:
 
 
 def as_text(value: Any) -> str:
-    """Four significant digits of a float; a dash for NaN."""
+    """Four significant digits of a float, a dash for NaN, nothing for None."""
+    if value is None:
+        return ""
     if isinstance(value, float):
         return "–" if isnan(value) else f"{value:.4g}"
     return str(value)
