@@ -1,4 +1,4 @@
-"""Command line: ``python -m friction_evaluation PART --json FILE``."""
+"""Command line: ``python -m friction_evaluation PART --json FILE --page FILE``."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ CAR = load_vehicle(VEHICLE)
 WHEEL = CAR.wheel_names[0]
 CORNER = CAR.corner(WHEEL)
 BRAKE_GAIN = CAR.wheel(WHEEL).brake_gain
-"""k of T_b = k p [N m/Pa]."""
+"""k in T_b = k p [N m/Pa]."""
 SPEED = 30.0
 """At the start, rolling freely [m/s]."""
 DT = 0.005
@@ -16,4 +16,4 @@ DT = 0.005
 STEP = 5_000_000
 """Sample time [ns]."""
 ACCELERATION_STDDEV = 0.1
-"""Noise of the accelerometer [m/s^2]: the chapter gives none; this is what wheel_slip expects."""
+"""Noise of the accelerometer [m/s^2]: the chapter gives none, and wheel_slip is tuned for this."""

@@ -1,4 +1,4 @@
-"""What each topic of friction_evaluation may import of the others: next to nothing, only the report sees all."""
+"""What each topic of friction_evaluation may import of the others: next to nothing, but the report all."""
 
 import ast
 from collections.abc import Iterator

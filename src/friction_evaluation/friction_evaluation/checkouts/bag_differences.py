@@ -19,7 +19,7 @@ _Messages = dict[_Key, tuple[bytes, Any]]
 
 @dataclass
 class TopicDifference:
-    """What was found on topics of one kind, such as slip: the last part of their names."""
+    """Differences on topics of one kind, such as slip: the last part of their names."""
 
     before: int = 0
     """Messages."""

@@ -19,7 +19,7 @@ _LAST_LINES = 5
 
 
 class CheckoutError(RuntimeError):
-    """A command of a checkout failed; the text holds the end of what it said."""
+    """A command of a checkout failed; the text holds the end of its output."""
 
 
 @dataclass(frozen=True)
@@ -29,10 +29,10 @@ class Checkout:
     root: Path
 
     def process(self, bag: Path, out: Path, parameter_files: Sequence[Path]) -> None:
-        """Run its estimators over a bag and write what they say.
+        """Run its estimators over a bag and write their estimates.
 
-        Nothing is said about the car: it is that of the bag's note, or in a checkout that knows no such note that of
-        the parameter files.
+        The car is not given: it is that of the bag's note or, in a checkout from before such notes, that of the
+        parameter files.
 
         Args:
             bag: to be read.
@@ -55,12 +55,12 @@ class Checkout:
             [root / _RUN, *command], cwd=directory, env=_outer_environment(), capture_output=True, text=True
         )
         if made.returncode:
-            said = "\n".join((made.stderr or made.stdout).splitlines()[-_LAST_LINES:])
-            raise CheckoutError(f"{root}: {' '.join(command)} ended with code {made.returncode}:\n{said}")
+            output = "\n".join((made.stderr or made.stdout).splitlines()[-_LAST_LINES:])
+            raise CheckoutError(f"{root}: {' '.join(command)} ended with code {made.returncode}:\n{output}")
 
 
 def _outer_environment() -> dict[str, str]:
-    """Return the environment without what a checkout put there: tools take the ROS of another one for the user's."""
+    """Return the environment without the paths of a checkout: its ROS would be taken for that of the user."""
     environment = dict(os.environ)
     for name in _PATH_LISTS:
         if name in environment:

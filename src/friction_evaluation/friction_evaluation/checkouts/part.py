@@ -1,10 +1,10 @@
-"""Two built checkouts compared: what the estimators of each say to every bag, message by message and field by field.
+"""Two built checkouts compared: the estimates of each over every bag, message by message and field by field.
 
 The bags are those of the second checkout. Messages are paired by topic, stamp and order. Floats may differ by 1e-9,
 relative above 1 and absolute below; NaN equals NaN. Integers, states, booleans and the sets of topics and messages must
 be the same. Texts that differ, and fields that only one definition has, are listed but do not count. The supervisor
-commands in both unless a parameter file says otherwise, so that commands are compared too. The topic "none" is that of
-a bag about which neither checkout says anything.
+commands in both unless a parameter file changes that, so that commands are compared too. The topic "none" stands
+for a bag without estimates from either checkout.
 
 The exit code is 1 where something differs, 2 where a checkout could not process a bag.
 """
@@ -75,7 +75,7 @@ def bags_of(directory: Path) -> list[Path]:
 
 
 def failed(rows: Sequence[Row]) -> bool:
-    """Does a row tell of more than texts that differ?"""
+    """Does anything but a text differ?"""
     return any(row["differs"] for row in rows)
 
 

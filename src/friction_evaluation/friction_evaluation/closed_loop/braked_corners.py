@@ -14,7 +14,7 @@ from vehicle_models.vehicle import Vehicle
 Array = NDArray[np.float64]
 
 DEMAND_RATIO = 1.5
-"""Demand, of the peak torque."""
+"""Demand in units of the peak torque."""
 
 
 class BrakedCorners:

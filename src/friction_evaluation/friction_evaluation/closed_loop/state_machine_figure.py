@@ -24,7 +24,7 @@ CONDITIONS = {
     Cause.FAIL_SAFE: "inputs failed",
     Cause.LOW_SPEED: "low speed",
 }
-"""What each cause says, with the symbols of section 8.2.2; H stands for the indicator, H sign(eta) of (8.5)."""
+"""Each cause in the symbols of section 8.2.2; H stands for the indicator, H sign(eta) of (8.5)."""
 
 _PLACES = {State.S0: (1.0, 3.0), State.S1: (4.4, 3.0), State.S21: (8.0, 4.6), State.S22: (8.0, 1.4)}
 _RADIUS = 0.62
@@ -49,7 +49,7 @@ _LABELS = {
 
 
 def find_transitions(thresholds: Thresholds | None = None) -> Transitions:
-    """Find every transition of the machine and its causes, by a grid over all that it tells apart."""
+    """Find every transition of the machine and its causes, by a grid over all inputs that it distinguishes."""
     known = thresholds or Thresholds()
     indicators = (nan, -inf, known.h_instability, 0.0, known.h_stability, inf)
     times = (0.0, known.wait, known.release_timeout, inf)

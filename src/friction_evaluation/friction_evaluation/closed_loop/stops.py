@@ -1,4 +1,4 @@
-"""Stops of one corner from 30 to 5 m/s with the supervisor in the loop, and what comes of them."""
+"""Stops of one corner from 30 to 5 m/s with the supervisor in the loop, and their results."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

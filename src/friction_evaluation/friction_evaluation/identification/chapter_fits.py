@@ -15,7 +15,7 @@ from friction_evaluation.protocol import CORNER
 Array = NDArray[np.float64]
 
 INITIAL_SAMPLES = 20
-"""Of RML and RLS, section 8.3.2."""
+"""Samples that RML and RLS start from, section 8.3.2."""
 
 
 def friction_points(samples: Iterable[Sample], source: FrictionSource) -> tuple[Array, Array]:

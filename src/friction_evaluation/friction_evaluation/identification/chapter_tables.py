@@ -1,7 +1,7 @@
 """Tables 8.1, 8.2 and 8.3 in the chapter's layout, beside the chapter's own numbers.
 
 The chapter shows one noisy run of each; here its numbers stand beside the medians over the seeds. `source` is
-the friction samples' (dead_reckoned unless asked otherwise).
+that of the friction samples (default: dead_reckoned).
 """
 
 import argparse

@@ -77,7 +77,7 @@ def _competitors(samples: list[Sample]) -> dict[str, list[tuple[float, float]]]:
         return burckhardt.friction(np.array([th1, th2, th3]), slip)
 
     def batch() -> None:
-        # Running out of iterations takes its time too.
+        # A fit that runs out of iterations counts too.
         with suppress(RuntimeError):
             curve_fit(curve, slips, frictions, p0=(0.8, 25.0, 0.4))
 
@@ -85,7 +85,7 @@ def _competitors(samples: list[Sample]) -> dict[str, list[tuple[float, float]]]:
 
 
 def _timed(function: Callable[..., object], *arguments: object) -> tuple[float, float]:
-    """Milliseconds of one call: on the wall, and of the process."""
+    """Wall and CPU time of one call [ms]."""
     wall, process = time.perf_counter_ns(), time.thread_time_ns()
     function(*arguments)
     return (time.perf_counter_ns() - wall) * 1e-6, (time.thread_time_ns() - process) * 1e-6

@@ -31,12 +31,12 @@ _STATED = (
     "restarted",
 )
 SERIES = (*_STATED, "milliseconds")
-"""What is kept of every answer; milliseconds are those of the process, not of the wall."""
+"""Values kept of every answer; milliseconds are CPU time, not wall time."""
 
 
 @dataclass(frozen=True)
 class Traces:
-    """What an estimator said after every sample of every run; NaN where it refused."""
+    """Answers of an estimator after every sample of every run; NaN where it gave none."""
 
     values: Array
     """Shape (runs, samples, len(SERIES))."""
@@ -59,11 +59,11 @@ class Batch:
     """Number of the manoeuvre in `truth`, and the seed of its noise."""
     source: FrictionSource = FrictionSource.DEAD_RECKONED
     wheel: CornerParameters = CORNER
-    """What the estimator believes."""
+    """Wheel and load that the estimator is given."""
     speed_bias: float = 0.0
     """Added to the measured speed [m/s]."""
     torque_gain: float = 1.0
-    """Of the measured torque."""
+    """Factor on the measured torque."""
     outliers: tuple[int, int, str] | None = None
     """First sample, sign and signals (of w, v, T) of five samples off by ten times their noise."""
 

@@ -1,4 +1,4 @@
-"""A change of the road under braking beyond the peak: how soon it is seen, and how good the new curve is."""
+"""A change of the road under braking beyond the peak: delay of its detection, and errors of the new curve."""
 
 import argparse
 from dataclasses import dataclass

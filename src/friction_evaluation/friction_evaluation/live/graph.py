@@ -1,4 +1,4 @@
-"""The real nodes as processes on a DDS domain of their own, and an observer that notes what they say and when."""
+"""The real nodes as processes on a DDS domain of their own, and an observer of their messages."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class LiveRunError(RuntimeError):
 
 @dataclass
 class Observation:
-    """What came on one topic, in order of arrival."""
+    """Messages of one topic, in order of arrival."""
 
     messages: list[Any] = field(default_factory=list)
     published: list[int] = field(default_factory=list)
@@ -126,7 +126,7 @@ def _observe(
 
 
 def _drain(tap: Subscription, found: Observation) -> None:
-    """Take all that has come. Without executor: less work, and the time of publication comes with each message."""
+    """Take all messages that have arrived. Without an executor: less work, and each comes with its publication time."""
     while True:
         with tap.handle:
             taken = tap.handle.take_message(tap.msg_type, False)

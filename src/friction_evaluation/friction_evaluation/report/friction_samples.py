@@ -31,7 +31,7 @@ _LOAD_TRANSFER = _CAR.height_ratio / _CAR.front_load_share
 _TEXT = f"""The friction samples that a car measures on a front wheel, made with the static load, begin below
 the theoretical curve and then overshoot it, as in the chapter's figure: the tyre follows the slip with a
 relaxation length of {_RELAXATION_LENGTH} m, and the body pitches beyond its steady angle (1.5 Hz, damping 0.3), and
-the load with it. The abscissa of the peak moves little, as the chapter says; its ordinate does. The chapter's
+the load with it. The abscissa of the peak moves little, as in the chapter; its ordinate does. The chapter's
 test drive is not public, this is its simulated counterpart."""
 
 

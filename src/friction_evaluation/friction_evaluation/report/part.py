@@ -21,7 +21,7 @@ from friction_evaluation.report.page import Picture, Section, Table, page
 from friction_evaluation.rows import Row, plain
 
 Seeds = Callable[[int], str]
-"""From the full number of seeds to the one of this run, as an argument."""
+"""Number of seeds of this run, as an argument, from the full number."""
 
 _SLOPE_SEEDS = 200
 """For each of the roads of Figures 8.2 and 8.3."""

@@ -1,4 +1,4 @@
-"""What the report says about its tables and figures."""
+"""Texts of the report around its tables and figures."""
 
 TITLE = "Tyre-road friction: chapter 8, reproduced and extended"
 
@@ -20,11 +20,11 @@ ideal is the build-up of torque, and releases that the noise of H triggers befor
 IDENTIFICATION = """The chapter prints one noisy run for each surface; a median over many runs is the fairer
 number and stands beside it. The methods take friction samples by dead-reckoned speed, their best documented
 source. With the samples of (8.8) as printed and a differenced slip most runs fail: their noise is 0.5 to 0.7
-in mu, nearly all of it from the speed sensor, so the chapter must have smoothed more than it says. Equation
+in mu, nearly all of it from the speed sensor, so the chapter must have smoothed more than it states. Equation
 (8.11) is used with the factor 1/2 that its quadratic term lacks in print; without it the iteration diverges
 on wet and snow even without noise. LS and RLS carry a bias of their model (8.12), which noise-free data show
-as well; the chapter's errors of about 5 % on dry and wet are that bias. RLS equals LS at the end, as the
-chapter says. The chapter's mu_max of 1.0014 for cobblestone does not follow from its parameters, which give
+as well; the chapter's errors of about 5 % on dry and wet are that bias. RLS equals LS at the end, as in
+the chapter. The chapter's mu_max of 1.0014 for cobblestone does not follow from its parameters, which give
 0.9986."""
 
 SPEED = """The chapter's roads are reproduced by curves with its lambda_max, 0.1 and 0.13, and by its numbers
@@ -41,14 +41,14 @@ constant speed for Omega_0 is less than a revolution and is read as seconds."""
 
 DEFAULT = """The default estimator fits wheel speed, torque and speed at every sample at once, with the
 curve's parameters; its error is that of the Cramer-Rao bound with its prior. Before the slip passes the peak
-nothing in the data tells lambda_max: what is published then is the prior's guess, with valid = false and a
-wide interval. Failures are counted, never left out."""
+the data do not determine lambda_max: the estimate is then that of the prior, with valid = false and a wide
+interval. Failures are counted, never left out."""
 
 MEASURED = """On the BMW stop the logged brake torque is a demand, so the curve comes from the acceleration
 and the slips of all wheels. Its acceleration and its reference speed probably share a source (integrated,
 they agree to 0.016 m/s): the speed error there is no independent proof. The laps of the Indy car hold no
 strong braking, and the estimator stays silent. On the tyre rig the sweeps end at 17.5 % slip, so lambda_max
-is barely identifiable, and the intervals say so."""
+is barely identifiable, and the intervals are wide."""
 
 LIVE = """Separate processes over DDS on this machine; the delay is from the publication of the sensors to the
 arrival of the supervisor's command. Machines differ and are shared: compare within one run. The lock-step run

@@ -31,17 +31,17 @@ class Followed:
     """Errors of one run, n samples from brake onset to the end speed."""
 
     speed: Array
-    """Of the speed [m/s], shape (n,)."""
+    """Error of the speed [m/s], shape (n,)."""
     deviation: Array
     """Standard deviation the estimator gives for it [m/s], shape (n,)."""
     slip: Array
-    """Of the slip [-], shape (n, wheels)."""
+    """Error of the slip [-], shape (n, wheels)."""
     valid: float
     """Share of valid slips."""
     best_wheel_speed: Array
-    """Of the baseline [m/s], shape (n,)."""
+    """Error of the baseline's speed [m/s], shape (n,)."""
     best_wheel_slip: Array
-    """Of the baseline [-], shape (n, wheels)."""
+    """Error of the baseline's slip [-], shape (n, wheels)."""
 
 
 def shipped() -> WheelSlipParameters:
@@ -51,7 +51,7 @@ def shipped() -> WheelSlipParameters:
 
 
 def follow(stop: Stop, vehicle: Vehicle = CAR, advance: Callable[[int], None] = lambda _done: None) -> Followed:
-    """One stop of a car through the estimator; `advance` is told that it has ended."""
+    """One stop of a car through the estimator; `advance` is called once, at the end."""
     wheels_of_car = four_wheels(vehicle)
     estimator = SlipEstimator(replace(vehicle, wheels=wheels_of_car), shipped().estimator)
     found: list[tuple[float, float]] = []
@@ -72,7 +72,7 @@ def follow(stop: Stop, vehicle: Vehicle = CAR, advance: Callable[[int], None] = 
 
 
 def follow_bmw(path: Path, offset: float = 0.0) -> Followed:
-    """The measured stop through the wheel processor, the reference speed withheld; slip is judged against it."""
+    """The measured stop through the wheel processor, without the reference speed, which gives the true slip."""
     processor = CarProcessor(BMW_M8, shipped())
     found: list[tuple[float, float]] = []
     wheels: list[list[float]] = []

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 ROADS = ("dry", "wet", "snow")
 LIMITS = {"dry": (0.08, 0.009), "wet": (0.085, 0.010), "snow": (0.13, 0.006), "bmw": (0.05, 0.006)}
-"""Speed [m/s] and slip [-] RMS error asked for."""
+"""Largest RMS errors of speed [m/s] and slip [-] that are accepted."""
 INJECTED_OFFSET = 0.35
 """[m/s^2]"""
 GRADE_STEP = 0.02
@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> list[Row]:
-    """Make all runs. Of the stops and the BMW, two rows a case: the estimator's and the baseline's."""
+    """Make all runs; a case of the stops or the BMW has two rows, one of the estimator and one of the baseline."""
     seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
     rows: list[Row] = []
     if "stops" in options.cases:

@@ -1,8 +1,8 @@
-"""Stops of a car on two axles from 30 m/s with the supervisor in the loop, and what its sensors see.
+"""Stops of a car on two axles from 30 m/s with the supervisor in the loop, and the signals of its sensors.
 
-The car cruises first (the engine holds the speed on the slope), then the driver asks for 1.5 times the peak torque,
-split between the wheels as their gains. Every wheel has its own friction_slope detector (no_slip) and supervisor, with
-the shipped parameters. Sensor noise is drawn per run from its seed.
+The car cruises first (the engine holds the speed on the slope), then the driver demands 1.5 times the peak torque,
+split between the wheels in proportion to their gains. Every wheel has its own friction_slope detector (no_slip) and
+supervisor, with the shipped parameters. Sensor noise is drawn per run from its seed.
 """
 
 from collections.abc import Callable
@@ -80,7 +80,7 @@ def stops(
         seeds: of the noise.
         grade_step: change of road slope half a braking time (by peak friction) after the onset.
         vehicle: the car, of four wheels; arrays per wheel are in the order of `four_wheels`.
-        progress: told of the runs that have ended.
+        progress: called with the number of runs that have just ended.
 
     Raises:
         ValueError: the car has not four wheels, or none is driven.
@@ -118,8 +118,8 @@ def stops(
             for i in np.flatnonzero(ends < 0).tolist():
                 for j, controller in enumerate(controllers[i]):
                     commands[i, j] = controller.command((k + 1) * STEP, measured[i, j], felt[i, j], k >= onset)
-        asked = demand if k >= onset else np.zeros(len(wheels))
-        after = np.stack([actuators[j].step(asked[j], commands[:, j]) for j in range(len(wheels))], axis=1)
+        demanded = demand if k >= onset else np.zeros(len(wheels))
+        after = np.stack([actuators[j].step(demanded[j], commands[:, j]) for j in range(len(wheels))], axis=1)
         car.step(torque, after, theta, DT, cruise if k < onset else 0.0)
         torque = after
     arrays = [np.stack(store) for store in kept]

@@ -45,7 +45,7 @@ _FAILURE = 0.5
 
 @dataclass(frozen=True)
 class Road:
-    """What the chapter drove on, and how long."""
+    """A road of the chapter's test drives, and how long they took on it."""
 
     name: str
     activation: int
@@ -184,7 +184,7 @@ def _lambda_max(answer: CurveEstimate | Refusal) -> float:
 
 
 def history(road: Road, method: str, speed: str, seed: int, parameters: WheelSlipParameters) -> tuple[Array, Array]:
-    """One run from brake onset: slip as the method is given it, and lambda_max; shapes (samples,)."""
+    """One run from brake onset: slip from the speed that the method is given, and lambda_max; shapes (samples,)."""
     truth = braking(road)
     samples = _samples(truth, truth.begin + road.end, seed, parameters)[speed]
     answers = _answers(method, samples)
@@ -214,6 +214,6 @@ def _row(road: Road, method: str, speed: str, instant: str, errors: Array, measu
 
 
 def _rmse(errors: Array) -> float:
-    """Over the runs that have not failed [%]."""
+    """RMS error over the runs that have not failed [%]."""
     good = errors[np.abs(errors) <= 100.0 * _FAILURE]
     return float(np.sqrt(np.mean(good**2))) if good.size else float("nan")

@@ -48,7 +48,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Detection:
-    """What one method said in one run; NaN where nothing was said."""
+    """Result of one method in one run; NaN where it detected nothing."""
 
     lost: float
     """Stamp of the first message with sign -1 [s]."""
@@ -59,11 +59,11 @@ class Detection:
     signs: Array
     """Sign in each message, shape (samples,); 0 where not valid."""
     delay: float
-    """Documented delay of the filter [s]."""
+    """Delay of the filter as published [s]."""
 
 
 def detect(run: Run, settings: Settings, noise: SensorNoise, seed: int) -> dict[str, Detection]:
-    """Drive the processors through a run; return what each method said."""
+    """Drive the processors through a run; return the result of each method."""
     car, slopes = settings.processors()
     answers: dict[str, list[tuple[int, float, float]]] = {method: [] for method in slopes}
     stddev = ACCELERATION_STDDEV if noise.wheel_speed_variance > 0.0 else 0.0
@@ -77,22 +77,22 @@ def detect(run: Run, settings: Settings, noise: SensorNoise, seed: int) -> dict[
                     if name in slope.sensors or name in slope.estimates:
                         for _, answer in slope.process(name, given):
                             answers[method].append((answer.sign, answer.slip_at_crossing, answer.delay))
-    return {method: _detection(np.array(said), run) for method, said in answers.items()}
+    return {method: _detection(np.array(each), run) for method, each in answers.items()}
 
 
-def _detection(said: Array, run: Run) -> Detection:
-    # Stamps of the answers are those of wheel_states: answer k speaks of sample k.
-    time = run.time[: len(said)]
-    signs = said[:, 0]
+def _detection(answers: Array, run: Run) -> Detection:
+    # The answers carry the stamps of wheel_states: answer k belongs to sample k.
+    time = run.time[: len(answers)]
+    signs = answers[:, 0]
     lost = np.flatnonzero(signs < 0)
-    first = lost[0] if lost.size else len(said)
+    first = lost[0] if lost.size else len(answers)
     regained = np.flatnonzero(signs[first:] > 0)
     return Detection(
         lost=float(time[first]) if lost.size else np.nan,
-        slip=float(said[first, 1]) if lost.size else np.nan,
+        slip=float(answers[first, 1]) if lost.size else np.nan,
         regained=float(time[first + regained[0]]) if regained.size else np.nan,
         signs=signs,
-        delay=float(np.nanmax(said[:, 2])),
+        delay=float(np.nanmax(answers[:, 2])),
     )
 
 

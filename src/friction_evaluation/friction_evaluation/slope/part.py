@@ -18,7 +18,7 @@ from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
 from vehicle_models.surfaces import TABLE_8_1
 
 FALSE_ALARM_RATIO = 0.92
-"""Torque of the runs without a crossing, of the peak torque."""
+"""Torque of the runs without a crossing, as a share of the peak torque."""
 _FALSE_ALARM_HOLD = 1.5
 """[s]"""
 _FIRST_SEED = 10_000

@@ -80,7 +80,7 @@ class Run:
 
 
 def through_the_peak(name: str) -> Run:
-    """Ramp and hold of manoeuvre B until twice lambda_max, release, and on until a little after the way back."""
+    """Ramp and hold of manoeuvre B until twice lambda_max, then release until shortly after the slip is back."""
     theta = surface(name)
     twice = 2.0 * float(burckhardt.peak(theta)[0])
     hold = float(hold_torque("B", theta, CORNER)[0])
@@ -101,7 +101,7 @@ def through_the_peak(name: str) -> Run:
 
 
 def below_the_peak(name: str, ratio: float, duration: float) -> Run:
-    """Ramp over 0.25 s and hold at `ratio` of the peak torque for `duration` [s]: nothing to be detected."""
+    """Ramp over 0.25 s and hold at `ratio` of the peak torque for `duration` [s]: there is nothing to detect."""
     theta = surface(name)
     hold = ratio * float(CORNER.peak_torque(theta))
 

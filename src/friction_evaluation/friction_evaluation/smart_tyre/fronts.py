@@ -1,6 +1,6 @@
-"""How well the fronts of the contact patch are found, against what the noise allows.
+"""Scatter of the fronts of the contact patch, beside the limits set by the noise.
 
-Noise over slope is what the crossing of a level can reach. The Cramer-Rao bound is that of the whole passage (50
+Noise over slope is the limit of a level crossing. The Cramer-Rao bound is that of the whole passage (50
 degrees to either side of the patch centre) with the waveform known up to amplitude and offset, and the coloured noise
 known exactly.
 """
@@ -78,7 +78,7 @@ class Waveform:
         return (self._at(angle + _SMALL) - self._at(angle - _SMALL)) / (2.0 * _SMALL)
 
     def noise_over_slope(self) -> Array:
-        """Of both fronts [rad], shape (2,)."""
+        """Deviation of both fronts at the crossing of a level [rad], shape (2,)."""
         return np.asarray(np.sqrt(self._covariance[0]) / np.abs(self._slope(np.array(self._fronts))))
 
     def cramer_rao(self) -> Array:

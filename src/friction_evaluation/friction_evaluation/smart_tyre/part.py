@@ -60,7 +60,7 @@ LIMITS = {
 }
 """The project's table: case and quantity -> at most. Rows without an entry here are for information."""
 _FRONT_SPEEDS = (8.0, 15.0, 22.0)
-"""Speeds at which the fronts are judged [m/s]."""
+"""Speeds of the runs for the fronts [m/s]."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -97,7 +97,7 @@ def wheel_history(drive: Drive, wheel: str) -> tuple[Array, Array]:
 
 
 def reference_load(drive: Drive, axle: str) -> Array:
-    """Fz [N] that acceleration and load transfer alone tell."""
+    """Fz [N] by acceleration and load transfer alone."""
     return drive.smooth.fz_front if axle == FRONT else drive.smooth.fz_rear
 
 
@@ -138,7 +138,7 @@ class CalibrationRuns:
     template: FrontTemplate
 
     def calibrate(self) -> Calibration:
-        """What the calibration tool makes of such drives."""
+        """Calibrate as the calibration tool does."""
         return calibrate(self.quasi_static, self.dynamic, self.tables, CAR, TRACKER, template=self.template)
 
 
@@ -184,7 +184,7 @@ class Estimated:
     fz_true: Array
     fz_reference: Array
     revolutions: int
-    """Valid or not."""
+    """All of them, valid or not."""
 
 
 def estimate(
