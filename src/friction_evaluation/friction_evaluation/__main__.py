@@ -49,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         written = [plain(row) for row in rows]
         _write(options.json, json.dumps({"rows": written} if judge is not None else written, indent=1) + "\n")
     if options.page is not None:
-        # Where the result goes to is no part of the command that repeats it.
+        # The paths of the results are no part of the command that repeats them.
         _, repeated = files.parse_known_args(given[1:])
         _write(options.page, page(f"Results: {name}", PARTS[name], f"{_PROGRAM} {shlex.join([name, *repeated])}", rows))
     return int(judge is not None and judge.failed(rows))

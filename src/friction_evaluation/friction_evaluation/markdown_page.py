@@ -10,7 +10,7 @@ _WIDEST = 8
 _LONGEST = 30
 """Rows of a table."""
 _UNITS = {"ms": "ms", "s": "s", "seconds": "s", "m": "m", "mb": "MB", "pct": "%", "percent": "%"}
-"""Units by their word in the name of a column."""
+"""Units by their word in a column's name."""
 _UNIT_OF = {
     "speed_rms": "m/s",
     "speed_rms_limit": "m/s",
@@ -22,8 +22,8 @@ _UNIT_OF = {
 }
 """Units of columns without such a word."""
 _WORD = re.compile(r"(?:lambda|mu)_max|theta_\d|[^_]+")
-_SAID_ONCE = ("seeds", "runs")
-"""Numbers that are said once above a table where they are the same in all of its rows, as texts are."""
+_ABOVE = ("seeds", "runs")
+"""Numbers that stand once above a table where all of its rows have the same, as texts do."""
 
 
 def page(title: str, description: str, command: str, rows: Sequence[Row]) -> str:
@@ -66,12 +66,12 @@ def _blocks(rows: Sequence[Row], level: int) -> Iterator[str]:
 
 
 def _is_common(name: str, rows: Sequence[Row]) -> bool:
-    said_once = name in _SAID_ONCE or (isinstance(rows[0][name], str) and rows[0][name] != "")
-    return len(rows) > 1 and said_once and all(row[name] == rows[0][name] for row in rows)
+    may_stand_above = name in _ABOVE or (isinstance(rows[0][name], str) and rows[0][name] != "")
+    return len(rows) > 1 and may_stand_above and all(row[name] == rows[0][name] for row in rows)
 
 
 def _keys(rows: Sequence[Row]) -> list[str]:
-    """First columns, as few as tell all rows apart."""
+    """The first columns, as many as it takes to distinguish all rows."""
     names = list(rows[0])
     for count in range(1, len(names)):
         if len({tuple(row[name] for name in names[:count]) for row in rows}) == len(rows):

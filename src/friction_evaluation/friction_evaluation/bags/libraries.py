@@ -1,4 +1,4 @@
-"""What rosbags and the mcap package take to decode, encode and write the messages that friction_bags does itself.
+"""CPU time of rosbags and the mcap package for what friction_bags does itself: decode, encode and write messages.
 
 Why there is code of our own in friction_bags/bag_io: cdr_layout.py and mcap_chunk.py.
 """

@@ -49,7 +49,7 @@ subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL)
 usage = resource.getrusage(resource.RUSAGE_CHILDREN)
 print(usage.ru_utime + usage.ru_stime, usage.ru_maxrss)
 """
-"""Runs a command. A process of its own, because the memory of a parent counts as that of what it starts."""
+"""Runs a command, in a process of its own, because the memory of a parent counts as that of what it starts."""
 _PARAMETERS = "/**/friction_curve_id:\n  ros__parameters:\n    method: rls\n"
 
 
@@ -107,7 +107,7 @@ def _minute() -> Iterator[tuple[Topic, int, bytes]]:
 
 
 def _write(bag: Path, minute: list[tuple[Topic, int, bytes]], minutes: int) -> None:
-    """Write the minute again and again, with all stamps going on."""
+    """Write the minute repeatedly, with stamps that continue."""
     with BagWriter(bag, chunk_size=4 << 20) as writer:
         for repeat in range(minutes):
             shift = repeat * _MINUTE_NS
@@ -119,7 +119,7 @@ def _write(bag: Path, minute: list[tuple[Topic, int, bytes]], minutes: int) -> N
 
 
 def _reading_time(bag: Path) -> float:
-    """Seconds that reading and decoding every message takes."""
+    """Time to read and decode every message [s]."""
     begun = time.perf_counter()
     with BagReader(bag) as reader:
         kinds: dict[Topic, Any] = {topic: message_class(topic.type) for topic in reader.counts}

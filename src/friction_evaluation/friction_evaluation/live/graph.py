@@ -29,7 +29,7 @@ _START_LIMIT = 60.0
 _SETTLE = 2.0
 """Wall time [s] before the start in which the other nodes find each other."""
 _QUIET = 1.0
-"""Wall time [s] after the end of the plant in which what is under way arrives."""
+"""Wall time [s] after the end of the plant in which the last messages arrive."""
 
 
 class LiveRunError(RuntimeError):

@@ -44,7 +44,7 @@ _BRAKING = 5.0
 """The last seconds of the run in real time are a panic stop [s]."""
 _PATIENCE = 5.0
 """In lock-step the fail-safe waits this long for a silent input [s, wall clock]: a stall of the machine
-must not show in a run that is to repeat."""
+must not change a run that has to repeat."""
 _START_STAMP = 1_000_000_000
 
 

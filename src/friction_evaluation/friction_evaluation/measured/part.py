@@ -52,7 +52,7 @@ def bmw_samples(path: Path) -> Iterator[VehicleSample]:
 
 
 def iac_samples(path: Path) -> Iterator[VehicleSample]:
-    """Samples of the Indy AV-21. The file gives rim speeds: any radius serves that divides and multiplies alike."""
+    """Samples of the Indy AV-21. The file holds rim speeds: the radius cancels in the slip."""
     data = np.genfromtxt(path, delimiter=",", names=True)
     names = zip(("fl", "fr", "rl", "rr"), INDY_AV21.radii, strict=True)
     wheels = [data[f"wheel_{wheel}kmph"] * _KMH / radius for wheel, radius in names]

@@ -108,7 +108,7 @@ def _compare(
 ) -> Followed:
     best = (measured * radii).max(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # Where every wheel stands the baseline has no slip; it counts as none at all.
+        # With all wheels locked the baseline has no slip; it counts as zero.
         best_slip = np.where(best[:, np.newaxis] > 0.0, 1.0 - measured * radii / best[:, np.newaxis], 0.0)
     return Followed(
         speed=found[:, 0] - speed,

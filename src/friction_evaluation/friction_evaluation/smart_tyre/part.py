@@ -1,4 +1,4 @@
-"""Evaluation of the smart tyre (section 8.4): angle, fronts, forces and cost against the limits of the project's table.
+"""Evaluation of the smart tyre (section 8.4): angle, fronts, forces and cost against the limits of the project.
 
 The dynamic drive of Figure 8.20 with all noise on, 30 seeds, none used for calibration, one front and one rear wheel.
 RMSE is pooled over seeds and valid revolutions, in % of the static load, against the truth at the middle of each
@@ -58,7 +58,7 @@ LIMITS = {
     ("1.6 bar, re-zeroed", "Fz RMSE against reference [%]"): 3.5,
     ("cost", "four wheels, 10 ms blocks, algorithm [% of a core]"): 5.0,
 }
-"""The project's table: case and quantity -> at most. Rows without an entry here are for information."""
+"""Upper limits of the project by case and quantity. Rows without a limit are for information."""
 _FRONT_SPEEDS = (8.0, 15.0, 22.0)
 """Speeds of the runs for the fronts [m/s]."""
 

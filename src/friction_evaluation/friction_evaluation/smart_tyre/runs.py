@@ -84,7 +84,7 @@ def simulate(
 
 
 def wheel_of(name: str) -> Wheel:
-    """Wheel of the car by its name; by that of an axle its left wheel, which is then named after it."""
+    """Wheel of the car by name; for the name of an axle its left wheel, renamed after the axle."""
     if name in CAR.wheel_names:
         return CAR.wheel(name)
     return next(replace(each, name=name) for each in CAR.wheels if (each.axle, each.side) == (name, "left"))
