@@ -15,7 +15,7 @@ def tables(rows: list[Row]) -> str:
 
 
 def test_the_page_of_a_few_rows() -> None:
-    rows = [
+    rows: list[Row] = [
         {"surface": "dry", "method": "slip", "seeds": 500, "delay_median_ms": 78.1234, "lambda_max": 0.17},
         {"surface": "wet", "method": "slip", "seeds": 500, "delay_median_ms": nan, "lambda_max": 0.1314},
         {"surface": "all", "quantity": "|error| [%]", "limit": None},
@@ -51,7 +51,7 @@ def test_a_wide_table_lies_on_its_side() -> None:
 
 def test_a_wide_and_long_table_is_divided_by_the_column_that_takes_the_fewest_values() -> None:
     values = dict.fromkeys((f"value_{number}" for number in range(8)), 1.5)
-    rows = [
+    rows: list[Row] = [
         {"surface": name, "method": method, "samples": count} | values
         for name in ("dry", "wet", "snow")
         for method in ("ml", "rml", "ls", "rls")
