@@ -10,7 +10,7 @@ from PIL import Image
 
 import docs
 from friction_bringup import graph
-from friction_evaluation import figure_state_machine
+from friction_evaluation.closed_loop import state_machine_figure
 from friction_parameters.parameter_file import load
 
 
@@ -37,7 +37,7 @@ def test_shipped_files_give_what_they_were_made_from(node: str) -> None:
 
 def test_the_figure_shows_the_transitions_of_the_machine() -> None:
     shown = Image.open(docs.FIGURE).info["Description"]
-    assert shown == figure_state_machine.description(figure_state_machine.find_transitions())
+    assert shown == state_machine_figure.description(state_machine_figure.find_transitions())
 
 
 def test_only_what_stands_between_the_marks_is_replaced(tmp_path: Path) -> None:

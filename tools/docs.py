@@ -11,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 
 from friction_bringup import graph
-from friction_evaluation import figure_state_machine
+from friction_evaluation.closed_loop import state_machine_figure
 from friction_parameters.generated import ShippedFile, parameter_file, parameter_table
 from vehicle_models.vehicle_table import vehicle_table
 
@@ -61,7 +61,7 @@ def main() -> int:
         print(f"error: {error}", file=sys.stderr)
         return 1
     before = FIGURE.read_bytes() if FIGURE.exists() else b""
-    figure_state_machine.draw(FIGURE)
+    state_machine_figure.draw(FIGURE)
     if FIGURE.read_bytes() != before:
         print(f"wrote {FIGURE.relative_to(ROOT)}")
     return 0
