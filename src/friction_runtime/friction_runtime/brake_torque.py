@@ -18,7 +18,7 @@ class BrakeTorque:
         self._delay = round(vehicle.brake_pressure_delay * NANOSECONDS)
 
     def read(self, message: FluidPressure) -> tuple[int, float] | str:
-        """Time at which the pressure acted [ns] and its torque [N m], or why the message is refused."""
+        """Return the time at which the pressure acted [ns] and its torque [N m], or why the message is refused."""
         pressure = message.fluid_pressure
         torque = self._gain * pressure
         if not (abs(pressure) <= HIGHEST_PRESSURE and abs(torque) <= HIGHEST_TORQUE):
