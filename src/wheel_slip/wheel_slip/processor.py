@@ -34,7 +34,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     """Layer 2 of wheel_slip: fires on wheel_states."""
 
     def __init__(self, vehicle: Vehicle, parameters: WheelSlipParameters, report: Report = silent) -> None:
-        """Build for a car; `report` takes what a person should know."""
+        """Build for a car; `report` is the log function."""
         self._p = parameters
         self._wheels = vehicle.wheel_names
         self._accelerometer = vehicle.accelerometer
@@ -127,7 +127,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
 
 
 def build(parameters: WheelSlipParameters, vehicle: Vehicle, report: Report = silent) -> list[CarProcessor]:
-    """Make the processors: one, for the whole car."""
+    """Make the processors: one for the whole car."""
     return [CarProcessor(vehicle, parameters, report)]
 
 
