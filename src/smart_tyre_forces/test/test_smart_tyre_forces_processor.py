@@ -106,7 +106,7 @@ def changed(**values: Any) -> Vehicle:
 
 def test_calibration_that_does_not_fit_is_refused(calibration_file: str, tmp_path: Path) -> None:
     given = SmartTyreParameters(calibration_file=calibration_file)
-    with pytest.raises(ValueError, match=r"calibration\.yaml: knows front_left, no wheel of the car: FL, front_right"):
+    with pytest.raises(ValueError, match=r"calibration\.yaml: has front_left, no wheel of the car: FL, front_right"):
         build(given, changed(name="FL"))
     with pytest.raises(ValueError, match="teeth"):
         build(given, changed(encoder_teeth=60))

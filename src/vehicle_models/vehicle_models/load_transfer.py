@@ -4,8 +4,8 @@ With h the height of the centre of gravity, L the wheelbase, f the share of the 
 
     F_front = m g f - m a h / L,    F_rear = m g (1 - f) + m a h / L
 
-The forces decide the acceleration and the acceleration the loads; with the mean braking friction coefficients of the
-axles mu_front, mu_rear and further resistance R the loop closes in one line:
+The forces determine the acceleration, and the acceleration the loads; with the mean braking friction coefficients of
+the axles mu_front, mu_rear and further resistance R the loop closes in one line:
 
     a (1 - (h/L)(mu_front - mu_rear)) = -g (f mu_front + (1 - f) mu_rear) - R/m
 """
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 def axle_loads(
     acceleration: ArrayLike, mass: float, front_share: float, height_ratio: float, gravity: float
 ) -> tuple[Array, Array]:
-    """Loads (front, rear) [N] under `acceleration` [m/s^2], forward positive; shapes as the acceleration's.
+    """Return the loads (front, rear) [N] under `acceleration` [m/s^2], forward positive; shapes of the acceleration.
 
     Args:
         acceleration: any shape.
