@@ -116,7 +116,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             pressure = message.pressure
             torque = self._gain * pressure
             if not (abs(pressure) <= HIGHEST_PRESSURE and abs(torque) <= HIGHEST_TORQUE):
-                return f"{topic}: {pressure} Pa is no brake pressure"
+                return f"{topic}: {pressure} Pa is not a brake pressure"
         else:
             read = self._brake_torque.read(message)
             if isinstance(read, str):

@@ -280,7 +280,7 @@ def test_garbage_is_refused_as_demand_and_as_pressure() -> None:
             setattr(message, field, garbage)
             assert processor.process(topic, message) == []
             assert topic in said[-1]
-            assert "no brake pressure" in said[-1]
+            assert "not a brake pressure" in said[-1]
     assert len(said) == 6
 
 
@@ -388,7 +388,7 @@ def test_bad_parameters_are_refused_by_name(values: dict[str, Any], named: str) 
     ],
 )
 def test_old_name_of_a_parameter_is_refused_with_its_new_place(name: str, place: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{name}' is no more: .*{place}"):
+    with pytest.raises(ParameterError, match=f"'{name}' no longer exists: .*{place}"):
         from_mapping(SupervisorParameters, {name: 1.0})
 
 

@@ -64,7 +64,7 @@ def vehicle_velocity(message: TwistWithCovarianceStamped) -> Reading | str:
     """Return the speed [m/s] and 1, or why there is none."""
     speed = message.twist.twist.linear.x
     if not abs(speed) <= HIGHEST_SPEED:
-        return f"{VEHICLE_VELOCITY}: {speed} is no vehicle speed"
+        return f"{VEHICLE_VELOCITY}: {speed} is not a vehicle speed"
     return to_nanoseconds(message.header.stamp), (float(speed), 1.0)
 
 

@@ -94,7 +94,7 @@ def checked(name: str, hint: Any, limits: Any, value: Any) -> Any:
             allowed = f"[{'-inf' if low is None else low}, {'inf' if high is None else high}]"
             raise ParameterError(f"parameter '{name}' = {element}{unit} is outside {allowed}")
         if isinstance(element, float) and not isfinite(element):
-            raise ParameterError(f"parameter '{name}' = {element} is no finite number")
+            raise ParameterError(f"parameter '{name}' = {element} is not a finite number")
     return result
 
 

@@ -100,7 +100,7 @@ def file_values(cls: type, path: str | Path, node: NodeName) -> dict[str, Any]:
         if section.repeated:
             raise ParameterError(f"{path}: {section.repeated}")
         if section.name in lines:
-            raise ParameterError(f"{where}: '{section.name}' stands here again, first in line {lines[section.name]}")
+            raise ParameterError(f"{where}: '{section.name}' is repeated here, first in line {lines[section.name]}")
         lines[section.name] = section.entry.line
         found.update(_section_values(cls, path, section, strict=own not in _ANY))
     if misspelt and not (node.remapped and any(name.endswith(f"/{node.name}") for name in lines)):
@@ -130,7 +130,7 @@ def _sections(node: NodeName, namespace: str, repeated: str, entries: dict[str, 
     """Yield the sections of a file in its order, however their namespaces are written."""
     for key, last in entries.items():
         name = f"{namespace}/{key.strip('/')}"
-        again = f"line {last.line}: '{key}' stands here again, first in line {next(occurrences(last)).line}"
+        again = f"line {last.line}: '{key}' is repeated here, first in line {next(occurrences(last)).line}"
         for entry in occurrences(last):
             twice = repeated or (again if last.before else "")
             below = entry.value
@@ -164,7 +164,7 @@ def _section_values(cls: type, path: str | Path, section: _Section, *, strict: b
     lines: dict[str, int] = {}
     for name, each in _flat(values or {}):
         if name in lines:
-            raise ParameterError(f"{path}: line {each.line}: '{name}' stands here again, first in line {lines[name]}")
+            raise ParameterError(f"{path}: line {each.line}: '{name}' is repeated here, first in line {lines[name]}")
         lines[name] = each.line
         try:
             if is_ros_own(name):

@@ -34,7 +34,7 @@ def declared(cls: type) -> dict[str, Declared]:
     hints = get_type_hints(cls)
     for each in fields(cls):
         if each.default is MISSING or not each.metadata:
-            raise TypeError(f"{cls.__name__}.{each.name} is no parameter: make it with parameter(...) or group(...)")
+            raise TypeError(f"{cls.__name__}.{each.name} is not a parameter: make it with parameter(...) or group(...)")
         if is_dataclass(hints[each.name]):
             for inner in declared(hints[each.name]).values():
                 name = f"{each.name}.{inner.name}"
@@ -102,7 +102,7 @@ def flattened(values: Mapping[str, Any]) -> dict[str, Any]:
 def unknown(cls: type, name: str) -> str:
     """Return the text of an unknown parameter: its new place if it was renamed, or the known parameters."""
     if place := moved(cls, name):
-        return f"parameter '{name}' is no more: {place}"
+        return f"parameter '{name}' no longer exists: {place}"
     return f"unknown parameter '{name}': known are {', '.join(declared(cls))}"
 
 

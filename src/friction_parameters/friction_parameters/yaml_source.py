@@ -56,7 +56,7 @@ def read_yaml(path: str | Path) -> dict[str, Entry]:
             raise ParameterError(f"line {node.start_mark.line + 1}: a mapping is expected")
         return _mapping(node, 0)
     except UnicodeDecodeError as error:
-        raise ParameterError(f"{path}: no text in UTF-8: {error}") from error
+        raise ParameterError(f"{path}: not UTF-8 text: {error}") from error
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}") from error
 
@@ -108,7 +108,7 @@ def refuse_repeated(path: str | Path, key: str, entry: Entry) -> None:
         ParameterError: a key occurs twice; the text has both lines.
     """
     if entry.before is not None:
-        raise ParameterError(f"{path}: line {entry.line}: '{key}' stands here again, first in line {entry.before.line}")
+        raise ParameterError(f"{path}: line {entry.line}: '{key}' is repeated here, first in line {entry.before.line}")
     if isinstance(entry.value, dict):
         for inner, below in entry.value.items():
             refuse_repeated(path, inner, below)
@@ -117,7 +117,7 @@ def refuse_repeated(path: str | Path, key: str, entry: Entry) -> None:
 class _Loader(yaml.BaseLoader):
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         if self.check_event(yaml.AliasEvent):
-            raise yaml.composer.ComposerError(None, None, "an alias is not taken", self.peek_event().start_mark)
+            raise yaml.composer.ComposerError(None, None, "aliases are not supported", self.peek_event().start_mark)
         return super().compose_node(parent, index)
 
 
@@ -127,9 +127,9 @@ def _node(text: str) -> yaml.Node | None:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = f"line {mark.line + 1}: " if mark else ""
-        raise ParameterError(f"{where}no YAML: {error.problem or error.context}") from error
+        raise ParameterError(f"{where}not YAML: {error.problem or error.context}") from error
     except yaml.YAMLError as error:
-        raise ParameterError(f"no YAML: {error}") from error
+        raise ParameterError(f"not YAML: {error}") from error
     except RecursionError:
         raise ParameterError("nested too deep") from None
 
@@ -148,7 +148,7 @@ def _mapping(node: yaml.MappingNode, depth: int) -> dict[str, Entry]:
 def _value(node: yaml.Node, depth: int) -> Any:
     line = node.start_mark.line + 1
     if node.tag.removeprefix("tag:yaml.org,2002:") not in _TAGS[type(node)]:
-        raise ParameterError(f"line {line}: the tag '{node.tag}' is not taken")
+        raise ParameterError(f"line {line}: the tag '{node.tag}' is not supported")
     if depth > _DEEPEST:
         raise ParameterError(f"line {line}: nested too deep")
     if isinstance(node, yaml.MappingNode):

@@ -49,7 +49,7 @@ def test_not_a_number_is_read() -> None:
 
 
 def test_a_value_that_is_no_yaml_is_refused() -> None:
-    with pytest.raises(ParameterError, match="no YAML"):
+    with pytest.raises(ParameterError, match="not YAML"):
         read_value("[1, 2")
 
 

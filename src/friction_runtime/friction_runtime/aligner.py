@@ -209,4 +209,4 @@ class Aligner(Generic[Payload]):
 def _refusal(topic: str, stamp: int) -> str:
     if stamp <= 0:
         return f"{topic}: stamp is zero"
-    return f"{topic}: stamp is no time" if stamp > LATEST_STAMP else f"{topic}: stamp repeats"
+    return f"{topic}: stamp is out of range" if stamp > LATEST_STAMP else f"{topic}: stamp repeats"

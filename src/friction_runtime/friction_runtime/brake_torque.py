@@ -22,5 +22,5 @@ class BrakeTorque:
         pressure = message.fluid_pressure
         torque = self._gain * pressure
         if not (abs(pressure) <= HIGHEST_PRESSURE and abs(torque) <= HIGHEST_TORQUE):
-            return f"{self.topic}: {pressure} Pa is no brake pressure"
+            return f"{self.topic}: {pressure} Pa is not a brake pressure"
         return to_nanoseconds(message.header.stamp) - self._delay, torque

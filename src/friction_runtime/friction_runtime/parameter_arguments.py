@@ -64,9 +64,9 @@ def node_name(arguments: Sequence[str], name: str) -> NodeName:
                 rules.setdefault("__node" if what == "__name" else what, value)
     found = NodeName(rules.get("__node", name), rules.get("__ns", "/"), remapped="__node" in rules)
     if not re.fullmatch(_NAME, found.name):
-        raise ParameterError(f"'{found.name}' is no name of a node: letters, digits and _ only")
+        raise ParameterError(f"'{found.name}' is not a valid node name: letters, digits and _ only")
     if not re.fullmatch(f"/|(/{_NAME})+", found.namespace):
-        raise ParameterError(f"'{found.namespace}' is no namespace: it must be like /my_car")
+        raise ParameterError(f"'{found.namespace}' is not a valid namespace: it must be like /my_car")
     return found
 
 

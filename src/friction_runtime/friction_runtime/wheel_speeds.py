@@ -51,7 +51,7 @@ class WheelSpeeds:
         others = [name for name in names if name not in self._joints]
         if others and self._notes_others and len(others) < len(names):
             self._notes_others = False
-            self._report("info", f"{WHEEL_STATES}: not wheels of the car, left aside: {', '.join(others)}")
+            self._report("info", f"{WHEEL_STATES}: not wheels of the car, ignored: {', '.join(others)}")
 
     def _without_garbage(self, speeds: tuple[float, ...], count: int) -> tuple[float, ...]:
         for wheel, place, speed in zip(self._wheels, self._places, speeds, strict=True):
@@ -63,5 +63,7 @@ class WheelSpeeds:
                     f'"{", ".join(self._names)}"; check the vehicle file',
                 )
             elif not abs(speed) <= HIGHEST_WHEEL_SPEED:
-                self._report("warning", f"{WHEEL_STATES}: velocity of wheel '{wheel.name}' is no wheel speed: {speed}")
+                self._report(
+                    "warning", f"{WHEEL_STATES}: velocity of wheel '{wheel.name}' is not a wheel speed: {speed}"
+                )
         return tuple(speed if abs(speed) <= HIGHEST_WHEEL_SPEED else nan for speed in speeds)

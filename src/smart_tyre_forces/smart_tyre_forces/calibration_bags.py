@@ -111,7 +111,9 @@ def read(bag: Path, vehicle: Vehicle, imu_topic: str = "imu/data") -> BagRun:
     if not tyres or len(stamps) < 2:
         raise ValueError(f"{bag}: needs <wheel>/tyre_signals and {imu_topic}")
     if strangers := sorted(set(tyres) - set(vehicle.wheel_names)):
-        raise ValueError(f"{bag}: '{strangers[0]}' is no wheel of the car, which has {', '.join(vehicle.wheel_names)}")
+        raise ValueError(
+            f"{bag}: '{strangers[0]}' is not a wheel of the car, which has {', '.join(vehicle.wheel_names)}"
+        )
     time = np.asarray(stamps)
     width = max(1, round(_SMOOTHING / float(np.median(np.diff(time)))))
     padded = np.pad(np.asarray(accelerations), (width // 2, (width - 1) // 2), mode="edge")

@@ -122,7 +122,7 @@ class TyreProcessor:
         if message.wheel != self._wheel.name:
             return f"wheel \"{message.wheel}\" where '{self._wheel.name}' is expected"
         if not 0 < stamp <= LATEST_STAMP - voltages / self._p.tracker.sample_rate * NANOSECONDS:
-            return "stamp is zero" if stamp <= 0 else "stamp is no time"
+            return "stamp is zero" if stamp <= 0 else "stamp is out of range"
         if stamp == self._last_stamp:
             return "stamp repeats"
         if voltages == 0 or voltages != accelerations:

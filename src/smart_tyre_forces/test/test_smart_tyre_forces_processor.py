@@ -92,7 +92,7 @@ maximum_speed zero_duration zero_speed_spread zero_maximum_speed pressure_tolera
 
 @pytest.mark.parametrize("name", OLD.split())
 def test_old_parameter_is_refused_with_its_new_place(name: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{name}' is no more: ") as refused:
+    with pytest.raises(ParameterError, match=f"'{name}' no longer exists: ") as refused:
         from_mapping(SmartTyreParameters, {name: 1.0})
     place = str(refused.value).split("'")[3]
     assert "vehicle file" in str(refused.value) or place in declared(SmartTyreParameters)

@@ -104,7 +104,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     def _offer_speed(self, stamp: int, message: TwistWithCovarianceStamped) -> str | None:
         speed, variance = float(message.twist.twist.linear.x), float(message.twist.covariance[0])
         if not abs(speed) <= HIGHEST_SPEED:
-            return f"{VEHICLE_VELOCITY}: {speed} is no vehicle speed"
+            return f"{VEHICLE_VELOCITY}: {speed} is not a vehicle speed"
         if not (isfinite(variance) and variance > 0.0):
             variance = self._p.speed_sensor.stddev**2
         refusal = self._speeds.offer(stamp, (speed, variance))

@@ -43,7 +43,7 @@ class SpeedQueue(Generic[Payload]):
         if stamp <= 0:
             return "stamp is zero"
         if stamp > LATEST_STAMP:
-            return "stamp is no time"
+            return "stamp is out of range"
         if stamp == self._newest:
             return "stamp repeats"
         if self._newest is not None and stamp < self._newest:

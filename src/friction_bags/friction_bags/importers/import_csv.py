@@ -57,4 +57,4 @@ def read_rows(path: Path, columns: Iterable[str]) -> Iterator[dict[str, float]]:
             try:
                 yield {column: float(row[column]) for column in wanted}
             except (TypeError, ValueError):
-                raise BagError(f"{path}, line {reader.line_num}: a value is no number") from None
+                raise BagError(f"{path}, line {reader.line_num}: a value is not a number") from None

@@ -137,7 +137,7 @@ def _taken(reader: BagReader, processors: Sequence[Processor], made: set[str], p
         name = topic.name.removeprefix(prefix)
         fits = name in kinds and name not in made
         if fits and type_name(kinds[name]) != topic.type:
-            print(f"warning: {topic.name} is {topic.type}, not {type_name(kinds[name])}: not taken", file=sys.stderr)
+            print(f"warning: {topic.name} is {topic.type}, not {type_name(kinds[name])}: ignored", file=sys.stderr)
             fits = False
         taken.append(name if fits else "")
     return taken

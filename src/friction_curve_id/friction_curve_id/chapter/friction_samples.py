@@ -93,9 +93,9 @@ class FrictionSamples:
     def update(self, sample: Sample) -> FrictionPoint | Refusal:
         """Return the point between the last sample and this one, or why there is none."""
         if sample.wheel_speed > HIGHEST_WHEEL_SPEED:
-            return Refusal(Reason.BAD_INPUT, f"{sample.wheel_speed:.3g} rad/s is no wheel speed")
+            return Refusal(Reason.BAD_INPUT, f"{sample.wheel_speed:.3g} rad/s is not a wheel speed")
         if abs(sample.brake_torque or 0.0) > HIGHEST_TORQUE:
-            return Refusal(Reason.BAD_INPUT, f"{sample.brake_torque:.3g} N m is no brake torque")
+            return Refusal(Reason.BAD_INPUT, f"{sample.brake_torque:.3g} N m is not a brake torque")
         admission = self._gate.admit(sample)
         if isinstance(admission, Refusal):
             return admission
