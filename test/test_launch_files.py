@@ -1,4 +1,4 @@
-"""Launch files and what they decide: files are checked before anything starts, and only the demo commands a brake."""
+"""Launch files and their parameters: files are checked before anything starts, only the demo commands a brake."""
 
 from __future__ import annotations
 
@@ -178,7 +178,7 @@ needs_launch = pytest.mark.skipif(
 
 
 def launched(name: str, **arguments: str) -> list[Any]:
-    """Return what a launch file does, with launch_ros."""
+    """Return the actions of a launch file, with launch_ros."""
     from launch import LaunchContext, LaunchService
     from launch.launch_description_sources import get_launch_description_from_python_launch_file
 

@@ -56,7 +56,7 @@ def slope(stamp: int, indicator: float, growing: int = 1, reason: int = Friction
 
 
 class Bench:
-    """A processor, fed sample by sample; keeps what it said."""
+    """A processor, fed sample by sample; keeps its outputs and reports."""
 
     def __init__(self, parameters: SupervisorParameters = P) -> None:
         self.said: list[tuple[str, str]] = []
@@ -303,7 +303,7 @@ def test_brake_gain_is_that_of_the_wheel() -> None:
     assert processor.process(SLOPE, slope(STEP, 0.0))[0][1].demand_torque == pytest.approx(600.0)
 
 
-def test_reset_starts_anew() -> None:
+def test_reset_starts_again() -> None:
     bench = Bench()
     bench.brake_into_s22()
     bench.processor.reset()

@@ -1,4 +1,4 @@
-"""Which car a bag is processed as, and what is said where the two do not go together."""
+"""The car with which a bag is processed, and the messages where the two do not fit."""
 
 from pathlib import Path
 

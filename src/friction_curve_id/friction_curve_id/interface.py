@@ -121,5 +121,5 @@ class CurveEstimator(Protocol):
         ...
 
     def reset(self) -> None:
-        """Forget everything; the next estimate says that it restarted on request."""
+        """Forget everything; the next estimate reports a restart on request."""
         ...

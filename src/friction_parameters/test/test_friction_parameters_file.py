@@ -1,4 +1,4 @@
-"""Parameter files: what is for the node is taken, what looks meant for it and is not is an error of one line."""
+"""Parameter files: values for the node are read; entries that only look meant for it are errors of one line."""
 
 import textwrap
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""Scalars of YAML: read as the parser of ROS reads them, and written so that both read them alike."""
+"""Scalars of YAML: read as by the parser of ROS, and written so that both read them in the same way."""
 
 import math
 from typing import Any

@@ -156,7 +156,7 @@ def test_a_change_of_method_adds_topics_and_a_refused_one_leaves_all_as_it_is(
     assert refused.reason == "parameter 'gain' is too much for a mirror"
     health.clear()
     client.until(lambda: bool(counts()))
-    assert counts()[-1] >= received, "the processor was built anew"
+    assert counts()[-1] >= received, "the processor was built again"
     mirrored.until_answer(-6.0)
     assert set_parameter(client, "gain", 5.0).successful
     mirrored.until_answer(-15.0)
@@ -251,7 +251,7 @@ def test_node_exits_cleanly_on_a_signal(how: signal.Signals, echo: subprocess.Po
 
 
 def ends_with(client: DdsClient, *arguments: str) -> str:
-    """Start the node with what must end it; what it says, in one line."""
+    """Start the node with arguments that must end it; return its output, one line."""
     process = client.start(SCRIPT, "--ros-args", *arguments)
     output = output_of(process)
     assert process.returncode == 2, output

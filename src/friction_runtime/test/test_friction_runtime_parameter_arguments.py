@@ -1,4 +1,4 @@
-"""Command lines with checked parameters; sections, order and values mean what they mean to ROS."""
+"""Command lines with checked parameters; sections, order and values have the same meaning as in ROS."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ def checked(directory: Path, *arguments: str) -> list[str]:
 
 
 def seen_by_ros(*arguments: str) -> tuple[str, dict[str, Any]]:
-    """Full name of the node and the parameters that plain ROS makes of a command line."""
+    """Full name and parameters of a node that plain ROS starts with a command line."""
     context = Context()
     rclpy.init(context=context, args=list(arguments), domain_id=own_domain())
     node = rclpy.create_node("echo", context=context, start_parameter_services=False, enable_rosout=False)

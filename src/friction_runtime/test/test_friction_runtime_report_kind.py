@@ -1,4 +1,4 @@
-"""Reports that differ only in what a message held are of one kind, and a kind is said once in a while."""
+"""Reports that differ only in values from a message are of one kind, and a kind is logged at a limited rate."""
 
 import pytest
 

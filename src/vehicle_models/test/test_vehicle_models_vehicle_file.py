@@ -1,4 +1,4 @@
-"""Vehicle files: what they give, how they are refused, and that nothing else ever comes out of them."""
+"""Vehicle files: their values, how bad ones are refused, and that no other exception is ever raised."""
 
 import re
 import string
@@ -46,7 +46,7 @@ def load(directory: Path, text: str) -> Vehicle:
 
 
 def refusal(directory: Path, text: str) -> str:
-    """What is said of a bad file, without its path."""
+    """Return the error for a bad file, without its path."""
     with pytest.raises(ParameterError) as caught:
         load(directory, text)
     said = str(caught.value)
@@ -67,7 +67,7 @@ def test_each_shipped_file_makes_a_car_with_all_it_carries(name: str) -> None:
     assert sum(corner.vertical_load for corner in corners) == pytest.approx(vehicle.mass * 9.81)
 
 
-def test_the_cars_of_the_issue_are_shipped() -> None:
+def test_known_cars_are_shipped() -> None:
     assert {"chapter_corner", "compact_car", "bmw_m8", "indy_av21"} <= set(shipped_vehicles())
     corner = load_vehicle("chapter_corner").corner("front_left")
     assert (corner.radius, corner.inertia, corner.mass, corner.gravity) == (0.3, 1.0, 225.0, 9.81)

@@ -57,7 +57,7 @@ class PointFitting:
         self._released_since: float | None = None
 
     def reset(self) -> None:
-        """Forget everything; the next estimate says that it restarted on request."""
+        """Forget everything; the next estimate reports a restart on request."""
         self._clear()
         self._cause = RestartCause.REQUEST
 
@@ -130,7 +130,7 @@ class WheelFitting:
         self._fitting = PointFitting(fit, start)
 
     def reset(self) -> None:
-        """Forget everything; the next estimate says that it restarted on request."""
+        """Forget everything; the next estimate reports a restart on request."""
         self._samples.reset()
         self._fitting.reset()
 

@@ -53,7 +53,7 @@ class TyreForceFitting:
         self._last: float | None = None
 
     def reset(self) -> None:
-        """Forget everything; the next estimate says that it restarted on request."""
+        """Forget everything; the next estimate reports a restart on request."""
         self._last = None
         self._fitting.reset()
 

@@ -57,7 +57,7 @@ class DefaultEstimator:
         self._forget()
 
     def reset(self) -> None:
-        """Forget everything; the next estimate says that it restarted on request."""
+        """Forget everything; the next estimate reports a restart on request."""
         self._gate.reset()
         self._forget()
         self._cause = RestartCause.REQUEST

@@ -72,7 +72,7 @@ class WholeVehicle:
         self._cause = RestartCause.NONE
 
     def reset(self) -> None:
-        """Forget everything; the next estimate says that it restarted on request."""
+        """Forget everything; the next estimate reports a restart on request."""
         self._samples.reset()
         self._clear()
         self._cause = RestartCause.REQUEST
