@@ -23,7 +23,7 @@ def axle_loads(
 
     Args:
         acceleration: any shape.
-        mass: of the car [kg].
+        mass: mass of the car [kg].
         front_share: f, 0 to 1.
         height_ratio: h / L.
         gravity: [m/s^2].
@@ -45,7 +45,7 @@ def acceleration(
 
     Args:
         front_friction: mean friction coefficient of the front wheels, positive in braking.
-        rear_friction: of the rear wheels.
+        rear_friction: the same of the rear wheels.
         resistance: deceleration by all else, R / m [m/s^2].
         front_share: f, 0 to 1.
         height_ratio: h / L.
