@@ -43,11 +43,11 @@ results: build ## the same tables as pages in docs/results, or PARTS="slope abs"
 report: build ## every table and figure of the chapter as one page; EFFORT=0.1 for a quick one
 	@$(run) python -m friction_evaluation report --out build/report --effort $(EFFORT)
 
-bags: build ## make the recorded experiments of bags/ anew, from fixed seeds
+bags: build ## make the recorded experiments of bags/ again, from fixed seeds
 	@$(run) python -m friction_bags library
 
-docs: build ## parameter files, parameter tables and Figure 8.1, from the code they follow from
+docs: build ## write parameter files, parameter tables and Figure 8.1, generated from the code
 	@$(run) python tools/docs.py
 
-clean: ## remove what the targets above made
+clean: ## remove the files that the targets above made
 	rm -rf .venv build install log out .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -1,4 +1,4 @@
-"""The graph beside a vehicle stack, over DDS: a car with names of its own, and nobody who could command a brake."""
+"""The graph beside a vehicle stack, over DDS: a car with names of its own, and no publisher of brake commands."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_graph_beside_a_stack_estimates_every_wheel_by_its_joint_and_has_no_brak
 
 
 def drive(client: DdsClient) -> None:
-    """Drive at a steady 20 m/s until the slip of each wheel is known and the supervisor of each speaks."""
+    """Drive at a steady 20 m/s until the slip of each wheel is known and each supervisor publishes."""
     node = client.node
     slips: dict[str, WheelSlip] = {}
     states: dict[str, SupervisorState] = {}

@@ -1,4 +1,4 @@
-"""What `make docs` writes is what the code says: parameter files, tables of the READMEs, Figure 8.1."""
+"""Generated files are up to date with the code: parameter files, tables of the READMEs, Figure 8.1."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the live evaluation says of lost samples and delays, on observations made by hand."""
+"""Lost samples and delays in the live evaluation, on observations made by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Launch files and what they decide: files are checked before anything starts, and only the demo commands a brake."""
+"""Launch files and their parameters: files are checked before anything starts, only the demo commands a brake."""
 
 from __future__ import annotations
 
@@ -119,13 +119,13 @@ def test_parameter_file_that_does_not_exist_is_refused_with_its_name(tmp_path: P
     [
         ("/**/friction_slop: {ros__parameters: {method: slip}}", "is '/\\*\\*/friction_slope' meant"),
         ("/**/friction_slope: {ros__parameters: {metod: slip}}", "unknown parameter 'metod'"),
-        ("/**/abs_supervisor: {ros__parameters: {wheels: [a]}}", "'wheels' is no more"),
+        ("/**/abs_supervisor: {ros__parameters: {wheels: [a]}}", "'wheels' no longer exists"),
         ("/**/abs_supervisor: {ros__parameters: {tolerance: 7.0}}", "'tolerance' = 7.0 s is outside"),
         ("friction_slope: {ros__parameters: {method: slip}}", "is not for the node /my_car/friction_slope"),
         ("/other/friction_slope: {ros__parameters: {method: slip}}", "is not for the node /my_car/friction_slope"),
         ("/**/wheel_slip: {ros__parameters: {}}\n/**/wheel_slip: {ros__parameters: {}}", "line 2.*line 1"),
-        ("/**/wheel_slip: {ros__parameters: {deadline: 0.1, deadline: 0.2}}", "'deadline' stands here again"),
-        ("/**/wheel_slip: [", "no YAML: "),
+        ("/**/wheel_slip: {ros__parameters: {deadline: 0.1, deadline: 0.2}}", "'deadline' is repeated here"),
+        ("/**/wheel_slip: [", "not YAML: "),
     ],
 )
 def test_parameter_file_that_is_bad_for_a_node_is_refused_in_one_line(text: str, said: str, tmp_path: Path) -> None:
@@ -174,7 +174,7 @@ needs_launch = pytest.mark.skipif(
 
 
 def launched(name: str, **arguments: str) -> list[Any]:
-    """Return what a launch file does, with launch_ros."""
+    """Return the actions of a launch file, with launch_ros."""
     from launch import LaunchContext, LaunchService
     from launch.launch_description_sources import get_launch_description_from_python_launch_file
 

@@ -48,7 +48,7 @@ MIRRORED: list[tuple[type[IntEnum], Any, str]] = [
 ]
 """Enum, message, and which of its constants: those of a prefix, those named, or all but the ones with a prefix."""
 OF_OTHERS = {"METHOD_TRUTH", "STALE"}
-"""The plant's, and the one of aggregators."""
+"""Constants without an enum: those of the plant, and the one of aggregators."""
 
 
 def constants(message: Any, which: str) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""What a package imports, or starts by name, stands in its package.xml."""
+"""Everything that a package imports, or starts by name, is declared in its package.xml."""
 
 from __future__ import annotations
 

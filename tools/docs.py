@@ -1,4 +1,4 @@
-"""Write what follows from the code: shipped parameter files, tables in the READMEs, Figure 8.1.
+"""Write the files generated from the code: shipped parameter files, tables in the READMEs, Figure 8.1.
 
 Usage: tools/run.bash python tools/docs.py   (normally through `make docs`)
 """
@@ -20,7 +20,7 @@ FIGURE = ROOT / "docs" / "figure_8_1.png"
 
 
 def generated_texts() -> Iterator[tuple[Path, str]]:
-    """Files that hold something generated, with the text that they ought to have.
+    """Yield the files with generated parts, and the text that they should have.
 
     Raises:
         ValueError: a README has no place for its table.
@@ -36,7 +36,7 @@ def generated_texts() -> Iterator[tuple[Path, str]]:
 
 
 def with_block(file: Path, name: str, block: str) -> str:
-    """Text of a file with a block between `<!-- name -->` and `<!-- /name -->`.
+    """Return the text of a file with a block between `<!-- name -->` and `<!-- /name -->`.
 
     Raises:
         ValueError: the file does not hold these two lines, once each and in this order.
@@ -51,7 +51,7 @@ def with_block(file: Path, name: str, block: str) -> str:
 
 
 def main() -> int:
-    """Write what differs, and name it."""
+    """Write the files that differ, and print their names."""
     try:
         for file, text in generated_texts():
             if not file.exists() or file.read_text(encoding="utf-8") != text:

@@ -29,7 +29,7 @@ _QUIET = (Reason.OK, Reason.LOW_SPEED)
 _BROKEN = (Reason.NO_SLOPE, Reason.NO_DEMAND, Reason.INVALID_SLOPE)
 """Reasons that bring the fail-safe."""
 _SLOPE_LOW_SPEED = int(FrictionSlope.LOW_SPEED)
-"""Of the messages, kept: a message class looks its constants up by a Python function, here at every sample."""
+"""Copy of a message constant: a message class looks its constants up in Python, here at every sample."""
 _ALIVE = (FrictionSlope.OK, FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION, FrictionSlope.LOW_SPEED)
 """Reasons of friction_slope with which the machine can go on."""
 
@@ -38,7 +38,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
     """Layer 2 of abs_supervisor: fires on <wheel>/friction_slope."""
 
     def __init__(self, wheel: str, vehicle: Vehicle, parameters: SupervisorParameters, report: Report = silent) -> None:
-        """Build for one wheel of a car; `report` takes what a person should know."""
+        """Build for one wheel of a car; `report` is the log function."""
         self._wheel, self._p = wheel, parameters
         self._brake_torque = BrakeTorque(vehicle, wheel)
         self._slope = f"{wheel}/friction_slope"
@@ -142,7 +142,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         return self._outputs()
 
     def _torque_at(self, sample: AlignedSample[FrictionSlope]) -> float | None:
-        """Torque the driver asks for [N m]; None where it is not known."""
+        """Return the torque that the driver demands [N m]; None where it is not known."""
         if self._demand in sample.values:
             return sample.values[self._demand][0]
         if self._held is not None and 0 <= sample.stamp - self._held[0] <= self._p.demand_timeout * NANOSECONDS:
@@ -155,7 +155,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         return self._hysteresis.update(stamp, torque)
 
     def _judge(self, sample: AlignedSample[FrictionSlope], torque: float | None) -> tuple[Reason, str]:
-        """May the machine act on this sample? The reason and its text."""
+        """Return the reason why the machine may not act on this sample, or OK, and its text."""
         slope = sample.payload
         if torque is None:
             return Reason.NO_DEMAND, sample.missing[self._demand]
@@ -195,5 +195,5 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
 
 
 def build(parameters: SupervisorParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:
-    """Make the processors: one a wheel."""
+    """Make the processors: one per wheel."""
     return [WheelProcessor(wheel, vehicle, parameters, report) for wheel in vehicle.wheel_names]

@@ -1,4 +1,4 @@
-"""The state machine in message time: how long in its state, why it changed, what failed and for how long."""
+"""The state machine in message time: time in the state, cause of the last transition, duration of failures."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -35,7 +35,7 @@ class Evidence:
     """What is known at one stamp."""
 
     h: float
-    """H of (8.3) [rad/s^3]; NaN where unknown, as of a locked wheel."""
+    """H of (8.3) [rad/s^3]; NaN where unknown, as for a locked wheel."""
     indicator: float
     """H sign(eta) [rad/s^3]; 0 or NaN where the sign is not measured."""
     usable: bool
@@ -43,17 +43,17 @@ class Evidence:
     slow: bool
     """Below the speed where the ABS ends."""
     braking: bool
-    """Does the driver brake?"""
+    """Whether the driver brakes."""
 
 
 class Supervisor:
-    """One wheel. `update` makes at most one transition a sample."""
+    """State machine of one wheel. `update` makes at most one transition per sample."""
 
     def __init__(self, thresholds: Thresholds, tolerance: float) -> None:
         """Start in S0.
 
         Args:
-            thresholds: of the transitions.
+            thresholds: thresholds of the transitions.
             tolerance: inputs that are not usable for longer [s] bring the fail-safe; until then the state is kept.
         """
         self._thresholds = thresholds
@@ -65,10 +65,10 @@ class Supervisor:
         self.state = State.S0
         self.previous_state = State.S0
         self.cause = Cause.NONE
-        """Of the last transition."""
+        """Cause of the last transition."""
         self.counts = Counts()
         self.transition_stamp = 0
-        """Of the last transition [ns]; 0 before the first."""
+        """Stamp of the last transition [ns]; 0 before the first."""
         self._unusable_since: int | None = None
 
     def restart(self, stamp: int) -> bool:

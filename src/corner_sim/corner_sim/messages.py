@@ -1,4 +1,4 @@
-"""From a sample of the plant to the messages of its sensors and of its truth."""
+"""Sensor and truth messages from a sample of the plant."""
 
 from array import array
 from collections.abc import Sequence
@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 
 BASE_FRAME = "base_link"
 TYRE_SAMPLE_RATE = 1.0e4
-"""Of the smart tyres [Hz]."""
+"""Sample rate of the smart tyres [Hz]."""
 _STANDING = f"slip is not defined at or below {SLIP_MIN_SPEED} m/s"
 
 
 def topics(wheels: Sequence[str], vehicle_velocity: bool, brake_demand: bool, tyre_signals: bool) -> dict[str, type]:
-    """Name the topics the plant gives, with their types."""
+    """Return the topics that the plant publishes, with their types."""
     given: dict[str, type] = {
         "wheel_states": JointState,
         "imu/data": Imu,
@@ -66,7 +66,7 @@ def brake_pressure(stamp: Time, wheel: str, pressure: float, variance: float) ->
 
 
 def imu(stamp: Time, acceleration: float, variance: float, axis: str = "x") -> Imu:
-    """Make the message of an accelerometer: one axis [m/s^2], no orientation and no rates (the covariances say so)."""
+    """Make the message of an accelerometer: one axis [m/s^2], no orientation, no rates (marked in the covariances)."""
     message = Imu(header=Header(stamp=stamp, frame_id=BASE_FRAME))
     setattr(message.linear_acceleration, axis, acceleration)
     message.linear_acceleration_covariance[4 * "xyz".index(axis)] = variance

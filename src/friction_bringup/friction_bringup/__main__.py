@@ -21,14 +21,14 @@ from friction_runtime.shipped_files import shipped_file
 from vehicle_models.vehicle_argument import add_vehicle_argument
 
 _BAD_INPUT = 2
-"""Exit code."""
+"""Exit code for bad input."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Parse the command line and run."""
     parser = argparse.ArgumentParser(prog="python -m friction_bringup", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    commands.add_parser("monitor", help="watch every wheel of a running graph; q ends")
+    commands.add_parser("monitor", help="watch every wheel of a running graph; q quits")
     demo = commands.add_parser(
         "demo", help="brake from 30 m/s with the supervisor in the loop, or replay a bag, with a live view"
     )
@@ -53,10 +53,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _demo_options(options: argparse.Namespace) -> DemoOptions:
-    """Take what the command line leaves open from the notes of the bag.
+    """Complete the command line from the notes of the bag.
 
     Raises:
-        ParameterError: the bag does not say of which car it is, nor does the command line.
+        ParameterError: neither the bag nor the command line names the car.
         BagError: the bag cannot be read, or holds no wheel_states.
     """
     vehicle, parameters = options.vehicle or graph.DEMO_VEHICLE, "demo"

@@ -1,4 +1,4 @@
-"""Estimates of one wheel as friction_msgs/FrictionCurve, with what outlives a single estimate: restarts,
+"""Estimates of one wheel as friction_msgs/FrictionCurve, with the state that spans estimates: restarts and
 activation.
 """
 
@@ -29,17 +29,17 @@ class CurveMessages:
         self._cause = RestartCause.NONE
 
     def restart(self) -> None:
-        """Forget the activation: what follows is another braking."""
+        """Forget the activation before another braking."""
         self._activation.reset()
 
     def message(self, stamp: int, answer: CurveEstimate | Refusal, slip: float, cause: RestartCause) -> FrictionCurve:
         """Make the message of one sample.
 
         Args:
-            stamp: of the sample [ns].
-            answer: of the estimator.
-            slip: present slip [-] from the inputs, NaN where only the estimate knows it.
-            cause: why the estimator was reset, where it says that it restarted on request.
+            stamp: stamp of the sample [ns].
+            answer: answer of the estimator.
+            slip: present slip [-] from the inputs, NaN where only the estimate has it.
+            cause: why the estimator was reset; used where the answer reports a restart on request.
         """
         if isinstance(answer, Refusal):
             estimate = _NO_ESTIMATE

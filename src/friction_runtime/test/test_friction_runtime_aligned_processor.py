@@ -1,4 +1,4 @@
-"""What all processors do alike: refusals, jumps back, silence, levels in diagnostics, texts that name a wheel once."""
+"""Shared behaviour of all processors: refusals, jumps back, silence, levels in diagnostics, names of wheels once."""
 
 from collections.abc import Sequence
 from importlib.machinery import SourceFileLoader
@@ -41,7 +41,7 @@ class Adder(AlignedProcessor[float]):
     """Adds an aligned input to its primary."""
 
     def __init__(self) -> None:
-        """Start with nothing known."""
+        """Start empty."""
         self.said: list[tuple[str, str]] = []
         super().__init__("FL", Primary("FL/a", "FL", self._say), [AlignedInput("FL/b")], deadline=0.05)
         self.restarts: list[int] = []

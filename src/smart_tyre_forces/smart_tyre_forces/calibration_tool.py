@@ -56,13 +56,13 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _vehicle(options: argparse.Namespace, by_file: str) -> Vehicle:
-    """Car of the bags: the one given, else the one that they note, else that of the parameter file."""
+    """Return the car of the bags: the given one, else that in their notes, else that of the parameter file."""
     noted = sorted({name for bag in (*options.quasi_static, *options.dynamic) if (name := noted_vehicle(bag))})
     if not options.vehicle and len(noted) > 1:
         raise ParameterError(f"the bags are of different cars ({', '.join(noted)}): give --vehicle")
     chosen = options.vehicle or "".join(noted) or by_file
     if not chosen:
-        raise ParameterError(f"the bags do not say their car: give --vehicle, {vehicle_choices()}")
+        raise ParameterError(f"the bags do not name their car: give --vehicle, {vehicle_choices()}")
     return load_vehicle(chosen)
 
 

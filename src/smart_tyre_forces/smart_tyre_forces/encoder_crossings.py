@@ -1,4 +1,4 @@
-"""Zero crossings of the encoder's sine, streaming: blocks of any size give the same, bit for bit (section 8.4.4).
+"""Zero crossings of the encoder's sine, streaming: the same for blocks of any size, bit for bit (section 8.4.4).
 
 Every sample of the sine takes part: a short symmetric filter (its delay is a whole number of samples) averages the
 neighbourhood of each crossing before the crossing is interpolated, on a sine. Hysteresis keeps noise from adding
@@ -36,7 +36,7 @@ class CrossingParameters:
     )
     interval_ratio: float = parameter(
         1.5,
-        "neighbouring crossing intervals that differ by more: a missed tooth, or a surplus one",
+        "ratio of neighbouring crossing intervals above which a tooth is missed or surplus",
         minimum=1.1,
         maximum=3.0,
     )
@@ -95,8 +95,8 @@ class EncoderCrossings:
     def _between(self, begin: Array, end: Array, before: Array, after: Array) -> Array:
         """Times of the zeros between samples of opposite sign: first on the chord, then on the sine.
 
-        The last half wave tells the phase delta between the two samples, and A sin(x) = |before|, A sin(delta - x) =
-        |after| the phase x at which the zero lies, whatever the amplitude A.
+        The last half wave gives the phase delta between the two samples, and A sin(x) = |before|, A sin(delta - x) =
+        |after| give the phase x at which the zero lies, whatever the amplitude A.
         """
         before, after = np.abs(before), np.abs(after)
         chord = begin + (end - begin) * (before / (before + after))

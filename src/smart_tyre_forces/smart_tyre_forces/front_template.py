@@ -26,25 +26,25 @@ GRID = np.radians(np.arange(-45.0, 45.1, 0.2))
 _REACH = np.radians(32.0)
 """How far the fit reaches out of the patch, before and after it [rad]."""
 _FARTHEST = np.radians(6.0)
-"""A front further from its crossing than this is not believed [rad]."""
+"""Largest distance of a valid front from its crossing [rad]."""
 _ORDER = 60
-"""Of the noise filter: 6 ms at 10 kHz, enough to see the quiet band below 150 Hz."""
+"""Order of the noise filter: 6 ms at 10 kHz, enough to resolve the quiet band below 150 Hz."""
 _FORGETTING = 0.1
 """Weight of the newest revolution in the noise."""
 _RIDGE = 1e-4
-"""Of the noise power added to the whole band, so that a quiet band is not trusted without limit."""
+"""Share of the noise power added to the whole band, so that a quiet band is not trusted without limit."""
 
 
 class FrontRefiner(Protocol):
-    """What may look at each passage once its fronts have been found by crossing."""
+    """Processes each passage once its fronts have been found by crossing."""
 
     def refine(self, fronts: Fronts, theta: Array, acceleration: Array) -> Fronts | None:
         """Return better fronts, or None where there are none.
 
         Args:
-            fronts: found by crossing.
+            fronts: fronts found by crossing.
             theta: wheel angle of the samples about the expected centre [rad], from half a revolution before it on.
-            acceleration: at those samples [m/s^2].
+            acceleration: acceleration at those samples [m/s^2].
         """
         ...
 
@@ -54,9 +54,9 @@ class FrontTemplate:
     """Mean normalised waveforms (0 in the patch, 1 on the free belt) on GRID."""
 
     leading: Array
-    """About the front where the sensor enters the patch, shape (len(GRID),)."""
+    """Waveform about the front where the sensor enters the patch, shape (len(GRID),)."""
     trailing: Array
-    """About the front where it leaves."""
+    """Waveform about the front where the sensor leaves the patch, shape (len(GRID),)."""
 
     def __post_init__(self) -> None:
         """Refuse tables of the wrong length or with gaps."""
@@ -83,7 +83,7 @@ class TemplateLearner:
 
     @property
     def template(self) -> FrontTemplate:
-        """The mean so far.
+        """Return the mean so far.
 
         Raises:
             ValueError: no passage was seen.
@@ -120,7 +120,7 @@ class TemplateFit:
         ramp = np.linspace(-1.0, 1.0, len(free))
         noise = free - np.mean(free) - ramp * (np.dot(ramp, free) / np.dot(ramp, ramp))
         lags = np.array([np.dot(noise[: len(noise) - lag], noise[lag:]) for lag in range(_ORDER + 1)]) / len(noise)
-        # Relative: a faster revolution is louder, not more telling.
+        # Relative: a faster revolution is louder, not more informative.
         lags = lags / lags[0] if lags[0] > 0.0 else np.eye(1, _ORDER + 1)[0]
         if self._covariance is None:
             self._covariance = lags

@@ -4,7 +4,7 @@ from enum import IntEnum
 
 
 class PatchReason(IntEnum):
-    """Of a contact patch."""
+    """Why a contact patch may not be used."""
 
     OK = 0
     NOT_READY = 1
@@ -19,7 +19,7 @@ class PatchReason(IntEnum):
 
 
 class ForceReason(IntEnum):
-    """Of a force."""
+    """Why a force may not be used."""
 
     OK = 0
     NO_PATCH = 1

@@ -92,7 +92,7 @@ maximum_speed zero_duration zero_speed_spread zero_maximum_speed pressure_tolera
 
 @pytest.mark.parametrize("name", OLD.split())
 def test_old_parameter_is_refused_with_its_new_place(name: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{name}' is no more: ") as refused:
+    with pytest.raises(ParameterError, match=f"'{name}' no longer exists: ") as refused:
         from_mapping(SmartTyreParameters, {name: 1.0})
     place = str(refused.value).split("'")[3]
     assert "vehicle file" in str(refused.value) or place in declared(SmartTyreParameters)
@@ -106,7 +106,7 @@ def changed(**values: Any) -> Vehicle:
 
 def test_calibration_that_does_not_fit_is_refused(calibration_file: str, tmp_path: Path) -> None:
     given = SmartTyreParameters(calibration_file=calibration_file)
-    with pytest.raises(ValueError, match=r"calibration\.yaml: knows front_left, no wheel of the car: FL, front_right"):
+    with pytest.raises(ValueError, match=r"calibration\.yaml: has front_left, no wheel of the car: FL, front_right"):
         build(given, changed(name="FL"))
     with pytest.raises(ValueError, match="teeth"):
         build(given, changed(encoder_teeth=60))

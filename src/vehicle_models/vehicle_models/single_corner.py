@@ -41,14 +41,14 @@ class CornerParameters:
     """Fz at rest [N]."""
 
     def __post_init__(self) -> None:
-        """Refuse values that make no corner."""
+        """Refuse values without physical meaning."""
         for name in ("radius", "inertia", "mass", "vertical_load"):
             if not 0.0 < getattr(self, name) < np.inf:
                 raise ValueError(f"{name} must be finite and > 0, is {getattr(self, name)}")
 
     @property
     def gravity(self) -> float:
-        """Fz / m [m/s^2]."""
+        """Gravity as Fz / m [m/s^2]."""
         return self.vertical_load / self.mass
 
     def peak_torque(self, theta: ArrayLike) -> Array:
@@ -95,9 +95,9 @@ class SingleCorner:
         """Start at `speed`.
 
         Args:
-            parameters: of all corners, or n of them, one for each.
-            speed: [m/s], >= 0, shape (n,).
-            wheel_speed: [rad/s], >= 0, broadcasts to (n,); rolling without slip when None.
+            parameters: one set for all corners, or n of them, one for each.
+            speed: vehicle speed [m/s], >= 0, shape (n,).
+            wheel_speed: wheel speed [rad/s], >= 0, broadcasts to (n,); rolling without slip when None.
             max_step: longest inner step [s], > 0.
 
         Raises:
@@ -136,16 +136,16 @@ class SingleCorner:
         return np.where((self.wheel_speed <= 0.0) & (free < 0.0), 0.0, free)
 
     def step(self, torque_begin: ArrayLike, torque_end: ArrayLike, theta: ArrayLike, dt: float) -> None:
-        """Advance by `dt` [s] under a brake torque [N m] that runs linearly from begin to end, on the road `theta`.
+        """Advance by `dt` [s] under a brake torque [N m] that changes linearly, on the road `theta`.
 
         The brake only opposes rolling: a wheel stops at zero speed and stays there while the torque exceeds the
         friction moment.
 
         Args:
-            torque_begin: shape (n,) or scalar, >= 0.
-            torque_end: shape (n,) or scalar, >= 0.
-            theta: shape (3,) or (n, 3).
-            dt: > 0.
+            torque_begin: torque at the start [N m], shape (n,) or scalar, >= 0.
+            torque_end: torque at the end [N m], shape (n,) or scalar, >= 0.
+            theta: Burckhardt parameters, shape (3,) or (n, 3).
+            dt: step [s], > 0.
         """
         steps, h = inner_steps(dt, self._max_step)
         begin = np.asarray(torque_begin, dtype=np.float64)

@@ -79,14 +79,15 @@ class TwoAxleCar:
         """Start at `speed` [m/s], shape (n,).
 
         Args:
-            vehicle: the car; arrays are in the order of four_wheels, wherever these stand in it.
-            speed: >= 0, shape (n,).
-            wheel_speed: [rad/s], >= 0, broadcasts to (n, 4); rolling without slip when None.
+            vehicle: the car; arrays are in the order of four_wheels, whatever the order in `vehicle`.
+            speed: speed [m/s], >= 0, shape (n,).
+            wheel_speed: wheel speeds [rad/s], >= 0, broadcasts to (n, 4); rolling without slip when None.
             grade: slope of the road [rad], uphill positive, broadcasts to (n,); may be set at any time.
             max_step: longest inner step [s], > 0.
 
         Raises:
-            ValueError: a speed is negative or not finite, max_step is not positive, or the car has not four wheels.
+            ValueError: a speed is negative or not finite, max_step is not positive, or the car does not have four
+                wheels.
         """
         wheels = four_wheels(vehicle)
         self.vehicle = vehicle
@@ -144,18 +145,18 @@ class TwoAxleCar:
         dt: float,
         drive_torque: ArrayLike = 0.0,
     ) -> None:
-        """Advance by `dt` [s] under brake torques [N m] that run linearly from begin to end, on the road `theta`.
+        """Advance by `dt` [s] under brake torques [N m] that change linearly, on the road `theta`.
 
         Brakes and rolling resistance only oppose rolling: a wheel stops at zero speed and stays there while they exceed
         friction and drive.
 
         Args:
-            torque_begin: of each wheel, >= 0, broadcasts to (n, 4).
-            torque_end: of each wheel, >= 0, broadcasts to (n, 4).
-            theta: shape (3,), one road for all; (n, 3), one a car; or (n, 4, 3), one a wheel.
-            dt: > 0.
-            drive_torque: of the engine at all driven wheels together [N m], negative for engine braking, broadcasts to
-                (n,); they share it equally (open differential). A car without a driven wheel has no use for it.
+            torque_begin: torque of each wheel at the start, >= 0, broadcasts to (n, 4).
+            torque_end: torque of each wheel at the end, >= 0, broadcasts to (n, 4).
+            theta: shape (3,), one road for all; (n, 3), one per car; or (n, 4, 3), one per wheel.
+            dt: step [s], > 0.
+            drive_torque: torque of the engine at all driven wheels together [N m], negative for engine braking,
+                broadcasts to (n,); they share it equally (open differential). Ignored without a driven wheel.
         """
         steps, h = inner_steps(dt, self._max_step)
         begin, end = self._net_torque(torque_begin, drive_torque), self._net_torque(torque_end, drive_torque)

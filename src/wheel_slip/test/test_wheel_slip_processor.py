@@ -167,8 +167,8 @@ def test_reset_starts_anew(processor: CarProcessor) -> None:
         (imu(0, 0.0), "imu/data: stamp is zero"),
         (imu(300 * PERIOD + 1, nan), "imu/data: value is not finite"),
         (velocity(0, 20.0), "vehicle_velocity: stamp is zero"),
-        (velocity(301 * PERIOD, float("inf")), "vehicle_velocity: inf is no vehicle speed"),
-        (velocity((2**31 - 1) * 10**9, 20.0), "vehicle_velocity: stamp is no time"),
+        (velocity(301 * PERIOD, float("inf")), "vehicle_velocity: inf is not a vehicle speed"),
+        (velocity((2**31 - 1) * 10**9, 20.0), "vehicle_velocity: stamp is out of range"),
         (wheel_states(300 * PERIOD, [50.0]), "wheel_states: stamp repeats"),
     ],
 )
@@ -289,7 +289,7 @@ max_slip_stddev learn_radii max_gap"""
 
 @pytest.mark.parametrize("name", OLD.split())
 def test_old_parameter_is_refused_with_its_new_place(name: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{name}' is no more: ") as refused:
+    with pytest.raises(ParameterError, match=f"'{name}' no longer exists: ") as refused:
         from_mapping(WheelSlipParameters, {name: 1.0})
     place = str(refused.value).split("'")[3]
     assert "vehicle file" in str(refused.value) or place in declared(WheelSlipParameters)

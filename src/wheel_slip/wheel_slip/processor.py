@@ -34,7 +34,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     """Layer 2 of wheel_slip: fires on wheel_states."""
 
     def __init__(self, vehicle: Vehicle, parameters: WheelSlipParameters, report: Report = silent) -> None:
-        """Build for a car; `report` takes what a person should know."""
+        """Build for a car; `report` is the log function."""
         self._p = parameters
         self._wheels = vehicle.wheel_names
         self._accelerometer = vehicle.accelerometer
@@ -100,7 +100,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     def _offer_speed(self, stamp: int, message: TwistWithCovarianceStamped) -> str | None:
         speed, variance = float(message.twist.twist.linear.x), float(message.twist.covariance[0])
         if not abs(speed) <= HIGHEST_SPEED:
-            return f"{VEHICLE_VELOCITY}: {speed} is no vehicle speed"
+            return f"{VEHICLE_VELOCITY}: {speed} is not a vehicle speed"
         if not (isfinite(variance) and variance > 0.0):
             variance = self._p.speed_sensor.stddev**2
         refusal = self._speeds.offer(stamp, (speed, variance))
@@ -123,7 +123,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
 
 
 def build(parameters: WheelSlipParameters, vehicle: Vehicle, report: Report = silent) -> list[CarProcessor]:
-    """Make the processors: one, for the whole car."""
+    """Make the processors: one for the whole car."""
     return [CarProcessor(vehicle, parameters, report)]
 
 

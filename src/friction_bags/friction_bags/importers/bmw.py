@@ -1,7 +1,7 @@
 """Columns of bmw_m8_abs_stop_100hz.csv as our input topics.
 
-The stamps are t_s + 1000 s, exact to the nanosecond and otherwise as in the file: t_s begins below zero, which a stamp
-cannot. The file is strictly increasing, so nothing is reordered; bursts of samples less than 3 ms apart are kept.
+The stamps are t_s + 1000 s, exact to the nanosecond: t_s begins below zero, which a stamp cannot. The file is strictly
+increasing, so nothing is reordered; bursts of samples less than 3 ms apart are kept.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -15,7 +15,7 @@ from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 
 STAMP_OFFSET = 1000
-"""[s] added to t_s."""
+"""Offset added to t_s [s]."""
 WHEELS = {
     "front_left": "w_fl_radps",
     "front_right": "w_fr_radps",

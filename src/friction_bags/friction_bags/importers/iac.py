@@ -1,7 +1,7 @@
 """Columns of iac_av21_putnam_25hz.csv as our input topics.
 
-The wheel speeds of the file are rim speeds in km/h. They become angular speeds by the nominal radii of the vehicle
-file, which are no measurement: a node that is given the same car gets back the speeds of the file.
+The wheel speeds of the file are rim speeds in km/h. They are converted to angular speeds with the nominal radii of the
+vehicle file, which are not measured: a node with the same car computes the speeds of the file again.
 """
 
 from collections.abc import Iterable, Iterator, Mapping

@@ -24,17 +24,17 @@ _number = itemgetter(0)
 
 @dataclass(frozen=True)
 class ProcessResult:
-    """What was done to a bag."""
+    """Result of processing a bag."""
 
     bag: str
     messages: int
-    """Read."""
+    """Messages read."""
     outputs: int
-    """Made by the estimators."""
+    """Messages made by the estimators."""
     duration: float
-    """[s] of the bag."""
+    """Duration of the bag [s]."""
     seconds: float
-    """[s] it took."""
+    """Processing time [s]."""
     problems: tuple[str, ...]
 
 
@@ -47,14 +47,14 @@ def process_bag(
     caused it. The bytes of the result depend neither on the run nor on the number of processes.
 
     Args:
-        bag: to be read.
-        out: to be made.
-        options: what to do.
-        processes: among which the estimators are divided, at most.
-        progress: is told the part that is done, 0 to 1.
+        bag: bag to read.
+        out: bag to write.
+        options: options of the user.
+        processes: largest number of processes for the estimators.
+        progress: called with the share that is done, 0 to 1.
 
     Raises:
-        BagError: the bag cannot be read, holds no wheel of the car, or the other cannot be made.
+        BagError: the bag cannot be read, holds no wheel of the car, or the new one cannot be made.
         ParameterError: a parameter or the vehicle file is bad, or no car is named.
     """
     begun = perf_counter()

@@ -1,4 +1,4 @@
-"""QoS of recorded topics: as stored in a bag, as matched by the recorder, as offered again by the player."""
+"""QoS of recorded topics: as stored in a bag, as matched by the recorder, as offered by the player."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ _REPLAY_DEPTH = 1000
 
 
 def stored(profile: QoSProfile) -> Qos:
-    """Form in which a bag stores a profile."""
+    """Return the form in which a bag stores a profile."""
     return Qos(
         QosHistory(int(profile.history)),
         profile.depth,
@@ -31,7 +31,7 @@ def stored(profile: QoSProfile) -> Qos:
 
 
 def matching(publishers: Sequence[TopicEndpointInfo]) -> QoSProfile:
-    """Strictest profile that all publishers match: reliable and transient local only where each of them is."""
+    """Return the strictest profile that all publishers match: reliable and transient local only where they all are."""
     offered = [publisher.qos_profile for publisher in publishers]
     reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in offered)
     latched = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in offered)
@@ -39,7 +39,7 @@ def matching(publishers: Sequence[TopicEndpointInfo]) -> QoSProfile:
 
 
 def replayed(recorded: Sequence[Qos]) -> QoSProfile:
-    """Profile of the player: reliable, which every subscriber matches; transient local where it was."""
+    """Return the profile of the player: reliable, which every subscriber matches; transient local where it was."""
     latched = bool(recorded) and all(qos.durability == QosDurability.TRANSIENT_LOCAL for qos in recorded)
     depth = max(max(qos.depth for qos in recorded), 1) if latched else _REPLAY_DEPTH
     return _profile(depth, reliable=True, latched=latched)

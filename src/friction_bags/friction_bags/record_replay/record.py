@@ -26,18 +26,18 @@ from vehicle_models.vehicle_file import vehicle_reference
 _TAKE_PERIOD = 0.02
 _DISCOVER_PERIOD = 0.1
 _FLUSH_PERIOD = 0.5
-"""[s] A killed recorder loses at most this, and one take period."""
+"""Period of flushing [s]. A killed recorder loses at most this, and one take period."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Describe the command line."""
-    parser.add_argument("--out", type=Path, metavar="DIR", help="directory to be made (default: bag_ and the time)")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="directory to create (default: bag_ and the time)")
     parser.add_argument("--all", action="store_true", help="all topics, which is the default without --topics")
     add_selection_arguments(parser)
     parser.add_argument("--compression", choices=("zstd", "lz4", "none"), default="zstd", help="of chunks")
-    parser.add_argument("--duration", type=float, default=float("inf"), metavar="S", help="stop after so many seconds")
+    parser.add_argument("--duration", type=float, default=float("inf"), metavar="S", help="stop after S seconds")
     parser.add_argument("--note", default="", help="a note that travels with the bag")
-    add_vehicle_argument(parser, "none; `process` then needs it")
+    add_vehicle_argument(parser, "none; `process` then needs --vehicle")
 
 
 def run(args: Namespace, ros_args: list[str]) -> int:
