@@ -3,11 +3,11 @@ PYTHON ?= python3
 SURFACE ?= dry
 OUT ?= out
 EFFORT ?= 1
-PARTS ?= slope abs identification slip smart_tyre measured live
+PARTS ?= slope abs identification slip smart_tyre measured bags live
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build ready test lint demo bench report bags docs clean
+.PHONY: help setup build ready test lint demo bench results report bags docs clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
@@ -37,14 +37,17 @@ demo: ready ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow, o
 bench: build ## every table of the evaluation as text and JSON, or PARTS="slope abs"
 	@for part in $(PARTS); do $(run) python -m friction_evaluation $$part --json "$(OUT)/bench/$$part.json" || exit 1; done
 
+results: build ## the same tables as pages in docs/results, or PARTS="slope abs"
+	@for part in $(PARTS); do $(run) python -m friction_evaluation $$part --page docs/results/$$part.md || exit 1; done
+
 report: build ## every table and figure of the chapter as one page; EFFORT=0.1 for a quick one
 	@$(run) python -m friction_evaluation report --out build/report --effort $(EFFORT)
 
-bags: build ## make the recorded experiments of bags/ anew, from fixed seeds
+bags: build ## make the recorded experiments of bags/ again, from fixed seeds
 	@$(run) python -m friction_bags library
 
-docs: build ## parameter files, parameter tables and Figure 8.1, from the code they follow from
+docs: build ## write parameter files, parameter tables and Figure 8.1, generated from the code
 	@$(run) python tools/docs.py
 
-clean: ## remove what the targets above made
+clean: ## remove the files that the targets above made
 	rm -rf .venv build install log out .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -14,9 +14,9 @@ os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(__file__).parent / "src/
 os.environ["MPLBACKEND"] = "Agg"
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-# A shell hands SIGINT down as ignored to what it starts in the background; tests end their processes with it.
+# A shell starts background processes with SIGINT ignored; tests end their processes with it.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# A shared machine is slow at times; that is no finding.
+# A shared machine is slow at times; that is not a failure.
 settings.register_profile("workspace", deadline=None, print_blob=True)
 settings.load_profile("workspace")

@@ -141,7 +141,7 @@ def test_every_sample_of_topics_that_appear_is_recorded_and_a_signal_closes_the_
     found = {name: numbers(data) for name, data in recorded(bag).items()}
     taken = found.pop("/late")
     assert found == {f"/early_{index}": list(range(400)) for index in range(5)}
-    assert taken == list(range(400))[-len(taken) :]  # what is sent before the recorder knows its publisher is lost
+    assert taken == list(range(400))[-len(taken) :]  # samples before the recorder has discovered its publisher are lost
     with BagReader(bag) as reader:
         (topic,) = [topic for topic in reader.counts if topic.name == "/late"]
         assert topic.qos[0].reliability.name == "BEST_EFFORT"
@@ -172,7 +172,7 @@ def test_a_killed_recorder_leaves_what_it_had_written_and_reindex_makes_it_whole
     publisher = node.create_publisher(JointState, "wheel_states", 100)
     wait_for(lambda: publisher.get_subscription_count() == 1)
     publish_at_200_hz([publisher], 300)
-    wait_for(lambda: readable(bag) >= 300)  # what has come is written soon, not only at the end
+    wait_for(lambda: readable(bag) >= 300)  # messages are written soon after they arrive, not only at the end
     recorder.process.kill()
     recorder.process.wait()
     assert not (bag / "metadata.yaml").exists()
@@ -250,7 +250,7 @@ def test_a_replay_arrives_complete_in_order_and_with_original_stamps(
     wait_for(lambda: wheels.take() >= 400 and slip.take() >= 400)
     assert same(wheels.data, original["/wheel_states"])
     assert same(slip.data, original["/front_left/slip"])
-    # two seconds at double speed: never sooner but for a late begin, and later is the machine's affair
+    # two seconds at double speed: never sooner but for a late start; a busy machine may take longer
     assert (wheels.times[-1] - wheels.times[0]) / SECOND > 0.6
 
 

@@ -79,7 +79,7 @@ def sensors_of(bag: Path) -> list[str]:
 
 @pytest.fixture
 def parameters(tmp_path: Path) -> Path:
-    """A parameter file with the car; the supervisor commands, and a stall of the machine does not wake its watchdog."""
+    """A parameter file with the car; the supervisor commands, and a stall of the machine does not trip its watchdog."""
     path = tmp_path / "parameters.yaml"
     path.write_text(
         f"/**:\n  ros__parameters:\n    vehicle_file: {CAR}\n"
@@ -110,7 +110,7 @@ def replay_to_live_nodes(processes: Processes, bag: Path, recording: Path, param
 
 
 def estimates(bag: Path) -> dict[str, list[bytes]]:
-    """Estimates of a bag, encoded anew: padding on the wire is not initialised."""
+    """Estimates of a bag, encoded again: padding on the wire is not initialised."""
     found: dict[str, list[bytes]] = {f"/{wheel}/{name}": [] for wheel in WHEELS for name in MADE}
     with BagReader(bag) as reader:
         for topic, _, data in reader.messages([topic for topic in reader.counts if topic.name in found]):
@@ -126,7 +126,7 @@ def assert_live_equals_offline(bag: Path, recording: Path, parameters: Path, dir
     live, offline = estimates(recording), estimates(directory / "offline")
     for topic, expected in offline.items():
         assert expected, topic
-        # what the watchdogs said before the first sample and after the last is not of the bag
+        # messages of the watchdogs before the first sample and after the last do not belong to the bag
         first = live[topic].index(expected[0])
         assert live[topic][first : first + len(expected)] == expected, topic
 

@@ -1,4 +1,4 @@
-"""The graph beside a vehicle stack, over DDS: a car with names of its own, and nobody who could command a brake."""
+"""The graph beside a vehicle stack, over DDS: a car with names of its own, and no publisher of brake commands."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from sensor_msgs.msg import Imu, JointState
 from std_msgs.msg import Header
 
 from dds_client import DdsClient, dds_client
+from friction_bags.offline.estimators import ESTIMATORS
 from friction_bringup import graph
 from friction_bringup.node_start import WATCHING, node_starts
 from friction_runtime import qos
@@ -44,7 +45,7 @@ def test_graph_beside_a_stack_estimates_every_wheel_by_its_joint_and_has_no_brak
     (tmp_path / "parameters.yaml").write_text(WANTS_COMMANDS)
     files = str(tmp_path / "parameters.yaml"), str(tmp_path / "car.yaml")
     with dds_client(["--ros-args", "-r", "__ns:=/my_car"]) as client:
-        for start in node_starts(graph.ESTIMATORS, WATCHING, *files, "my_car"):
+        for start in node_starts(ESTIMATORS, WATCHING, *files, "my_car"):
             client.start(*graph.command(start.node, start.files, start.decided, "my_car")[1:])
         drive(client)
         node = client.node
@@ -54,7 +55,7 @@ def test_graph_beside_a_stack_estimates_every_wheel_by_its_joint_and_has_no_brak
 
 
 def drive(client: DdsClient) -> None:
-    """Drive at a steady 20 m/s until the slip of each wheel is known and the supervisor of each speaks."""
+    """Drive at a steady 20 m/s until the slip of each wheel is known and each supervisor publishes."""
     node = client.node
     slips: dict[str, WheelSlip] = {}
     states: dict[str, SupervisorState] = {}

@@ -1,4 +1,4 @@
-"""The index of the README: every number of the chapter leads to a function that is there and names the number."""
+"""The index of the README: every number of the chapter leads to an existing function that names the number."""
 
 from __future__ import annotations
 

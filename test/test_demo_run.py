@@ -62,7 +62,7 @@ class Finished:
 
     output: str
     directory: Path
-    """Of its one run."""
+    """Directory of its one run."""
 
     @property
     def bag(self) -> Path:
@@ -104,7 +104,7 @@ def test_bag_holds_the_answer_of_every_node_to_every_sample(demo: Finished) -> N
 
 
 def test_supervisor_is_in_the_loop(demo: Finished) -> None:
-    """The driver asks for 1.5 times the peak torque: without release the wheel locks."""
+    """The driver demands 1.5 times the peak torque: without release the wheel locks."""
     found = read_run(demo.bag, WHEELS)
     truth, command = found.series["truth/front_left/slip"], found.series["front_left/brake_command"]
     assert np.any(command["command"] == 3.0)
@@ -133,7 +133,7 @@ def test_replay_of_the_bag_gives_the_same_estimates_and_no_command(demo: Finishe
 
 
 def answers(run: RecordedRun, topic: str, column: str) -> np.ndarray:
-    """Return what a topic answered to each sample, without what its watchdog said when samples ceased."""
+    """Return the answers of a topic to each sample, without those of its watchdog after the last sample."""
     series = run.series[topic]
     first = np.searchsorted(series.time, run.samples)
     assert np.array_equal(series.time[first], run.samples)
@@ -179,7 +179,7 @@ def test_killed_demo_leaves_no_process_behind(running: tuple[subprocess.Popen[st
 
 @pytest.fixture
 def refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
-    """Give a function that returns what a demo says that does not start: one line."""
+    """Return a function that returns the one line printed by a demo that does not start."""
 
     def run_in_vain(*arguments: str) -> str:
         assert main(["demo", "--out", str(tmp_path / "out"), *arguments]) != 0

@@ -1,4 +1,4 @@
-"""What `make docs` writes is what the code says: parameter files, tables of the READMEs, Figure 8.1."""
+"""Generated files are up to date with the code: parameter files, tables of the READMEs, Figure 8.1."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import pytest
 from PIL import Image
 
 import docs
-from friction_evaluation import figure_state_machine
+from friction_bringup import graph
+from friction_evaluation.closed_loop import state_machine_figure
 from friction_parameters.parameter_file import load
 
 
@@ -20,12 +21,12 @@ def test_generated_files_are_up_to_date() -> None:
 
 def test_every_node_package_is_listed_and_ships_no_parameter_file_of_its_own_beside() -> None:
     packages = {file.parent.name for file in docs.ROOT.glob("src/*/*/parameters.py")}
-    assert packages == set(docs.NODES)
+    assert packages == set(graph.NODES)
     written = {file for file, _ in docs.generated_texts() if file.suffix == ".yaml"}
-    assert written == {file for node in docs.NODES for file in (docs.ROOT / "src" / node / "config").glob("*.yaml")}
+    assert written == {file for node in graph.NODES for file in (docs.ROOT / "src" / node / "config").glob("*.yaml")}
 
 
-@pytest.mark.parametrize("node", docs.NODES)
+@pytest.mark.parametrize("node", graph.NODES)
 def test_shipped_files_give_what_they_were_made_from(node: str) -> None:
     shipped = import_module(f"{node}.parameters").SHIPPED
     assert next(iter(shipped)) == node
@@ -36,7 +37,7 @@ def test_shipped_files_give_what_they_were_made_from(node: str) -> None:
 
 def test_the_figure_shows_the_transitions_of_the_machine() -> None:
     shown = Image.open(docs.FIGURE).info["Description"]
-    assert shown == figure_state_machine.description(figure_state_machine.find_transitions())
+    assert shown == state_machine_figure.description(state_machine_figure.find_transitions())
 
 
 def test_only_what_stands_between_the_marks_is_replaced(tmp_path: Path) -> None:

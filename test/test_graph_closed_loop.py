@@ -6,8 +6,8 @@ import pytest
 
 from friction_bags.bag_io.cdr import encode
 from friction_bringup import graph
-from friction_evaluation import live
-from friction_evaluation.live_graph import run_graph
+from friction_evaluation.live import part as live
+from friction_evaluation.live.graph import run_graph
 
 PLANT: dict[str, graph.ParameterValue] = {
     "surfaces": ["dry", "wet"],

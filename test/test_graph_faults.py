@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger
 from dds_client import DdsClient, dds_client
 from friction_bags.bag_io.cdr import encode
 from friction_bringup import graph
-from friction_evaluation.live import LOOP
+from friction_evaluation.live.part import LOOP
 from friction_runtime import qos
 from friction_runtime.shipped_files import shipped_file
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
@@ -32,7 +32,7 @@ OUTPUTS: Mapping[str, type] = {
     f"{WHEEL}/brake_command": BrakeCommand,
 }
 EVERYTHING = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
-"""A plant that runs as fast as it can is ahead of a test that the machine lets wait."""
+"""Nothing is lost while a plant that runs as fast as possible is ahead of the test."""
 START = 1_000_000_000
 PERIOD = 5_000_000
 
@@ -69,7 +69,7 @@ def assert_in_order(found: Mapping[str, list[Any]]) -> None:
 
 
 class Car:
-    """A car that the test drives at a steady 20 m/s, brake pressed, with what it likes in the place of a value."""
+    """A car that the test drives at a steady 20 m/s, brake pressed, with any values in place of the right ones."""
 
     def __init__(self, client: DdsClient) -> None:
         node = client.node
@@ -174,7 +174,7 @@ def test_stamps_that_repeat_give_no_output_and_leave_the_state_alone(client: Dds
     assert_in_order(found)
     assert all(len(received) > 100 for received in found.values())
     speeds = [message.wheel_speed for message in slips if math.isfinite(message.wheel_speed)]
-    assert min(speeds[10:]) > 60.0  # the 10 rad/s of the repeated stamps went nowhere
+    assert min(speeds[10:]) > 60.0  # the 10 rad/s of the repeated stamps had no effect
     assert all(process.poll() is None for process in processes)
 
 
@@ -199,7 +199,7 @@ def test_resetting_the_plant_resets_the_whole_graph(client: DdsClient) -> None:
         before, after = epochs(received)
         assert len(before) > 150
         for k, (first, again) in enumerate(zip(before[:150], after[:150], strict=True)):
-            if isinstance(first, SupervisorState):  # its counts and its cause tell of the reset
+            if isinstance(first, SupervisorState):  # its counts and its cause show the reset
                 assert (first.state, first.reason) == (again.state, again.reason), k
             else:
                 assert encode(first) == encode(again), (topic, k)

@@ -1,4 +1,4 @@
-"""What the live evaluation says of lost samples and delays, on observations made by hand."""
+"""Lost samples and delays in the live evaluation, on observations made by hand."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import pytest
 from friction_msgs.msg import BrakeCommand
 from std_msgs.msg import Header
 
-from friction_evaluation.live import real_time_row
-from friction_evaluation.live_graph import Observation
+from friction_evaluation.live.graph import Observation
+from friction_evaluation.live.part import real_time_row
 from friction_runtime.stamps import from_nanoseconds
 
 START = 1_000_000_000

@@ -1,4 +1,4 @@
-"""Layers of the packages: algorithms know no ROS, so that they run, and are tested, wherever Python does."""
+"""Layers of the packages: algorithms import no ROS, so that they run, and are tested, wherever Python does."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ALGORITHMS = (
     "abs_supervisor",
     "smart_tyre_forces",
 )
-"""Packages that consist of an algorithm, and what stands around it."""
+"""Packages that consist of an algorithm and the code around it."""
 AROUND = {
     "__main__": "starts the node",
     "node": "layer 3",

@@ -7,6 +7,7 @@ from enum import IntEnum
 from pathlib import Path
 from typing import Any
 
+import friction_msgs.msg
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from friction_msgs.msg import (
@@ -20,6 +21,7 @@ from friction_msgs.msg import (
 )
 
 import abs_supervisor.fsm
+import abs_supervisor.supervisor
 import friction_curve_id.interface
 import friction_runtime.processor
 import friction_slope.estimate
@@ -33,6 +35,7 @@ MIRRORED: list[tuple[type[IntEnum], Any, str]] = [
     (vehicle_models.brake_actuator.Command, BrakeCommand, ""),
     (abs_supervisor.fsm.Cause, SupervisorState, "CAUSE_"),
     (abs_supervisor.fsm.State, SupervisorState, "S0 S1 S21 S22"),
+    (abs_supervisor.supervisor.Reason, SupervisorState, ""),
     (friction_curve_id.interface.Reason, FrictionCurve, ""),
     (friction_curve_id.interface.RestartCause, FrictionCurve, "RESTART_"),
     (friction_runtime.processor.Level, DiagnosticStatus, ""),
@@ -45,7 +48,7 @@ MIRRORED: list[tuple[type[IntEnum], Any, str]] = [
 ]
 """Enum, message, and which of its constants: those of a prefix, those named, or all but the ones with a prefix."""
 OF_OTHERS = {"METHOD_TRUTH", "STALE"}
-"""The plant's, and the one of aggregators."""
+"""Constants without an enum: those of the plant, and the one of aggregators."""
 
 
 def constants(message: Any, which: str) -> dict[str, int]:
@@ -67,6 +70,17 @@ def constants(message: Any, which: str) -> dict[str, int]:
 )
 def test_enum_has_the_constants_of_the_message(enum: type[IntEnum], message: Any, which: str) -> None:
     assert {member.name: member.value for member in enum} == constants(message, which)
+
+
+def test_messages_that_may_be_invalid_say_why_in_one_way() -> None:
+    kinds = [kind for name, kind in vars(friction_msgs.msg).items() if name[0].isupper()]
+    fields = [kind.get_fields_and_field_types() for kind in kinds]
+    assert sum("valid" in each for each in fields) == 6
+    for kind, each in zip(kinds, fields, strict=True):
+        assert {"valid", "reason", "reason_text"} & each.keys() in (set(), {"valid", "reason", "reason_text"}), kind
+        if "valid" in each:
+            assert kind.OK == 0, kind
+            assert kind in {message for enum, message, _ in MIRRORED if enum.__name__.endswith("Reason")}, kind
 
 
 def test_every_enum_of_the_packages_that_has_numbers_is_compared() -> None:

@@ -1,4 +1,4 @@
-"""Parameters of running nodes: what `ros2 param dump` writes of each starts it again; shadow mode stays on."""
+"""Parameters of running nodes: each starts again from its `ros2 param dump`; shadow mode stays on."""
 
 from __future__ import annotations
 

@@ -221,7 +221,7 @@ def test_demo_runs_from_sources_until_something_is_compiled_and_compiled_from_th
         return len(list(workspace.glob("install/tiny/**/fast.*.so")))
 
     write(2.0)
-    for _ in range(2):  # said also where nothing is left to be built
+    for _ in range(2):  # printed also where nothing is left to build
         first = build(workspace, "--sources-do")
         assert first.returncode == 0, first.stdout + first.stderr
         assert "`make build` compiles them" in first.stdout.splitlines()[-1]

@@ -21,12 +21,12 @@ from progress import run_with_progress
 
 ROOT = Path(__file__).resolve().parents[1]
 NOTHING_YET = "nothing yet"
-"""Stands in the stamp for what compiled the estimators, where they run from their sources."""
+"""Value of 'compiled by' in the stamp while the estimators run from their sources."""
 IGNORED = {"__pycache__", "test", ".mypy_cache", ".ruff_cache", ".pytest_cache", ".hypothesis"}
 
 
 def source_digest(package: Path) -> str:
-    """Digest what the build of a package depends on: names and contents of its files, but no tests and prose."""
+    """Digest of the inputs of a package's build: names and contents of its files, without tests and prose."""
     digest = hashlib.sha256()
     for directory, subdirectories, names in os.walk(package):
         subdirectories[:] = sorted(
@@ -45,7 +45,7 @@ def packages(source: Path) -> list[Path]:
 
 
 def read_stamp(root: Path) -> dict[str, str]:
-    """Return what the last build noted, or nothing where it did not begin."""
+    """Return the stamp of the last build, empty where none has begun."""
     try:
         stamp = json.loads((root / "build" / ".friction_stamp").read_text())
     except (OSError, ValueError):
@@ -64,8 +64,8 @@ def build(root: Path, must_compile: bool = True) -> int:
     """Bring ``install`` up to date; return the exit status.
 
     Args:
-        root: of the workspace.
-        must_compile: False where sources will do as long as nothing has been compiled; later all is compiled again.
+        root: root of the workspace.
+        must_compile: False to run from sources as long as nothing has been compiled; afterwards changes are compiled.
     """
     made_by = f"{root} {sys.executable} {sys.version} {os.environ.get('AMENT_PREFIX_PATH', '').split(':')[-1]}"
     wanted = {package.name: source_digest(package) for package in packages(root / "src")}

@@ -1,7 +1,8 @@
 """Compile the estimators in ``install`` to machine code with mypyc: the same results, faster.
 
-What runs for every sample of every wheel (layers 1 and 2) is compiled, from its typed Python source and beside it.
-Without this step (a plain ``colcon build``) the Python modules run, to the last bit the same: tests compare the two.
+The code that runs for every sample of every wheel (layers 1 and 2) is compiled from its typed Python source and put
+beside it. Without this step (a plain ``colcon build``) the Python modules run, with equal results to the last bit:
+tests compare the two.
 Called by build.py; the compiler's own files stay in ``build/mypyc``, so that the next time takes less.
 """
 
@@ -29,11 +30,11 @@ COMPILED = {
     "offline/graph offline/stage_run",
     "friction_parameters": "",
 }
-"""Modules by package, as paths within it; of a package without any, the compiled modules need the types."""
+"""Modules by package, as paths within it. The compiled modules need the types of a package without any."""
 
 
 def compile_modules(root: Path) -> int:
-    """Compile the modules of the packages that are there; return the exit status."""
+    """Compile the modules of the installed packages; return the exit status."""
     staging = root / "build" / "mypyc"
     present = {package: names.split() for package, names in COMPILED.items() if (root / "src" / package).is_dir()}
     if not present:
@@ -43,7 +44,7 @@ def compile_modules(root: Path) -> int:
     for library in staging.glob("**/*.so"):
         library.unlink()
     files = [f"{package}/{name}.py" for package, names in present.items() for name in names]
-    # What the modules import counts for its types only: how strict numpy's are depends on its version.
+    # Imports are followed for their types only: how strict numpy's are depends on its version.
     options = ["--config-file", str(root / "pyproject.toml"), "--follow-imports", "silent"]
     command = [sys.executable, "-m", "mypyc", *options, *files]
     # The messages are untyped here as they are for mypy; no debugging information, which takes longer than the rest.
@@ -65,7 +66,7 @@ def compile_modules(root: Path) -> int:
 
 
 def _copy_changed(source: Path, target: Path) -> None:
-    """Copy the modules of a package; what is the same keeps its date, and mypy its knowledge of it."""
+    """Copy the modules of a package; unchanged ones keep their date, so that mypy's cache stays valid."""
     names = {path.relative_to(source) for path in source.glob("**/*.py")}
     for path in target.glob("**/*.py"):
         if path.relative_to(target) not in names:

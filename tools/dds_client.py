@@ -1,4 +1,4 @@
-"""Test support: a client node in the test's process and the real nodes as child processes, on a domain of their own."""
+"""Test support: a client node in the test's process and the real nodes as child processes, on their own domain."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rclpy.node import Node
 from friction_runtime.domain import free_domain_id
 
 PATIENCE = 120.0
-"""Wall time [s] after which a test gives up: far more than a busy machine takes, so that time decides nothing."""
+"""Wall time [s] after which a test gives up: far more than a busy machine needs, so that timing decides nothing."""
 
 
 class DdsClient:
@@ -49,7 +49,7 @@ class DdsClient:
         """Spin until the condition holds.
 
         Raises:
-            TimeoutError: it does not come to hold.
+            TimeoutError: the condition does not hold in time.
         """
         limit = time.monotonic() + PATIENCE
         while not condition():
@@ -58,10 +58,10 @@ class DdsClient:
             self.executor.spin_once(timeout_sec=0.05)
 
     def until_known_to(self, node: str) -> None:
-        """Wait until a node knows every publisher and subscription made here so far.
+        """Wait until a node has discovered every publisher and subscription made here so far.
 
-        A publisher counts its reader before the reader counts it; what is sent in between is lost. Endpoints are
-        announced in the order in which they are made: a node that answers a call knows those made before the call.
+        A publisher counts its reader before the reader counts it; messages in between are lost. Endpoints are announced
+        in the order in which they are made: a node that answers a call has discovered those made before the call.
         """
         self.call(ListParameters, f"/{node}/list_parameters", ListParameters.Request())
 
@@ -74,27 +74,27 @@ class DdsClient:
         return future.result()
 
     def close(self) -> None:
-        """End what was started."""
+        """End the processes and the node."""
         for process in self._processes:
             process.kill()
             process.wait()
 
 
 def stop(process: subprocess.Popen[str], how: signal.Signals = signal.SIGINT) -> str:
-    """Send a signal, return what the process printed once it has ended."""
+    """Send a signal; return the output of the process once it has ended."""
     process.send_signal(how)
     return output_of(process)
 
 
 def output_of(process: subprocess.Popen[str]) -> str:
-    """Return what a process printed once it has ended."""
+    """Return the output of a process once it has ended."""
     output, _ = process.communicate(timeout=PATIENCE)
     return output
 
 
 @cache
 def own_domain() -> int:
-    """ROS domain of this test process, which no other process on this machine has."""
+    """Return the ROS domain of this test process, which no other process on this machine uses."""
     return free_domain_id()
 
 

@@ -1,4 +1,4 @@
-"""Write what follows from the code: shipped parameter files, tables in the READMEs, Figure 8.1.
+"""Write the files generated from the code: shipped parameter files, tables in the READMEs, Figure 8.1.
 
 Usage: tools/run.bash python tools/docs.py   (normally through `make docs`)
 """
@@ -10,22 +10,22 @@ from collections.abc import Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
 
-from friction_evaluation import figure_state_machine
+from friction_bringup import graph
+from friction_evaluation.closed_loop import state_machine_figure
 from friction_parameters.generated import ShippedFile, parameter_file, parameter_table
 from vehicle_models.vehicle_table import vehicle_table
 
 ROOT = Path(__file__).resolve().parents[1]
-NODES = ("corner_sim", "wheel_slip", "friction_slope", "abs_supervisor", "friction_curve_id", "smart_tyre_forces")
 FIGURE = ROOT / "docs" / "figure_8_1.png"
 
 
 def generated_texts() -> Iterator[tuple[Path, str]]:
-    """Files that hold something generated, with the text that they ought to have.
+    """Yield the files with generated parts, and the text that they should have.
 
     Raises:
         ValueError: a README has no place for its table.
     """
-    for node in NODES:
+    for node in graph.NODES:
         shipped: Mapping[str, ShippedFile] = import_module(f"{node}.parameters").SHIPPED
         for name, file in shipped.items():
             yield ROOT / "src" / node / "config" / f"{name}.yaml", parameter_file(node, file)
@@ -36,7 +36,7 @@ def generated_texts() -> Iterator[tuple[Path, str]]:
 
 
 def with_block(file: Path, name: str, block: str) -> str:
-    """Text of a file with a block between `<!-- name -->` and `<!-- /name -->`.
+    """Return the text of a file with a block between `<!-- name -->` and `<!-- /name -->`.
 
     Raises:
         ValueError: the file does not hold these two lines, once each and in this order.
@@ -51,7 +51,7 @@ def with_block(file: Path, name: str, block: str) -> str:
 
 
 def main() -> int:
-    """Write what differs, and name it."""
+    """Write the files that differ, and print their names."""
     try:
         for file, text in generated_texts():
             if not file.exists() or file.read_text(encoding="utf-8") != text:
@@ -61,7 +61,7 @@ def main() -> int:
         print(f"error: {error}", file=sys.stderr)
         return 1
     before = FIGURE.read_bytes() if FIGURE.exists() else b""
-    figure_state_machine.draw(FIGURE)
+    state_machine_figure.draw(FIGURE)
     if FIGURE.read_bytes() != before:
         print(f"wrote {FIGURE.relative_to(ROOT)}")
     return 0

@@ -1,4 +1,4 @@
-# Sourced by the other tools: finds out whether ROS 2 Jazzy is sourced, and enters the workspace.
+# Sourced by the other tools: detects whether ROS 2 Jazzy is sourced, and enters the workspace.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 # A prefix outside this repository that holds rclpy is a sourced ROS; our own .venv and install are not.

@@ -1,10 +1,10 @@
-"""Make the virtual environment with the ROS 2 wheels an ordinary colcon underlay.
+"""Turn the virtual environment with the ROS 2 wheels into an ordinary colcon underlay.
 
 The wheels put libraries, CMake packages and the ament index where ROS expects them, below the prefix of the
 environment, but they lack the scripts one sources, and some of their CMake files name directories of the machine
-that built them. This script adds the first and mends the second; it changes nothing on a second run.
+that built them. This script adds the former and repairs the latter; it changes nothing on a second run.
 
-Usage: python tools/make_underlay.py   (with the python of the environment to be completed)
+Usage: python tools/make_underlay.py   (with the Python of the environment to complete)
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def repoint_include_directories(prefix: Path, python_include: str, numpy_include
 
 
 def environment_entries(prefix: Path, site_packages: Path) -> list[tuple[str, Path]]:
-    """Name the search paths of the underlay, in the order in which they are prepended (the last comes first)."""
+    """Return the search paths of the underlay, in the order in which they are prepended (the last comes first)."""
     libraries = sorted(site_packages.glob("ros_*.libs"))
     return [
         ("AMENT_PREFIX_PATH", prefix),

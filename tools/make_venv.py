@@ -1,8 +1,8 @@
 """Make the virtual environment .venv from the lock, and complete it as a colcon underlay.
 
-A stamp, written last, holds what the environment was made from. With the right stamp nothing is done; an older
-lock is brought up to date in place; without a stamp (a set-up that was killed half-way) or with another Python or
-place, the environment is made again from nothing, because pip takes a half-copied package for an installed one.
+A stamp, written last, holds what the environment was made from. With the right stamp nothing is done; after a change of
+the lock the environment is updated in place; without a stamp (a set-up that was killed half-way) or with another Python
+or place, it is made again from scratch, because pip takes a half-copied package for an installed one.
 
 Usage: python3 tools/make_venv.py [--ros-sourced]   (normally through `make setup`)
 """
@@ -28,7 +28,7 @@ FROM_THE_SYSTEM = {"numpy", "scipy", "matplotlib", "pyyaml", "setuptools"}
 
 
 def wanted_stamp(prefix: Path, ros_sourced: bool) -> dict[str, str]:
-    """Describe what the environment is to be made from; ``content`` alone may change in place."""
+    """Return the stamp of the wanted environment; ``content`` alone may change in place."""
     content = hashlib.sha256()
     for name in ("requirements.txt", "requirements-tools.in", "make_underlay.py"):
         content.update((TOOLS / name).read_bytes())
@@ -50,7 +50,7 @@ def read_stamp(prefix: Path) -> dict[str, str]:
 
 
 def requirement_arguments(prefix: Path, ros_sourced: bool) -> list[str]:
-    """Name what pip is to install: the whole lock, or only what a sourced ROS does not bring."""
+    """Return the packages for pip: the whole lock, or only those that a sourced ROS does not have."""
     lock = TOOLS / "requirements.txt"
     if not ros_sourced:
         return ["-r", str(lock)]
@@ -79,7 +79,7 @@ def install(prefix: Path, ros_sourced: bool, env: dict[str, str]) -> None:
 
 
 def make(prefix: Path, ros_sourced: bool) -> None:
-    """Bring the environment to the state the lock asks for."""
+    """Bring the environment to the state of the lock."""
     wanted, found = wanted_stamp(prefix, ros_sourced), read_stamp(prefix)
     if found == wanted:
         return

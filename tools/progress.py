@@ -14,14 +14,14 @@ class ProgressLine:
     """A status line: redrawn in place on a terminal, one line every ten seconds elsewhere."""
 
     def __init__(self, title: str) -> None:
-        """Start the clock; ``title`` opens every line."""
+        """Start the clock; every line begins with ``title``."""
         self.title = title
         self.started = time.monotonic()
         self.terminal = sys.stdout.isatty()
         self.shown = self.started if self.terminal else self.started - 10.0
 
     def show(self, text: str, *, final: bool = False) -> None:
-        """Show what is going on, or the result where it is the final line."""
+        """Show the present step, or the result in the final line."""
         now = time.monotonic()
         if not (self.terminal or final or now - self.shown >= 10.0):
             return
@@ -42,7 +42,7 @@ def run_with_progress(
     """Run a command with its output in a log file and one line of progress on the terminal.
 
     Args:
-        title: what the step is called.
+        title: name of the step.
         command: program and arguments.
         log: file that receives the whole output.
         describe: turns an output line into the text to show, or None to keep the last one.

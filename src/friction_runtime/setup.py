@@ -19,7 +19,7 @@ setup(
     zip_safe=True,
     maintainer="friction developers",
     maintainer_email="developers@friction.example.org",
-    description="What every node of the friction graph shares: input alignment, parameters, QoS, diagnostics.",
+    description="Shared parts of the nodes of the friction graph: input alignment, parameters, QoS, diagnostics.",
     license="Apache-2.0",
     entry_points={"console_scripts": []},
 )

@@ -1,4 +1,4 @@
-"""Does the driver brake? The condition between S0 and the other states."""
+"""Whether the driver brakes: the condition between S0 and the other states."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from vehicle_models.nanoseconds import NANOSECONDS
 
 @dataclass(frozen=True)
 class PressureParameters:
-    """When braking is over, as the wheel's own brake pressure tells."""
+    """When braking is over, judged by the wheel's own brake pressure."""
 
     release_torque: float = parameter(
         20.0, "braking is over after 'release_hold' below this torque", unit="N m", minimum=0.0, maximum=1e4
@@ -23,10 +23,10 @@ class PressureParameters:
 
 
 class TorqueWithHysteresis:
-    """Where there is no demand topic: from the wheel's own torque, which the supervisor's release takes to zero.
+    """Whether the driver brakes, from the wheel's own torque; for a car without a demand topic.
 
-    Braking begins at the upper threshold, and is over when the torque has been below the lower one for the hold time,
-    which is longer than a release.
+    The supervisor's release takes that torque to zero. So braking begins at the upper threshold, and is over when the
+    torque has been below the lower one for the hold time, which is longer than a release.
     """
 
     def __init__(self, begin: float, end: PressureParameters) -> None:

@@ -1,4 +1,4 @@
-"""What a person is told of a braking: one line when it is over, and each failure of the inputs."""
+"""Log of a braking: one line when it is over, and each failure of the inputs."""
 
 from abs_supervisor.fsm import Cause, State
 from abs_supervisor.supervisor import Supervisor
@@ -8,7 +8,7 @@ from vehicle_models.nanoseconds import NANOSECONDS
 
 
 class BrakingLog:
-    """Follows the transitions of one wheel. Transitions by themselves are for debugging: a stop has hundreds."""
+    """Follows the transitions of one wheel. Single transitions go to DEBUG: a stop has hundreds."""
 
     def __init__(self, wheel: str, report: Report) -> None:
         """Choose the wheel."""
@@ -26,7 +26,7 @@ class BrakingLog:
 
         Args:
             machine: the state machine of the wheel.
-            stamp: newest of the braking [ns]; that of the transition, or what was before a jump back in time.
+            stamp: newest stamp of the braking [ns]: that of the transition, or the last before a jump back in time.
             reason: why the inputs cannot be used, empty where they can.
         """
         cause = machine.cause.name.lower()

@@ -7,7 +7,7 @@ it has released for long enough: a slope that stays unmeasurable must not keep t
 
 The peak is crossed upwards only while slip grows and downwards only while it falls. So S1 is left for indicators that
 were measured with growing slip, and S22 for those with falling slip. Otherwise a wheel that recovers from beyond the
-peak, to which a release time-out has given pressure again, would at once be released anew.
+peak, to which a release time-out has given pressure again, would at once be released again.
 """
 
 from dataclasses import dataclass
@@ -41,7 +41,7 @@ class Cause(IntEnum):
 
 
 class Command(IntEnum):
-    """What the ABS core is asked to do; the values are those of friction_msgs/BrakeCommand."""
+    """Command to the ABS core; the values are those of friction_msgs/BrakeCommand."""
 
     NONE = 0
     INCREASE = 1
@@ -60,7 +60,7 @@ COMMANDS = {
 
 @dataclass(frozen=True)
 class Thresholds:
-    """What the transitions compare with."""
+    """Thresholds and times of the transitions."""
 
     h_instability: float = parameter(
         -1.0,
@@ -91,12 +91,12 @@ class Thresholds:
 
 @dataclass
 class Inputs:
-    """What the machine sees at one sample."""
+    """Inputs of the machine at one sample."""
 
     braking: bool
-    """Does the driver ask for at least T-bar?"""
+    """Whether the driver demands at least T-bar."""
     indicator: float
-    """H sign(eta) of (8.5) [rad/s^3]; NaN where the sign is not measured."""
+    """Indicator H sign(eta) of (8.5) [rad/s^3]; NaN where the sign is not measured."""
     slip_growing: bool
     """The sign that entered the indicator: true for sign(eta) > 0."""
     failed: bool = False
@@ -106,13 +106,13 @@ class Inputs:
 
 
 def transition(state: State, inputs: Inputs, time_in_state: float, thresholds: Thresholds) -> tuple[State, Cause]:
-    """Next state and the cause of the transition; the same state and Cause.NONE when there is none.
+    """Return the next state and the cause of the transition; the same state and Cause.NONE when there is none.
 
     Args:
         state: present state.
-        inputs: at this sample. An indicator that is not measured (NaN) makes no transition.
-        time_in_state: since the state was entered [s], >= 0.
-        thresholds: of the transitions.
+        inputs: inputs at this sample. An indicator that is not measured (NaN) makes no transition.
+        time_in_state: time since the state was entered [s], >= 0.
+        thresholds: thresholds of the transitions.
     """
     if state is State.S0:
         if inputs.braking and not inputs.failed and not inputs.slow:

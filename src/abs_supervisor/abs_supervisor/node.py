@@ -1,4 +1,4 @@
-"""Node abs_supervisor: one processor a wheel on its topics."""
+"""Node abs_supervisor: one processor per wheel."""
 
 from collections.abc import Sequence
 

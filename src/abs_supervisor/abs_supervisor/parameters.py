@@ -20,7 +20,7 @@ class SupervisorParameters:
     shadow: bool = parameter(True, "publish the state, never a command", read_only=True)
     braking_source: str = parameter(
         "demand",
-        "what tells that the driver brakes: brake_demand, or <wheel>/brake_pressure with hysteresis",
+        "signal that shows whether the driver brakes: brake_demand, or <wheel>/brake_pressure with hysteresis",
         choices=("demand", "pressure"),
     )
     braking_torque: float = parameter(
@@ -47,7 +47,7 @@ class SupervisorParameters:
     }
 
     def __post_init__(self) -> None:
-        """Refuse a hysteresis that is none."""
+        """Refuse a hysteresis whose thresholds are in the wrong order."""
         if self.braking_source == "pressure" and not self.pressure.release_torque < self.braking_torque:
             raise ValueError(
                 f"parameter 'pressure.release_torque' = {self.pressure.release_torque} must be below "
@@ -58,7 +58,7 @@ class SupervisorParameters:
 SHIPPED: Mapping[str, ShippedFile] = {
     "abs_supervisor": ShippedFile(
         "One set for all roads; it goes with friction_slope/config/friction_slope.yaml.\n"
-        "No shipped file commands a brake: the README says how to do it on purpose.",
+        "No shipped file commands a brake: the README describes how to do it on purpose.",
         SupervisorParameters(),
     ),
 }

@@ -1,7 +1,7 @@
 """<wheel>/friction_slope and the driver's demand in, <wheel>/abs_supervisor and <wheel>/brake_command out."""
 
 from collections.abc import Mapping, Sequence
-from math import isfinite
+from math import isfinite, nan
 from typing import Any
 
 from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
@@ -11,27 +11,25 @@ from abs_supervisor.braking import TorqueWithHysteresis
 from abs_supervisor.braking_log import BrakingLog
 from abs_supervisor.fsm import COMMANDS
 from abs_supervisor.parameters import SupervisorParameters
-from abs_supervisor.supervisor import Evidence, Supervisor
+from abs_supervisor.supervisor import Evidence, Reason, Supervisor
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, level_of, silent
-from friction_runtime.reason_text import of_topic, of_wheel, without_wheel
+from friction_runtime.reason_text import of_topic, set_reason, without_wheel
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.plausible import HIGHEST_PRESSURE, HIGHEST_TORQUE
 from vehicle_models.vehicle import Vehicle
 
 BRAKE_DEMAND = "brake_demand"
-_OK, _LOW_SPEED = int(SupervisorState.OK), int(SupervisorState.LOW_SPEED)
-_QUIET = (_OK, _LOW_SPEED)
+_QUIET = (Reason.OK, Reason.LOW_SPEED)
 """Reasons that belong to ordinary driving."""
-_BROKEN = (int(SupervisorState.NO_SLOPE), int(SupervisorState.NO_DEMAND), int(SupervisorState.INVALID_SLOPE))
+_BROKEN = (Reason.NO_SLOPE, Reason.NO_DEMAND, Reason.INVALID_SLOPE)
 """Reasons that bring the fail-safe."""
 _SLOPE_LOW_SPEED = int(FrictionSlope.LOW_SPEED)
-"""Of the messages, kept: a message class looks its constants up by a Python function, here at every sample."""
+"""Copy of a message constant: a message class looks its constants up in Python, here at every sample."""
 _ALIVE = (FrictionSlope.OK, FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION, FrictionSlope.LOW_SPEED)
 """Reasons of friction_slope with which the machine can go on."""
 
@@ -40,9 +38,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
     """Layer 2 of abs_supervisor: fires on <wheel>/friction_slope."""
 
     def __init__(self, wheel: str, vehicle: Vehicle, parameters: SupervisorParameters, report: Report = silent) -> None:
-        """Build for one wheel of a car; `report` takes what a person should know."""
+        """Build for one wheel of a car; `report` is the log function."""
         self._wheel, self._p = wheel, parameters
-        self._gain = vehicle.wheel(wheel).brake_gain
         self._brake_torque = BrakeTorque(vehicle, wheel)
         self._slope = f"{wheel}/friction_slope"
         by_demand = parameters.braking_source == "demand"
@@ -67,7 +64,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         silence = self._primary.silence
         if self._stamp == 0 or not silence:
             return []
-        self._reason, self._text = SupervisorState.NO_SLOPE, f"{self._slope}: silent"
+        self._reason, self._text = Reason.NO_SLOPE, f"{self._slope}: silent"
         if self._supervisor.fail(self._stamp):
             self._log.note(self._supervisor, self._stamp, silence)
             return self._outputs()
@@ -85,8 +82,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._hysteresis.reset()
         self._held: tuple[int, float] | None = None
         self._stamp = 0
-        self._reason, self._text = SupervisorState.NO_SLOPE, f"{self._slope}: no message yet"
-        self._indicator = self._torque = float("nan")
+        self._reason, self._text = Reason.NO_SLOPE, f"{self._slope}: no message yet"
+        self._indicator = self._torque = nan
 
     def _start_again(self, stamp: int) -> None:
         self._hysteresis.reset()
@@ -113,10 +110,9 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         if topic == BRAKE_DEMAND:
             if message.wheel not in ("", self._wheel):
                 return None
-            pressure = message.pressure
-            torque = self._gain * pressure
-            if not (abs(pressure) <= HIGHEST_PRESSURE and abs(torque) <= HIGHEST_TORQUE):
-                return f"{topic}: {pressure} Pa is no brake pressure"
+            torque = self._brake_torque.torque(topic, message.pressure)
+            if isinstance(torque, str):
+                return torque
         else:
             read = self._brake_torque.read(message)
             if isinstance(read, str):
@@ -132,13 +128,13 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._stamp, self._indicator = sample.stamp, slope.indicator
         torque = self._torque_at(sample)
         self._reason, self._text = self._judge(sample, torque)
-        self._torque = float("nan") if torque is None else torque
+        self._torque = nan if torque is None else torque
         usable = self._reason in _QUIET
         evidence = Evidence(
             h=slope.h,
             indicator=slope.indicator,
             usable=usable,
-            slow=self._reason == _LOW_SPEED,
+            slow=self._reason is Reason.LOW_SPEED,
             braking=torque is not None and self._brakes(sample.stamp, torque),
         )
         if self._supervisor.update(sample.stamp, evidence):
@@ -146,7 +142,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         return self._outputs()
 
     def _torque_at(self, sample: AlignedSample[FrictionSlope]) -> float | None:
-        """Torque the driver asks for [N m]; None where it is not known."""
+        """Return the torque that the driver demands [N m]; None where it is not known."""
         if self._demand in sample.values:
             return sample.values[self._demand][0]
         if self._held is not None and 0 <= sample.stamp - self._held[0] <= self._p.demand_timeout * NANOSECONDS:
@@ -158,16 +154,16 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             return torque >= self._p.braking_torque
         return self._hysteresis.update(stamp, torque)
 
-    def _judge(self, sample: AlignedSample[FrictionSlope], torque: float | None) -> tuple[int, str]:
-        """May the machine act on this sample? The reason and its text."""
+    def _judge(self, sample: AlignedSample[FrictionSlope], torque: float | None) -> tuple[Reason, str]:
+        """Return the reason why the machine may not act on this sample, or OK, and its text."""
         slope = sample.payload
         if torque is None:
-            return SupervisorState.NO_DEMAND, sample.missing[self._demand]
+            return Reason.NO_DEMAND, sample.missing[self._demand]
         if slope.reason == _SLOPE_LOW_SPEED:
-            return _LOW_SPEED, without_wheel(self._wheel, slope.reason_text)
+            return Reason.LOW_SPEED, without_wheel(self._wheel, slope.reason_text)
         if slope.reason not in _ALIVE and not isfinite(slope.indicator):
-            return SupervisorState.INVALID_SLOPE, of_topic(self._slope, slope.reason_text)
-        return _OK, ""
+            return Reason.INVALID_SLOPE, of_topic(self._slope, slope.reason_text)
+        return Reason.OK, ""
 
     def _outputs(self) -> list[Output]:
         machine, counts = self._supervisor, self._supervisor.counts
@@ -187,9 +183,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         state.recoveries = counts.recoveries
         state.release_timeouts = counts.release_timeouts
         state.fail_safes = counts.fail_safes
-        state.valid = self._reason == _OK
-        state.reason = self._reason
-        state.reason_text = of_wheel(self._wheel, self._text)
+        set_reason(state, self._wheel, self._reason, self._text)
         outputs: list[Output] = [(f"{self._wheel}/abs_supervisor", state)]
         if not self._p.shadow:
             command = new_message(BrakeCommand)
@@ -201,5 +195,5 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
 
 
 def build(parameters: SupervisorParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:
-    """Make the processors: one a wheel."""
+    """Make the processors: one per wheel."""
     return [WheelProcessor(wheel, vehicle, parameters, report) for wheel in vehicle.wheel_names]

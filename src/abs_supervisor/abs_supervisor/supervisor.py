@@ -1,10 +1,22 @@
-"""The state machine in message time: how long in its state, why it changed, what failed and for how long."""
+"""The state machine in message time: time in the state, cause of the last transition, duration of failures."""
 
 from dataclasses import dataclass
-from math import isfinite
+from enum import IntEnum
+from math import isfinite, nan
 
 from abs_supervisor.fsm import Cause, Inputs, State, Thresholds, transition
 from vehicle_models.nanoseconds import NANOSECOND
+
+
+class Reason(IntEnum):
+    """Why the supervisor cannot act; the values are those of friction_msgs/SupervisorState."""
+
+    OK = 0
+    NO_SLOPE = 1
+    INVALID_SLOPE = 2
+    NO_DEMAND = 3
+    BAD_INPUT = 4
+    LOW_SPEED = 5
 
 
 @dataclass
@@ -23,7 +35,7 @@ class Evidence:
     """What is known at one stamp."""
 
     h: float
-    """H of (8.3) [rad/s^3]; NaN where unknown, as of a locked wheel."""
+    """H of (8.3) [rad/s^3]; NaN where unknown, as for a locked wheel."""
     indicator: float
     """H sign(eta) [rad/s^3]; 0 or NaN where the sign is not measured."""
     usable: bool
@@ -31,17 +43,17 @@ class Evidence:
     slow: bool
     """Below the speed where the ABS ends."""
     braking: bool
-    """Does the driver brake?"""
+    """Whether the driver brakes."""
 
 
 class Supervisor:
-    """One wheel. `update` makes at most one transition a sample."""
+    """State machine of one wheel. `update` makes at most one transition per sample."""
 
     def __init__(self, thresholds: Thresholds, tolerance: float) -> None:
         """Start in S0.
 
         Args:
-            thresholds: of the transitions.
+            thresholds: thresholds of the transitions.
             tolerance: inputs that are not usable for longer [s] bring the fail-safe; until then the state is kept.
         """
         self._thresholds = thresholds
@@ -53,10 +65,10 @@ class Supervisor:
         self.state = State.S0
         self.previous_state = State.S0
         self.cause = Cause.NONE
-        """Of the last transition."""
+        """Cause of the last transition."""
         self.counts = Counts()
         self.transition_stamp = 0
-        """Of the last transition [ns]; 0 before the first."""
+        """Stamp of the last transition [ns]; 0 before the first."""
         self._unusable_since: int | None = None
 
     def restart(self, stamp: int) -> bool:
@@ -80,7 +92,7 @@ class Supervisor:
         measured = isfinite(evidence.indicator) and evidence.indicator != 0.0
         inputs = Inputs(
             braking=evidence.braking,
-            indicator=evidence.indicator if measured else float("nan"),
+            indicator=evidence.indicator if measured else nan,
             slip_growing=not evidence.indicator * evidence.h < 0.0,
             failed=failed,
             slow=evidence.slow,

@@ -97,7 +97,7 @@ def test_release_ends_by_time_and_the_indicator_has_precedence() -> None:
     assert step(State.S22, time=0.079) == (State.S22, Cause.NONE)
 
 
-def test_causes_of_the_way_out_are_told_apart() -> None:
+def test_causes_of_the_way_out_are_distinguished() -> None:
     assert step(State.S22, failed=True, braking=False)[1] is Cause.FAIL_SAFE
     assert step(State.S22, braking=False, slow=True)[1] is Cause.BRAKING_OVER
     assert step(State.S22, slow=True)[1] is Cause.LOW_SPEED

@@ -70,7 +70,7 @@ def test_node_commands_nothing_unless_started_to_do_so() -> None:
         request = SetParameters.Request(parameters=[Parameter(name="shadow", value=false)])
         answer = client.call(SetParameters, "/abs_supervisor/set_parameters", request)
         assert [result.successful for result in answer.results] == [False]
-        # What tells that the driver brakes may change; with it the processors are made anew, without a command.
+        # The source of the braking demand may change. The processors are then made again, without a command.
         request = SetParameters.Request(parameters=[text("braking_source", "pressure")])
         answer = client.call(SetParameters, "/abs_supervisor/set_parameters", request)
         assert [result.successful for result in answer.results] == [True]

@@ -56,7 +56,7 @@ def slope(stamp: int, indicator: float, growing: int = 1, reason: int = Friction
 
 
 class Bench:
-    """A processor, fed sample by sample; keeps what it said."""
+    """A processor, fed sample by sample; keeps its outputs and reports."""
 
     def __init__(self, parameters: SupervisorParameters = P) -> None:
         self.said: list[tuple[str, str]] = []
@@ -280,7 +280,7 @@ def test_garbage_is_refused_as_demand_and_as_pressure() -> None:
             setattr(message, field, garbage)
             assert processor.process(topic, message) == []
             assert topic in said[-1]
-            assert "no brake pressure" in said[-1]
+            assert "not a brake pressure" in said[-1]
     assert len(said) == 6
 
 
@@ -303,7 +303,7 @@ def test_brake_gain_is_that_of_the_wheel() -> None:
     assert processor.process(SLOPE, slope(STEP, 0.0))[0][1].demand_torque == pytest.approx(600.0)
 
 
-def test_reset_starts_anew() -> None:
+def test_reset_starts_again() -> None:
     bench = Bench()
     bench.brake_into_s22()
     bench.processor.reset()
@@ -388,7 +388,7 @@ def test_bad_parameters_are_refused_by_name(values: dict[str, Any], named: str) 
     ],
 )
 def test_old_name_of_a_parameter_is_refused_with_its_new_place(name: str, place: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{name}' is no more: .*{place}"):
+    with pytest.raises(ParameterError, match=f"'{name}' no longer exists: .*{place}"):
         from_mapping(SupervisorParameters, {name: 1.0})
 
 

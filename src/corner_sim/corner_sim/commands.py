@@ -1,4 +1,4 @@
-"""What the plant is told: brake commands of the supervisor and the driver's demand by topic."""
+"""Inputs of the plant: brake commands of the supervisor and the driver's demand by topic."""
 
 from collections.abc import Sequence
 from math import isfinite
@@ -19,7 +19,7 @@ class CommandInbox:
         """Start without commands.
 
         Args:
-            wheels: names.
+            wheels: names of the wheels.
             timeout: a command older than this [s of message time] counts as NONE, > 0.
         """
         self._wheels = tuple(wheels)
@@ -40,15 +40,15 @@ class CommandInbox:
         return None
 
     def unanswered(self, stamp_ns: int) -> list[str]:
-        """Name the wheels whose last command is not stamped `stamp_ns`."""
+        """Return the wheels whose last command is not stamped `stamp_ns`."""
         return [wheel for wheel in self._wheels if self._last.get(wheel, (0,))[0] != stamp_ns]
 
     def stale(self, stamp_ns: int) -> list[str]:
-        """Name the wheels that once had a command and now have none younger than the time-out."""
+        """Return the wheels that once had a command and now have none younger than the time-out."""
         return [wheel for wheel, (stamp, _) in self._last.items() if stamp_ns - stamp > self._timeout_ns]
 
     def commands(self, stamp_ns: int) -> NDArray[np.int64]:
-        """Give the command in force for each wheel at `stamp_ns`; NONE where there is none or it is stale."""
+        """Return the command in force for each wheel at `stamp_ns`; NONE where there is none or it is stale."""
         stale = self.stale(stamp_ns)
         return np.array(
             [

@@ -13,7 +13,7 @@ class DriverProfile:
     pressure: float
     """Line pressure held [Pa], >= 0."""
     start: float
-    """Begin of the rise [s since the start of the run], >= 0."""
+    """Start of the rise [s since the start of the run], >= 0."""
     rise: float
     """Duration of the rise [s], >= 0."""
     hold: float
@@ -28,7 +28,7 @@ class DriverProfile:
                 raise ValueError(f"{name} must be >= 0, is {getattr(self, name)}")
 
     def demand(self, time: float) -> float:
-        """Line pressure [Pa] that the driver asks for at `time` [s since the start of the run]."""
+        """Line pressure [Pa] that the driver demands at `time` [s since the start of the run]."""
         since_start = time - self.start
         if since_start < 0.0:
             return 0.0

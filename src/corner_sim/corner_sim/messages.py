@@ -1,7 +1,8 @@
-"""From a sample of the plant to the messages of its sensors and of its truth."""
+"""Sensor and truth messages from a sample of the plant."""
 
 from array import array
 from collections.abc import Sequence
+from math import nan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +16,7 @@ from corner_sim.plant import SLIP_MIN_SPEED, PlantSample
 from corner_sim.sensors import Measurement
 from corner_sim.slope_truth import SlopeCrossings
 from friction_runtime.processor import Output
+from friction_runtime.reason_text import set_reason
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import SensorNoise
@@ -24,13 +26,13 @@ if TYPE_CHECKING:
     from vehicle_models.tyre_signal import TyreBlock
 
 BASE_FRAME = "base_link"
-NAN = float("nan")
 TYRE_SAMPLE_RATE = 1.0e4
-"""Of the smart tyres [Hz]."""
+"""Sample rate of the smart tyres [Hz]."""
+_STANDING = f"slip is not defined at or below {SLIP_MIN_SPEED} m/s"
 
 
 def topics(wheels: Sequence[str], vehicle_velocity: bool, brake_demand: bool, tyre_signals: bool) -> dict[str, type]:
-    """Name the topics the plant gives, with their types."""
+    """Return the topics that the plant publishes, with their types."""
     given: dict[str, type] = {
         "wheel_states": JointState,
         "imu/data": Imu,
@@ -64,7 +66,7 @@ def brake_pressure(stamp: Time, wheel: str, pressure: float, variance: float) ->
 
 
 def imu(stamp: Time, acceleration: float, variance: float, axis: str = "x") -> Imu:
-    """Make the message of an accelerometer: one axis [m/s^2], no orientation and no rates (the covariances say so)."""
+    """Make the message of an accelerometer: one axis [m/s^2], no orientation, no rates (marked in the covariances)."""
     message = Imu(header=Header(stamp=stamp, frame_id=BASE_FRAME))
     setattr(message.linear_acceleration, axis, acceleration)
     message.linear_acceleration_covariance[4 * "xyz".index(axis)] = variance
@@ -141,24 +143,23 @@ def truth(stamp_ns: int, wheels: Sequence[str], sample: PlantSample, crossings: 
 
 def _slip(header: Header, wheel: str, sample: PlantSample, i: int) -> WheelSlip:
     moving = sample.speed > SLIP_MIN_SPEED
-    return WheelSlip(
+    message = WheelSlip(
         header=header,
         wheel=wheel,
-        slip=float(sample.slip[i]) if moving else NAN,
+        slip=float(sample.slip[i]) if moving else nan,
         slip_rate=float(sample.slip_rate[i]),
         vehicle_speed=sample.speed,
         wheel_speed=float(sample.wheel_speed[i]),
         speed_source=WheelSlip.SPEED_SENSOR,
-        valid=moving,
-        reason=WheelSlip.OK if moving else WheelSlip.LOW_SPEED,
-        reason_text="" if moving else f"{wheel}: slip is not defined at or below {SLIP_MIN_SPEED} m/s",
     )
+    set_reason(message, wheel, WheelSlip.OK if moving else WheelSlip.LOW_SPEED, "" if moving else _STANDING)
+    return message
 
 
 def _slope(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCrossings, i: int) -> FrictionSlope:
     moving = sample.speed > SLIP_MIN_SPEED
     count = int(crossings.count[i])
-    return FrictionSlope(
+    message = FrictionSlope(
         header=header,
         wheel=wheel,
         method=FrictionSlope.METHOD_TRUTH,
@@ -170,10 +171,9 @@ def _slope(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCros
         crossing_sign=int(crossings.sign[i]) if count else 0,
         slip_at_crossing=float(crossings.slip[i]),
         crossing_stamp=from_nanoseconds(int(crossings.stamp[i])),
-        valid=moving,
-        reason=FrictionSlope.OK if moving else FrictionSlope.LOW_SPEED,
-        reason_text="" if moving else f"{wheel}: slip is not defined at or below {SLIP_MIN_SPEED} m/s",
     )
+    set_reason(message, wheel, FrictionSlope.OK if moving else FrictionSlope.LOW_SPEED, "" if moving else _STANDING)
+    return message
 
 
 def _curve(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCrossings, i: int) -> FrictionCurve:
@@ -197,7 +197,7 @@ def _curve(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCros
         restarts=int(crossings.surface_changes[i]),
         restarted=bool(crossings.surface_changed[i]),
         restart_cause=FrictionCurve.RESTART_SURFACE if crossings.surface_changes[i] else FrictionCurve.RESTART_NONE,
-        lambda_max_at_activation=NAN,
+        lambda_max_at_activation=nan,
         valid=True,
         reason=FrictionCurve.OK,
     )

@@ -18,7 +18,7 @@ def in_order(model: str, vehicle: Vehicle) -> Vehicle:
     """Return the vehicle with its wheels in the order of the model's arrays.
 
     Raises:
-        ValueError: the model needs other wheels.
+        ValueError: the vehicle does not have the wheels that the model needs.
     """
     if model != _TWO_AXLE:
         return vehicle
@@ -75,11 +75,11 @@ class Car:
         return self._car.inertia
 
     def peak_torque(self, theta: Array) -> float:
-        """Brake torque [N m] that holds the front left wheel at the peak while all wheels are there."""
+        """Brake torque [N m] that holds the front left wheel at the peak while all wheels are at theirs."""
         return float(peak_torque(self._vehicle, theta)[0])
 
     def vertical_load(self, theta: Array) -> Array:
-        """Loads [N], shape (4,), with what the present acceleration moves to the front."""
+        """Loads [N], shape (4,), including the load transfer by the present acceleration."""
         return self._car.wheel_loads(theta[np.newaxis])[0]
 
     def acceleration(self, theta: Array) -> float:

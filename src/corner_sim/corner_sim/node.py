@@ -30,13 +30,13 @@ from vehicle_models.vehicle_file import load_vehicle
 
 _NAME = "corner_sim"
 _DIAGNOSTICS_PERIOD = 1.0
-"""[s]"""
+"""Period of the diagnostics [s]."""
 _LINGER = Duration(seconds=0.5)
-"""How long the last messages may take to reach reliable subscribers before the node leaves."""
+"""How long the last messages may take to reach reliable subscribers before the node exits."""
 
 
 class Phase(Enum):
-    """What the plant is doing."""
+    """Phase of a run."""
 
     WAITING_FOR_SUBSCRIBERS = "waiting for subscribers"
     SETTLING = "waiting for the other nodes to find each other"
@@ -93,7 +93,7 @@ class CornerSimNode(Node):
         self._timer = self.create_timer(SAMPLE_TIME / max(p.real_time_factor, 1.0), self._on_timer, clock=steady)
 
     def _check(self, parameters: SimParameters) -> None:
-        """Refuse changes that make no run; keep the others for the next reset."""
+        """Refuse changes that do not make a valid run; keep the others for the next reset."""
         Simulation(parameters, self._vehicle, self._start_stamp)
         self._requested = parameters
         self.get_logger().info("parameters changed: they take effect at the next ~/reset")
@@ -112,7 +112,7 @@ class CornerSimNode(Node):
         self._run_due_samples()
 
     def _missing_peers(self) -> list[str]:
-        """Name what must be there before the first sample and is not."""
+        """Return what must be there before the first sample and is not."""
         p = self._in_force
         missing: list[str] = []
         if p.lock_step:
@@ -125,7 +125,7 @@ class CornerSimNode(Node):
         return missing
 
     def _fail(self, text: str) -> None:
-        """Say once, and in diagnostics, that the plant cannot go on; with exit_when_done, leave with 1."""
+        """Report once, and in diagnostics, that the plant cannot go on; with exit_when_done, exit with code 1."""
         if self._failure is not None:
             return
         self._failure = text
@@ -152,7 +152,7 @@ class CornerSimNode(Node):
                 self._finish(reason)
 
     def _is_waiting_for_commands(self) -> bool:
-        """In lock-step, has a wheel not yet answered the last sample? After the time-out that is a failure."""
+        """Whether, in lock-step, a wheel has not yet answered the last sample. After the time-out that is a failure."""
         p = self._in_force
         if not p.lock_step or not (silent := self._simulation.unanswered):
             return False

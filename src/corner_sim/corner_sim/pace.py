@@ -21,16 +21,16 @@ class Pace:
         self.overruns = 0
         """Samples that came more than one period late."""
         self.worst_lateness = 0.0
-        """[s]"""
+        """Largest delay of a sample behind the schedule [s]."""
         self.shifted = 0.0
         """Wall time by which the schedule was shifted after stalls [s]."""
 
     def due(self, now: float) -> bool:
-        """Is the next sample due, or due within half a period (a timer that is a little early serves it)?"""
+        """Whether the next sample is due now or within half a period, so that a slightly early timer serves it."""
         return now >= self._next - 0.5 * self._period
 
     def taken(self, now: float) -> None:
-        """Note that the sample that was due is taken at `now` [s]."""
+        """Note that the due sample is taken at `now` [s]."""
         if self._period > 0.0:
             lateness = now - self._next
             self.worst_lateness = max(self.worst_lateness, lateness)

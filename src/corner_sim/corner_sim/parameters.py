@@ -29,7 +29,7 @@ class SimParameters:
 
     demand_source: str = parameter(
         "profile",
-        "who brakes: the profile below, or the topic brake_demand",
+        "source of the driver's demand: the profile below, or the topic brake_demand",
         choices=("profile", "topic"),
         read_only=True,
     )
@@ -38,9 +38,9 @@ class SimParameters:
         "unit of demand_level: multiples of the first wheel's peak torque on the first surface, or N m at that wheel",
         choices=("peak_ratio", "torque"),
     )
-    demand_level: float = parameter(1.5, "brake torque the driver asks for, in demand_unit", minimum=0.0, maximum=1e5)
+    demand_level: float = parameter(1.5, "brake torque the driver demands, in demand_unit", minimum=0.0, maximum=1e5)
     demand_start: float = parameter(
-        0.5, "begin of braking after the start of the run", unit="s", minimum=0.0, maximum=1e5
+        0.5, "start of braking after the start of the run", unit="s", minimum=0.0, maximum=1e5
     )
     demand_rise: float = parameter(0.0, "time to the full demand, 0: a step", unit="s", minimum=0.0, maximum=1e5)
     demand_hold: float = parameter(1000.0, "time at the full demand", unit="s", minimum=0.0, maximum=1e5)
@@ -53,11 +53,11 @@ class SimParameters:
 
     noise: str = parameter("chapter", "sensor noise: of section 8.3.2, or none", choices=("chapter", "none"))
     acceleration_variance: float = parameter(
-        0.0, "noise of the accelerometer (the chapter gives none)", unit="m^2/s^4", minimum=0.0, maximum=100.0
+        0.0, "variance of the accelerometer noise (none in section 8.3.2)", unit="m^2/s^4", minimum=0.0, maximum=100.0
     )
     acceleration_offset: float = parameter(
         0.0,
-        "constant error of the accelerometer that nobody knows; a known one stands in the vehicle file",
+        "unknown constant error of the accelerometer; a known one belongs in the vehicle file",
         unit="m/s^2",
         minimum=-10.0,
         maximum=10.0,
@@ -106,7 +106,7 @@ class SimParameters:
     end_time: float = parameter(
         0.0, "the run ends after this message time, 0: never by time", unit="s", minimum=0.0, maximum=1e6
     )
-    exit_when_done: bool = parameter(False, "leave with exit code 0 when the run has ended", read_only=True)
+    exit_when_done: bool = parameter(False, "exit with code 0 when the run has ended", read_only=True)
 
     MOVED: ClassVar[Mapping[str, str]] = {
         "wheels": moved("wheels"),
@@ -125,10 +125,10 @@ class SimParameters:
     }
 
     def __post_init__(self) -> None:
-        """Refuse combinations that make no run.
+        """Refuse combinations that do not make a valid run.
 
         Raises:
-            ValueError: what does not fit, by name.
+            ValueError: parameters do not fit each other; the message names them.
         """
         if self.real_time_factor == 0.0 and not self.lock_step:
             raise ValueError("parameter 'real_time_factor' = 0 needs lock_step: nothing else would hold the plant back")
@@ -137,7 +137,7 @@ class SimParameters:
 SHIPPED: Mapping[str, ShippedFile] = {
     "corner_sim": ShippedFile(
         "The plant: the single corner of section 8.3.2 under a panic stop on a dry road.\n"
-        "What is not marked 'start only' may be set live; it takes effect at the next ~/reset.",
+        "Parameters not marked 'start only' may be set live; they take effect at the next ~/reset.",
         SimParameters(),
     ),
 }

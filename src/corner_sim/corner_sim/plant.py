@@ -10,13 +10,14 @@ from corner_sim.road import Road
 from corner_sim.vehicle_model import VehicleModel
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
+from vehicle_models.nanoseconds import NANOSECOND
 from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
 SAMPLE_TIME_NS = 5_000_000
 """Sample time of the plant and its sensors [ns]: 200 Hz."""
-SAMPLE_TIME = SAMPLE_TIME_NS * 1e-9
+SAMPLE_TIME = SAMPLE_TIME_NS * NANOSECOND
 """The same [s]."""
 SLIP_MIN_SPEED = 0.1
 """Below this speed [m/s] slip and its rate are not defined."""
@@ -39,7 +40,7 @@ class PlantSample:
     brake_torque: Array
     """[N m]"""
     pressure_torque: Array
-    """What the pressure signals show: the brake torque of their delay earlier [N m]."""
+    """Brake torque as the pressure signals show it: delayed by their age [N m]."""
     slip: Array
     """[-], braking positive."""
     slip_rate: Array
@@ -62,16 +63,16 @@ class Plant:
     """A vehicle with one brake line per wheel on a road."""
 
     def __init__(self, model: VehicleModel, road: Road, actuator: ActuatorParameters, vehicle: Vehicle) -> None:
-        """Put the vehicle at the begin of the road, brakes released.
+        """Put the vehicle at the start of the road, brakes released.
 
         Args:
-            model: of the vehicle, in its first state; the plant moves it.
+            model: vehicle model in its initial state; the plant advances it.
             road: the surfaces.
             actuator: delay and rate limits of the hydraulics.
             vehicle: brakes, drag of the engine and delay of the pressure signals; wheels in the order of the model.
 
         Raises:
-            ValueError: the model has not as many wheels as the vehicle.
+            ValueError: model and vehicle differ in the number of wheels.
         """
         self._road = road
         self._model = model
@@ -120,7 +121,7 @@ class Plant:
         """Advance by one sample.
 
         Args:
-            demand_pressure: line pressure the driver asks for [Pa], scalar or shape (n,).
+            demand_pressure: line pressure that the driver demands [Pa], scalar or shape (n,).
             command: vehicle_models.brake_actuator.Command for each wheel, scalar or shape (n,).
         """
         model = self._model
@@ -132,7 +133,7 @@ class Plant:
         self._index += 1
 
     def _pressure_torque(self) -> Array:
-        """Brake torque of the delay earlier, linear between samples; the brakes were released before the first."""
+        """Delayed brake torque, linear between samples; the brakes were released before the first."""
         past = self._past_torques
         whole = int(self._pressure_lag)
         newer, older = (past[min(place, len(past) - 1)] for place in (whole, whole + 1))

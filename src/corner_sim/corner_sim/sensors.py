@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Measurement:
-    """What the sensors say of one sample."""
+    """Sensor readings at one sample."""
 
     wheel_speed: Array
     """[rad/s], shape (n,)."""
@@ -23,11 +23,11 @@ class Measurement:
     speed: float
     """Vehicle speed [m/s]."""
     acceleration: float
-    """Of the accelerometer's axis along the car [m/s^2]."""
+    """Reading of the accelerometer's axis along the car [m/s^2]."""
 
 
 class Sensors:
-    """Sensors of n wheels; each kind draws from its own stream, so that one does not shift the others."""
+    """Sensors of n wheels; each kind draws noise from its own stream, so that one does not shift the others."""
 
     def __init__(
         self, noise: SensorNoise, acceleration_variance: float, acceleration_offset: float, vehicle: Vehicle, seed: int
@@ -36,8 +36,8 @@ class Sensors:
 
         Args:
             noise: variances of wheel speed, vehicle speed and torque (section 8.3.2).
-            acceleration_variance: of the accelerometer [m^2/s^4], >= 0.
-            acceleration_offset: constant error of the accelerometer beside what the vehicle says of it [m/s^2].
+            acceleration_variance: noise of the accelerometer [m^2/s^4], >= 0.
+            acceleration_offset: constant error of the accelerometer on top of that in the vehicle file [m/s^2].
             vehicle: its brakes and the mounting of its accelerometer; wheels in the order of the samples.
             seed: same seed, same noise.
         """

@@ -24,18 +24,18 @@ if TYPE_CHECKING:
 
 
 class Simulation:
-    """A run from the first sample on. `messages` gives the present sample, `advance` goes to the next."""
+    """A run from the first sample on. `messages` returns the present sample, `advance` goes to the next."""
 
     def __init__(self, parameters: SimParameters, vehicle: Vehicle, start_stamp: int) -> None:
         """Build the run.
 
         Args:
-            parameters: of the run.
+            parameters: parameters of the run.
             vehicle: the car; the model two_axle takes its wheels front left, front right, rear left, rear right.
             start_stamp: stamp of the first sample [ns], > 0.
 
         Raises:
-            ValueError: parameters and vehicle do not fit each other, by name.
+            ValueError: parameters and vehicle do not fit each other; the message names them.
         """
         self._parameters = parameters
         self._start_stamp = start_stamp
@@ -104,7 +104,7 @@ class Simulation:
 
     @property
     def end(self) -> str | None:
-        """Why the run has ended, None while it has not."""
+        """Why the run has ended; None while it goes on."""
         p = self._parameters
         if self.speed <= p.end_speed:
             return f"speed {self.speed:.2f} m/s has reached end_speed {p.end_speed} m/s"
@@ -113,7 +113,7 @@ class Simulation:
         return None
 
     def messages(self) -> Sequence[Output]:
-        """Measure the present sample and make all its messages. Call it once a sample: each call draws noise."""
+        """Measure the present sample and make all its messages. Call it once per sample: each call draws noise."""
         p, wheels = self._parameters, self._vehicle.wheel_names
         outputs = messages.truth(self.stamp, wheels, self._sample, self._crossings)
         if self._profile_in_force:

@@ -23,7 +23,7 @@ class SlopeCrossings:
         self.surface_changes: NDArray[np.int64] = np.zeros(count, dtype=np.int64)
         """How often the surface changed."""
         self.surface_changed: NDArray[np.bool_] = np.zeros(count, dtype=np.bool_)
-        """Did it change at the last sample?"""
+        """Whether the surface changed at the last sample."""
         self._previous: PlantSample | None = None
 
     def update(self, sample: PlantSample, stamp_ns: int) -> None:

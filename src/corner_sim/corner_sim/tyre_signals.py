@@ -18,7 +18,7 @@ from vehicle_models.vehicle import Vehicle
 Array = NDArray[np.float64]
 
 _SMALLEST_LOAD = 1.0
-"""[N] A wheel that lifts off keeps this: the tyre model has no patch without load."""
+"""Load that a wheel keeps when it lifts off [N]: the tyre model has no patch without load."""
 
 
 class TyreSensors:
@@ -28,10 +28,10 @@ class TyreSensors:
         """Mount the sensors.
 
         Args:
-            vehicle: whose wheels these are.
-            noise: with the imperfections of the sensors, or ideal.
-            inflation_pressure: gauge [Pa].
-            seed: of noise and starting angles; teeth and mounting belong to the wheel and do not change with it.
+            vehicle: the car.
+            noise: whether the sensors have imperfections; else they are ideal.
+            inflation_pressure: gauge pressure [Pa].
+            seed: seed of noise and starting angles; teeth and mounting belong to the wheel and do not depend on it.
         """
         encoder = EncoderParameters() if noise else EncoderParameters.ideal()
         self._sources = [
@@ -49,7 +49,7 @@ class TyreSensors:
         self._within = np.arange(round(SAMPLE_TIME * TYRE_SAMPLE_RATE)) / (SAMPLE_TIME * TYRE_SAMPLE_RATE)
 
     def between(self, before: PlantSample, after: PlantSample) -> list[TyreBlock]:
-        """Give the blocks of all wheels from `before` (first sample) to just short of `after`, states run linearly."""
+        """Return the blocks of all wheels from `before` (included) to `after` (excluded), states linear in between."""
 
         def run(begin: Array, end: Array, i: int) -> Array:
             return np.asarray(begin[i] + (end[i] - begin[i]) * self._within)

@@ -1,4 +1,4 @@
-"""What the plant asks of a vehicle model, and the model made of single corners."""
+"""Interface of a vehicle model of the plant, and the model made of single corners."""
 
 from collections.abc import Sequence
 from typing import Protocol
@@ -51,7 +51,7 @@ class VehicleModel(Protocol):
         """Wheel acceleration [rad/s^2]."""
 
     def step(self, torque_begin: Array, torque_end: Array, theta: Array, dt: float) -> None:
-        """Advance by dt [s] under brake torques [N m] that run linearly."""
+        """Advance by dt [s] under brake torques [N m] that change linearly."""
 
 
 class JoinedCorners:
@@ -62,7 +62,7 @@ class JoinedCorners:
     """
 
     def __init__(self, parameters: Sequence[CornerParameters], speed: float) -> None:
-        """Start free rolling at `speed` [m/s]; `parameters` of each corner."""
+        """Start free rolling at `speed` [m/s]; `parameters` holds those of each corner."""
         self._parameters = tuple(parameters)
         self._corners = SingleCorner(self._parameters, np.full(len(self._parameters), speed))
         # relative to the first: of equal corners the weighted mean is the plain one, to the last bit

@@ -1,4 +1,4 @@
-"""What the plant obeys and what it refuses."""
+"""Commands and demands that the plant accepts, and those it refuses."""
 
 import numpy as np
 import pytest

@@ -66,5 +66,5 @@ def test_an_unknown_parameter_is_refused_by_name() -> None:
     ],
 )
 def test_an_old_name_is_refused_with_its_new_place(old: str, new: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{old}' is no more.*{new}"):
+    with pytest.raises(ParameterError, match=f"'{old}' no longer exists.*{new}"):
         from_mapping(SimParameters, {old: 1.0})

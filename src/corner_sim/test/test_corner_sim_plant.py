@@ -21,7 +21,7 @@ IMMEDIATE = ActuatorParameters(delay=0.0, apply_rate=1e9, release_rate=1e9)
 
 
 def corners(count: int) -> Vehicle:
-    """So many corners of the chapter: all four, or one or two at the front."""
+    """A number of corners of the chapter: all four, or one or two at the front."""
     if count == 4:
         return FOUR_CORNERS
     return replace(FOUR_CORNERS, mass=225.0 * count, front_load_share=1.0, wheels=FOUR_CORNERS.wheels[:count])

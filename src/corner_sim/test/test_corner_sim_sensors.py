@@ -95,7 +95,7 @@ def test_the_accelerometer_reads_what_its_mounting_makes_of_the_acceleration(mou
     known = Sensors(NO_NOISE, 0.0, 0.0, car, seed=1).measure(sample).acceleration
     assert mounting.forward(SimpleNamespace(**{mounting.axis: known})) == pytest.approx(-7.3, rel=1e-12)
     off = Sensors(NO_NOISE, 0.0, 0.25, car, seed=1).measure(sample).acceleration
-    assert off - known == pytest.approx(0.25)  # what nobody knows comes on top, as it is
+    assert off - known == pytest.approx(0.25)  # the unknown error comes on top, as it is
 
 
 def test_a_pressure_that_is_late_shows_what_the_plant_says_of_it() -> None:

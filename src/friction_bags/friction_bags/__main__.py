@@ -10,17 +10,17 @@ _NODES = {
     "play": ("record_replay.play", "replay a bag onto its topics"),
 }
 _TOOLS = {
-    "info": ("bag_io.info", "say what a bag holds"),
+    "info": ("bag_io.info", "show what a bag holds"),
     "reindex": ("bag_io.reindex", "repair a bag whose recorder was killed"),
     "process": ("offline.process", "run the estimators over bags, without middleware"),
     "import": ("importers.import_csv", "make a bag from measured data in a CSV file"),
     "calibrate_radii": ("offline.calibrate_radii", "find the wheel radii from the coasting stretches of a bag"),
-    "library": ("experiments.library", "make the recorded experiments of bags/ anew"),
+    "library": ("experiments.library", "make the recorded experiments of bags/ again"),
 }
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command; return its exit code. Only its own module is loaded: some of them take a second."""
+    """Run a command; return its exit code. Only the module of the command is loaded: some take a second."""
     ours, ros_args = _split(list(sys.argv[1:] if argv is None else argv))
     parser = ArgumentParser(prog="friction_bags", description="Record, replay, repair, import and process bags.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
@@ -37,7 +37,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _split(given: list[str]) -> tuple[list[str], list[str]]:
-    """Divide arguments into ours and those from --ros-args on (rclpy would take OLD:=NEW out of ours)."""
+    """Split arguments into ours and those from --ros-args on (rclpy would remove OLD:=NEW from ours)."""
     at = given.index("--ros-args") if "--ros-args" in given else len(given)
     return given[:at], given[at:]
 

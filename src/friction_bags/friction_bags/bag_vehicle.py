@@ -1,21 +1,14 @@
-"""The car of a bag: what a command gives, else the note that the bag carries, else what parameter files name."""
-
-from argparse import ArgumentParser
+"""The car of a bag: from the command line, else from a note in the bag, else from parameter files."""
 
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Report
-from vehicle_models.vehicle_file import shipped_vehicles, vehicle_reference
+from vehicle_models.vehicle_file import vehicle_choices, vehicle_reference
 
 VEHICLE_NOTE = "vehicle"
-"""Note of a bag: name of a shipped vehicle file, or path of another."""
-
-
-def add_vehicle_argument(parser: ArgumentParser, otherwise: str = "that of the bag, or of the parameter files") -> None:
-    """Add the option that gives the car; `otherwise` says what holds without it."""
-    shipped = ", ".join(shipped_vehicles())
-    text = f"vehicle file, or one of {shipped} (default: {otherwise})"
-    parser.add_argument("--vehicle", default="", metavar="NAME|FILE", help=text)
+"""Key of the note of a bag that names its car: name of a shipped vehicle file, or path of another."""
+CAR_OTHERWISE = "that of the bag, or of the parameter files"
+"""The car of a command without --vehicle, as vehicle_for chooses it."""
 
 
 def vehicle_for(reader: BagReader, given: str, by_files: str, report: Report) -> str:
@@ -23,21 +16,20 @@ def vehicle_for(reader: BagReader, given: str, by_files: str, report: Report) ->
 
     Args:
         reader: the bag.
-        given: vehicle file of the command, empty for none.
-        by_files: that of parameter files, empty for none.
-        report: is told where the note decides over the files.
+        given: vehicle file on the command line, empty for none.
+        by_files: vehicle file in parameter files, empty for none.
+        report: log function; called where the note overrides the files.
 
     Raises:
-        ParameterError: none names a car, or there is no such file; the text names those shipped.
+        ParameterError: no car is named, or there is no such file; the text names those shipped.
     """
     noted = reader.custom_data.get(VEHICLE_NOTE, "")
     chosen = given or noted or by_files
     try:
         note = vehicle_reference(chosen)
     except ParameterError as error:
-        shipped = f"a path, or one of {', '.join(shipped_vehicles())}"
         if not chosen:
-            raise ParameterError(f"{reader.bag} does not say its car: give --vehicle, {shipped}") from error
+            raise ParameterError(f"{reader.bag} does not name its car: give --vehicle, {vehicle_choices()}") from error
         where = "--vehicle" if given else f"note '{VEHICLE_NOTE}' of {reader.bag}" if noted else "parameter files"
         raise ParameterError(f"{where}: {error}") from error
     if noted and by_files and not given and vehicle_reference(by_files) != note:

@@ -103,7 +103,7 @@ def test_big_endian_data_is_decoded() -> None:
 
 
 def reading(read: Callable[[], Any]) -> Any:
-    """What is read, or nothing where the data is refused."""
+    """Return the decoded message, or nothing where the data is refused."""
     try:
         return read()
     except (ValueError, SerdeError):

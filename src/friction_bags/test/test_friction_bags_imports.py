@@ -1,4 +1,4 @@
-"""What each part of friction_bags may import of the others, and of the other packages of the workspace."""
+"""Allowed imports of each part of friction_bags from the others, and from the other packages of the workspace."""
 
 import ast
 from collections.abc import Iterator
@@ -50,7 +50,7 @@ ALLOWED: dict[str, set[str]] = {
 
 
 def imported(part: str) -> Iterator[str]:
-    """What the modules of a part import of the workspace: a part of friction_bags, or a package."""
+    """Return what the modules of a part import from the workspace: parts of friction_bags, and packages."""
     for file in [PACKAGE / f"{part}.py", *(PACKAGE / part).glob("**/*.py")]:
         if not file.exists():
             continue

@@ -1,4 +1,4 @@
-"""Which car a bag is processed as, and what is said where the two do not go together."""
+"""The car with which a bag is processed, and the messages where the two do not fit."""
 
 from pathlib import Path
 
@@ -157,13 +157,13 @@ def test_a_wheel_that_is_missing_in_the_bag_is_named_with_the_names_there_are(
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("/**/wheel_slip:\n  ros__parameters: {use_imu: true, use_imu: false}\n", "'use_imu' stands here again"),
+        ("/**/wheel_slip:\n  ros__parameters: {use_imu: true, use_imu: false}\n", "'use_imu' is repeated here"),
         ("/**/wheel_slip:\n  ros__parameters: {use_imus: true}\n", "unknown parameter 'use_imus'"),
         ("/**/wheel_slip:\n  ros__parameters: {radii: [0.3]}\n", "'radius' of the vehicle file"),
         ("/**/wheel_slips:\n  ros__parameters: {use_imu: true}\n", "is '/**/wheel_slip' meant"),
         ("/other/wheel_slip:\n  ros__parameters: {use_imu: true}\n", "is not for the node /wheel_slip"),
         ("/**/wheel_slip:\n  ros__parameters: {deadline: -1.0}\n", "'deadline' = -1.0 s is outside"),
-        ("wheel_slip: [", "no YAML"),
+        ("wheel_slip: [", "not YAML"),
     ],
 )
 def test_parameter_files_are_checked_as_the_nodes_do(

@@ -18,29 +18,23 @@ from friction_bringup.recorded_run import require_samples
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import silent
 from friction_runtime.shipped_files import shipped_file
-from vehicle_models.vehicle_file import shipped_vehicles
+from vehicle_models.vehicle_argument import add_vehicle_argument
 
 _BAD_INPUT = 2
-"""Exit code."""
+"""Exit code for bad input."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Parse the command line and run."""
     parser = argparse.ArgumentParser(prog="python -m friction_bringup", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    commands.add_parser("monitor", help="watch every wheel of a running graph; q ends")
+    commands.add_parser("monitor", help="watch every wheel of a running graph; q quits")
     demo = commands.add_parser(
         "demo", help="brake from 30 m/s with the supervisor in the loop, or replay a bag, with a live view"
     )
     demo.add_argument("--surface", choices=graph.SURFACES, default="dry", help="road of the plant (default: dry)")
     demo.add_argument("--bag", type=Path, help="replay this bag in place of the plant")
-    demo.add_argument(
-        "--vehicle",
-        default="",
-        metavar="NAME|FILE",
-        help=f"the car: a vehicle file, or one of those shipped: {', '.join(shipped_vehicles())} "
-        f"(default: {graph.DEMO_VEHICLE}, or the one the bag names)",
-    )
+    add_vehicle_argument(demo, f"{graph.DEMO_VEHICLE}, or the one the bag names")
     demo.add_argument(
         "--params", type=Path, help="parameter file (default: that of the demo, or the one the bag names)"
     )
@@ -59,10 +53,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _demo_options(options: argparse.Namespace) -> DemoOptions:
-    """Take what the command line leaves open from the notes of the bag.
+    """Complete the command line from the notes of the bag.
 
     Raises:
-        ParameterError: the bag does not say of which car it is, nor does the command line.
+        ParameterError: neither the bag nor the command line names the car.
         BagError: the bag cannot be read, or holds no wheel_states.
     """
     vehicle, parameters = options.vehicle or graph.DEMO_VEHICLE, "demo"

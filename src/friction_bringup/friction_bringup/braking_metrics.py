@@ -1,4 +1,4 @@
-"""What one braking was worth: stopping distance, adhesion utilisation, slope crossings against the truth."""
+"""Quality of a braking: stopping distance, adhesion utilisation, slope crossings against the truth."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _CROSSING_REACH = 0.2
 _BRAKING_STEP = 0.1
 """Time [s] over which the deceleration of hardest_braking is taken."""
 _HARD_BRAKING = 3.0
-"""[m/s^2]"""
+"""Deceleration above which a braking counts as hard [m/s^2]."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +51,12 @@ def measure_braking(
     2 g mu_max over distance, from the same place and speed.
 
     Args:
-        time: of the samples [s], shape (n,), increasing.
+        time: time of the samples [s], shape (n,), increasing.
         speed: vehicle speed [m/s], shape (n,).
         mu: friction coefficient used [-], shape (n,), mean over wheels.
         mu_max: friction coefficient at the peak of the road under the wheels [-], shape (n,).
         onset: time of brake onset [s].
-        end_speed: where the measurement ends [m/s].
+        end_speed: speed at which the measurement ends [m/s].
 
     Raises:
         ValueError: the speed is never above end_speed after the onset, or fewer than two samples are.
@@ -86,7 +86,7 @@ def hardest_braking(time: Array, speed: Array) -> tuple[float, float] | None:
     """Find the braking with the hardest deceleration.
 
     Args:
-        time: of the samples [s], shape (n,), increasing; gaps are bridged.
+        time: time of the samples [s], shape (n,), increasing; gaps are bridged.
         speed: vehicle speed [m/s], shape (n,); NaN where unknown.
 
     Returns:
@@ -112,26 +112,26 @@ class CrossingEvent:
     """A change of the slope's sign, estimated or true."""
 
     time: float
-    """When it was known [s]: stamp of the first message that speaks of it; when it was, for the truth."""
+    """When an estimated crossing was known, the stamp of the first message with it, or when a true one was [s]."""
     sign: int
-    """Sign after it: -1 the peak was passed, +1 the stable side was regained."""
+    """Sign after the crossing: -1 the peak was passed, +1 the stable side was regained."""
     slip: float
     """Slip at the crossing [-], compensated for delay: an estimate of lambda_max."""
 
 
 @dataclass(frozen=True)
 class JudgedCrossing:
-    """An estimated crossing beside the true one it belongs to."""
+    """An estimated crossing with the true one that it belongs to."""
 
     estimate: CrossingEvent
     lambda_max: float
-    """True slip at the peak, of the road then [-]."""
+    """True slip at the peak of the road at that time [-]."""
     true_time: float
     """Time of the true crossing [s]; NaN where there is none near."""
 
     @property
     def delay(self) -> float:
-        """Time from the true crossing until it was known [s], negative where it was foreseen; NaN without true one."""
+        """Time from the true crossing until it was known [s], negative if predicted; NaN without a true one."""
         return self.estimate.time - self.true_time
 
     @property
@@ -143,12 +143,12 @@ class JudgedCrossing:
 def judge_crossings(
     estimates: Sequence[CrossingEvent], truth: Sequence[CrossingEvent], time: Array, lambda_max: Array
 ) -> list[JudgedCrossing]:
-    """Set estimated crossings beside true ones of their sign within 0.2 s: the nearest pairs first, each once.
+    """Pair estimated crossings with true ones of their sign within 0.2 s: the nearest pairs first, each once.
 
     Args:
-        estimates: in the order of time.
-        truth: in the order of time.
-        time: of the samples of lambda_max [s], shape (n,).
+        estimates: estimated crossings in the order of time.
+        truth: true crossings in the order of time.
+        time: time of the samples of lambda_max [s], shape (n,).
         lambda_max: true slip at the peak [-], shape (n,).
     """
     pairs = sorted(

@@ -26,21 +26,21 @@ from friction_runtime.machine_load import slowdown
 from friction_runtime.spin import stop_on_signals, take_down
 
 _STARTUP_LIMIT = 40.0
-"""Wall time [s] within which the processes must find each other, and then the first sample come."""
+"""Wall time [s] within which the processes must find each other, and again within which the first sample must come."""
 _SETTLE = 0.3
-"""Wall time [s] from hearing that all are there until each of them knows it too."""
+"""Wall time [s] after this process has discovered all others until these have discovered each other too."""
 _QUIET = 0.4
 """Wall time [s] without a new sample after which everything in flight has arrived."""
 _PATIENCE = 10.0
-"""Wall time [s] in which the processes must end when the run has ended by itself. A busy machine gets more of these."""
+"""Wall time [s] in which the processes must end when the run has ended by itself. All are longer on a busy machine."""
 _INTERRUPTED = 130
-"""Exit code."""
+"""Exit code after an interruption."""
 _FILE_WIDTH = 120
 _LINE_PERIOD = 0.25
 _TABLE_PERIOD = 0.1
 
 SpinUntil = Callable[[Callable[[], bool], float], None]
-"""Works until something is so, for at most a time [s]; raises KeyboardInterrupt after a signal."""
+"""Spins until a condition holds, for at most a time [s]; raises KeyboardInterrupt after a signal."""
 
 
 def run_demo(options: DemoOptions) -> int:
@@ -52,7 +52,7 @@ def run_demo(options: DemoOptions) -> int:
     Raises:
         ParameterError: the parameter file or the vehicle file is bad; nothing was started.
         DemoError: a process of the graph failed, or no sample came.
-        BagError: the bag to be replayed, or the one of this run, cannot be read.
+        BagError: the bag to replay, or the one of this run, cannot be read.
     """
     console = Console()
     if not console.is_terminal:
@@ -85,7 +85,7 @@ def run_demo(options: DemoOptions) -> int:
             console.print(f"\nInterrupted. The bag is closed.\nbag   {demo.bag}", soft_wrap=True)
             return _INTERRUPTED
         for number in (signal.SIGINT, signal.SIGTERM):
-            # Nothing is left to be ended; an exception in the middle of drawing would surface as any error.
+            # Nothing is left to end; an exception in the middle of drawing would surface as any error.
             signal.signal(number, lambda *_: os._exit(_INTERRUPTED))
         _report(console, demo, directory, what)
         return 0
@@ -94,7 +94,7 @@ def run_demo(options: DemoOptions) -> int:
 
 
 def _run_graph(console: Console, demo: DemoGraph, view: LiveView, what: str, spin_until: SpinUntil) -> bool:
-    """Start the processes, show what they do, end them; return whether a signal came."""
+    """Start the processes, show their messages, end them; return whether a signal came."""
     interrupted, grace = False, AT_ONCE
     try:
         demo.start()
@@ -110,7 +110,7 @@ def _run_graph(console: Console, demo: DemoGraph, view: LiveView, what: str, spi
 
 
 def _watch(console: Console, demo: DemoGraph, view: LiveView, what: str, spin_until: SpinUntil) -> None:
-    """Show the graph until its source ends and all that was sent has arrived."""
+    """Show the graph until its source ends and all messages have arrived."""
     with console.status("starting the processes and waiting for them to find each other"):
         _bring_up(demo, view, spin_until)
     if console.is_terminal:
@@ -126,7 +126,7 @@ def _watch(console: Console, demo: DemoGraph, view: LiveView, what: str, spin_un
 
 
 def _bring_up(demo: DemoGraph, view: LiveView, spin_until: SpinUntil) -> None:
-    """Wait until all processes hear each other, begin, and wait for the first sample."""
+    """Wait until all processes are connected, begin, and wait for the first sample."""
     spin_until(lambda: demo.ended or not demo.missing(view), _STARTUP_LIMIT * slowdown())
     if not demo.done and (missing := demo.missing(view)):
         raise DemoError(f"still not there: {', '.join(missing)}")

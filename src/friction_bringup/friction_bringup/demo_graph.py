@@ -1,4 +1,4 @@
-"""The processes of the demo: what is started, when all of them hear each other, and whether one has failed."""
+"""The processes of the demo: which are started, when all of them are connected, and whether one has failed."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pathlib import Path
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from friction_bags.offline.estimators import ESTIMATORS
 from friction_bringup import graph
 from friction_bringup.discovery import local_discovery
 from friction_bringup.node_start import COMMANDING, WATCHING, Decided, node_starts
@@ -22,43 +23,43 @@ _PLAYER = "player"
 
 
 class DemoError(RuntimeError):
-    """The demo cannot go on; the text says what failed and where its log is."""
+    """The demo cannot go on; the text names what failed and its log."""
 
 
 @dataclass(frozen=True)
 class DemoOptions:
-    """What the command line asks for."""
+    """Options of the command line."""
 
     surface: str
     bag: Path | None
-    """Bag to be replayed in place of the plant."""
+    """Bag to replay in place of the plant."""
     vehicle: str
     """Vehicle file, or name of a shipped one."""
     params_file: Path
     out: Path
-    """Directory that gets a directory for each run."""
+    """Directory in which each run gets its own directory."""
 
 
 class DemoGraph:
-    """Recorder, estimators and the source of samples, each a process of its own on a domain of their own."""
+    """Recorder, estimators and the source of samples, each in its own process, on a separate domain."""
 
     def __init__(self, options: DemoOptions, directory: Path) -> None:
-        """Check what the nodes will be given, and choose the domain; nothing is started.
+        """Check the parameters of the nodes, and choose the domain; nothing is started.
 
         Args:
-            options: of the command line.
-            directory: of this run.
+            options: options of the command line.
+            directory: directory of this run.
 
         Raises:
             ParameterError: the parameter file or the vehicle file does not exist, or is bad for one of the nodes.
         """
         self._options = options
         self.wheels = load_vehicle(options.vehicle).wheel_names
-        """Of the car."""
-        nodes = graph.ESTIMATORS if options.bag else (*graph.ESTIMATORS, graph.PLANT)
+        """Names of the wheels of the car."""
+        nodes = ESTIMATORS if options.bag else (*ESTIMATORS, graph.PLANT)
         self._starts = node_starts(nodes, _decided(options), str(options.params_file), options.vehicle)
         self.notes = tuple(note for start in self._starts for note in start.notes)
-        """What a person should know before the start."""
+        """Notes for the user before the start."""
         self._processes = ProcessGroup(directory / "log")
         self.bag = directory / "bag"
         """The bag that is recorded."""
@@ -84,10 +85,10 @@ class DemoGraph:
         self._processes.start(name, [*command, *graph.QUIET_LOG], os.environ | self.environment)
 
     def missing(self, observer: Node) -> list[str]:
-        """Name what must be there before the first sample, so that nobody misses one, and is not there yet."""
+        """Return what is not there yet and must be before the first sample, so that no process misses one."""
         replay = self._options.bag is not None
         nodes = set(observer.get_node_names())
-        missing = [node for node in (_RECORDER, *(graph.ESTIMATORS if replay else graph.NODES)) if node not in nodes]
+        missing = [node for node in (_RECORDER, *(ESTIMATORS if replay else graph.NODES)) if node not in nodes]
         topics = [name for name, _ in observer.get_topic_names_and_types()]
         for suffix in graph.ESTIMATES if replay else (*graph.ESTIMATES, graph.COMMAND):
             estimates = [topic for topic in topics if topic.endswith(f"/{suffix}") and "/truth/" not in topic]
@@ -98,7 +99,7 @@ class DemoGraph:
     def begin(self, observer: Node) -> None:
         """Let the first sample come: start the plant's run, or the player.
 
-        The player waits for two listeners of each topic, the node it is for and the recorder, and for more to come.
+        The player waits for two subscribers of each topic, its node and the recorder, and until no more come.
         """
         if self._options.bag is None:
             observer.create_client(Trigger, f"{graph.PLANT}/start").call_async(Trigger.Request())
@@ -108,12 +109,12 @@ class DemoGraph:
 
     @property
     def ended(self) -> bool:
-        """Has any process ended?"""
+        """Whether any process has ended."""
         return bool(self._processes.ended())
 
     @property
     def done(self) -> bool:
-        """Has the source of samples ended as it should?
+        """Whether the source of samples has ended without an error.
 
         Raises:
             DemoError: another process has ended, or one has failed.
@@ -132,7 +133,7 @@ class DemoGraph:
 
 
 def _decided(options: DemoOptions) -> Decided:
-    """Return what the demo decides over the parameter files, by node."""
+    """Return the parameters of the demo that override the parameter files, by node."""
     if options.bag:
         return WATCHING
     plant: dict[str, graph.ParameterValue] = {

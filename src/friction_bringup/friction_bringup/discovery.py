@@ -11,9 +11,9 @@ _FAST_DDS = "rmw_fastrtps_cpp"
 
 
 def local_discovery() -> dict[str, str]:
-    """Environment variables for a graph on this machine alone, whose processes find each other at once.
+    """Return environment variables for a graph on this machine alone, whose processes find each other at once.
 
-    Over loopback and, with Fast DDS, without shared memory: its shipped profile says why.
+    Over loopback and, with Fast DDS, without shared memory: the reason is in its shipped profile.
     """
     if get_rmw_implementation_identifier() != _FAST_DDS:
         return {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}

@@ -1,4 +1,4 @@
-"""The nodes of the friction graph and how each is started: one list for the launch files and for the demo."""
+"""The nodes of the friction graph and how each is started, for the launch files and the demo."""
 
 from __future__ import annotations
 
@@ -7,58 +7,58 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from friction_bags.offline.estimators import ESTIMATORS
 from friction_runtime.shipped_files import shipped_file, shipped_parameters
 
 PLANT = "corner_sim"
 SUPERVISOR = "abs_supervisor"
-ESTIMATORS = ("wheel_slip", "friction_slope", "friction_curve_id", SUPERVISOR, "smart_tyre_forces")
-"""In the order in which data flows. Package, module, node and parameter file of a node have one name."""
 NODES = (PLANT, *ESTIMATORS)
+"""In the order in which data flows. Package, module, node and parameter file of a node have one name."""
 ESTIMATES = ("slip", "friction_slope", "friction_curve", "abs_supervisor", "contact_patch", "tyre_force")
-"""What the estimators publish below each wheel."""
+"""Topics of the estimators below each wheel."""
 COMMAND = "brake_command"
-"""What the supervisor publishes below each wheel unless it is in shadow mode."""
+"""Topic of the supervisor below each wheel, unless it is in shadow mode."""
 INPUTS = (
     *("wheel_states", "imu/data", "vehicle_velocity", "brake_demand"),
     *("*/brake_pressure", "*/tyre_signals", "truth/*"),
 )
-"""What is replayed from a bag; the estimates in it are made anew."""
+"""Topics that are replayed from a bag; the estimates in it are made again."""
 VEHICLE = "vehicle"
-"""Stands for the wheel where an estimate is of the whole vehicle."""
+"""Used in place of a wheel for an estimate of the whole vehicle."""
 DEMO_VEHICLE = "chapter_corner"
-"""The car of the demo unless another one is asked for."""
+"""Default car of the demo."""
 SURFACES = ("dry", "wet", "cobblestone", "snow")
 QUIET_LOG = ("--ros-args", "--disable-external-lib-logs")
-"""Arguments for processes whose output goes to a file already."""
+"""Arguments for processes whose output already goes to a file."""
 
 ParameterValue = bool | int | float | str | Sequence[float] | Sequence[str]
 
 
 def parameter_class(node: str) -> type:
-    """Dataclass of the parameters of a node: that of the file its package ships."""
+    """Return the dataclass of the parameters of a node: that of the file its package ships."""
     return type(shipped_parameters(node))
 
 
 def parameter_files(node: str, params_file: Path | None) -> list[Path]:
-    """Name the parameter files of a node: what its package ships, then what decides over it."""
+    """Return the parameter files of a node: the shipped one, then the one that overrides it."""
     return [shipped_file(node), *([params_file] if params_file else [])]
 
 
 def executable(node: str) -> str:
-    """Name of a node's program for ``ros2 run``."""
+    """Return the name of a node's program for ``ros2 run``."""
     return f"{node}_node"
 
 
 def command(
     node: str, params_files: Sequence[Path], overrides: Mapping[str, ParameterValue], namespace: str = ""
 ) -> list[str]:
-    """Command line that starts a node with this python, without ros2cli.
+    """Return the command line that starts a node with this Python, without ros2cli.
 
     Args:
         node: name of the node.
-        params_files: parameter files, the later decides.
-        overrides: parameters that decide over the files.
-        namespace: of the node and its relative topics; empty for none.
+        params_files: parameter files; later ones override earlier ones.
+        overrides: parameters that override the files.
+        namespace: namespace of the node and its relative topics; empty for none.
     """
     arguments = [sys.executable, "-m", node, "--ros-args"]
     for path in params_files:

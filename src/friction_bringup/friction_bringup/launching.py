@@ -12,21 +12,21 @@ from launch_ros.utilities.namespace_utils import prefix_namespace
 
 from friction_bringup import graph
 from friction_bringup.node_start import Decided, node_starts
-from vehicle_models.vehicle_file import shipped_vehicles
+from vehicle_models.vehicle_file import vehicle_choices
 
 
 def common_arguments(params_file: str = "", vehicle_file: str = "") -> list[LaunchDescriptionEntity]:
-    """Declare the arguments every launch file takes, with their defaults."""
+    """Declare the common arguments of the launch files, with their defaults."""
     return [
         DeclareLaunchArgument(
             "vehicle_file",
             default_value=vehicle_file,
-            description=f"the car: path of a vehicle file, or one of those shipped: {', '.join(shipped_vehicles())}",
+            description=f"the car: {vehicle_choices()}",
         ),
         DeclareLaunchArgument(
             "params_file",
             default_value=params_file,
-            description="parameter file that decides over those of the packages",
+            description="parameter file that overrides those of the packages",
         ),
         DeclareLaunchArgument("namespace", default_value="", description="namespace of all nodes and topics"),
         DeclareLaunchArgument(
@@ -49,12 +49,12 @@ def uses_sim_time(context: LaunchContext) -> bool:
 
 
 def node_actions(context: LaunchContext, nodes: Sequence[str], decided: Decided) -> list[LaunchDescriptionEntity]:
-    """Start nodes with the common arguments, after a check of what they are given.
+    """Start nodes with the common arguments, after checking their parameters.
 
     Args:
-        context: of the launch.
+        context: context of the launch.
         nodes: names of the nodes.
-        decided: parameters that decide over every file, by node.
+        decided: parameters that override every file, by node.
 
     Raises:
         ParameterError: a file is bad; nothing has been started.

@@ -1,4 +1,4 @@
-"""What the graph says right now, wheel by wheel: a table on a terminal, lines elsewhere."""
+"""Present messages of the graph, wheel by wheel: a table on a terminal, lines elsewhere."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TOPICS: dict[str, type] = {
     "brake_pressure": FluidPressure,
     "tyre_force": TyreForce,
 }
-"""Topics of a wheel, by the name behind the wheel's."""
+"""Types of a wheel's topics, by the name after that of the wheel."""
 _SIGNS = {1: ("+", "green"), 0: ("?", "dim"), -1: ("−", "bold red")}
 _STATES = {
     SupervisorState.S0: ("S0 idle", "dim"),
@@ -46,7 +46,7 @@ _COMMANDS = {
     BrakeCommand.DECREASE: "decrease",
 }
 _DISCOVERY_PERIOD = 0.1
-"""[s]"""
+"""Period of looking for new topics [s]."""
 _BAR_CELLS = 10
 _BAR_FULL_SLIP = 0.4
 _LINE_CELL = 19
@@ -63,14 +63,14 @@ _TABLE_COLUMNS: tuple[tuple[str, int, JustifyMethod], ...] = (
 
 @dataclass
 class WheelView:
-    """The last message of each topic of one wheel, and how it reads."""
+    """The last message of each topic of one wheel, and its text."""
 
     messages: dict[str, Any] = field(default_factory=dict)
     arrivals: dict[str, float] = field(default_factory=dict)
-    """Steady clock [s]."""
+    """Arrival of the last message of each topic by the steady clock [s]."""
 
     def number(self, topic: str, name: str, form: str, scale: float = 1.0) -> str:
-        """Return a field as text: a dash where the topic is silent, says that it is not valid, or is not finite."""
+        """Return a field as text: a dash where the topic is silent or not valid, or the value is not finite."""
         message = self.messages.get(topic)
         usable = message is not None and getattr(message, "valid", True)
         return number(scale * getattr(message, name), form) if usable else "–"
@@ -90,19 +90,19 @@ class WheelView:
 
     @property
     def command(self) -> str:
-        """Command to the brake; silent where none comes."""
+        """Command to the brake; "silent" where there is none."""
         command = self.messages.get("brake_command")
         return "silent" if command is None else _COMMANDS[command.command]
 
     @property
     def reasons(self) -> list[str]:
-        """What cannot be estimated, and why."""
+        """Return what cannot be estimated, and why."""
         invalid = (message for message in self.messages.values() if not getattr(message, "valid", True))
         return list(dict.fromkeys(message.reason_text for message in invalid if message.reason_text))
 
 
 class LiveView(Node):
-    """Listens to every wheel of the graph and keeps the last values."""
+    """Subscribes to every wheel of the graph and keeps the last values."""
 
     def __init__(self) -> None:
         """Subscribe to wheel_states; the wheels follow as their topics appear."""
@@ -118,7 +118,7 @@ class LiveView(Node):
 
     @property
     def time(self) -> float:
-        """Message time since the first sample [s]; a jump back in time starts it anew."""
+        """Message time since the first sample [s]; it starts again after a jump back in time."""
         return (self._last_stamp - self._first_stamp) / NANOSECONDS
 
     @property
@@ -154,7 +154,7 @@ class LiveView(Node):
         view.arrivals[name] = monotonic()
 
     def table(self, title: str) -> Table:
-        """Show the wheels as a table for a terminal of 80 columns."""
+        """Return the wheels as a table for a terminal of 80 columns."""
         heading = f"{title}   t = {self.time:6.2f} s   v = {number(self.speed, '5.2f')} m/s"
         table = Table(title=heading, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
         for name, width, justify in _TABLE_COLUMNS:
@@ -176,11 +176,11 @@ class LiveView(Node):
         return table
 
     def header(self) -> str:
-        """Name the columns of the lines."""
+        """Return the header of the lines."""
         return f"  t [s]  v [m/s]  {'  '.join(f'{wheel:{_LINE_CELL}}' for wheel in self._real_wheels)}"
 
     def line(self) -> str:
-        """Show the wheels as one line: slip, slope's sign, and for a single wheel what the supervisor does."""
+        """Return the wheels as one line: slip, sign of the slope, and for a single wheel the supervisor's state."""
         cells = []
         for view in self._real_wheels.values():
             slip = view.number("slip", "slip", ".3f")

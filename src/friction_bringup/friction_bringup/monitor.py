@@ -1,4 +1,4 @@
-"""A view of every wheel for people on a bare shell; it outlives the nodes it watches."""
+"""A view of every wheel on a plain terminal; it keeps running when nodes end."""
 
 from __future__ import annotations
 
@@ -52,13 +52,13 @@ def run_monitor() -> int:
 
 
 def wheels_table(wheels: dict[str, WheelView], now: float) -> Table:
-    """Show all wheels.
+    """Return a table of all wheels.
 
     Args:
-        wheels: by name.
-        now: steady clock [s], against which the age of messages is taken.
+        wheels: views of the wheels by name.
+        now: present time of the steady clock [s], for the age of messages.
     """
-    table = Table(title="Friction graph (q ends)", expand=True)
+    table = Table(title="Friction graph (q quits)", expand=True)
     for heading in _COLUMNS:
         table.add_column(escape(heading), no_wrap=heading != _COLUMNS[-1], ratio=1 if heading == _COLUMNS[-1] else None)
     for wheel, view in wheels.items():
@@ -92,7 +92,7 @@ def _with_deviation(view: WheelView, topic: str, name: str, form: str, scale: fl
 
 @contextmanager
 def _pressed_keys() -> Iterator[Callable[[], str]]:
-    """Give a function that returns the key pressed since the last call, an empty text for none."""
+    """Yield a function that returns the key pressed since the last call, an empty string for none."""
     if not sys.stdin.isatty():
         yield lambda: ""
         return

@@ -1,4 +1,4 @@
-"""How each node of a graph is started, checked before anything runs: for the launch files and for the demo."""
+"""How each node of a graph is started, checked before anything runs, for the launch files and the demo."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from friction_parameters.values import from_mapping
 from vehicle_models.vehicle_file import load_vehicle, vehicle_reference
 
 Decided = Mapping[str, Mapping[str, graph.ParameterValue]]
-"""Parameters that decide over every file, by node."""
+"""Parameters that override every file, by node."""
 WATCHING: Decided = {graph.SUPERVISOR: {"shadow": True}}
-"""Whatever a file says, no brake is commanded ..."""
+"""The supervisor does not command a brake, whatever is in a file."""
 COMMANDING: Decided = {graph.SUPERVISOR: {"shadow": False}}
-"""... but in the demo, whose brake is simulated."""
+"""The supervisor commands the brake: only in the demo, where the brake is simulated."""
 
 
 @dataclass(frozen=True)
@@ -27,27 +27,27 @@ class NodeStart:
 
     node: str
     files: tuple[Path, ...]
-    """Parameter files, the later decides."""
+    """Parameter files; later ones override earlier ones."""
     decided: Mapping[str, graph.ParameterValue]
-    """Parameters that decide over the files."""
+    """Parameters that override the files."""
     notes: tuple[str, ...]
-    """What a person should know: where a file is not followed."""
+    """Notes for the user: where a file is overridden."""
 
 
 def node_starts(
     nodes: Sequence[str], decided: Decided, params_file: str = "", vehicle_file: str = "", namespace: str = ""
 ) -> list[NodeStart]:
-    """Decide how nodes are started, and check what they will be given.
+    """Decide how nodes are started, and check their parameters.
 
     Args:
         nodes: names of the nodes.
-        decided: parameters that decide over every file, by node.
-        params_file: parameter file that decides over those of the packages; empty for none.
-        vehicle_file: the car for all of them: path, or name of a shipped one; empty: as a file says.
-        namespace: of the nodes.
+        decided: parameters that override every file, by node.
+        params_file: parameter file that overrides those of the packages; empty for none.
+        vehicle_file: vehicle file for all of them: path, or name of a shipped one; empty: as in a parameter file.
+        namespace: namespace of the nodes.
 
     Raises:
-        ParameterError: in one line: a file does not exist, or is bad for one of the nodes.
+        ParameterError: a file does not exist, or is bad for one of the nodes; the text is one line.
     """
     path = Path(params_file).absolute() if params_file else None
     car: dict[str, graph.ParameterValue] = {}
@@ -61,12 +61,7 @@ def _checked(
 ) -> NodeStart:
     files = graph.parameter_files(node, params_file)
     cls, name = graph.parameter_class(node), NodeName(node, f"/{namespace.strip('/')}")
-    found: list[dict[str, Any]] = []
-    for file in files:
-        try:
-            found.append(file_values(cls, file, name))
-        except OSError as error:
-            raise ParameterError(f"parameter file {file}: {error.strerror}") from error
+    found = [file_values(cls, file, name) for file in files]
     values = {key: value for each in (*found, decided) for key, value in each.items() if not is_ros_own(key)}
     try:
         parameters: Any = from_mapping(cls, values)
@@ -80,9 +75,9 @@ def _checked(
 def _notes(
     node: str, decided: Mapping[str, graph.ParameterValue], users: Mapping[str, Any], params_file: Path | None
 ) -> Iterator[str]:
-    """Say that the supervisor only watches, and where the user's file is not followed."""
+    """Yield notes where the supervisor only watches, and where the user's file is overridden."""
     if decided.get("shadow"):
-        yield f"{node}: shadow mode, whatever a file says: it publishes its state and never a {graph.COMMAND}"
+        yield f"{node}: shadow mode, whatever is in a file: it publishes its state and never a {graph.COMMAND}"
     for key, value in decided.items():
         given = tuple(value) if isinstance(value, list) else value
         if key in users and users[key] != given:

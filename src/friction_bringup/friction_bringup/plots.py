@@ -1,4 +1,4 @@
-"""Pictures of a recorded run: one page for each wheel, and one of all wheels where there are several."""
+"""Plots of a recorded run: one page for each wheel, and one of all wheels where there are several."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ ESTIMATE, TRUTH, PEAK, DEMAND, IDENTIFIED = "tab:blue", "black", "tab:red", "tab
 STABLE_BAND, UNSTABLE_BAND, UNKNOWN_BAND = "#8fd19e", "#f28b82", "#d9d9d9"
 WHEEL_COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:brown", "tab:pink", "tab:olive")
 _MARGIN = 0.3
-"""Time [s] shown before and behind a braking."""
+"""Time [s] shown before and after a braking."""
 _SLIP_SHOWN_FROM = 5.0
-"""Speed [m/s] from which the axis of the slip holds all of it; slower wheels lock with little harm."""
+"""Speed [m/s] above which the axis covers every slip; locked wheels below it matter little."""
 STATES = {
     SupervisorState.S0: "S0",
     SupervisorState.S1: "S1",
@@ -37,15 +37,15 @@ SIGNS = {-1: ("beyond the peak", UNSTABLE_BAND), 0: ("not known", UNKNOWN_BAND),
 
 
 def write_plots(run: RecordedRun, directory: Path, title: str) -> list[Path]:
-    """Draw every picture of a run.
+    """Draw every plot of a run.
 
     Args:
         run: the run.
-        directory: where the PNG files go; it must exist.
-        title: opens the title of each picture.
+        directory: existing directory for the PNG files.
+        title: begin of the title of each plot.
 
     Returns:
-        Paths of the pictures.
+        Paths of the plots.
     """
     paths = []
     for wheel in run.wheels:
@@ -75,7 +75,7 @@ def wheel_figure(run: RecordedRun, wheel: str, title: str) -> Figure:
 
 
 def all_wheels_figure(run: RecordedRun, title: str, span: tuple[float, float] | None) -> Figure:
-    """Draw speeds, slips and what is known of the slope's sign for all wheels, over all time or over a span of it."""
+    """Draw speeds, slips and the sign of the slope for all wheels, over all time or a span of it."""
     figure = Figure(figsize=(11.0, 9.0), layout="constrained")
     axes: list[Axes] = list(figure.subplots(3, 1, sharex=True, height_ratios=[2.5, 3.0, 1.5]))
     figure.suptitle(title)
@@ -223,7 +223,7 @@ def _draw_brake(axes: Axes, run: RecordedRun, wheel: str) -> None:
 
 
 def _brake_gain(demand: Series, supervisor: Series) -> float:
-    """Gain k of T_b = k p [N m/Pa], as the supervisor applies it to the demand; 0 where it never saw one."""
+    """Gain k of T_b = k p [N m/Pa], as the supervisor applies it to the demand; 0 where there was none."""
     pressure, torque = float(np.nanmax(demand["pressure"])), float(np.nanmax(supervisor["demand_torque"]))
     return torque / pressure if pressure > 0.0 and np.isfinite(torque) else 0.0
 

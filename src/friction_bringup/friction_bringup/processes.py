@@ -1,4 +1,4 @@
-"""Processes of the graph: started together, watched, and ended together: within two seconds on a machine not busy."""
+"""Processes of the graph: started together, watched, and ended together, within two seconds on an idle machine."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class ProcessGroup:
     """A set of processes with a log file each.
 
     They do not belong to the terminal's foreground group, so that Ctrl-C reaches this process alone, which then ends
-    them in order; were this process killed, the system would interrupt them.
+    them in order. If this process is killed, the system interrupts them.
     """
 
     def __init__(self, log_directory: Path) -> None:
@@ -31,8 +31,8 @@ class ProcessGroup:
     def start(self, name: str, command: Sequence[str], env: Mapping[str, str]) -> None:
         """Start a process.
 
-        ``setpriv`` (util-linux) has the system interrupt it should this process be killed; without that program
-        it starts all the same.
+        ``setpriv`` (util-linux) makes the system interrupt it if this process is killed; without that program it still
+        starts.
         """
         guard = ["setpriv", "--pdeathsig", "INT", "--"] if shutil.which("setpriv", path=env.get("PATH")) else []
         with self.log(name).open("wb") as log:
@@ -55,10 +55,10 @@ class ProcessGroup:
         return {name: code for name, code in codes.items() if code is not None}
 
     def stop(self, grace: float = AT_ONCE) -> list[str]:
-        """Interrupt what still runs, kill what does not end in time, return the names of those killed.
+        """Interrupt the processes that still run, kill those that do not end in time, return the names of those killed.
 
         Args:
-            grace: time [s] to end in, as much longer as this machine is busy.
+            grace: time to end [s] on an idle machine; longer on a busy one.
         """
         running = {name: process for name, process in self._processes.items() if process.poll() is None}
         for process in running.values():

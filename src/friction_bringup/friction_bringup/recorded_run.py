@@ -1,4 +1,4 @@
-"""The numbers of a recorded run, topic by topic, as arrays against time."""
+"""The values of a recorded run, topic by topic, as arrays over time."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Series:
     """The messages of one topic: the time of their stamps and some of their fields."""
 
     time: Array
-    """[s] since the first stamp of wheel_states."""
+    """Time since the first stamp of wheel_states [s]."""
     columns: Mapping[str, Array]
     reasons: Counter[str] = field(default_factory=Counter)
     """How often each reason was given where the message was not valid."""
@@ -58,14 +58,14 @@ class Series:
 
 @dataclass
 class RecordedRun:
-    """A run as a bag holds it."""
+    """A run, read from a bag."""
 
     wheels: tuple[str, ...]
-    """Of the car."""
+    """Names of the wheels of the car."""
     start: int
     """First stamp of wheel_states [ns]."""
     series: Mapping[str, Series]
-    """By topic, without the namespace's leading slash."""
+    """Series by topic, without the namespace's leading slash."""
     samples: Array
     """Time [s] of each message of wheel_states."""
 
@@ -79,7 +79,7 @@ class RecordedRun:
         return None if slip is None else hardest_braking(slip.time, slip["vehicle_speed"])
 
     def crossings(self, topic: str) -> list[CrossingEvent]:
-        """Return the slope crossings that a friction_slope topic tells of; times as the truth or as first known."""
+        """Return the slope crossings of a friction_slope topic; times as in the truth, or when first known."""
         series = self.get(topic)
         if series is None:
             return []
@@ -131,10 +131,10 @@ def read_run(bag: Path, wheels: Sequence[str]) -> RecordedRun:
 
 
 def require_samples(reader: BagReader) -> None:
-    """Refuse a bag of which nothing can be shown.
+    """Refuse a bag from which nothing can be shown.
 
     Raises:
-        BagError: it holds no wheel_states.
+        BagError: the bag holds no wheel_states.
     """
     if not any(topic.name == _SAMPLES and count for topic, count in reader.counts.items()):
         raise BagError(f"{reader.bag} holds no {_SAMPLES}: nothing can be shown of it")

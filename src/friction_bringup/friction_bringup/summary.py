@@ -1,4 +1,4 @@
-"""What is printed at the end of a run."""
+"""Summary that is printed at the end of a run."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from friction_bringup.graph import VEHICLE
 from friction_bringup.recorded_run import RecordedRun
 
 _FORESEEN = (
-    "The supervisor's parameter set reads H ahead of time, so its crossings come early, and some need no true one. "
+    "The supervisor's parameter set predicts H, so its crossings come early, and some have no true one. "
     "For a slip near the peak run friction_slope with friction_slope_monitor.yaml."
 )
 _SHOWN_CROSSINGS = 16
@@ -20,7 +20,7 @@ _SHOWN_REASONS = 3
 
 
 def print_summary(console: Console, run: RecordedRun) -> None:
-    """Print what the bag of a run shows: crossings and braking where the truth is known, validity everywhere."""
+    """Print the summary of a run: crossings and braking where the truth is known, validity everywhere."""
     for wheel in run.wheels:
         curve, truth = run.get(f"truth/{wheel}/friction_curve"), run.crossings(f"truth/{wheel}/friction_slope")
         if curve is not None:
@@ -39,7 +39,7 @@ def print_summary(console: Console, run: RecordedRun) -> None:
 
 
 def braking_of(run: RecordedRun) -> Braking | str:
-    """Measure the braking of a run by its truth, or say why that cannot be done."""
+    """Measure the braking of a run by its truth, or return why that is not possible."""
     speed, demand = run.get("truth/vehicle_velocity"), run.get("brake_demand")
     curves = [curve for wheel in run.wheels if (curve := run.get(f"truth/{wheel}/friction_curve")) is not None]
     if speed is None or len(curves) != len(run.wheels):
@@ -56,7 +56,7 @@ def braking_of(run: RecordedRun) -> Braking | str:
 
 
 def crossing_table(wheel: str, crossings: list[JudgedCrossing], truth: list[CrossingEvent]) -> Table:
-    """Show the first crossings of the slope's sign that were found beside the truth, and count all."""
+    """Return a table of the first detected crossings beside the true ones, with the count of all."""
     shown = "" if len(crossings) <= _SHOWN_CROSSINGS else f", the first {_SHOWN_CROSSINGS} of {len(crossings)}"
     table = Table(title=f"{wheel}: crossings of the peak of the friction curve{shown}", title_justify="left")
     for heading in ("detected at [s]", "crossing", "slip at crossing", "true λ_max", "error", "delay [ms]"):
@@ -76,7 +76,7 @@ def crossing_table(wheel: str, crossings: list[JudgedCrossing], truth: list[Cros
 
 
 def _told(crossings: list[JudgedCrossing], truth: list[CrossingEvent], sign: int, word: str) -> str:
-    """Count the crossings of one sign: true, found and without a true one, with the median delay."""
+    """Count the crossings of one sign: true, detected and without a true one, with the median delay."""
     found = np.array([crossing.delay for crossing in crossings if crossing.estimate.sign == sign])
     near = found[np.isfinite(found)]
     delay = f"median delay {1e3 * np.median(near):.0f} ms" if near.size else "no delay"
@@ -85,7 +85,7 @@ def _told(crossings: list[JudgedCrossing], truth: list[CrossingEvent], sign: int
 
 
 def curve_table(run: RecordedRun) -> Table:
-    """Show the last valid friction curve of each wheel, or of the vehicle, beside the truth then."""
+    """Return a table of the last valid friction curve of each wheel, or of the vehicle, beside the truth."""
     table = Table(title="Friction curve, the last valid estimate", title_justify="left")
     table.add_column("of")
     for heading in ("first valid at [s]", "λ_max ± σ", "true", "µ_max ± σ", "true"):
@@ -108,7 +108,7 @@ def curve_table(run: RecordedRun) -> Table:
 
 
 def braking_table(braking: Braking) -> Table:
-    """Show stopping distance and adhesion utilisation."""
+    """Return a table of stopping distance and adhesion utilisation."""
     table = Table(
         title=f"Braking from {braking.initial_speed:.1f} to {braking.end_speed:.1f} m/s", title_justify="left"
     )
@@ -124,7 +124,7 @@ def braking_table(braking: Braking) -> Table:
 
 
 def slip_table(run: RecordedRun, span: tuple[float, float]) -> Table:
-    """Show the slip of all wheels through one braking.
+    """Return a table of the slip of all wheels during one braking.
 
     Args:
         run: the run.
@@ -146,7 +146,7 @@ def slip_table(run: RecordedRun, span: tuple[float, float]) -> Table:
 
 
 def validity_table(run: RecordedRun) -> Table:
-    """Show for each estimate how much of it was valid, and why the rest was not."""
+    """Return a table of the valid share of each estimate, with the reasons for the rest."""
     table = Table(title="What was estimated, and what could not be", title_justify="left")
     table.add_column("topic", no_wrap=True)
     table.add_column("messages", justify="right")

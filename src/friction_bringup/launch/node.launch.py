@@ -17,5 +17,5 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
 
 
 def generate_launch_description() -> LaunchDescription:
-    node = DeclareLaunchArgument("node", choices=list(graph.NODES), description="which one")
+    node = DeclareLaunchArgument("node", choices=list(graph.NODES), description="name of the node")
     return LaunchDescription([node, *common_arguments(), OpaqueFunction(function=_nodes)])

@@ -1,4 +1,4 @@
-"""What the monitor and the live view say of messages, ages and reasons."""
+"""Messages, ages and reasons in the monitor and the live view."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def shown(view: WheelView, now: float) -> str:
 
 @pytest.fixture
 def view() -> WheelView:
-    """Make a wheel that has said everything at t = 10 s."""
+    """Make a wheel with a message on every topic at t = 10 s."""
     messages = {
         "slip": WheelSlip(slip=0.1234, vehicle_speed=21.5, valid=True),
         "friction_slope": FrictionSlope(sign=-1, valid=True),

@@ -1,4 +1,4 @@
-"""The moment of ABS activation, as in Tables 8.4 and 8.5: the slip first exceeds a threshold."""
+"""The moment of ABS activation, when the slip first exceeds a threshold, as in Tables 8.4 and 8.5."""
 
 from math import nan
 
@@ -18,9 +18,9 @@ class ActivationMark:
     def reset(self) -> None:
         """Forget the activation."""
         self.active = False
-        """The slip has passed the threshold in this braking."""
+        """Whether the slip has passed the threshold in this braking."""
         self.at_activation = False
-        """It did so at the latest sample."""
+        """Whether it did so at the latest sample."""
         self.lambda_max = nan
         """Estimate of lambda_max at that moment [-]."""
         self._rolling_since: float | None = None

@@ -1,4 +1,4 @@
-"""Estimates of one wheel as friction_msgs/FrictionCurve, with what outlives a single estimate: restarts,
+"""Estimates of one wheel as friction_msgs/FrictionCurve, with the state that spans estimates: restarts and
 activation.
 """
 
@@ -9,7 +9,7 @@ from friction_msgs.msg import FrictionCurve
 from friction_curve_id.activation import ActivationMark
 from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
 from friction_runtime.new_message import new_message
-from friction_runtime.reason_text import of_wheel
+from friction_runtime.reason_text import set_reason
 from friction_runtime.stamps import header_at
 from vehicle_models.nanoseconds import NANOSECONDS
 
@@ -29,17 +29,17 @@ class CurveMessages:
         self._cause = RestartCause.NONE
 
     def restart(self) -> None:
-        """Forget the activation: what follows is another braking."""
+        """Forget the activation before another braking."""
         self._activation.reset()
 
     def message(self, stamp: int, answer: CurveEstimate | Refusal, slip: float, cause: RestartCause) -> FrictionCurve:
         """Make the message of one sample.
 
         Args:
-            stamp: of the sample [ns].
-            answer: of the estimator.
-            slip: present slip [-] from the inputs, NaN where only the estimate knows it.
-            cause: why the estimator was reset, where it says that it restarted on request.
+            stamp: stamp of the sample [ns].
+            answer: answer of the estimator.
+            slip: present slip [-] from the inputs, NaN where only the estimate has it.
+            cause: why the estimator was reset; used where the answer reports a restart on request.
         """
         if isinstance(answer, Refusal):
             estimate = _NO_ESTIMATE
@@ -61,9 +61,7 @@ class CurveMessages:
         message.abs_active = self._activation.active
         message.at_activation = self._activation.at_activation
         message.lambda_max_at_activation = self._activation.lambda_max
-        message.valid = estimate.valid
-        message.reason = int(answer.reason)
-        message.reason_text = of_wheel(self._wheel, answer.text)
+        set_reason(message, self._wheel, answer.reason, answer.text)
         return message
 
 

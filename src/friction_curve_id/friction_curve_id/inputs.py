@@ -1,4 +1,4 @@
-"""What a processor needs to know of the inputs of a method, and how messages are read."""
+"""Inputs of a method as a processor uses them, and how messages are read."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
@@ -15,17 +15,17 @@ from vehicle_models.plausible import HIGHEST_SPEED
 VEHICLE_VELOCITY = "vehicle_velocity"
 IMU = "imu/data"
 SPEED_SENSOR_GAP = 0.3
-"""vehicle_velocity is interpolated up to this distance [s], whatever max_gap: GNSS gives ten a second, or five."""
+"""vehicle_velocity is interpolated over up to this time [s], whatever max_gap is: GNSS runs at 10 or 5 Hz."""
 Reading = tuple[int, tuple[float, ...]]
-"""What a message of an aligned input says: when [ns], and its values."""
+"""Content of a message of an aligned input: time [ns] and values."""
 
 
 class CurveInputs(Protocol):
-    """A method with its inputs: one stream that it fires on, others aligned to it."""
+    """A method with its inputs: one stream that triggers estimates, others aligned to it."""
 
     @property
     def primary(self) -> str:
-        """Topic it fires on."""
+        """Topic that triggers estimates."""
         ...
 
     @property
@@ -44,32 +44,32 @@ class CurveInputs(Protocol):
         ...
 
     def read_primary(self, message: Any) -> Any:
-        """Payload of a message of the primary."""
+        """Return the payload of a message of the primary."""
         ...
 
     def read(self, topic: str, message: Any) -> Reading | str:
-        """Return what a message of an aligned input says, or why it is refused."""
+        """Return the content of a message of an aligned input, or why it is refused."""
         ...
 
     def answer(self, sample: AlignedSample[Any]) -> tuple[CurveEstimate | Refusal, float]:
-        """Answer of the estimator, and the present slip [-] from the inputs (NaN: only the estimate knows it)."""
+        """Return the estimator's answer, and the present slip [-] from the inputs (NaN: only the estimate has it)."""
         ...
 
     def reset(self) -> None:
-        """Start the estimator anew."""
+        """Reset the estimator."""
         ...
 
 
 def vehicle_velocity(message: TwistWithCovarianceStamped) -> Reading | str:
-    """Speed [m/s] and 1, or why there is none."""
+    """Return the speed [m/s] and 1, or why there is none."""
     speed = message.twist.twist.linear.x
     if not abs(speed) <= HIGHEST_SPEED:
-        return f"{VEHICLE_VELOCITY}: {speed} is no vehicle speed"
+        return f"{VEHICLE_VELOCITY}: {speed} is not a vehicle speed"
     return to_nanoseconds(message.header.stamp), (float(speed), 1.0)
 
 
 def wheel_slip(message: WheelSlip) -> Reading:
-    """Vehicle speed [m/s] and 1 (0 and 0 where unknown), slip [-] and 1 (0 and 0 where not valid)."""
+    """Return vehicle speed [m/s] and 1 (0 and 0 where unknown), slip [-] and 1 (0 and 0 where not valid)."""
     known = isfinite(message.vehicle_speed) and abs(message.vehicle_speed) <= HIGHEST_SPEED
     valid = message.valid and isfinite(message.slip)
     speed = (float(message.vehicle_speed), 1.0) if known else (0.0, 0.0)
@@ -78,6 +78,6 @@ def wheel_slip(message: WheelSlip) -> Reading:
 
 
 def known_speed(sample: AlignedSample[Any], topic: str) -> float | None:
-    """Vehicle speed [m/s] that `topic` gives at the stamp, None where it is unknown there or around it."""
+    """Return the vehicle speed [m/s] from `topic` at the stamp, None where it is unknown there or around it."""
     values = sample.values.get(topic)
     return values[0] if values is not None and values[1] == 1.0 else None

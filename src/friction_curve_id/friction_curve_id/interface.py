@@ -1,13 +1,13 @@
-"""What every estimator of the friction curve takes and returns.
+"""Inputs and outputs of every estimator of the friction curve.
 
     estimator = SomeEstimator(wheel, parameters)
     answer = estimator.update(Sample(time, wheel_speed, vehicle_speed, brake_torque))
 
 An estimator takes one sample at a time, in order of time, and answers each with a `CurveEstimate` or with a `Refusal`
-that says why there is none. A refused sample leaves the state as it was. Nothing here knows ROS.
+with the reason why there is none. A refused sample leaves the state as it was. Nothing here depends on ROS.
 
-What is not known is said in one way each: an input that is not there is None, a number that a method cannot give is
-NaN, a sample that gives no estimate at all is a `Refusal`.
+There is one convention for what is not known: a missing input is None, a number that a method cannot give is NaN, and
+a sample that gives no estimate at all is a `Refusal`.
 """
 
 from enum import IntEnum
@@ -38,7 +38,7 @@ class Reason(IntEnum):
 
 
 class RestartCause(IntEnum):
-    """Why the fit began anew; the values are those of friction_msgs/FrictionCurve."""
+    """Why the fit restarted; the values are those of friction_msgs/FrictionCurve."""
 
     NONE = 0
     SURFACE = 1
@@ -52,11 +52,11 @@ class Sample(NamedTuple):
     time: float
     """Stamp [s]."""
     wheel_speed: float
-    """omega [rad/s]."""
+    """Wheel speed omega [rad/s]."""
     vehicle_speed: float | None
-    """v [m/s], None where there is no measurement."""
+    """Vehicle speed v [m/s], None where there is no measurement."""
     brake_torque: float | None
-    """T_b [N m], >= 0 in braking, None where it is missing."""
+    """Brake torque T_b [N m], >= 0 in braking, None where it is missing."""
 
 
 class Refusal(NamedTuple):
@@ -67,17 +67,17 @@ class Refusal(NamedTuple):
 
 
 UNKNOWN_THETA: Array = np.full(3, nan)
-"""Theta of a method with another model, and its standard deviations."""
+"""theta of a method with another model, and its standard deviations."""
 UNKNOWN_THETA.flags.writeable = False
 
 
 class CurveEstimate(NamedTuple):
-    """A friction curve after one more sample. NaN stands for what the method cannot say."""
+    """A friction curve after one more sample. NaN stands for what the method cannot give."""
 
     samples: int
     """Samples in the present fit."""
     slip: float
-    """Present slip [-] as the method knows it."""
+    """Present slip [-] of the method."""
     lambda_max: float = nan
     """Slip at the peak [-]; NaN where the curve has no peak in (0, 1)."""
     mu_max: float = nan
@@ -87,7 +87,7 @@ class CurveEstimate(NamedTuple):
     theta: Array = UNKNOWN_THETA
     """Burckhardt parameters of (2.13), shape (3,)."""
     theta_stddev: Array = UNKNOWN_THETA
-    """Shape (3,)."""
+    """Standard deviations of theta [-], shape (3,)."""
     mu: float = nan
     """Friction coefficient of the fitted curve at the present slip [-]."""
     slope: float = nan
@@ -96,7 +96,7 @@ class CurveEstimate(NamedTuple):
     probability_beyond_peak: float = nan
     """Probability that the present slip is beyond the peak, 0..1."""
     restart_cause: RestartCause = RestartCause.NONE
-    """Why this sample began the fit anew, NONE where it did not."""
+    """Why the fit restarted at this sample, NONE where it did not."""
     reason: Reason = Reason.TOO_FEW_SAMPLES
     """Why lambda_max and mu_max may not be used, OK where they may."""
     text: str = ""
@@ -104,12 +104,12 @@ class CurveEstimate(NamedTuple):
 
     @property
     def valid(self) -> bool:
-        """May lambda_max and mu_max be used?"""
+        """Whether lambda_max and mu_max may be used."""
         return self.reason is Reason.OK
 
     @property
     def restarted(self) -> bool:
-        """Did this sample begin the fit anew?"""
+        """Whether the fit restarted at this sample."""
         return self.restart_cause is not RestartCause.NONE
 
 
@@ -121,5 +121,5 @@ class CurveEstimator(Protocol):
         ...
 
     def reset(self) -> None:
-        """Forget everything; the next estimate says that it restarted on request."""
+        """Forget everything; the next estimate reports a restart on request."""
         ...

@@ -18,7 +18,7 @@ class MeasurementNoise:
     )
     torque_variance: float = parameter(
         10.0,
-        "variance of the brake torque; what the model of the wheel leaves out counts here too",
+        "variance of the brake torque, including errors of the wheel model",
         unit="N^2 m^2",
         minimum=1e-4,
         maximum=1e6,

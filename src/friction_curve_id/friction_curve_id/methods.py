@@ -1,4 +1,4 @@
-"""The methods by the names that messages, parameters and tables use."""
+"""The methods, by their names in messages, parameters and tables."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ METHODS: tuple[str, ...] = (DEFAULT, *CHAPTER_METHODS)
 
 @dataclass(frozen=True)
 class ChapterParameters(StartParameters):
-    """When a fit of the chapter's methods begins, and to which samples it is made."""
+    """When a fit of the chapter's methods begins, and which samples it uses."""
 
     friction_source: str = parameter(
         FrictionSource.DEAD_RECKONED.value,
@@ -61,10 +61,10 @@ def make_estimator(
 
     Args:
         name: one of METHODS.
-        wheel: the wheel with what rests on it.
+        wheel: the wheel and its share of the car.
         gate: which samples are admitted.
-        noise: of the sensors.
-        source: how a method of the chapter makes its friction samples; the default method makes none.
+        noise: noise of the sensors.
+        source: how a method of the chapter makes its friction samples; the default method uses none.
         start: when the fit of a method of the chapter begins.
 
     Raises:

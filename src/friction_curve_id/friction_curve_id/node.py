@@ -1,4 +1,4 @@
-"""Node friction_curve_id: the processors on their topics."""
+"""Node friction_curve_id: its processors behind ROS topics."""
 
 from collections.abc import Sequence
 

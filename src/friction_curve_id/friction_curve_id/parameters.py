@@ -23,7 +23,7 @@ SLIP, VEHICLE_VELOCITY, NO_SPEED = "slip", "vehicle_velocity", "none"
 
 @dataclass(frozen=True)
 class FrictionCurveParameters:
-    """All of them; the car is the vehicle file's."""
+    """All of them, with unit and range; the car is in the vehicle file."""
 
     vehicle_file: str = vehicle_file_parameter()
     method: str = parameter(DEFAULT, "how the curve is identified", choices=(*METHODS, VEHICLE, TYRE_FORCE))
@@ -67,7 +67,7 @@ class FrictionCurveParameters:
     }
 
     def __post_init__(self) -> None:
-        """Refuse what cannot work."""
+        """Refuse combinations that cannot work."""
         if self.method == VEHICLE and self.speed_source == NO_SPEED:
             raise ValueError("parameter 'speed_source' = 'none' does not serve the method 'vehicle'")
 
@@ -79,7 +79,7 @@ class FrictionCurveParameters:
 
 SHIPPED: Mapping[str, ShippedFile] = {
     "friction_curve_id": ShippedFile(
-        "A change of any but vehicle_file is live, and starts the fits anew.",
+        "All parameters but vehicle_file may be changed live; the fits then start again.",
         FrictionCurveParameters(),
     )
 }

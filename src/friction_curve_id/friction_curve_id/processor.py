@@ -1,4 +1,4 @@
-"""Messages in, <wheel>/friction_curve out: one processor a wheel, or one for the vehicle."""
+"""Messages in, <wheel>/friction_curve out: one processor per wheel, or one for the vehicle."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -22,7 +22,7 @@ from vehicle_models.vehicle import Vehicle
 _QUIET = (Reason.OK, Reason.TOO_FEW_SAMPLES, Reason.PEAK_NOT_PASSED, Reason.LOW_SPEED, Reason.NO_EXCITATION)
 """Reasons that belong to ordinary driving."""
 _BROKEN = (Reason.NO_SLIP, Reason.NO_TORQUE, Reason.NO_ACCELERATION)
-"""Reasons that no wait cures."""
+"""Reasons that do not go away by waiting."""
 
 
 class CurveProcessor(AlignedProcessor[Any]):
@@ -36,7 +36,7 @@ class CurveProcessor(AlignedProcessor[Any]):
         parameters: FrictionCurveParameters,
         report: Report = silent,
     ) -> None:
-        """Publish the curve of `name` (a wheel, or 'vehicle'); `report` takes what a person should know."""
+        """Publish the curve of `name` (a wheel, or 'vehicle'); `report` is the log function."""
         super().__init__(name, Primary(inputs.primary, name, report), inputs.aligned, parameters.deadline)
         self._inputs = inputs
         self._topic = f"{name}/friction_curve"

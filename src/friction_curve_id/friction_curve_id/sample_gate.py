@@ -12,7 +12,7 @@ _REPEATED = 1e-4
 
 
 class Admission(Enum):
-    """How an admitted sample follows those before it."""
+    """How an admitted sample follows the ones before it."""
 
     FIRST = "first"
     NEXT = "next"
@@ -21,7 +21,7 @@ class Admission(Enum):
 
 @dataclass(frozen=True)
 class GateParameters:
-    """Limits of what may enter a fit."""
+    """Limits for samples that may enter a fit."""
 
     minimum_speed: float = shared.minimum_speed(3.0)
     max_gap: float = shared.max_gap(0.025)
@@ -46,7 +46,7 @@ class SampleGate:
         self._waiting: float | None = None
 
     def admit(self, sample: Sample) -> Admission | Refusal:
-        """Say how `sample` follows the admitted ones, or why it must not enter."""
+        """Return how `sample` follows the admitted ones, or why it must not enter."""
         refusal = self._refuse_values(sample)
         if refusal is not None:
             return refusal

@@ -1,4 +1,4 @@
-"""Inputs of the method that takes the forces of a smart tyre."""
+"""Inputs of the method that uses the forces of a smart tyre."""
 
 from collections.abc import Mapping
 from math import nan
@@ -15,7 +15,7 @@ from friction_runtime.reason_text import of_topic
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _SLIP_GAP = 0.1
-"""Slip is not interpolated across more than this [s], though forces may come a second apart."""
+"""Longest time over which slip is interpolated [s], though forces may come a second apart."""
 
 
 class TyreForceInputs:
@@ -35,11 +35,11 @@ class TyreForceInputs:
         return message
 
     def read(self, topic: str, message: Any) -> Reading | str:
-        """Return what <wheel>/slip holds."""
+        """Return the content of <wheel>/slip."""
         return wheel_slip(message)
 
     def answer(self, sample: AlignedSample[TyreForce]) -> tuple[CurveEstimate | Refusal, float]:
-        """Answer of the fit, and the slip of <wheel>/slip."""
+        """Return the answer of the fit, and the slip of <wheel>/slip."""
         values, force = sample.values.get(self._slip), sample.payload
         if values is None or values[3] != 1.0:
             return Refusal(Reason.NO_SLIP, sample.missing.get(self._slip, f"{self._slip}: not valid")), nan
@@ -49,5 +49,5 @@ class TyreForceInputs:
         return self._fitting.update(TyreForceSample(sample.stamp / NANOSECONDS, slip, force.fx, force.fz)), slip
 
     def reset(self) -> None:
-        """Start the fit anew."""
+        """Reset the fit."""
         self._fitting.reset()

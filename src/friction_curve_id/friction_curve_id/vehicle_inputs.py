@@ -30,10 +30,10 @@ from vehicle_models.vehicle import Vehicle
 
 
 class VehicleInputs:
-    """CurveInputs of the vehicle: fires on wheel_states."""
+    """CurveInputs of the vehicle, triggered by wheel_states."""
 
     def __init__(self, vehicle: Vehicle, parameters: FrictionCurveParameters, report: Report) -> None:
-        """Fit one curve for all wheels; `report` is told of messages that lack the speed of one."""
+        """Fit one curve for all wheels; messages that lack the speed of a wheel go to `report`."""
         self.primary = WHEEL_STATES
         self._car = vehicle
         self._wheel_speeds = WheelSpeeds(vehicle, vehicle.wheel_names, report)
@@ -54,14 +54,14 @@ class VehicleInputs:
         return self._wheel_speeds.read(message)
 
     def read(self, topic: str, message: Any) -> Reading | str:
-        """Acceleration [m/s^2], or what the speed's topic holds."""
+        """Return the acceleration [m/s^2], or the content of the speed's topic."""
         if topic == IMU:
             acceleration = self._car.accelerometer.forward(message.linear_acceleration)
             return to_nanoseconds(message.header.stamp), (acceleration,)
         return vehicle_velocity(message) if topic == VEHICLE_VELOCITY else wheel_slip(message)
 
     def answer(self, sample: AlignedSample[tuple[float, ...]]) -> tuple[CurveEstimate | Refusal, float]:
-        """Answer of the fit; the slip is the estimate's, the mean of all wheels by load."""
+        """Return the answer of the fit and NaN: the slip is in the estimate, the load-weighted mean of all wheels."""
         if not all(isfinite(speed) for speed in sample.payload):
             named = dict(zip(self._car.wheel_names, sample.payload, strict=True))
             missing = ", ".join(wheel for wheel, speed in named.items() if not isfinite(speed))
@@ -76,5 +76,5 @@ class VehicleInputs:
         return self._fit.update(taken), nan
 
     def reset(self) -> None:
-        """Start the fit anew."""
+        """Reset the fit."""
         self._fit.reset()

@@ -1,4 +1,4 @@
-"""Inputs of the methods that take wheel speed, brake torque and vehicle speed."""
+"""Inputs of the methods that use wheel speed, brake torque and vehicle speed."""
 
 from collections.abc import Mapping
 from math import nan
@@ -31,7 +31,7 @@ class WheelInputs:
     """CurveInputs of one wheel: fires on wheel_states."""
 
     def __init__(self, wheel: str, vehicle: Vehicle, parameters: FrictionCurveParameters, report: Report) -> None:
-        """Identify the curve of `wheel`; `report` is told of messages without its speed."""
+        """Identify the curve of `wheel`; messages without its speed go to `report`."""
         max_gap = parameters.gate.max_gap
         self.primary = WHEEL_STATES
         self._wheel_speeds = WheelSpeeds(vehicle, (wheel,), report)
@@ -58,14 +58,14 @@ class WheelInputs:
         return speed
 
     def read(self, topic: str, message: Any) -> Reading | str:
-        """Brake torque [N m], or what the speed's topic holds."""
+        """Return the brake torque [N m], or the content of the speed's topic."""
         if topic == self._pressure:
             reading = self._brake_torque.read(message)
             return reading if isinstance(reading, str) else (reading[0], (reading[1],))
         return wheel_slip(message) if topic == self._slip else vehicle_velocity(message)
 
     def answer(self, sample: AlignedSample[float]) -> tuple[CurveEstimate | Refusal, float]:
-        """Answer of the estimator, and the slip of <wheel>/slip."""
+        """Return the answer of the estimator, and the slip of <wheel>/slip."""
         values = sample.values.get(self._slip)
         slip = values[2] if values is not None and values[3] == 1.0 else nan
         torque = sample.values.get(self._pressure)
@@ -75,5 +75,5 @@ class WheelInputs:
         return self._estimator.update(Sample(sample.stamp / NANOSECONDS, sample.payload, speed, torque[0])), slip
 
     def reset(self) -> None:
-        """Start the estimator anew."""
+        """Reset the estimator."""
         self._estimator.reset()

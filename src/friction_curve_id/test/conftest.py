@@ -1,4 +1,4 @@
-"""What the tests brake with: manoeuvre B of the evaluation protocol on one surface, noise-free or with the
+"""Braking for the tests: manoeuvre B of the evaluation protocol on one surface, noise-free or with the
 chapter's noise."""
 
 from collections.abc import Callable, Sequence

@@ -190,7 +190,7 @@ def test_reset_begins_anew_on_request(noisy: Brake) -> None:
 
 
 def disturbed(sample: Sample, signals: str) -> Sample:
-    """Off by ten times the noise in wheel speed, speed and torque, as `signals` says."""
+    """Errors of ten times the noise in wheel speed, speed and torque, as chosen by `signals`."""
     assert sample.vehicle_speed is not None and sample.brake_torque is not None
     return Sample(
         sample.time,

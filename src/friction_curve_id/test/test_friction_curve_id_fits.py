@@ -64,7 +64,7 @@ def test_initialisation_finds_a_curve_with_the_chapter_s_theta_3(theta_2: float)
     found = initial_theta(slips, burckhardt.friction(theta, slips))
     assert found[2] == 0.4
     assert burckhardt.slope(found, 0.0) == pytest.approx(burckhardt.slope(theta, 0.0), rel=0.1)
-    # So few and small slips hardly tell the bend: th2 stays near the usual 30, on the side of the truth.
+    # So few and small slips hardly determine the bend: th2 stays near the usual 30, on the side of the truth.
     assert min(theta_2, 30.0) <= found[1] <= max(theta_2, 30.0)
 
 

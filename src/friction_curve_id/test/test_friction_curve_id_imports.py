@@ -25,9 +25,9 @@ LAYER_1: dict[str, set[str]] = {
     **{room: INTERFACE | {"curve", room} for room in METHODS},
     **{module: INTERFACE | {"curve"} | METHODS | CHOICE for module in CHOICE},
 }
-"""What a place (a room, or a module beside the rooms) may import of the package, where it may not know ROS."""
+"""Allowed imports, within the package, of a subpackage or a module beside them that must not depend on ROS."""
 PACKAGES = {"friction_curve_id", "friction_parameters", "vehicle_models", "numpy", "scipy", *sys.stdlib_module_names}
-"""What it may import at all: no message, and not friction_runtime, which knows ROS."""
+"""All its allowed imports: no message, and not friction_runtime, which depends on ROS."""
 
 
 def place(module: str) -> str:

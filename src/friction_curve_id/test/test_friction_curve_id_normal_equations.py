@@ -1,4 +1,4 @@
-"""The normal equations of the default estimator against residuals written down anew, and their finite differences."""
+"""The normal equations of the default estimator against independent residuals and their finite differences."""
 
 import numpy as np
 import pytest

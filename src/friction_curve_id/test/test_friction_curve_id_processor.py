@@ -369,7 +369,7 @@ def test_an_old_name_is_refused_with_the_new_place(name: str) -> None:
     with pytest.raises(ParameterError) as refusal:
         from_mapping(FrictionCurveParameters, {name: 1.0})
     before, _, place = str(refusal.value).partition(": it ")
-    assert before == f"parameter '{name}' is no more"
+    assert before == f"parameter '{name}' no longer exists"
     named = set(place.split("'")[1::2])
     assert named and ("vehicle file" in place or named <= set(declared(FrictionCurveParameters)))
 

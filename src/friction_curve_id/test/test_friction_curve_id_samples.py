@@ -76,7 +76,7 @@ def test_dead_reckoned_slip_scatters_fifteen_times_less_than_measured_slip(clean
 
 
 def test_dead_reckoning_conserves_momentum_of_vehicle_and_wheel() -> None:
-    """What the brake takes is gone from m v + (J / r) omega, whatever the tyre does in between."""
+    """m v + (J / r) omega falls by the impulse of the brake, whatever the tyre does in between."""
     reckoned = DeadReckonedSpeed(WHEEL)
     assert reckoned.start(100.0, None, 0.0) == pytest.approx(30.0)
     speed = reckoned.advance(0.1, -20.0, 500.0, 80.0, None)

@@ -1,4 +1,4 @@
-"""The judge of validity: every reason by itself, and in which order they go."""
+"""Limits of validity: every reason by itself, and their order."""
 
 from math import nan
 

@@ -1,4 +1,4 @@
-"""Whole-vehicle mode: recovers a curve from deceleration and slips, knows what it does not know, survives garbage."""
+"""Whole-vehicle mode: recovers a curve from deceleration and slips, gives honest uncertainties, survives garbage."""
 
 import math
 from dataclasses import replace

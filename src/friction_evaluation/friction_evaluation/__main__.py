@@ -1,20 +1,24 @@
-"""Command line: ``python -m friction_evaluation PART --json FILE``."""
+"""Command line: ``python -m friction_evaluation PART --json FILE --page FILE``."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from friction_evaluation.parts import PARTS, JudgingPart, Row, part, plain
+from friction_evaluation.markdown_page import page
+from friction_evaluation.parts import PARTS, JudgingPart, part
+from friction_evaluation.rows import Row, as_text, columns, plain
 from friction_parameters.parameter import ParameterError
+
+_PROGRAM = "python -m friction_evaluation"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -23,14 +27,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         Exit code: 1 where the part judges its rows and they fail, 2 where a parameter or a vehicle file is bad, else 0.
     """
-    parser = argparse.ArgumentParser(prog="python -m friction_evaluation", description=__doc__)
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    parser = argparse.ArgumentParser(prog=_PROGRAM, description=__doc__)
     parser.add_argument("part", choices=PARTS, help="; ".join(f"{name}: {text}" for name, text in PARTS.items()))
-    name = parser.parse_args(list(arguments if arguments is not None else sys.argv[1:])[:1]).part
+    name = parser.parse_args(given[:1]).part
     chosen = part(name)
-    own = argparse.ArgumentParser(prog=f"python -m friction_evaluation {name}", description=PARTS[name])
-    own.add_argument("--json", type=Path, help="write the rows to this file")
+    files = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    files.add_argument("--json", type=Path, help="write the rows to this file")
+    files.add_argument("--page", type=Path, help="write the rows as a page of Markdown to this file")
+    own = argparse.ArgumentParser(prog=f"{_PROGRAM} {name}", description=PARTS[name], parents=[files])
     chosen.add_arguments(own)
-    options = own.parse_args(list(arguments if arguments is not None else sys.argv[1:])[1:])
+    options = own.parse_args(given[1:])
     try:
         rows = list(chosen.run(options))
     except ParameterError as error:
@@ -39,28 +46,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print_rows(PARTS[name], rows)
     judge = chosen if isinstance(chosen, JudgingPart) else None
     if options.json is not None:
-        options.json.parent.mkdir(parents=True, exist_ok=True)
         written = [plain(row) for row in rows]
-        text = json.dumps({"rows": written} if judge is not None else written, indent=1)
-        options.json.write_text(text + "\n", encoding="utf-8")
+        _write(options.json, json.dumps({"rows": written} if judge is not None else written, indent=1) + "\n")
+    if options.page is not None:
+        # The paths of the results are no part of the command that repeats them.
+        _, repeated = files.parse_known_args(given[1:])
+        _write(options.page, page(f"Results: {name}", PARTS[name], f"{_PROGRAM} {shlex.join([name, *repeated])}", rows))
     return int(judge is not None and judge.failed(rows))
+
+
+def _write(file: Path, text: str) -> None:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text, encoding="utf-8")
 
 
 def print_rows(title: str, rows: Sequence[Row]) -> None:
     """Print flat rows as a table; every row may have its own columns."""
-    columns = list(dict.fromkeys(name for row in rows for name in row))
+    names = columns(rows)
     table = Table(title=title)
-    for name in columns:
+    for name in names:
         table.add_column(escape(name), overflow="fold")
     for row in rows:
-        table.add_row(*(_text(row.get(name, "")) for name in columns))
+        table.add_row(*(escape(as_text(row.get(name, ""))) for name in names))
     # Wide enough that no column is cut where the output goes to a file.
     console = Console()
     (console if console.is_terminal else Console(width=240)).print(table)
-
-
-def _text(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else escape(str(value))
 
 
 if __name__ == "__main__":

@@ -8,18 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction_evaluation.protocol_corner import CORNER
+from friction_evaluation.protocol import CORNER, DT, SPEED
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import CHAPTER_NOISE, SensorNoise
+from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.single_corner import CornerParameters, SingleCorner
 
 Array = NDArray[np.float64]
 
-INTERVAL = 0.005
-"""Sample time [s]."""
 SAMPLES = 100
-SPEED = 30.0
-"""At the start, rolling freely [m/s]."""
 RAMP_TIMES = {"A": 0.5, "B": 0.25, "C": 0.1}
 """Duration of the torque ramp [s]."""
 _FINAL_SLIP = 1.5
@@ -46,16 +42,20 @@ class Truth:
     slip: Array
     """[-]"""
 
-    def noisy(
-        self, run: int, generator: np.random.Generator, noise: SensorNoise = CHAPTER_NOISE
-    ) -> tuple[Array, Array, Array]:
+    def noisy(self, run: int, generator: np.random.Generator) -> tuple[Array, Array, Array]:
         """Measured (wheel speed, speed, torque) of manoeuvre number `run` with white noise, shapes (samples,)."""
-        size = len(self.time)
-        return (
-            self.wheel_speed[run] + generator.normal(0.0, noise.wheel_speed_variance**0.5, size),
-            self.speed[run] + generator.normal(0.0, noise.speed_variance**0.5, size),
-            self.torque[run] + generator.normal(0.0, noise.torque_variance**0.5, size),
-        )
+        return noisy((self.wheel_speed[run], self.speed[run], self.torque[run]), generator)
+
+
+def noisy(signals: tuple[Array, Array, Array], generator: np.random.Generator) -> tuple[Array, Array, Array]:
+    """Measured (wheel speed, speed, torque) with white noise, from the true ones, shapes (samples,)."""
+    wheel_speed, speed, torque = signals
+    noise = CHAPTER_NOISE
+    return (
+        wheel_speed + generator.normal(0.0, noise.wheel_speed_variance**0.5, wheel_speed.size),
+        speed + generator.normal(0.0, noise.speed_variance**0.5, speed.size),
+        torque + generator.normal(0.0, noise.torque_variance**0.5, torque.size),
+    )
 
 
 def brake_torque(manoeuvre: str, level: ArrayLike, time: ArrayLike) -> Array:
@@ -87,13 +87,13 @@ def braking(manoeuvre: str, theta: ArrayLike, corner: CornerParameters = CORNER)
 
 
 def _drive(manoeuvre: str, level: Array, theta: Array, corner: CornerParameters) -> Truth:
-    time: Array = np.arange(SAMPLES, dtype=np.float64) * INTERVAL
+    time: Array = np.arange(SAMPLES, dtype=np.float64) * DT
     torque = brake_torque(manoeuvre, level, time)
     plant = SingleCorner(corner, np.full(len(theta), SPEED))
     states = []
     for k in range(SAMPLES):
         states.append((plant.wheel_speed, plant.speed, plant.slip))
         if k < SAMPLES - 1:
-            plant.step(torque[:, k], torque[:, k + 1], theta, INTERVAL)
+            plant.step(torque[:, k], torque[:, k + 1], theta, DT)
     history: Array = np.moveaxis(np.array(states, dtype=np.float64), 0, -1)
     return Truth(theta, time, history[0], history[1], torque, history[2])

@@ -1,15 +1,16 @@
-"""The parts of the evaluation, by name. Each is a module with `add_arguments(parser)` and `run(options) -> rows`."""
+"""The parts of the evaluation, by name.
+
+Each is a subpackage whose module `part` has `add_arguments(parser)` and `run(options) -> rows`.
+"""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
 from importlib import import_module
-from math import isfinite
-from typing import Any, Protocol, cast, runtime_checkable
+from typing import Protocol, cast, runtime_checkable
 
-Row = dict[str, Any]
-"""One flat row of a result: names and numbers or texts."""
+from friction_evaluation.rows import Row
 
 PARTS = {
     "slope": "delay, false alarms and slip at detection of the slope sign, both methods, all surfaces",
@@ -25,20 +26,8 @@ PARTS = {
 }
 """Names and one-line descriptions."""
 
-_MODULES = {"abs": "abs_loop"}
-"""Modules whose name differs from the part's."""
-
-
-def plain(row: Row) -> Row:
-    """JSON has no NaN and no infinity: they become null and the text "inf"."""
-    found: Row = {}
-    for name, value in row.items():
-        if hasattr(value, "item"):
-            value = value.item()
-        if isinstance(value, float) and not isfinite(value):
-            value = None if value != value else ("inf" if value > 0 else "-inf")
-        found[name] = value
-    return found
+_SUBPACKAGES = {"abs": "closed_loop"}
+"""Subpackages whose name differs from the part's."""
 
 
 class Part(Protocol):
@@ -60,5 +49,5 @@ class JudgingPart(Part, Protocol):
 
 
 def part(name: str) -> Part:
-    """Import a part when it is asked for: some need the middleware, some only numpy."""
-    return cast(Part, import_module(f"friction_evaluation.{_MODULES.get(name, name)}"))
+    """Import a part when it is needed: some need the middleware, some only numpy."""
+    return cast(Part, import_module(f"friction_evaluation.{_SUBPACKAGES.get(name, name)}.part"))

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_evaluation.abs_loop import END_SPEED, Parameters, shipped, stops
+from friction_evaluation.closed_loop.controller import Parameters, shipped
+from friction_evaluation.closed_loop.stops import END_SPEED, stops
 from friction_evaluation.parts import part
-from friction_evaluation.protocol_corner import CAR, CORNER, VEHICLE
-from friction_evaluation.slope_runs import SPEED
+from friction_evaluation.protocol import CAR, CORNER, SPEED, VEHICLE
 from friction_parameters.values import changed
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
@@ -51,7 +51,7 @@ def test_supervisor_that_never_releases_locks_the_wheel_and_it_is_noticed(parame
 
 
 def test_the_corner_is_that_of_the_vehicle_whatever_its_joints_are_called(parameters: Parameters) -> None:
-    """The distance does not know a name, and a heavy wheel of little inertia at the same friction stops as soon."""
+    """Names do not matter, and a heavy wheel of little inertia stops as soon at the same friction."""
     (wheel,) = CAR.wheels
     renamed = replace(CAR, wheels=(replace(wheel, name="FL", joint="car::wheel_fl"),))
     alike, other = (
@@ -73,7 +73,7 @@ def test_runs_do_not_depend_on_their_neighbours_and_repeat(parameters: Parameter
     assert together.transitions[2] == alone.transitions[0]
 
 
-def test_every_run_that_ends_is_told_once(parameters: Parameters) -> None:
+def test_every_run_that_ends_is_reported_once(parameters: Parameters) -> None:
     ended: list[int] = []
     stops("dry", range(3), CHAPTER_NOISE, parameters, ended.append)
     assert sum(ended) == 3

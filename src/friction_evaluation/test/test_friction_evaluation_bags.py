@@ -8,8 +8,8 @@ from std_msgs.msg import Header, String
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import decode, encode, installed_topic
-from friction_evaluation.bag_libraries import library_seconds
-from friction_evaluation.bags import _write
+from friction_evaluation.bags.libraries import library_seconds
+from friction_evaluation.bags.part import _write
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 
 

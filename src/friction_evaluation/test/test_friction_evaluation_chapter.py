@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from friction_curve_id.methods import METHODS
-from friction_evaluation.identification_chapter import chapter_tables
-from friction_evaluation.identification_figures import figures
-from friction_evaluation.parts import Row
+from friction_evaluation.identification.chapter_tables import chapter_tables
+from friction_evaluation.identification.figures import figures
+from friction_evaluation.rows import Row
 from vehicle_models.surfaces import TABLE_8_1
 
 

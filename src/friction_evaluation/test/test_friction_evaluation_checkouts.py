@@ -17,7 +17,7 @@ from std_msgs.msg import Header
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import encode, installed_topic
 from friction_evaluation.__main__ import main
-from friction_evaluation.bag_differences import TopicDifference, bag_differences
+from friction_evaluation.checkouts.bag_differences import TopicDifference, bag_differences
 from friction_runtime.stamps import from_nanoseconds
 
 SLIP, SLOPE = "/front_left/slip", "/front_left/friction_slope"
@@ -145,21 +145,22 @@ def test_a_sequence_of_another_length_counts(tmp_path: Path) -> None:
     assert bag_differences(*bags)["slip"].fields == {"theta": 1}
 
 
-def checkout(directory: Path, says: float | None, script: str = "") -> Path:
-    """Make a checkout whose `process` always says the same, or nothing."""
-    write(directory / "said", {SLIP: [] if says is None else [slip(STAMPS[0], slip=says)]})
+def checkout(directory: Path, slip_of: float | None, script: str = "") -> Path:
+    """Make a checkout whose `process` always writes the same estimate, or none."""
+    estimates = [] if slip_of is None else [slip(STAMPS[0], slip=slip_of)]
+    write(directory / "estimates", {SLIP: estimates})
     write(directory / "bags" / "dry", {SLIP: [slip(STAMPS[0])]})
     run = directory / "tools" / "run.bash"
     run.parent.mkdir()
     # python -m friction_bags process BAG --out OUT ...
-    run.write_text(f'#!/usr/bin/env bash\n{script}\n[[ $4 = process ]] && cp -r "$(dirname "$0")/../said" "$7"\n')
+    run.write_text(f'#!/usr/bin/env bash\n{script}\n[[ $4 = process ]] && cp -r "$(dirname "$0")/../estimates" "$7"\n')
     run.chmod(0o755)
     return directory
 
 
-@pytest.mark.parametrize(("says", "code"), [(0.1, 0), (0.2, 1)])
-def test_exit_code_and_rows_tell_whether_two_checkouts_say_the_same(tmp_path: Path, says: float, code: int) -> None:
-    before, after = checkout(tmp_path / "before", 0.1), checkout(tmp_path / "after", says)
+@pytest.mark.parametrize(("slip_after", "code"), [(0.1, 0), (0.2, 1)])
+def test_exit_code_and_rows_show_whether_two_checkouts_agree(tmp_path: Path, slip_after: float, code: int) -> None:
+    before, after = checkout(tmp_path / "before", 0.1), checkout(tmp_path / "after", slip_after)
     file = tmp_path / "rows.json"
     arguments = ["checkouts", "--before", str(before), "--after", str(after), "--json", str(file)]
     assert main(arguments) == code
@@ -169,7 +170,7 @@ def test_exit_code_and_rows_tell_whether_two_checkouts_say_the_same(tmp_path: Pa
     assert row["fields_that_differ"] == ("slip (1)" if code else "")
 
 
-def test_a_bag_about_which_neither_says_anything_has_a_row_too(tmp_path: Path) -> None:
+def test_a_bag_without_estimates_has_a_row_too(tmp_path: Path) -> None:
     silent = [checkout(tmp_path / name, None) for name in ("before", "after")]
     file = tmp_path / "rows.json"
     assert main(["checkouts", "--before", str(silent[0]), "--after", str(silent[1]), "--json", str(file)]) == 0
@@ -177,7 +178,7 @@ def test_a_bag_about_which_neither_says_anything_has_a_row_too(tmp_path: Path) -
     assert (row["bag"], row["topic"], row["differs"]) == ("dry", "none", False)
 
 
-def test_a_checkout_that_fails_or_is_none_ends_the_command_with_code_2_and_its_words(
+def test_a_checkout_that_fails_or_is_none_ends_the_command_with_code_2_and_its_output(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     good = checkout(tmp_path / "good", 0.1)
@@ -205,7 +206,7 @@ def test_each_checkout_runs_without_what_another_put_into_the_environment(
     assert (tmp_path / "seen").read_text().splitlines() == [str(tmp_path / "outside")] * 2
 
 
-def test_both_are_given_the_parameter_files_and_the_supervisor_commands_unless_they_say_otherwise(
+def test_both_are_given_the_parameter_files_and_the_supervisor_commands_by_default(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     script = (

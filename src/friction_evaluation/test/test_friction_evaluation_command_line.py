@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from friction_evaluation import __main__ as command_line
-from friction_evaluation.parts import PARTS, Row, part
+from friction_evaluation.parts import PARTS, part
+from friction_evaluation.rows import Row
 
 
 def test_rows_are_printed_and_written_as_strict_json(
@@ -33,6 +34,26 @@ def test_rows_are_printed_and_written_as_strict_json(
         {"surface": "snow", "delay_ms": "inf", "bias": None},
     ]
     assert "delay_ms" in capsys.readouterr().out
+
+
+def test_the_page_names_the_command_that_repeats_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def add_arguments(parser: argparse.ArgumentParser) -> None:
+        parser.add_argument("--seeds", type=int)
+        parser.add_argument("--surfaces", nargs="+")
+        parser.add_argument("--no-imu", action="store_true")
+
+    def run(options: argparse.Namespace) -> Sequence[Row]:
+        return [{"surface": name, "runs": options.seeds} for name in options.surfaces]
+
+    monkeypatch.setattr(command_line, "part", lambda _name: SimpleNamespace(add_arguments=add_arguments, run=run))
+    file = tmp_path / "new" / "slope.md"
+    chosen = ["slope", "--seeds", "3", "--page", str(file), "--surfaces", "dry", "deep snow", f"--json={file}.json"]
+    assert command_line.main([*chosen, "--no-imu"]) == 0
+    text = file.read_text(encoding="utf-8")
+    assert text.startswith(f"# Results: slope\n\nD{PARTS['slope'][1:]}.\n\n")
+    assert "\n    python -m friction_evaluation slope --seeds 3 --surfaces dry 'deep snow' --no-imu\n" in text
+    assert "| deep snow |" in text
+    assert str(tmp_path) not in text
 
 
 def test_unknown_part_is_refused_with_the_known_ones(capsys: pytest.CaptureFixture[str]) -> None:

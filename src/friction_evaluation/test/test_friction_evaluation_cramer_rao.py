@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from friction_evaluation import cramer_rao, manoeuvres
-from friction_evaluation.protocol_corner import CORNER
+from friction_evaluation import manoeuvres
+from friction_evaluation.identification import cramer_rao
+from friction_evaluation.protocol import CORNER, DT, SPEED
 from vehicle_models import burckhardt
 from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import SURFACES, TABLE_8_1
@@ -22,7 +23,7 @@ def braking_b() -> manoeuvres.Truth:
 
 @pytest.fixture(scope="module")
 def found(braking_b: manoeuvres.Truth) -> cramer_rao.Sensitivities:
-    return cramer_rao.sensitivities(ROADS, braking_b.torque, manoeuvres.INTERVAL, manoeuvres.SPEED)
+    return cramer_rao.sensitivities(ROADS, braking_b.torque, DT, SPEED)
 
 
 def test_manoeuvre_b_holds_the_torques_of_the_protocol(braking_b: manoeuvres.Truth) -> None:
@@ -61,7 +62,7 @@ def test_sensitivities_are_the_finite_differences_of_the_motion(found: cramer_ra
         for k in range(manoeuvres.SAMPLES):
             states.append((plant.wheel_speed[0], plant.speed[0]))
             if k < manoeuvres.SAMPLES - 1:
-                plant.step(brake[k : k + 1], brake[k + 1 : k + 2], theta, manoeuvres.INTERVAL)
+                plant.step(brake[k : k + 1], brake[k + 1 : k + 2], theta, DT)
         return np.array(states)
 
     for index in range(3):

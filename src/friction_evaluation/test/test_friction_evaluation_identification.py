@@ -7,11 +7,11 @@ import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
-from friction_evaluation import identification
-from friction_evaluation.identification_runs import SERIES, Batch, Traces, measured
-from friction_evaluation.identification_statistics import alarm_row, coverage, kept_from, peak_row
-from friction_evaluation.identification_studies import draw_curves, roads, seeds_of
-from friction_evaluation.identification_surface_change import drive
+from friction_evaluation.identification import part as identification
+from friction_evaluation.identification.runs import SERIES, Batch, Traces, measured
+from friction_evaluation.identification.statistics import alarm_row, coverage, kept_from, peak_row
+from friction_evaluation.identification.studies import draw_curves, roads, seeds_of
+from friction_evaluation.identification.surface_change import drive
 from friction_evaluation.manoeuvres import SAMPLES, braking
 from vehicle_models import burckhardt
 
@@ -103,15 +103,15 @@ def test_after_the_change_of_road_the_wheel_locks_unless_the_torque_is_controlle
     assert len(drive(dry, snow, controlled=True).torque) == SAMPLES + 100
 
 
-def test_the_table_has_the_columns_that_were_asked_for() -> None:
+def test_the_table_has_the_promised_columns() -> None:
     parser = argparse.ArgumentParser()
     identification.add_arguments(parser)
     rows = identification.run(parser.parse_args(["--seeds", "2", "--methods", "default", "--processes", "1"]))
-    asked = """surface method samples runs bias_pct rmse_pct median_pct p95_pct failures coverage_95 crlb_pct
+    promised = """surface method samples runs bias_pct rmse_pct median_pct p95_pct failures coverage_95 crlb_pct
                update_ms_median update_ms_p99""".split()
     assert len(rows) == 4 * 3
     for row in rows:
-        assert set(asked) <= set(row)
+        assert set(promised) <= set(row)
         assert row["runs"] == 2 and row["divergences"] == 0
     assert {row["samples"] for row in rows} == {40, 70, 100}
     bounds = [row["crlb_pct"] for row in rows if row["samples"] == 100]

@@ -5,19 +5,20 @@ from pathlib import Path
 
 import pytest
 
-from friction_evaluation import measured
-from friction_evaluation.measured_tyre_rig import tyre_rig_rows
-from friction_evaluation.parts import Row
+from friction_evaluation import measured_data
+from friction_evaluation.measured import part as measured
+from friction_evaluation.measured.tyre_rig import tyre_rig_rows
+from friction_evaluation.rows import Row
 
-DATA = measured.data_directory()
+DATA = measured_data.data_directory()
 needs_data = pytest.mark.skipif(
-    not (DATA / measured.BMW).is_file(), reason=f"measured data are absent: {DATA} (set FRICTION_DATA)"
+    not (DATA / measured_data.BMW).is_file(), reason=f"measured data are absent: {DATA} (set FRICTION_DATA)"
 )
 
 
 @needs_data
 def test_the_bmw_stop_gives_a_peak_with_an_honest_interval() -> None:
-    row = measured.vehicle_row("bmw", measured.bmw_samples(DATA / measured.BMW), measured.BMW_M8)
+    row = measured.vehicle_row("bmw", measured.bmw_samples(DATA / measured_data.BMW), measured_data.BMW_M8)
     assert row["valid"]
     assert 1.1 <= row["mu_max"] <= 1.3
     assert row["lambda_low"] <= 0.066 <= row["lambda_high"]
@@ -26,14 +27,14 @@ def test_the_bmw_stop_gives_a_peak_with_an_honest_interval() -> None:
 
 @needs_data
 def test_laps_without_strong_braking_give_no_peak() -> None:
-    row = measured.vehicle_row("iac", measured.iac_samples(DATA / measured.IAC), measured.INDY_AV21)
+    row = measured.vehicle_row("iac", measured.iac_samples(DATA / measured_data.IAC), measured_data.INDY_AV21)
     assert row["valid_estimates"] == 0
     assert not row["valid"]
 
 
 @pytest.fixture(scope="module")
 def rig() -> dict[str, Row]:
-    return {str(row["case"]): row for row in tyre_rig_rows(DATA / measured.TYRE_RIG)}
+    return {str(row["case"]): row for row in tyre_rig_rows(DATA / measured_data.TYRE_RIG)}
 
 
 @needs_data
@@ -52,5 +53,5 @@ def test_sweeps_that_end_before_the_peak_claim_none(rig: dict[str, Row]) -> None
 
 
 def test_absent_data_are_named(tmp_path: Path) -> None:
-    with pytest.raises(SystemExit, match=measured.BMW):
+    with pytest.raises(SystemExit, match=measured_data.BMW):
         measured.run(argparse.Namespace(data=tmp_path))

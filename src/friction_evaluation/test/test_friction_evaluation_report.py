@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from friction_evaluation import report, report_friction_samples
-from friction_evaluation.report_page import Picture, Section, Table, page
+from friction_evaluation.report import friction_samples
+from friction_evaluation.report import part as report
+from friction_evaluation.report.page import Picture, Section, Table, page
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
 
@@ -30,7 +31,7 @@ def test_page_holds_its_pictures_and_needs_no_network(tmp_path: Path) -> None:
 def test_friction_samples_overshoot_the_curve_but_keep_the_abscissa_of_its_peak() -> None:
     theta = surface("high_grip")
     lambda_max = float(burckhardt.peak(theta)[0])
-    slip, theory, seen = report_friction_samples.overshoot(theta)
+    slip, theory, seen = friction_samples.overshoot(theta)
     rising = slip < 0.3 * lambda_max
     assert np.all(seen[1:][rising[1:]] < theory[1:][rising[1:]])
     assert 1.05 * np.max(theory) < np.max(seen) < 1.3 * np.max(theory)

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_evaluation import slip
-from friction_evaluation.measured import BMW, data_directory
-from friction_evaluation.protocol_corner import CORNER
-from friction_evaluation.slip_stops import CAR, CRUISE, DT, Stop, stops
-from friction_evaluation.slip_tables import ACTIVATION_SLIP, LAMBDA_INIT, ROADS, Road, braking, tables
+from friction_evaluation.measured_data import BMW, data_directory
+from friction_evaluation.protocol import CORNER, DT
+from friction_evaluation.slip import part as slip
+from friction_evaluation.slip.following import follow, follow_bmw, shipped
+from friction_evaluation.slip.stops import CAR, CRUISE, Stop, stops
+from friction_evaluation.slip.tables import ACTIVATION_SLIP, LAMBDA_INIT, ROADS, Road, braking, tables
 from vehicle_models.vehicle_file import load_vehicle
 
 needs_data = pytest.mark.skipif(
@@ -29,7 +30,7 @@ def test_stop_begins_with_a_steady_cruise_and_ends_at_3_metres_a_second() -> Non
 
 @pytest.mark.parametrize("road", ["dry", "snow"])
 def test_stops_are_within_the_limits_and_far_better_than_the_best_wheel(road: str) -> None:
-    found = [slip.follow(stop) for stop in stops(road, range(1))]
+    found = [follow(stop) for stop in stops(road, range(1))]
     ours, baseline = slip._rows(road, found)
     assert ours["speed_rms"] <= ours["speed_rms_limit"]
     assert ours["slip_rms"] <= ours["slip_rms_limit"]
@@ -43,8 +44,8 @@ def test_the_order_of_the_wheels_in_the_vehicle_file_does_not_matter() -> None:
     measured = speed[:, np.newaxis] / np.array(car.radii)
     stop = Stop(400, measured, acceleration, np.zeros((600, 4)), speed, np.zeros((600, 4)))
     turned = replace(car, wheels=car.wheels[::-1])
-    found = slip.follow(stop, turned)
-    np.testing.assert_array_equal(found.slip, slip.follow(stop, car).slip)
+    found = follow(stop, turned)
+    np.testing.assert_array_equal(found.slip, follow(stop, car).slip)
     assert np.abs(found.slip[-1]).max() < 0.02
 
 
@@ -56,7 +57,7 @@ def test_a_car_that_no_engine_drives_cannot_cruise() -> None:
 @needs_data
 def test_measured_stop_is_within_the_limits_and_an_offset_does_not_matter() -> None:
     (plain, baseline), (shifted, _) = (
-        slip._rows("bmw", [slip.follow_bmw(data_directory() / BMW, offset)]) for offset in (0.0, 0.35)
+        slip._rows("bmw", [follow_bmw(data_directory() / BMW, offset)]) for offset in (0.0, 0.35)
     )
     assert plain["speed_rms"] <= 0.05
     assert plain["slip_rms"] <= 0.006
@@ -74,7 +75,7 @@ def test_manoeuvre_takes_the_chapters_samples_from_init_to_activation(road: Road
 
 
 def test_tables_with_estimated_speed_are_as_good_as_with_measured_speed() -> None:
-    rows = tables(range(1), slip.shipped())
+    rows = tables(range(1), shipped())
     default = [row for row in rows if row["method"] == "default" and row["instant"] == "end"]
     assert {row["speed"] for row in default} == {"measured", "estimated"}
     assert all(abs(row["bias_percent"]) < 6.0 and row["failures"] == 0 for row in default)

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from friction_evaluation.parts import part
-from friction_evaluation.protocol_corner import CORNER
-from friction_evaluation.slope import Detection, Settings, detect, disagreement, row, shipped_settings
-from friction_evaluation.slope_runs import DT, Run, below_the_peak, through_the_peak
+from friction_evaluation.protocol import CORNER, DT
+from friction_evaluation.slope.detection import Detection, Settings, detect, shipped_settings
+from friction_evaluation.slope.part import disagreement, row
+from friction_evaluation.slope.runs import Run, below_the_peak, through_the_peak
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
 from vehicle_models.surfaces import TABLE_8_1, surface

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from rich.progress import Progress
 
-from friction_evaluation import smart_tyre, smart_tyre_figures
-from friction_evaluation.smart_tyre_fronts import Waveform, noise_covariance
-from friction_evaluation.smart_tyre_runs import (
+from friction_evaluation.smart_tyre import figures
+from friction_evaluation.smart_tyre import part as smart_tyre
+from friction_evaluation.smart_tyre.fronts import Waveform, noise_covariance
+from friction_evaluation.smart_tyre.runs import (
     LOW,
     NOISY,
     NOMINAL,
@@ -223,6 +224,6 @@ def test_rows_name_case_axle_quantity_value_and_limit(known: Calibration, ideal:
 
 
 def test_figures_are_drawn(runs: CalibrationRuns, tmp_path: Path) -> None:
-    smart_tyre_figures.draw(tmp_path, runs)
+    figures.draw(tmp_path, runs)
     expected = {"figure_8_16.png", *(f"figure_8_{n}.png" for n in range(18, 29))}
     assert {file.name for file in tmp_path.iterdir()} == expected

@@ -14,7 +14,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 from abs_supervisor.fsm import Cause, State
-from friction_evaluation.figure_state_machine import CONDITIONS, description, draw, figure, find_transitions
+from friction_evaluation.closed_loop.state_machine_figure import CONDITIONS, description, draw, figure, find_transitions
 
 OUT = (Cause.BRAKING_OVER, Cause.FAIL_SAFE, Cause.LOW_SPEED)
 DOCUMENTED = {

@@ -1,4 +1,4 @@
-"""Parameter files and tables written from the dataclasses, so that nothing is said twice."""
+"""Parameter files and tables written from the dataclasses, so that each parameter is defined once."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -18,13 +18,13 @@ class ShippedFile:
     """A parameter file that a package ships."""
 
     heading: str
-    """What it is for; one line each."""
+    """Comment at the top of the file; may have several lines."""
     parameters: Any
-    """Its values: an instance of the node's dataclass."""
+    """Values of the file: an instance of the node's dataclass."""
 
 
 def parameter_file(node: str, shipped: ShippedFile) -> str:
-    """Text of a parameter file of a node with every parameter."""
+    """Return the text of a node's parameter file with every parameter."""
     lines = [f"# {line}" for line in shipped.heading.splitlines()]
     lines += ["# Written by `make docs` from the dataclass of the node: change it there.", f"{EVERY_NODE}/{node}:"]
     lines += [f"{_INDENT}ros__parameters:", *_lines(shipped.parameters, 2 * _INDENT)]
@@ -32,7 +32,7 @@ def parameter_file(node: str, shipped: ShippedFile) -> str:
 
 
 def parameter_table(shipped: ShippedFile) -> str:
-    """Markdown table of the parameters of a node."""
+    """Return a Markdown table of the parameters of a node."""
     lines = ["| parameter | shipped value | unit | range | |", "|---|---|---|---|---|"]
     values = values_of(shipped.parameters)
     for name, each in declared(type(shipped.parameters)).items():
@@ -45,7 +45,7 @@ def parameter_table(shipped: ShippedFile) -> str:
 
 
 def range_text(limits: Mapping[str, Any]) -> str:
-    """What values a parameter may have, in words; empty if any."""
+    """Describe the values that a parameter may have; empty if any."""
     if limits["choices"]:
         return ", ".join(limits["choices"])
     low, high = (None if limits[name] is None else _number(limits[name]) for name in ("minimum", "maximum"))
@@ -55,7 +55,7 @@ def range_text(limits: Mapping[str, Any]) -> str:
 
 
 def table_row(*cells: str) -> str:
-    """Row of a Markdown table."""
+    """Return a row of a Markdown table."""
     escaped = [re.sub(r"([|<])", r"\\\1", cell) for cell in cells]
     return f"| {' | '.join(escaped)} |"
 
@@ -72,7 +72,7 @@ def _lines(parameters: Any, indent: str) -> Iterator[str]:
             yield _commented(f"{indent}{each.name}:", only_with(each.metadata))
             yield from _lines(value, indent + _INDENT)
         else:
-            # An empty text is no choice: written, it would decide over a value given further left.
+            # An empty string is not a choice: if written, it would override a value given further left.
             unset = "# " if value == "" else ""
             yield _commented(f"{indent}{unset}{each.name}: {yaml_text(value)}", _comment(each.metadata))
 

@@ -11,7 +11,7 @@
 
 The algorithm's dataclass holds the field; a node's dataclass holds the algorithm's, so that its parameter is
 `detector.window`. Allowed types: bool, int, float, str, tuple[float, ...], tuple[str, ...]; tuples are never empty, as
-ROS cannot tell what an empty list is of. A dataclass may refuse combinations of values by raising ValueError in
+ROS cannot infer the type of an empty list. A dataclass may refuse combinations of values by raising ValueError in
 __post_init__.
 """
 
@@ -21,7 +21,7 @@ from typing import Any
 
 
 class ParameterError(ValueError):
-    """A parameter, or a file of them, makes no sense; the text, one line, names what and where."""
+    """A parameter or a parameter file is not valid; the text, one line, names the error and its place."""
 
     def __init__(self, text: str) -> None:
         super().__init__(" ".join(text.split()))
@@ -37,16 +37,16 @@ def parameter(
     choices: tuple[str, ...] = (),
     read_only: bool = False,
 ) -> Any:
-    """Field of a parameter dataclass.
+    """Return a field of a parameter dataclass.
 
     Args:
-        default: its default; its type must be the annotated one.
-        description: one line, without the unit.
+        default: default value, of the annotated type.
+        description: description in one line, without the unit.
         unit: SI unit, empty for a dimensionless number or no number.
         minimum: smallest value allowed (of each element of a tuple).
         maximum: largest value allowed (of each element of a tuple).
-        choices: the texts allowed (of each element of a tuple).
-        read_only: it can be set at start only.
+        choices: strings allowed (of each element of a tuple).
+        read_only: whether it can be set at start only.
     """
     metadata = {
         "description": description,
@@ -60,10 +60,10 @@ def parameter(
 
 
 def group(default: Any, *, selector: str = "", methods: tuple[str, ...] = ()) -> Any:
-    """Field that holds a parameter dataclass: its parameters are named `field.parameter`.
+    """Return a field that holds a parameter dataclass: its parameters are named `field.parameter`.
 
     Args:
-        default: an instance of the dataclass.
+        default: instance of the dataclass.
         selector: name of the parameter that chooses a method, where the group serves some methods only.
         methods: values of `selector` that the group serves; for others its parameters are ignored.
     """
@@ -74,10 +74,10 @@ def checked(name: str, hint: Any, limits: Any, value: Any) -> Any:
     """Convert and check one value.
 
     Args:
-        name: of the parameter, for the text of an error.
-        hint: its annotated type.
-        limits: metadata of its field, made by `parameter`.
-        value: what was given; an integer serves for a float, a list for a tuple.
+        name: name of the parameter, for the text of an error.
+        hint: annotated type.
+        limits: metadata of the field, made by `parameter`.
+        value: given value; an integer is accepted for a float, a list for a tuple.
 
     Raises:
         ParameterError: the type is wrong, or the value is outside range or choices.
@@ -94,12 +94,12 @@ def checked(name: str, hint: Any, limits: Any, value: Any) -> Any:
             allowed = f"[{'-inf' if low is None else low}, {'inf' if high is None else high}]"
             raise ParameterError(f"parameter '{name}' = {element}{unit} is outside {allowed}")
         if isinstance(element, float) and not isfinite(element):
-            raise ParameterError(f"parameter '{name}' = {element} is no finite number")
+            raise ParameterError(f"parameter '{name}' = {element} is not a finite number")
     return result
 
 
 def converted(name: str, hint: Any, value: Any) -> Any:
-    """Convert one value, as `checked` does, without a look at its range.
+    """Convert one value, as `checked` does, without checking its range.
 
     Raises:
         ParameterError: the type is wrong, or a list is empty.

@@ -1,4 +1,4 @@
-"""ROS parameter files: what a file gives to a node, and everything in it that looks meant for the node but is not.
+"""ROS parameter files: the values for a node, and errors for entries that look meant for the node but do not match.
 
     /**:                       # every node
       ros__parameters: {use_sim_time: true}
@@ -7,7 +7,7 @@
         detector: {window: 6}
     /my_car/friction_slope:    # its full name, as `ros2 param dump` writes it
 
-A later section decides over an earlier one. Sections of other nodes are ignored.
+A later section overrides an earlier one. Sections of other nodes are ignored.
 """
 
 import re
@@ -39,7 +39,7 @@ class NodeName:
     name: str
     namespace: str = "/"
     remapped: bool = False
-    """Is it a name that the user gave? Then one like it may be that of a second node: friction_slope_fl and _fr."""
+    """Whether the user gave this name. Then a similar one may be that of a second node: friction_slope_fl and _fr."""
 
     @property
     def full(self) -> str:
@@ -49,22 +49,22 @@ class NodeName:
 
 @dataclass(frozen=True)
 class _Section:
-    """What a file holds below the name of a node."""
+    """Content of a file below the name of a node."""
 
     name: str
-    """With its namespace, from the root."""
+    """Name of the node with its namespace, from the root."""
     entry: Entry
     repeated: str = ""
-    """Says that its name, or a namespace of it, stands twice."""
+    """Text of the error if its name, or a namespace of it, occurs twice; else empty."""
 
 
 def is_ros_own(name: str) -> bool:
-    """Is this a parameter that ROS gives to every node?"""
+    """Whether this is a parameter that ROS declares on every node."""
     return name in _ROS_OWN or name.startswith(_QOS)
 
 
 def file_values(cls: type, path: str | Path, node: NodeName) -> dict[str, Any]:
-    """Values that a file gives to a node, by dotted name, converted and checked; those of ROS as they are.
+    """Return the values of a file for a node, by dotted name, converted and checked; those of ROS as they are.
 
     Args:
         cls: parameter dataclass of the node.
@@ -72,12 +72,11 @@ def file_values(cls: type, path: str | Path, node: NodeName) -> dict[str, Any]:
         node: the node.
 
     Raises:
-        ParameterError: in one line with file and line: no YAML, a key that stands twice, a parameter that the node
-            does not have, a bad value, a section whose name is nearly that of the node, or is that of the node
-            without matching its full name.
-        OSError: the file cannot be read.
+        ParameterError: the file cannot be read or is not YAML, a key occurs twice, a parameter is unknown, a
+            value is bad, or the name of a section is nearly that of the node, or is that of the node without matching
+            its full name. The text is one line with file and line.
     """
-    entries = read_yaml(path)
+    entries = read_yaml(path, "parameter file")
     if _KEY in entries:
         raise ParameterError(f"{path}: line {entries[_KEY].line}: '{_KEY}' stands below no name of a node")
     found: dict[str, Any] = {}
@@ -100,7 +99,7 @@ def file_values(cls: type, path: str | Path, node: NodeName) -> dict[str, Any]:
         if section.repeated:
             raise ParameterError(f"{path}: {section.repeated}")
         if section.name in lines:
-            raise ParameterError(f"{where}: '{section.name}' stands here again, first in line {lines[section.name]}")
+            raise ParameterError(f"{where}: '{section.name}' is repeated here, first in line {lines[section.name]}")
         lines[section.name] = section.entry.line
         found.update(_section_values(cls, path, section, strict=own not in _ANY))
     if misspelt and not (node.remapped and any(name.endswith(f"/{node.name}") for name in lines)):
@@ -118,7 +117,6 @@ def load(cls: type[Parameters], path: str | Path, node: str) -> Parameters:
 
     Raises:
         ParameterError: the file has no value for the node, or as file_values and from_mapping.
-        OSError: the file cannot be read.
     """
     values = file_values(cls, path, NodeName(node))
     if not values:
@@ -127,10 +125,10 @@ def load(cls: type[Parameters], path: str | Path, node: str) -> Parameters:
 
 
 def _sections(node: NodeName, namespace: str, repeated: str, entries: dict[str, Entry]) -> Iterator[_Section]:
-    """Sections of a file, however their namespaces are written, in its order."""
+    """Yield the sections of a file in its order, however their namespaces are written."""
     for key, last in entries.items():
         name = f"{namespace}/{key.strip('/')}"
-        again = f"line {last.line}: '{key}' stands here again, first in line {next(occurrences(last)).line}"
+        again = f"line {last.line}: '{key}' is repeated here, first in line {next(occurrences(last)).line}"
         for entry in occurrences(last):
             twice = repeated or (again if last.before else "")
             below = entry.value
@@ -148,7 +146,7 @@ def _holds_section(entries: dict[str, Entry]) -> bool:
 
 
 def _section_values(cls: type, path: str | Path, section: _Section, *, strict: bool) -> dict[str, Any]:
-    """Values of one section; a section that is not `strict` may hold what other nodes understand."""
+    """Return the values of one section; a section that is not `strict` may hold parameters of other nodes."""
     refuse_repeated(path, section.name, section.entry)
     entries = section.entry.value if isinstance(section.entry.value, dict) else {}
     strangers = set(entries) - {_KEY}
@@ -164,7 +162,7 @@ def _section_values(cls: type, path: str | Path, section: _Section, *, strict: b
     lines: dict[str, int] = {}
     for name, each in _flat(values or {}):
         if name in lines:
-            raise ParameterError(f"{path}: line {each.line}: '{name}' stands here again, first in line {lines[name]}")
+            raise ParameterError(f"{path}: line {each.line}: '{name}' is repeated here, first in line {lines[name]}")
         lines[name] = each.line
         try:
             if is_ros_own(name):
@@ -193,13 +191,13 @@ def _flat(entries: dict[str, Entry]) -> Iterator[tuple[str, Entry]]:
 
 
 def _pattern(section: str) -> str:
-    """Regular expression of the full names that a section is for; * stands for one part of a name, ** for any."""
+    """Return a regular expression for the full names of a section; * stands for one part of a name, ** for any."""
     parts = {"**": "(/[^/]+)*", "*": "/[^/]+"}
     return "".join(parts.get(part, "/" + re.escape(part)) for part in section.strip("/").split("/"))
 
 
 def _is_misspelt(found: str, right: str) -> bool:
-    """Is one name nearly another? friction_slope_rear and friction_slope2 are not: they name a second node."""
+    """Whether one name is nearly another. friction_slope_rear and friction_slope2 are not: they name a second node."""
     if found != f"{right}_node" and re.fullmatch(re.escape(right) + "(_.*|[0-9]+)", found):
         return False
     letters = [re.sub("[^a-z0-9]", "", name.lower()) for name in (found, right, f"{right}_node")]

@@ -1,4 +1,4 @@
-"""Parameters that mean the same wherever they exist; only their values differ."""
+"""Parameters that several nodes have with the same meaning; only their values differ."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ def max_gap(default: float) -> Any:
     """Longest time between two samples of one input that is bridged [s]."""
     return parameter(
         default,
-        "two samples of an input further apart are a gap: nothing is interpolated across, the estimate starts again",
+        "longest time between two samples of an input; a longer gap is not interpolated, and the estimate starts again",
         unit="s",
         minimum=0.001,
         maximum=2.0,

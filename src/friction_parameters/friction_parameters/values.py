@@ -14,18 +14,18 @@ class Declared:
     """A parameter as its dataclass declares it."""
 
     name: str
-    """Dotted: that of the groups it stands in, then its own."""
+    """Dotted name: those of the groups it belongs to, then its own."""
     hint: Any
     """Annotated type."""
     default: Any
     limits: Mapping[str, Any]
-    """What `parameter` was given: description, unit, minimum, maximum, choices, read_only."""
+    """Arguments of `parameter`: description, unit, minimum, maximum, choices, read_only."""
     only: str = ""
-    """Says which methods it serves, if not all."""
+    """Text that names the methods it serves, if not all."""
 
 
 def declared(cls: type) -> dict[str, Declared]:
-    """Parameters of a dataclass and of the dataclasses it holds, by dotted name, in the order of declaration.
+    """Return the parameters of a dataclass and of those it holds, by dotted name, in the order of declaration.
 
     Raises:
         TypeError: a field was not made with `parameter` or `group`.
@@ -34,7 +34,7 @@ def declared(cls: type) -> dict[str, Declared]:
     hints = get_type_hints(cls)
     for each in fields(cls):
         if each.default is MISSING or not each.metadata:
-            raise TypeError(f"{cls.__name__}.{each.name} is no parameter: make it with parameter(...) or group(...)")
+            raise TypeError(f"{cls.__name__}.{each.name} is not a parameter: make it with parameter(...) or group(...)")
         if is_dataclass(hints[each.name]):
             for inner in declared(hints[each.name]).values():
                 name = f"{each.name}.{inner.name}"
@@ -46,21 +46,21 @@ def declared(cls: type) -> dict[str, Declared]:
 
 
 def only_with(metadata: Mapping[str, Any]) -> str:
-    """Say which methods a group serves, from the metadata of its field; empty if all."""
+    """Return a text that names the methods a group serves, from the metadata of its field; empty if all."""
     return f"only with {metadata['selector']} {_one_of(metadata['methods'])}" if metadata["selector"] else ""
 
 
 def values_of(parameters: Any) -> dict[str, Any]:
-    """Values of a parameter dataclass by dotted name."""
+    """Return the values of a parameter dataclass by dotted name."""
     return {name: _value(parameters, name) for name in declared(type(parameters))}
 
 
 def from_mapping(cls: type[Parameters], values: Mapping[str, Any]) -> Parameters:
-    """Make the dataclass from names and values; what is not named has its default.
+    """Make the dataclass from names and values; the other parameters have their defaults.
 
     Args:
         cls: a parameter dataclass.
-        values: by dotted name, or nested as in a parameter file.
+        values: values by dotted name, or nested as in a parameter file.
 
     Raises:
         ParameterError: a name is unknown, a type is wrong, a value is out of range, or the combination is refused.
@@ -89,7 +89,7 @@ def changed(parameters: Parameters, values: Mapping[str, Any]) -> Parameters:
 
 
 def flattened(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Names and values of a nested mapping, dotted."""
+    """Return a nested mapping as a flat one with dotted names."""
     found: dict[str, Any] = {}
     for name, value in values.items():
         if isinstance(value, Mapping):
@@ -100,20 +100,20 @@ def flattened(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def unknown(cls: type, name: str) -> str:
-    """Say that a parameter is unknown: where it stands now, if it had the name once, or which there are."""
+    """Return the text of an unknown parameter: its new place if it was renamed, or the known parameters."""
     if place := moved(cls, name):
-        return f"parameter '{name}' is no more: {place}"
+        return f"parameter '{name}' no longer exists: {place}"
     return f"unknown parameter '{name}': known are {', '.join(declared(cls))}"
 
 
 def moved(cls: type, name: str) -> str:
-    """Where a parameter stands that once had this name; empty if none had. The class says so in MOVED."""
+    """Return the new place of a renamed parameter, from MOVED of the class; empty if there is none."""
     places: Mapping[str, str] = getattr(cls, "MOVED", {})
     return places.get(name, "")
 
 
 def ignored(parameters: Any) -> list[str]:
-    """Say which parameters were set although they belong to a method that is not chosen, a line for each group."""
+    """Return texts on parameters that were set for a method that is not chosen, one per group."""
     lines = []
     for each in fields(parameters):
         selector, methods = each.metadata.get("selector", ""), each.metadata.get("methods", ())

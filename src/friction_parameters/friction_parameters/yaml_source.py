@@ -1,7 +1,7 @@
-"""YAML that remembers its lines and which keys stand twice; scalars mean what the parser of ROS makes of them.
+"""YAML with line numbers and repeated keys; scalars have the types that the parser of ROS gives them.
 
-So a value in a file, behind `-p` and in a vehicle file is read alike. Only y and n stay texts: one is an axis. Aliases
-and tags of other kinds are refused.
+So a value in a parameter file, after `-p` and in a vehicle file is read in the same way. Only y and n stay strings,
+because y is an axis. Aliases and tags of other kinds are refused.
 """
 
 import re
@@ -26,7 +26,7 @@ _WORDS = {
 _INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]{0,17})")
 _FLOAT = re.compile(r"[-+]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]+)?")
 _TAGS = {yaml.ScalarNode: ("str",), yaml.SequenceNode: ("seq", "python/tuple"), yaml.MappingNode: ("map",)}
-"""Of each kind of node; launch_ros writes a list as a tuple of Python."""
+"""Accepted tags of each kind of node; launch_ros writes a list as a Python tuple."""
 
 
 @dataclass(frozen=True)
@@ -34,19 +34,18 @@ class Entry:
     """A value of a mapping."""
 
     line: int
-    """Of its key, from 1."""
+    """Line of its key, from 1."""
     value: Any
     """A scalar, a list, or a dict of Entry."""
     before: "Entry | None" = None
-    """What the same key holds further up, if it stands there too."""
+    """Entry of the same key further up, if it occurs there too."""
 
 
-def read_yaml(path: str | Path) -> dict[str, Entry]:
-    """Read a file that holds one mapping.
+def read_yaml(path: str | Path, what: str) -> dict[str, Entry]:
+    """Read a file that holds one mapping; `what` kind of file it is stands in the text where it cannot be read.
 
     Raises:
-        ParameterError: it is no YAML, or its top is no mapping.
-        OSError: it cannot be read.
+        ParameterError: the file cannot be read, is not YAML, or its top level is not a mapping; one line of text.
     """
     try:
         node = _node(Path(path).read_text(encoding="utf-8"))
@@ -55,24 +54,26 @@ def read_yaml(path: str | Path) -> dict[str, Entry]:
         if not isinstance(node, yaml.MappingNode):
             raise ParameterError(f"line {node.start_mark.line + 1}: a mapping is expected")
         return _mapping(node, 0)
+    except OSError as error:
+        raise ParameterError(f"{what} {path}: {error.strerror}") from error
     except UnicodeDecodeError as error:
-        raise ParameterError(f"{path}: no text in UTF-8: {error}") from error
+        raise ParameterError(f"{path}: not UTF-8 text: {error}") from error
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}") from error
 
 
 def read_value(text: str) -> Any:
-    """Read a value as it stands behind `name:=` on a command line.
+    """Read a value after `name:=` on a command line.
 
     Raises:
-        ParameterError: it is no YAML.
+        ParameterError: the text is not YAML.
     """
     node = _node(text)
     return None if node is None else plain(_value(node, 0))
 
 
 def yaml_text(value: Any) -> str:
-    """Write a scalar, a list or a tuple as YAML in one line, which ROS and `read_value` read alike."""
+    """Return a scalar, a list or a tuple as YAML in one line, which ROS and `read_value` read in the same way."""
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(yaml_text(each) for each in value)}]"
     if isinstance(value, float):
@@ -88,27 +89,27 @@ def yaml_text(value: Any) -> str:
 
 
 def plain(value: Any) -> Any:
-    """Return a value without its lines."""
+    """Return a value without its line numbers."""
     if isinstance(value, dict):
         return {key: plain(entry.value) for key, entry in value.items()}
     return value
 
 
 def occurrences(entry: Entry) -> Iterator[Entry]:
-    """What a key holds, from the first place where it stands to the last."""
+    """Yield the entries of a key, from its first occurrence to the last."""
     if entry.before is not None:
         yield from occurrences(entry.before)
     yield entry
 
 
 def refuse_repeated(path: str | Path, key: str, entry: Entry) -> None:
-    """Refuse a key that stands twice: this one, or one below it.
+    """Refuse a repeated key: this one, or one below it.
 
     Raises:
-        ParameterError: with both lines.
+        ParameterError: a key occurs twice; the text has both lines.
     """
     if entry.before is not None:
-        raise ParameterError(f"{path}: line {entry.line}: '{key}' stands here again, first in line {entry.before.line}")
+        raise ParameterError(f"{path}: line {entry.line}: '{key}' is repeated here, first in line {entry.before.line}")
     if isinstance(entry.value, dict):
         for inner, below in entry.value.items():
             refuse_repeated(path, inner, below)
@@ -117,7 +118,7 @@ def refuse_repeated(path: str | Path, key: str, entry: Entry) -> None:
 class _Loader(yaml.BaseLoader):
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         if self.check_event(yaml.AliasEvent):
-            raise yaml.composer.ComposerError(None, None, "an alias is not taken", self.peek_event().start_mark)
+            raise yaml.composer.ComposerError(None, None, "aliases are not supported", self.peek_event().start_mark)
         return super().compose_node(parent, index)
 
 
@@ -127,9 +128,9 @@ def _node(text: str) -> yaml.Node | None:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = f"line {mark.line + 1}: " if mark else ""
-        raise ParameterError(f"{where}no YAML: {error.problem or error.context}") from error
+        raise ParameterError(f"{where}not YAML: {error.problem or error.context}") from error
     except yaml.YAMLError as error:
-        raise ParameterError(f"no YAML: {error}") from error
+        raise ParameterError(f"not YAML: {error}") from error
     except RecursionError:
         raise ParameterError("nested too deep") from None
 
@@ -148,7 +149,7 @@ def _mapping(node: yaml.MappingNode, depth: int) -> dict[str, Entry]:
 def _value(node: yaml.Node, depth: int) -> Any:
     line = node.start_mark.line + 1
     if node.tag.removeprefix("tag:yaml.org,2002:") not in _TAGS[type(node)]:
-        raise ParameterError(f"line {line}: the tag '{node.tag}' is not taken")
+        raise ParameterError(f"line {line}: the tag '{node.tag}' is not supported")
     if depth > _DEEPEST:
         raise ParameterError(f"line {line}: nested too deep")
     if isinstance(node, yaml.MappingNode):

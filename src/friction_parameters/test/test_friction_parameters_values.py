@@ -111,8 +111,8 @@ def test_a_change_of_several_values_is_made_at_once_and_leaves_the_others() -> N
         ({"detector.window.length": 2}, "parameter 'detector.window.length' = 2 is outside [3, 400]"),
         ({"detector.window.lead": -1}, "parameter 'detector.window.lead' = -1.0 is outside [0.0, inf]"),
         ({"detector.threshold": 1}, "parameter 'detector.threshold' = 1.0 rad/s^3 is outside [-inf, 0.0]"),
-        ({"no_slip.eta_margin": float("inf")}, "parameter 'no_slip.eta_margin' = inf is no finite number"),
-        ({"no_slip.eta_margin": float("nan")}, "parameter 'no_slip.eta_margin' = nan is no finite number"),
+        ({"no_slip.eta_margin": float("inf")}, "parameter 'no_slip.eta_margin' = inf is not a finite number"),
+        ({"no_slip.eta_margin": float("nan")}, "parameter 'no_slip.eta_margin' = nan is not a finite number"),
         ({"shadow": 1}, "parameter 'shadow' = 1 must be of type bool"),
         ({"method": "guess"}, "parameter 'method' = 'guess' must be one of slip, no_slip, both, all"),
         ({"surfaces": ["ice"]}, "parameter 'surfaces' = 'ice' must be one of dry, wet, snow"),
@@ -137,7 +137,7 @@ def test_an_unknown_name_is_refused_with_those_there_are() -> None:
 
 
 def test_an_old_name_is_refused_with_the_new_place() -> None:
-    with pytest.raises(ParameterError, match=r"^parameter 'window' is no more: it is 'detector.window.length'$"):
+    with pytest.raises(ParameterError, match=r"^parameter 'window' no longer exists: it is 'detector.window.length'$"):
         from_mapping(ExampleParameters, {"window": 5})
 
 
@@ -161,7 +161,7 @@ def test_a_field_that_is_no_parameter_is_an_error_of_the_program() -> None:
     class Plain:
         length: int = 3
 
-    with pytest.raises(TypeError, match=r"Plain.length is no parameter"):
+    with pytest.raises(TypeError, match=r"Plain.length is not a parameter"):
         declared(Plain)
 
 

@@ -1,4 +1,4 @@
-"""Scalars of YAML: read as the parser of ROS reads them, and written so that both read them alike."""
+"""Scalars of YAML: read as by the parser of ROS, and written so that both read them in the same way."""
 
 import math
 from typing import Any
@@ -49,7 +49,7 @@ def test_not_a_number_is_read() -> None:
 
 
 def test_a_value_that_is_no_yaml_is_refused() -> None:
-    with pytest.raises(ParameterError, match="no YAML"):
+    with pytest.raises(ParameterError, match="not YAML"):
         read_value("[1, 2")
 
 

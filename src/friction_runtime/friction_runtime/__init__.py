@@ -1,1 +1,1 @@
-"""What every node of the friction graph shares: input alignment, parameters, QoS, diagnostics."""
+"""Shared parts of the nodes of the friction graph: input alignment, parameters, QoS, diagnostics."""

@@ -1,7 +1,7 @@
-"""What the processors of all estimators with several inputs do alike: align, refuse, start again, notice silence."""
+"""Shared behaviour of processors with several inputs: align, refuse, start again, notice silence."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Generic, TypeVar
 
 from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
@@ -15,26 +15,35 @@ Payload = TypeVar("Payload")
 class AlignedProcessor(ABC, Generic[Payload]):
     """A processor that fires for each sample of its primary, once the other inputs have reached its stamp.
 
-    An estimator says what a message holds (`_payload`, `_take`), what it gives for a sample (`_fire`), what it forgets
-    (`_forget`, `_start_again`), and how it is (`_state`, `_values`).
+    A subclass defines how messages are read (`_payload`, `_take`), what is estimated for a sample (`_fire`), what is
+    forgotten (`_forget`, `_start_again`), and what diagnostics show (`_state`, `_values`).
     """
 
-    def __init__(self, name: str, primary: Primary, aligned: Sequence[AlignedInput], deadline: float) -> None:
+    def __init__(
+        self,
+        name: str,
+        primary: Primary,
+        aligned: Sequence[AlignedInput],
+        deadline: float,
+        optional: Collection[str] = (),
+    ) -> None:
         """Connect the inputs.
 
         Args:
-            name: of the wheel, or of what else is estimated.
-            primary: the stream that it fires on.
+            name: the wheel, or whatever else is estimated.
+            primary: the stream whose samples trigger an estimate.
             aligned: inputs that are interpolated to the primary.
             deadline: message time [s] a primary sample waits for the others, > 0.
+            optional: inputs that may never come, and are no fault then.
         """
+        self.optional = optional
         self._name = name
         self._primary = primary
         self._aligner: Aligner[Payload] = Aligner(primary.topic, aligned, deadline)
         self._fired = False
 
     def process(self, topic: str, message: Any) -> Sequence[Output]:
-        """Take one message, return what follows from it."""
+        """Take one message; return the resulting outputs."""
         if topic == self._primary.topic:
             refusal = self._aligner.offer_primary(to_nanoseconds(message.header.stamp), self._payload(message))
         else:
@@ -51,7 +60,7 @@ class AlignedProcessor(ABC, Generic[Payload]):
         return outputs
 
     def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
-        """Note silence of the primary for diagnostics: without a sample there is no stamp to speak of."""
+        """Note silence of the primary for diagnostics. Nothing is published: without a sample there is no stamp."""
         self._primary.watch(ages)
         return []
 
@@ -71,7 +80,7 @@ class AlignedProcessor(ABC, Generic[Payload]):
 
     @abstractmethod
     def _payload(self, message: Any) -> Payload:
-        """What a message of the primary holds."""
+        """Return the payload of a message of the primary."""
 
     @abstractmethod
     def _take(self, topic: str, message: Any) -> str | None:
@@ -83,11 +92,11 @@ class AlignedProcessor(ABC, Generic[Payload]):
 
     @abstractmethod
     def _forget(self) -> None:
-        """Forget everything: a reset was asked for."""
+        """Forget everything: a reset was requested."""
 
     @abstractmethod
     def _start_again(self, stamp: int) -> None:
-        """Forget what lies before a jump back in time, to `stamp` [ns]. The inputs are the aligner's."""
+        """Forget what lies before a jump back in time, to `stamp` [ns]. The aligner keeps the inputs."""
 
     @abstractmethod
     def _state(self) -> tuple[Level, str]:

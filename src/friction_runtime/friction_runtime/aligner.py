@@ -30,7 +30,7 @@ class AlignedInput:
     """An input that is interpolated to the primary's stamps."""
 
     topic: str
-    """Its name, in results and in reasons."""
+    """Topic name, used in results and in reasons."""
     max_gap: float = 0.1
     """No interpolation between samples further apart than this [s]."""
 
@@ -46,14 +46,14 @@ class AlignedSample(Generic[Payload]):
         missing: dict[str, str],
         rewound: bool,
     ) -> None:
-        """Say what is known at a stamp.
+        """Hold what is known at a stamp.
 
         Args:
             stamp: [ns].
             payload: what was offered with the primary sample.
-            values: of the inputs that are known at the stamp, by topic.
-            missing: reasons of those that are not, by topic.
-            rewound: whether it is the first sample after a jump back in time: whoever keeps state starts anew.
+            values: values of the inputs that are known at the stamp, by topic.
+            missing: reasons why the other inputs are not known, by topic.
+            rewound: whether it is the first sample after a jump back in time, where estimators start again.
         """
         self.stamp = stamp
         self.payload = payload
@@ -209,4 +209,4 @@ class Aligner(Generic[Payload]):
 def _refusal(topic: str, stamp: int) -> str:
     if stamp <= 0:
         return f"{topic}: stamp is zero"
-    return f"{topic}: stamp is no time" if stamp > LATEST_STAMP else f"{topic}: stamp repeats"
+    return f"{topic}: stamp is out of range" if stamp > LATEST_STAMP else f"{topic}: stamp repeats"

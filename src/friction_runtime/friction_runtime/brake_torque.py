@@ -18,9 +18,15 @@ class BrakeTorque:
         self._delay = round(vehicle.brake_pressure_delay * NANOSECONDS)
 
     def read(self, message: FluidPressure) -> tuple[int, float] | str:
-        """Time at which the pressure acted [ns] and its torque [N m], or why the message is refused."""
-        pressure = message.fluid_pressure
+        """Return the time at which the pressure acted [ns] and its torque [N m], or why the message is refused."""
+        torque = self.torque(self.topic, message.fluid_pressure)
+        if isinstance(torque, str):
+            return torque
+        return to_nanoseconds(message.header.stamp) - self._delay, torque
+
+    def torque(self, topic: str, pressure: float) -> float | str:
+        """Return the torque [N m] of a pressure [Pa], or why the message on `topic` is refused."""
         torque = self._gain * pressure
         if not (abs(pressure) <= HIGHEST_PRESSURE and abs(torque) <= HIGHEST_TORQUE):
-            return f"{self.topic}: {pressure} Pa is no brake pressure"
-        return to_nanoseconds(message.header.stamp) - self._delay, torque
+            return f"{topic}: {pressure} Pa is not a brake pressure"
+        return torque

@@ -1,4 +1,4 @@
-"""A DDS domain that nobody on this machine uses, so that two runs do not hear each other."""
+"""An unused DDS domain, so that two runs on this machine do not receive each other's messages."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from pathlib import Path
 _LAST_DOMAIN = 101
 """Above it the ports of DDS lie in the range that Linux gives to any program."""
 _FIRST_PORT = 7400
-"""Of domain 0 (RTPS 9.6.1.1)."""
+"""First port of domain 0 (RTPS 9.6.1.1)."""
 _PORTS_OF_A_DOMAIN = 250
 
 _reservations: list[socket.socket] = []
 
 
 def is_free(domain: int) -> bool:
-    """Say whether no participant on this machine listens in the domain.
+    """Whether no participant on this machine listens in the domain.
 
-    All of its ports count, and nobody is disturbed by binding one to try: a participant that discovers over loopback
-    alone does not listen at the first port of its domain.
+    All ports of the domain are checked, without binding any: a participant that discovers over loopback alone does not
+    listen at the first port of its domain.
     """
     first = _FIRST_PORT + _PORTS_OF_A_DOMAIN * domain
     return _udp_ports().isdisjoint(range(first, first + _PORTS_OF_A_DOMAIN))
@@ -28,7 +28,7 @@ def is_free(domain: int) -> bool:
 def free_domain_id() -> int:
     """Return a ROS_DOMAIN_ID from 1 to 101 that is free, and reserve it for this process until it ends.
 
-    Another call, here or in another process, returns another domain, also before anybody listens in this one.
+    Another call, here or in another process, returns another domain, even before a participant listens in this one.
     The search begins at a place given by the process id.
 
     Raises:

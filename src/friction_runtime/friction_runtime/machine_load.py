@@ -1,4 +1,4 @@
-"""How busy this machine is: a limit of wall time is for a machine that has nothing else to do."""
+"""How busy this machine is. Limits of wall time are chosen for an idle machine and scaled by this."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ _PROCESSORS = len(os.sched_getaffinity(0))
 
 
 def slowdown() -> float:
-    """By how much longer everything takes now, at least 1: threads that want to run by processor.
+    """Return the factor by which everything takes longer now, >= 1: runnable threads per processor.
 
-    The larger of the mean of the last minute and what there is at this moment.
+    The larger of the mean over the last minute and the present number.
     """
     fields = Path("/proc/loadavg").read_text(encoding="ascii").split()
     now = int(fields[3].split("/")[0])

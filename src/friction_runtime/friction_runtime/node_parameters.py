@@ -15,10 +15,10 @@ Parameters = TypeVar("Parameters")
 
 
 def declare(node: Node, cls: type[Parameters], apply: Callable[[Parameters], None]) -> Parameters:
-    """Declare the parameters on a node, return their values, and keep `apply` told of each later change.
+    """Declare the parameters on a node, return their values, and call `apply` after each later change.
 
-    A change is refused, with the reason, when a value is bad or when `apply` raises ValueError. An integer serves for a
-    float, at start and later.
+    A change is refused, with the reason, when a value is bad or when `apply` raises ValueError. An integer is accepted
+    for a float, at start and later.
 
     Raises:
         ParameterError: a value given at start is bad, or an unknown parameter was given.
@@ -50,7 +50,7 @@ def declare(node: Node, cls: type[Parameters], apply: Callable[[Parameters], Non
         return SetParametersResult(successful=True)
 
     def with_right_numbers(changes: list[Parameter]) -> list[Parameter]:
-        # Before ROS compares the types, which it does not convert.
+        # Before ROS compares the types: it does not convert them.
         return [_converted(known[change.name], change) if change.name in known else change for change in changes]
 
     node.add_pre_set_parameters_callback(with_right_numbers)

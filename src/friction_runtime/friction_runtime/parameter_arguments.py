@@ -1,8 +1,7 @@
 """Parameters on the command line of a node, checked before the middleware starts.
 
-The middleware merges what it understands of a file and passes over the rest without a word. So each file is read here,
-by the reader of the offline runner, and the middleware is given what that found; `-p` likewise. What stands further
-right decides.
+The middleware merges what it understands of a file and silently ignores the rest. So each file is read here, with the
+reader of the offline runner, and only the checked values go to the middleware; `-p` likewise. The rightmost value wins.
 """
 
 import json
@@ -24,19 +23,19 @@ _NAME = "[A-Za-z_][A-Za-z0-9_]*"
 
 
 def with_checked_parameters(arguments: Sequence[str], name: str, cls: type, directory: Path) -> list[str]:
-    """Put what is meant for a node, and is right, in place of the parameters and parameter files.
+    """Replace the parameters and parameter files of a command line by the checked values for a node.
 
     Args:
         arguments: command line of the node.
-        name: of the node, unless it is remapped.
-        cls: its parameter dataclass.
-        directory: for new files.
+        name: name of the node, unless it is remapped.
+        cls: parameter dataclass of the node.
+        directory: directory for new files.
 
     Returns:
         The command line to give to the middleware.
 
     Raises:
-        ParameterError: a file cannot be read or file_values refuses it, a parameter is unknown or has a bad value.
+        ParameterError: file_values refuses a file, a parameter is unknown or has a bad value.
     """
     node = node_name(arguments, name)
     result: list[str] = []
@@ -51,10 +50,10 @@ def with_checked_parameters(arguments: Sequence[str], name: str, cls: type, dire
 
 
 def node_name(arguments: Sequence[str], name: str) -> NodeName:
-    """Name and namespace of a node after the remapping of a command line; of several rules the first counts.
+    """Return name and namespace of a node after the remapping on a command line; the first of several rules counts.
 
     Raises:
-        ParameterError: they are no names.
+        ParameterError: the name or the namespace is not valid.
     """
     rules: dict[str, str] = {}
     for flag, rule in _flags_and_values(arguments):
@@ -65,14 +64,14 @@ def node_name(arguments: Sequence[str], name: str) -> NodeName:
                 rules.setdefault("__node" if what == "__name" else what, value)
     found = NodeName(rules.get("__node", name), rules.get("__ns", "/"), remapped="__node" in rules)
     if not re.fullmatch(_NAME, found.name):
-        raise ParameterError(f"'{found.name}' is no name of a node: letters, digits and _ only")
+        raise ParameterError(f"'{found.name}' is not a valid node name: letters, digits and _ only")
     if not re.fullmatch(f"/|(/{_NAME})+", found.namespace):
-        raise ParameterError(f"'{found.namespace}' is no namespace: it must be like /my_car")
+        raise ParameterError(f"'{found.namespace}' is not a valid namespace: it must be like /my_car")
     return found
 
 
 def _flags_and_values(arguments: Sequence[str]) -> Iterator[tuple[str, str | None]]:
-    """Words of a command line, those that matter here with the word that follows."""
+    """Yield the words of a command line; flags that matter here come with the word that follows."""
     inside, words = False, iter(arguments)
     for word in words:
         inside = word == _BEGIN or (inside and word != _END)
@@ -80,10 +79,7 @@ def _flags_and_values(arguments: Sequence[str]) -> Iterator[tuple[str, str | Non
 
 
 def _checked_file(cls: type, path: str, node: NodeName, copy: Path) -> Path:
-    try:
-        values = file_values(cls, path, node)
-    except OSError as error:
-        raise ParameterError(f"parameter file {path}: {error.strerror}") from error
+    values = file_values(cls, path, node)
     lines = [f"{json.dumps(EVERY_NODE)}:", "  ros__parameters:" + ("" if values else " {}")]
     lines += [f"    {json.dumps(name)}: {yaml_text(value)}" for name, value in values.items()]
     copy.write_text("\n".join(lines), encoding="utf-8")
@@ -91,7 +87,7 @@ def _checked_file(cls: type, path: str, node: NodeName, copy: Path) -> Path:
 
 
 def _checked_parameter(cls: type, rule: str, node: NodeName) -> list[str]:
-    """Flag and rule of one parameter; nothing if it is for another node."""
+    """Return flag and rule of one parameter; nothing if it is for another node."""
     left, assigned, text = rule.partition(":=")
     of_node, _, name = left.rpartition(":")
     if of_node not in ("", node.name):

@@ -1,4 +1,4 @@
-"""The stream a processor fires on, and what every processor says of it alike: refusals, jumps back, silence."""
+"""The stream a processor fires on, and its reports, the same for every processor: refusals, jumps back, silence."""
 
 from collections.abc import Mapping
 from math import inf
@@ -6,11 +6,11 @@ from math import inf
 from friction_runtime.processor import Report
 
 _SILENT_AFTER = 0.25
-"""[s]"""
+"""Age of the last message from which a topic counts as silent [s]."""
 
 
 class Primary:
-    """Topic without which a processor gives nothing."""
+    """The topic whose samples trigger the estimates of a processor."""
 
     def __init__(
         self,
@@ -24,8 +24,8 @@ class Primary:
 
         Args:
             topic: relative name.
-            name: of the processor: a wheel, or what it estimates for.
-            report: takes what a person should know.
+            name: name of the processor: a wheel, or whatever else is estimated.
+            report: log function.
             silent_after: age [s] of the last message from which the topic counts as silent.
             optional: whether it is no fault if no message ever comes.
         """
@@ -38,7 +38,7 @@ class Primary:
         self._optional = optional
 
     def watch(self, ages: Mapping[str, float]) -> None:
-        """Note silence for diagnostics; `ages` [s] of the topics, inf before the first message."""
+        """Note silence for diagnostics; `ages` of the topics [s], inf before the first message."""
         age = ages.get(self.topic, 0.0)
         if age == inf:
             self.silence = "" if self._optional else f"{self.topic}: no message yet"
@@ -46,9 +46,9 @@ class Primary:
             self.silence = f"{self.topic}: no message for {age:.2f} s" if age > self._silent_after else ""
 
     def refuse(self, reason: str) -> None:
-        """Say that a message is refused, of this topic or of another input: `reason` names it."""
+        """Report a refused message of this topic or of another input; `reason` names the topic."""
         self._report("warning", f"{reason}: refused")
 
     def jumped_back(self) -> None:
-        """Say that the estimator starts again because the stamps went back: a looped bag or a reset plant."""
+        """Report that the estimator starts again because the stamps went back: a looped bag or a reset plant."""
         self._report("info", f"{self.topic}: stamps jumped back, {self._name} starts again")

@@ -1,6 +1,6 @@
 """The shape of layer 2: messages in, messages out, no middleware.
 
-A node and the offline bag runner drive processors alike, so that what they give is the same, bit for bit.
+A node and the offline bag runner drive processors in the same way, so that their outputs are equal bit for bit.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -9,18 +9,18 @@ from enum import IntEnum
 from typing import Any, Literal, Protocol
 
 Output = tuple[str, Any]
-"""A relative topic and the message for it."""
+"""A relative topic and the message to publish on it."""
 Severity = Literal["debug", "info", "warning", "error"]
 Report = Callable[[Severity, str], None]
-"""Takes what a processor has to say to a person: the severity and one line that names topic, wheel or parameter.
+"""Log function of a processor: takes the severity and one line that names topic, wheel or parameter.
 
-Strings that come from a message stand in double quotes, so that lines that differ in these and in numbers alone can be
-told to be of one kind (report_kind.py).
+Strings that come from a message stand in double quotes, so that lines that differ only in these and in numbers count as
+one kind (report_kind.py).
 """
 
 
 def silent(severity: Severity, text: str) -> None:
-    """A Report that says nothing."""
+    """A Report that discards everything."""
 
 
 class Level(IntEnum):
@@ -32,59 +32,57 @@ class Level(IntEnum):
 
 
 def level_of(reason: int, quiet: Collection[int], broken: Collection[int]) -> Level:
-    """Level that a reason for an estimate or against it has in diagnostics, the same in every package.
+    """Return the level of an estimate's reason in diagnostics, the same in every package.
 
     Args:
-        reason: of the last estimate.
+        reason: reason of the last estimate.
         quiet: reasons that belong to ordinary driving.
-        broken: reasons that no wait cures.
+        broken: reasons that do not go away by waiting.
     """
     return Level.OK if reason in quiet else Level.ERROR if reason in broken else Level.WARN
 
 
 @dataclass(frozen=True)
 class Health:
-    """What /diagnostics says of one processor."""
+    """Entry of one processor in /diagnostics."""
 
     name: str
-    """Of the wheel, or of the part."""
+    """Name of the wheel or of the part."""
     level: Level = Level.OK
     message: str = "ok"
     values: Mapping[str, str] = field(default_factory=dict)
 
 
 class Processor(Protocol):
-    """One wheel's (or one car's) estimator behind its messages."""
+    """Estimator of one wheel or one car, with messages as inputs and outputs."""
 
     @property
     def sensors(self) -> Mapping[str, type]:
-        """Relative topics and types it takes with sensor QoS (best effort)."""
+        """Relative topics and types of the inputs with sensor QoS (best effort)."""
 
     @property
     def estimates(self) -> Mapping[str, type]:
-        """Relative topics and types it takes with reliable QoS: other nodes' estimates, demands, tyre blocks."""
+        """Relative topics and types of the inputs with reliable QoS: other nodes' estimates, demands, tyre blocks."""
+
+    @property
+    def optional(self) -> Collection[str]:
+        """Inputs that may never come, and are no fault then."""
 
     @property
     def outputs(self) -> Mapping[str, type]:
-        """Relative topics and types it gives."""
+        """Relative topics and types of the outputs."""
 
     def process(self, topic: str, message: Any) -> Sequence[Output]:
-        """Take one message, return what follows from it. Never raises for what a message holds: it reports."""
+        """Take one message; return the resulting outputs. Never raises for the content of a message: it is reported."""
 
     def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
-        """Act on silence. `ages` [s] of each input by the node's clock, inf before the first message.
+        """Act on silence. `ages` holds the age of each input by the node's clock [s], inf before the first message.
 
-        Called by a live node only, every 20 ms: what it gives is not part of an offline run.
+        Called by a live node only, every 20 ms: its outputs are not part of an offline run.
         """
 
     def reset(self) -> None:
-        """Start anew, as after construction."""
+        """Start again, as after construction."""
 
     def health(self) -> Health:
         """State for diagnostics."""
-
-
-def optional_inputs(processor: Processor) -> Collection[str]:
-    """Topics of a processor that may never come, and are no fault then: those it lists as `optional`, if it does."""
-    listed: Collection[str] = getattr(processor, "optional", ())
-    return listed

@@ -17,18 +17,18 @@ from friction_parameters.parameter import ParameterError
 from friction_parameters.values import ignored
 from friction_runtime import qos
 from friction_runtime.node_parameters import declare
-from friction_runtime.processor import Health, Level, Output, Processor, Report, Severity, optional_inputs
+from friction_runtime.processor import Health, Level, Output, Processor, Report, Severity
 from friction_runtime.report_kind import ReportLimit
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
 
 class NodeParameters(Protocol):
-    """What every node's dataclass has."""
+    """The parameters that every node has."""
 
     @property
     def vehicle_file(self) -> str:
-        """The car."""
+        """Vehicle file of the car."""
 
 
 Parameters = TypeVar("Parameters", bound=NodeParameters)
@@ -40,7 +40,7 @@ _DIAGNOSTICS_PERIOD = 1.0
 class ProcessorNode(Node, Generic[Parameters]):
     """A node around processors: it moves messages and holds no estimate.
 
-    Topics are relative, so a namespace and remapping work. `~/reset` (std_srvs/Trigger) starts every processor anew.
+    Topics are relative, so a namespace and remapping work. `~/reset` (std_srvs/Trigger) resets every processor.
     Staleness is by the steady clock of the machine; everything else is by message stamps.
     """
 
@@ -53,10 +53,10 @@ class ProcessorNode(Node, Generic[Parameters]):
         """Declare, build and connect.
 
         Args:
-            name: of the node.
+            name: name of the node.
             parameter_class: dataclass of its parameters.
-            build: makes the processors from the parameters and the car; called again when a parameter changes, which
-                starts them anew. Topics that are no longer needed fall silent.
+            build: makes the processors from the parameters and the car. It is called again when a parameter changes,
+                so the estimators start again; topics that are no longer needed fall silent.
 
         Raises:
             ParameterError: a parameter or the vehicle file is bad.
@@ -82,7 +82,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         self.create_timer(_DIAGNOSTICS_PERIOD, self._on_diagnostics, clock=steady)
 
     def _apply(self, parameters: Parameters) -> None:
-        """Take parameters: new processors on their topics. Where they cannot be made, all stays as it is."""
+        """Replace the processors by new ones for these parameters. If that fails, the old ones stay."""
         processors = list(self._build(parameters, self._vehicle, self._report))
         for text in ignored(parameters):
             if text not in self._ignored:
@@ -102,7 +102,7 @@ class ProcessorNode(Node, Generic[Parameters]):
                     self._readers.setdefault(topic, []).append(processor)
 
     def _report(self, severity: Severity, text: str) -> None:
-        """Log; warnings and errors of one kind once in a while."""
+        """Log; warnings and errors of one kind at a limited rate."""
         logger = self.get_logger()
         if severity == "debug":
             logger.debug(text)
@@ -137,7 +137,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         for processor in self._processors:
             processor.reset()
         response.success = True
-        response.message = f"{self.get_name()}: started anew"
+        response.message = f"{self.get_name()}: started again"
         self.get_logger().info("reset by service")
         return response
 
@@ -163,7 +163,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         return self._status(Health("inputs", Level.WARN if silent_topics else Level.OK, text, values))
 
     def _may_never_come(self, topic: str) -> bool:
-        return all(topic in optional_inputs(processor) for processor in self._readers[topic])
+        return all(topic in processor.optional for processor in self._readers[topic])
 
     def _status(self, health: Health) -> DiagnosticStatus:
         return DiagnosticStatus(

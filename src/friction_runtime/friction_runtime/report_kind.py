@@ -1,4 +1,4 @@
-"""Kinds of reports: of one kind are those that differ only in what a message held."""
+"""Kinds of reports: two reports are of one kind if they differ only in values from a message."""
 
 import re
 from math import inf
@@ -11,12 +11,12 @@ _RAW = re.compile(
     re.VERBOSE,
 )
 _REPEAT_AFTER = 5.0
-"""[s]"""
+"""Time between two reports of one kind [s]."""
 _MOST_KINDS = 1000
 
 
 def report_kind(text: str) -> str:
-    """Text without its numbers and without what stands in double quotes; digits of names remain."""
+    """Return a text without its numbers and without what stands in double quotes; digits in names remain."""
     return _RAW.sub("#", text)
 
 
@@ -24,11 +24,11 @@ class ReportLimit:
     """Lets one report of a kind pass every few seconds: garbage at 200 Hz must not fill the log."""
 
     def __init__(self) -> None:
-        """Start with nothing said."""
+        """Start without any report."""
         self._said: dict[str, float] = {}
 
     def passes(self, text: str, now: float) -> bool:
-        """Tell whether a report at the time `now` [s] is to be said."""
+        """Whether a report at the time `now` [s] should be logged."""
         kind = report_kind(text)
         if now - self._said.get(kind, -inf) < _REPEAT_AFTER:
             return False

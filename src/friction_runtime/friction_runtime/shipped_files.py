@@ -1,4 +1,4 @@
-"""What the packages of the nodes ship: parameter files, and the values in them."""
+"""Parameter files that the packages of the nodes ship, and the values in them."""
 
 from importlib import import_module
 from pathlib import Path
@@ -8,7 +8,7 @@ from ament_index_python.packages import get_package_share_directory
 
 
 def shipped_file(package: str, name: str = "") -> Path:
-    """Parameter file that a package ships: `name`, or the one named like the package.
+    """Return the path of a package's parameter file: `name`, or the one named like the package.
 
     Raises:
         PackageNotFoundError: the package is not installed.
@@ -17,5 +17,5 @@ def shipped_file(package: str, name: str = "") -> Path:
 
 
 def shipped_parameters(node: str) -> Any:
-    """Parameters of the file that is named like the node's package: an instance of the node's dataclass."""
+    """Return the values of the parameter file named like the node's package: an instance of the node's dataclass."""
     return import_module(f"{node}.parameters").SHIPPED[node].parameters

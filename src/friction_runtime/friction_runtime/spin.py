@@ -22,9 +22,9 @@ from friction_runtime.machine_load import slowdown
 from friction_runtime.parameter_arguments import with_checked_parameters
 
 _WAKE_PERIOD = 0.2
-"""[s] EventsExecutor.spin() does not return on a signal; waking up now and then does."""
+"""Period of a timer that wakes the executor [s]: EventsExecutor.spin() does not return on a signal by itself."""
 _TAKE_DOWN_LIMIT = 0.8
-"""[s] on a machine that is not busy."""
+"""Longest time for taking a node down on an idle machine [s]."""
 _STDERR = 2
 _REFUSALS = (
     rclpy_implementation.RCLError,
@@ -33,16 +33,16 @@ _REFUSALS = (
     ParameterException,
     InvalidQosOverridesError,
 )
-"""What the middleware raises for a command line or a parameter of ROS that it does not take."""
+"""Exceptions of the middleware for a command line or a ROS parameter that it does not accept."""
 
 
 def run(name: str, parameter_class: type, make_node: Callable[[], Node], args: Sequence[str] | None = None) -> int:
     """Check the parameters, make the node and spin it until a signal, or until it calls rclpy.try_shutdown().
 
     Args:
-        name: of the node, unless it is remapped.
+        name: name of the node, unless it is remapped.
         parameter_class: dataclass of its parameters.
-        make_node: makes it; rclpy is initialised.
+        make_node: makes the node; rclpy is initialised.
         args: command line, that of the process if None.
 
     Returns:
@@ -85,10 +85,10 @@ def _made(make_node: Callable[[], Node]) -> Node:
 
 
 def take_down(node: Node | None, executor: Executor | None = None) -> None:
-    """Take a node and the middleware of this process down, after all that matters has been published or written.
+    """Take down a node and the middleware of this process, after everything has been published or written.
 
     Fast DDS can wait for itself forever when other processes vanish while it removes its participant (seen in 2 of 800
-    exits, of many nodes at once). Such a process says so on stderr and ends with exit code 1, instead of never.
+    exits, of many nodes at once). Such a process reports that on stderr and ends with exit code 1, instead of never.
     """
     sys.stdout.flush()
     faulthandler.dump_traceback_later(_TAKE_DOWN_LIMIT * slowdown(), exit=True, file=_STDERR)
@@ -103,9 +103,9 @@ def take_down(node: Node | None, executor: Executor | None = None) -> None:
 
 
 def stop_on_signals() -> Event:
-    """Event that is set by SIGINT or SIGTERM.
+    """Return an event that is set by SIGINT or SIGTERM.
 
-    Neither an exception nor the end of the context comes in the middle of a call, as with the handlers of rclpy.
+    Unlike with the handlers of rclpy, no exception and no end of the context comes in the middle of a call.
     """
     stop = Event()
     for number in (signal.SIGINT, signal.SIGTERM):

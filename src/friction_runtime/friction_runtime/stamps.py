@@ -8,19 +8,19 @@ from vehicle_models.nanoseconds import NANOSECONDS
 
 
 def to_nanoseconds(stamp: Time) -> int:
-    """Nanoseconds [ns] of a message stamp."""
+    """Return a message stamp in nanoseconds [ns]."""
     return stamp.sec * NANOSECONDS + stamp.nanosec
 
 
 def from_nanoseconds(nanoseconds: int) -> Time:
-    """Message stamp of a time in nanoseconds [ns], >= 0."""
+    """Return the message stamp of a time in nanoseconds [ns], >= 0."""
     time = new_message(Time)
     time.sec, time.nanosec = divmod(int(nanoseconds), NANOSECONDS)
     return time
 
 
 def header_at(nanoseconds: int, frame_id: str) -> Header:
-    """Header of a message that speaks of a time in nanoseconds [ns], >= 0."""
+    """Return the header of a message for a time in nanoseconds [ns], >= 0."""
     header = new_message(Header)
     header.stamp = from_nanoseconds(nanoseconds)
     header.frame_id = frame_id

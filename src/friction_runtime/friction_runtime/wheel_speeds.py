@@ -16,14 +16,14 @@ WHEEL_STATES = "wheel_states"
 class WheelSpeeds:
     """Reads the wheels of a car, or some of them, by the names of their joints.
 
-    Names seldom change from one message to the next: places are looked up when they do. Of a name that stands twice
-    the first counts.
+    Names seldom change from one message to the next, so indices are looked up only when they do. If a name occurs
+    twice, the first one counts.
     """
 
     def __init__(self, vehicle: Vehicle, wheels: Sequence[str], report: Report) -> None:
-        """Choose wheels of the car; `report` is told of those that a message lacks, and of joints that are no wheels.
+        """Choose wheels of the car; missing wheels, and joints that are not wheels, go to `report`.
 
-        Other joints are noted by whoever reads the first wheel, so that they are noted once.
+        Only the reader of the first wheel reports other joints, so that they are reported once.
         """
         self._wheels = tuple(vehicle.wheel(name) for name in wheels)
         self._joints = set(vehicle.joints)
@@ -33,7 +33,7 @@ class WheelSpeeds:
         self._places = [maxsize] * len(self._wheels)
 
     def read(self, message: JointState) -> tuple[float, ...]:
-        """Speeds [rad/s] in the order of the wheels, NaN where one is missing or garbage."""
+        """Return the speeds [rad/s] in the order of the wheels, NaN where one is missing or garbage."""
         if message.name != self._names:
             self._look_up(list(message.name))
         velocities = message.velocity.tolist()
@@ -51,7 +51,7 @@ class WheelSpeeds:
         others = [name for name in names if name not in self._joints]
         if others and self._notes_others and len(others) < len(names):
             self._notes_others = False
-            self._report("info", f"{WHEEL_STATES}: not wheels of the car, left aside: {', '.join(others)}")
+            self._report("info", f"{WHEEL_STATES}: not wheels of the car, ignored: {', '.join(others)}")
 
     def _without_garbage(self, speeds: tuple[float, ...], count: int) -> tuple[float, ...]:
         for wheel, place, speed in zip(self._wheels, self._places, speeds, strict=True):
@@ -63,5 +63,7 @@ class WheelSpeeds:
                     f'"{", ".join(self._names)}"; check the vehicle file',
                 )
             elif not abs(speed) <= HIGHEST_WHEEL_SPEED:
-                self._report("warning", f"{WHEEL_STATES}: velocity of wheel '{wheel.name}' is no wheel speed: {speed}")
+                self._report(
+                    "warning", f"{WHEEL_STATES}: velocity of wheel '{wheel.name}' is not a wheel speed: {speed}"
+                )
         return tuple(speed if abs(speed) <= HIGHEST_WHEEL_SPEED else nan for speed in speeds)

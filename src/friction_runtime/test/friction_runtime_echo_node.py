@@ -1,4 +1,4 @@
-"""The smallest node of the shared kind, for the tests of its behaviour: the demand, multiplied, as a wheel's slip."""
+"""A minimal node on friction_runtime, for the tests of its behaviour: the demand, multiplied, as a wheel's slip."""
 
 import sys
 from collections.abc import Mapping, Sequence
@@ -73,15 +73,15 @@ class Echo:
         return [(output, WheelSlip(header=message.header, slip=factor * message.pressure + self._offset))]
 
     def watch(self, ages: Mapping[str, float]) -> list[Output]:
-        """Stay calm."""
+        """Do nothing."""
         return []
 
     def reset(self) -> None:
-        """Count anew."""
+        """Start to count again."""
         self._count = 0
 
     def health(self) -> Health:
-        """Tell the count."""
+        """Report the count."""
         return Health("echo", values={"count": str(self._count)})
 
 

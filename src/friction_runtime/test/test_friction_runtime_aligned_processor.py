@@ -1,22 +1,30 @@
-"""What all processors do alike: refusals, jumps back, silence, levels in diagnostics, texts that name a wheel once."""
+"""Shared behaviour of all processors: refusals, jumps back, silence, levels in diagnostics, names of wheels once."""
 
 from collections.abc import Sequence
 from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_loader
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from builtin_interfaces.msg import Time
-from friction_msgs.msg import BrakeDemand
+from friction_msgs.msg import (
+    BrakeDemand,
+    ContactPatch,
+    FrictionCurve,
+    FrictionSlope,
+    SupervisorState,
+    TyreForce,
+    WheelSlip,
+)
 from std_msgs.msg import Header
 
 import friction_runtime
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Severity, level_of
-from friction_runtime.reason_text import of_topic, of_wheel, without_wheel
+from friction_runtime.reason_text import of_topic, of_wheel, set_reason, without_wheel
 from friction_runtime.stamps import to_nanoseconds
 
 if TYPE_CHECKING:
@@ -33,7 +41,7 @@ class Adder(AlignedProcessor[float]):
     """Adds an aligned input to its primary."""
 
     def __init__(self) -> None:
-        """Start with nothing known."""
+        """Start empty."""
         self.said: list[tuple[str, str]] = []
         super().__init__("FL", Primary("FL/a", "FL", self._say), [AlignedInput("FL/b")], deadline=0.05)
         self.restarts: list[int] = []
@@ -151,3 +159,12 @@ def test_a_reason_passed_on_names_topic_and_wheel_once() -> None:
     assert slope == "FL/slip: no vehicle speed"
     assert of_wheel("FL", of_topic("FL/friction_slope", "FL: gap")) == "FL/friction_slope: gap"
     assert without_wheel("FL", "FL: gap") == "gap"
+
+
+@pytest.mark.parametrize("kind", [ContactPatch, FrictionCurve, FrictionSlope, SupervisorState, TyreForce, WheelSlip])
+def test_every_message_of_an_estimate_gives_its_reason_in_one_way(kind: type) -> None:
+    message: Any = kind()
+    set_reason(message, "FL", message.OK, "")
+    assert (message.valid, message.reason, message.reason_text) == (True, 0, "")
+    set_reason(message, "FL", 2, "why")
+    assert (message.valid, message.reason, message.reason_text) == (False, 2, "FL: why")

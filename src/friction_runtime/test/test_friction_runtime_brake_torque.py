@@ -44,8 +44,14 @@ def test_a_small_negative_pressure_is_an_offset_of_the_sensor_and_taken() -> Non
 @pytest.mark.parametrize("value", [nan, inf, -inf, 1.1e9, -1.1e9])
 def test_what_is_no_pressure_is_refused_by_topic(value: float) -> None:
     assert BrakeTorque(car(), "front_left").read(pressure(value)) == (
-        f"front_left/brake_pressure: {value} Pa is no brake pressure"
+        f"front_left/brake_pressure: {value} Pa is not a brake pressure"
     )
+
+
+def test_a_pressure_of_another_topic_is_judged_alike() -> None:
+    brake = BrakeTorque(car(delay=0.025), "front_left")
+    assert brake.torque("brake_demand", 5e6) == 1e-4 * 5e6
+    assert brake.torque("brake_demand", nan) == "brake_demand: nan Pa is not a brake pressure"
 
 
 def test_a_pressure_whose_torque_no_brake_has_is_refused() -> None:

@@ -1,4 +1,4 @@
-"""A domain is given to one process at a time, and none in which somebody listens."""
+"""A domain is given to one process at a time, and only if no participant listens in it."""
 
 from __future__ import annotations
 

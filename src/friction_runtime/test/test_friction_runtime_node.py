@@ -156,7 +156,7 @@ def test_a_change_of_method_adds_topics_and_a_refused_one_leaves_all_as_it_is(
     assert refused.reason == "parameter 'gain' is too much for a mirror"
     health.clear()
     client.until(lambda: bool(counts()))
-    assert counts()[-1] >= received, "the processor was built anew"
+    assert counts()[-1] >= received, "the processor was built again"
     mirrored.until_answer(-6.0)
     assert set_parameter(client, "gain", 5.0).successful
     mirrored.until_answer(-15.0)
@@ -251,7 +251,7 @@ def test_node_exits_cleanly_on_a_signal(how: signal.Signals, echo: subprocess.Po
 
 
 def ends_with(client: DdsClient, *arguments: str) -> str:
-    """Start the node with what must end it; what it says, in one line."""
+    """Start the node with arguments that must end it; return its output, one line."""
     process = client.start(SCRIPT, "--ros-args", *arguments)
     output = output_of(process)
     assert process.returncode == 2, output
@@ -267,10 +267,10 @@ def ends_with(client: DdsClient, *arguments: str) -> str:
         ("gain:=11.0", "parameter 'gain' = 11.0 is outside [0.0, 10.0]"),
         ("gain:=nonsense", "parameter 'gain' = 'nonsense' must be of type float"),
         ("gian:=1.0", "node /echo: unknown parameter 'gian': known are vehicle_file, gain, "),
-        ("wheels:=[front_left]", "node /echo: parameter 'wheels' is no more: it is 'wheels' of the vehicle file"),
-        ("offset:=1.0", "node /echo: parameter 'offset' is no more: it is 'filter.offset'"),
+        ("wheels:=[front_left]", "node /echo: parameter 'wheels' no longer exists: it is 'wheels' of the vehicle file"),
+        ("offset:=1.0", "node /echo: parameter 'offset' no longer exists: it is 'filter.offset'"),
         ("filter.weights:=[1, two]", "parameter 'filter.weights' = 'two' must be of type float"),
-        ("filter.weights:=[1", "-p filter.weights:=[1: line 1: no YAML: "),
+        ("filter.weights:=[1", "-p filter.weights:=[1: line 1: not YAML: "),
         ("filter.weights:=[]", "parameter 'filter.weights' is empty"),
         ("gain", "-p gain: it must be name:=value"),
         ("gain:=", "parameter 'gain' = None must be of type float"),
@@ -289,9 +289,9 @@ def test_a_bad_parameter_at_start_ends_the_process_and_is_named(argument: str, t
     [
         (("--no-such-argument",), "no-such-argument"),
         (("--params-file",), "--params-file"),
-        (("-r", "__node:=a-b"), "'a-b' is no name of a node"),
-        (("-r", "__ns:=/my_car/"), "'/my_car/' is no namespace"),
-        (("-r", "__ns:=my_car"), "'my_car' is no namespace"),
+        (("-r", "__node:=a-b"), "'a-b' is not a valid node name"),
+        (("-r", "__ns:=/my_car/"), "'/my_car/' is not a valid namespace"),
+        (("-r", "__ns:=my_car"), "'my_car' is not a valid namespace"),
         (("-r", "nonsense"), "nonsense"),
     ],
 )
@@ -305,10 +305,10 @@ def test_arguments_that_ros_refuses_end_the_process_in_one_line(
     ("content", "text"),
     [
         ("echo: {ros__parameters: {gain: 11}}", "line 1: parameter 'gain' = 11.0 is outside [0.0, 10.0]"),
-        ("echo: {ros__parameters: {gain: 1}}\necho: {ros__parameters: {}}", "line 2: 'echo' stands here again"),
+        ("echo: {ros__parameters: {gain: 1}}\necho: {ros__parameters: {}}", "line 2: 'echo' is repeated here"),
         ("/**/ecko: {ros__parameters: {}}\n/**/echos: {ros__parameters: {}}", "line 2: section '/**/echos'"),
         ("/**: {ros__parameters: {use_sim_time: 3}}", "line 1: parameter 'use_sim_time' = 3 has the wrong type"),
-        ("echo: [", "line 1: no YAML"),
+        ("echo: [", "line 1: not YAML"),
     ],
 )
 def test_a_bad_file_ends_the_process_and_its_line_is_named(

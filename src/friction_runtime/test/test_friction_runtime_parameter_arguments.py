@@ -1,4 +1,4 @@
-"""Command lines with checked parameters; sections, order and values mean what they mean to ROS."""
+"""Command lines with checked parameters; sections, order and values have the same meaning as in ROS."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ def checked(directory: Path, *arguments: str) -> list[str]:
 
 
 def seen_by_ros(*arguments: str) -> tuple[str, dict[str, Any]]:
-    """Full name of the node and the parameters that plain ROS makes of a command line."""
+    """Full name and parameters of a node that plain ROS starts with a command line."""
     context = Context()
     rclpy.init(context=context, args=list(arguments), domain_id=own_domain())
     node = rclpy.create_node("echo", context=context, start_parameter_services=False, enable_rosout=False)
@@ -138,16 +138,16 @@ def test_arguments_of_the_user_and_of_other_nodes_are_left_alone(tmp_path: Path)
     ("arguments", "text"),
     [
         (["-p", "gian:=1"], "node /echo: unknown parameter 'gian': known are gain, count, "),
-        (["-p", "factor:=1"], "node /echo: parameter 'factor' is no more: it is 'gain'"),
+        (["-p", "factor:=1"], "node /echo: parameter 'factor' no longer exists: it is 'gain'"),
         (["-p", "gain:=11"], "parameter 'gain' = 11.0 is outside [0.0, 10.0]"),
         (["-p", "distances:=[0, x]"], "parameter 'distances' = 'x' must be of type float"),
-        (["-p", "gain:=[1"], "-p gain:=[1: line 1: no YAML: "),
-        (["-p", "gain:=\n{"], "-p gain:= {: line 2: no YAML: "),
+        (["-p", "gain:=[1"], "-p gain:=[1: line 1: not YAML: "),
+        (["-p", "gain:=\n{"], "-p gain:= {: line 2: not YAML: "),
         (["-p", ":=1"], "-p :=1: it must be name:=value"),
         (["--params-file", "/missing.yaml"], "parameter file /missing.yaml: No such file or directory"),
         (["--params-file", "/"], "parameter file /: Is a directory"),
-        (["-r", "__ns:=my_car"], "'my_car' is no namespace: "),
-        (["-r", "__node:=5"], "'5' is no name of a node: "),
+        (["-r", "__ns:=my_car"], "'my_car' is not a valid namespace: "),
+        (["-r", "__node:=5"], "'5' is not a valid node name: "),
     ],
 )
 def test_bad_arguments_are_refused_in_one_line(arguments: list[str], text: str, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Reports that differ only in what a message held are of one kind, and a kind is said once in a while."""
+"""Reports that differ only in values from a message are of one kind, and a kind is logged at a limited rate."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from friction_runtime.report_kind import ReportLimit, report_kind
 
 @pytest.mark.parametrize("value", [5.0, -3.25e-7, 1e300, float("nan"), float("inf"), float("-inf"), 17, 0.1 + 0.2])
 def test_numbers_make_no_new_kind(value: float) -> None:
-    text = "front_left/brake_pressure: {} Pa is no brake pressure: refused"
+    text = "front_left/brake_pressure: {} Pa is not a brake pressure: refused"
     assert report_kind(text.format(value)) == report_kind(text.format(1.0))
 
 
@@ -21,7 +21,7 @@ def test_strings_of_a_message_make_no_new_kind() -> None:
     [
         ("wheel_1/slip: stamp repeats", "wheel_2/slip: stamp repeats"),
         ("no velocity for wheel '1'", "no velocity for wheel '2'"),
-        ("velocity of wheel 'FL' is no wheel speed: 3.0", "velocity of wheel 'FR' is no wheel speed: 3.0"),
+        ("velocity of wheel 'FL' is not a wheel speed: 3.0", "velocity of wheel 'FR' is not a wheel speed: 3.0"),
         ("imu/data: stamp is zero", "imu/data: stamp repeats"),
         ("there is information", "there is #rmation"),
     ],

@@ -78,7 +78,7 @@ def test_other_joints_are_noted_once_by_the_reader_of_the_first_wheel() -> None:
         names = ["left", *extra, "front-right", *REST]
         message = JointState(name=names, velocity=[1.0] * len(names))
         assert [reader.read(message) for reader in readers] == [(1.0,)] * 4
-    assert said.texts == ["info: wheel_states: not wheels of the car, left aside: steering"]
+    assert said.texts == ["info: wheel_states: not wheels of the car, ignored: steering"]
 
 
 def test_messages_without_any_wheel_say_what_is_missing_and_nothing_else() -> None:
@@ -95,4 +95,4 @@ def test_garbage_is_nan_and_reported_and_the_other_wheel_goes_on(garbage: float)
     assert isnan(left)
     assert right == 7.0
     assert len(said.texts) == 1
-    assert "wheel 'front_left' is no wheel speed" in said.texts[0]
+    assert "wheel 'front_left' is not a wheel speed" in said.texts[0]

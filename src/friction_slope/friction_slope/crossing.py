@@ -8,11 +8,11 @@ class CrossingDetector:
     """Holds the sign between the thresholds: -1 at or below the negative one, +1 at or above the positive one."""
 
     def __init__(self, h_instability: float, h_stability: float) -> None:
-        """Start with the sign not known.
+        """Start with an unknown sign.
 
         Args:
-            h_instability: [rad/s^3], <= 0.
-            h_stability: [rad/s^3], >= 0.
+            h_instability: threshold of the unstable side [rad/s^3], <= 0.
+            h_stability: threshold of the stable side [rad/s^3], >= 0.
 
         Raises:
             ValueError: a threshold has the wrong sign.
@@ -40,16 +40,16 @@ class CrossingDetector:
         self.sign = 0
 
     def update(self, indicator: float, growing: int, slip: Callable[[], float], stamp: int) -> None:
-        """Take the indicator at the time it speaks of.
+        """Take the indicator at the time for which it holds.
 
-        The peak is crossed upwards only while slip grows and downwards only while it falls: what says otherwise is
-        noise and does not change a known sign.
+        The peak is crossed upwards only while slip grows and downwards only while it falls: anything else is noise and
+        does not change a known sign.
 
         Args:
-            indicator: [rad/s^3].
+            indicator: slope indicator [rad/s^3].
             growing: sign of the slip rate: +1, -1, or 0 where it is not measured.
-            slip: reads the slip [-], NaN if unknown; asked at a crossing only.
-            stamp: [ns].
+            slip: returns the slip [-], NaN if unknown; called at a crossing only.
+            stamp: time for which the indicator holds [ns].
         """
         if indicator < 0.0 and indicator <= self._h_instability:
             sign = -1

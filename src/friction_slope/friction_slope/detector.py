@@ -16,11 +16,11 @@ from vehicle_models.single_corner import CornerParameters
 LOCKED_SLIP = 0.8
 """Beyond the peak of any road [-]. A wheel that stands does so by constraint: (8.3) does not hold for it."""
 HIGHEST_FRICTION = 1.5
-"""Of any road [-]."""
+"""Largest friction coefficient of any road [-]."""
 JITTER = 2.0
-"""Of a wheel speed that is no spike [rad/s]."""
+"""Largest jitter of a wheel speed that is not a spike [rad/s]."""
 _SIGNED = (Reason.OK, Reason.NO_EXCITATION)
-"""Reasons with which a sign is told."""
+"""Reasons with which a sign is published."""
 LOCKED_INDICATOR = -1e5
 """Indicator of a locked wheel [rad/s^3], below every threshold."""
 
@@ -35,24 +35,24 @@ class DetectorParameters:
     )
     rate_window: int = parameter(28, "samples of the fits that give slip rate and eta", minimum=2, maximum=400)
     h_instability: float = parameter(
-        -15.0, "indicator at or below it: stability is lost", unit="rad/s^3", minimum=-1e5, maximum=0.0
+        -15.0, "indicator at or below which stability is lost", unit="rad/s^3", minimum=-1e5, maximum=0.0
     )
     h_stability: float = parameter(
-        100.0, "indicator at or above it: stability is regained", unit="rad/s^3", minimum=0.0, maximum=1e5
+        100.0, "indicator at or above which stability is regained", unit="rad/s^3", minimum=0.0, maximum=1e5
     )
     slip_rate_dead_zone: float = parameter(
-        0.2, "slip rates up to it have no measurable sign", unit="1/s", minimum=0.0, maximum=100.0
+        0.2, "slip rates up to this have no measurable sign", unit="1/s", minimum=0.0, maximum=100.0
     )
     minimum_torque: float = parameter(
-        30.0, "a wheel with less brake torque, for 'braking_hold', is not braked", unit="N m", minimum=0.1, maximum=1e4
+        30.0, "a wheel below this brake torque for 'braking_hold' is not braked", unit="N m", minimum=0.1, maximum=1e4
     )
     braking_hold: float = parameter(
-        0.3, "a released wheel counts as braked for so long, as it takes time", unit="s", minimum=0.0, maximum=10.0
+        0.3, "time for which a released wheel still counts as braked", unit="s", minimum=0.0, maximum=10.0
     )
     minimum_speed: float = shared.minimum_speed(1.5)
     max_deceleration: float = parameter(
         12.0,
-        "no car brakes harder: bounds the speed, where it is not known, that tells a locked wheel from standstill",
+        "hardest braking of any car: bounds an unknown vehicle speed, to distinguish a locked wheel from standstill",
         unit="m/s^2",
         minimum=1.0,
         maximum=50.0,
@@ -67,10 +67,10 @@ class DetectorParameters:
 
 @dataclass(frozen=True)
 class NoSlipParameters:
-    """What only the method no_slip needs."""
+    """Parameters of the method no_slip alone."""
 
     slip_at_crossing: bool = parameter(
-        True, "wait for <wheel>/slip too, to tell the slip at a crossing (method slip always does)"
+        True, "wait for <wheel>/slip too, to publish the slip at a crossing (method slip always does)"
     )
     eta_margin: float = parameter(
         0.1, "eta must be this much above the friction, or below 0, to have a sign", minimum=0.0, maximum=100.0
@@ -78,7 +78,7 @@ class NoSlipParameters:
 
 
 class SlopeDetector:
-    """One wheel. `update` takes all that is known at one stamp."""
+    """Slope detector of one wheel. `update` takes all that is known at one stamp."""
 
     def __init__(
         self,
@@ -92,8 +92,8 @@ class SlopeDetector:
         Args:
             corner: radius, inertia and vertical load of the wheel.
             method: where the sign of the slip rate comes from.
-            parameters: of both methods.
-            no_slip: of the method no_slip; the method slip ignores them.
+            parameters: parameters of both methods.
+            no_slip: parameters of the method no_slip; ignored by the method slip.
         """
         self._method = method
         self._p = p = parameters
@@ -127,7 +127,7 @@ class SlopeDetector:
             if gap > self._p.max_gap:
                 self._forget_samples()
                 self._had_gap = True
-                # A wheel that turns belies a reference speed it cannot have come from; one that stands may be locked.
+                # A turning wheel contradicts a reference speed it cannot have come from; one that stands may be locked.
                 if not possible and sample.wheel_speed * self._radius > self._p.minimum_speed:
                     self._reference.reset()
             elif not possible:
@@ -139,7 +139,7 @@ class SlopeDetector:
             self._braked = sample.stamp
         if not self._signals.ready:
             if self._had_gap:
-                return self._estimate(Reason.GAP, f"gap of more than {self._p.max_gap} s, filling the window anew")
+                return self._estimate(Reason.GAP, f"gap of more than {self._p.max_gap} s, filling the window again")
             return self._estimate(Reason.NOT_READY, "filling the window")
         self._had_gap = False
         return self._judge(sample)
@@ -172,7 +172,7 @@ class SlopeDetector:
         return self._estimate(Reason.OK, "", h, delay, indicator)
 
     def _growing(self, slip_rate: float) -> int:
-        """Sign of the slip rate by the method, 0 in the dead zone; `slip_rate` [1/s] is what the method slip reads."""
+        """Return the sign of the slip rate, 0 in the dead zone; only the method slip uses `slip_rate` [1/s]."""
         p = self._p
         if self._method is Method.SLIP:
             return slip_rate_sign(slip_rate, p.slip_rate_dead_zone)
@@ -181,7 +181,7 @@ class SlopeDetector:
         return eta_sign(eta, friction, self._eta_margin, p.slip_rate_dead_zone, self._reference.speed)
 
     def _possible_jump(self, sample: SlopeSample, last: SlopeSample, gap: float) -> bool:
-        """Can brake and road have turned the wheel to this speed? A spike must not raise the reference speed."""
+        """Whether brake and road can have caused this wheel speed: a spike must not raise the reference speed."""
         braking = max(abs(sample.brake_torque), abs(last.brake_torque))
         torque = braking + HIGHEST_FRICTION * self._radius * self._vertical_load
         return abs(sample.wheel_speed - last.wheel_speed) <= gap * torque / self._inertia + JITTER
@@ -209,5 +209,5 @@ class SlopeDetector:
             slip_at_crossing=crossing.slip,
             crossing_stamp=crossing.stamp,
             reason=reason,
-            reason_text=text,
+            text=text,
         )

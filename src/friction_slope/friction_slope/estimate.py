@@ -1,4 +1,4 @@
-"""What goes into the detector at one stamp, and what comes out."""
+"""Input and output of the detector at one stamp."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -13,7 +13,7 @@ class Method(IntEnum):
 
 
 METHODS = {"slip": Method.SLIP, "no_slip": Method.NO_SLIP}
-"""By the names that the parameter `method` takes."""
+"""Methods by their names in the parameter `method`."""
 
 
 class Reason(IntEnum):
@@ -59,14 +59,15 @@ class SlopeEstimate:
     indicator: float = nan
     """H times the sign of slip rate or eta [rad/s^3]; 0 in the dead zone of that sign, NaN where unknown."""
     delay: float = nan
-    """[s] of h and indicator behind the stamp; negative where they are predicted."""
+    """Delay of h and indicator behind the stamp [s]; negative where they are predicted."""
     crossings: int = 0
     """Sign changes since start or reset."""
     crossing_sign: int = 0
     """Sign after the last crossing; 0 before the first."""
     slip_at_crossing: float = nan
-    """[-], compensated for the delay; NaN if unknown."""
+    """Slip at the last crossing [-], compensated for the delay; NaN if unknown."""
     crossing_stamp: int = 0
-    """[ns], compensated for the delay; 0 before the first."""
+    """Time of the last crossing [ns], compensated for the delay; 0 before the first."""
     reason: Reason = Reason.OK
-    reason_text: str = ""
+    text: str = ""
+    """The reason in words, empty where it is OK."""

@@ -4,9 +4,9 @@ eta = -omega_dot r / g takes the place of the slip rate in (8.5). By (8.6),
 
     slip_rate = (g / v) (eta - (1 - slip) mu)        (all wheels at the friction mu of this one)
 
-so the two signs differ exactly where 0 < eta < (1 - slip) mu. There the sign of eta says nothing of the slip rate. The
-friction in use is known, mu = (J omega_dot + T_b) / (r Fz), so that this interval can be left out as a dead zone. Above
-it, eta stands for a slip rate of at least (g / v)(eta - mu): the dead zone of the slip rate adds v / g times itself.
+so the two signs differ exactly where 0 < eta < (1 - slip) mu. The friction in use is known, mu = (J omega_dot + T_b) /
+(r Fz), so that this interval can be left out as a dead zone. Above it, eta stands for a slip rate of at least
+(g / v)(eta - mu): the dead zone of the slip rate adds v / g times itself.
 """
 
 from vehicle_models.single_corner import GRAVITY
@@ -26,7 +26,7 @@ def slope_indicator(h: float, growing: int) -> float:
 
 
 def normalised_deceleration(wheel_acceleration: float, radius: float) -> float:
-    """Eta of (8.5), -omega_dot r / g [-], positive in braking; omega_dot [rad/s^2], r [m]."""
+    """eta of (8.5), -omega_dot r / g [-], positive in braking; omega_dot [rad/s^2], r [m]."""
     return -wheel_acceleration * radius / GRAVITY
 
 
@@ -38,14 +38,14 @@ def slip_rate_sign(slip_rate: float, dead_zone: float) -> int:
 
 
 def eta_sign(eta: float, friction: float, margin: float, dead_zone: float, speed: float) -> int:
-    """Sign of the slip rate as far as eta tells it by (8.6), for (8.5).
+    """Sign of the slip rate as far as eta determines it by (8.6), for (8.5).
 
     Args:
         eta: normalised wheel deceleration [-].
         friction: friction coefficient in use [-]; its part below zero does not count.
-        margin: by which eta must lie outside the interval (0, friction) [-], >= 0, for its noise.
+        margin: distance by which eta must lie outside the interval (0, friction) [-], >= 0, for its noise.
         dead_zone: slip rates up to it [1/s], >= 0, do not count as growing.
-        speed: of the vehicle [m/s], or no less than it.
+        speed: vehicle speed, or an upper bound of it [m/s].
 
     Returns:
         +1 above the interval, -1 below it, 0 within.

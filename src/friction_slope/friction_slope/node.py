@@ -1,4 +1,4 @@
-"""Node friction_slope: one processor a wheel on its topics."""
+"""Node friction_slope: one processor per wheel."""
 
 from collections.abc import Sequence
 

@@ -36,14 +36,14 @@ class FrictionSlopeParameters:
 
     @property
     def takes_slip(self) -> bool:
-        """Is <wheel>/slip an input?"""
+        """Whether <wheel>/slip is an input."""
         return self.method == "slip" or self.no_slip.slip_at_crossing
 
 
 SHIPPED: Mapping[str, ShippedFile] = {
     "friction_slope": ShippedFile(
         "For the ABS supervisor, one set for all roads: early rather than sure. H is predicted past the newest\n"
-        "sample, over what the brake needs to act. The set that tells the slope sign for information is\n"
+        "sample, over what the brake needs to act. The set that publishes the slope sign for information is\n"
         "friction_slope_monitor.yaml.",
         FrictionSlopeParameters(
             method="no_slip",

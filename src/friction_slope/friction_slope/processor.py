@@ -1,4 +1,4 @@
-"""wheel_states, <wheel>/brake_pressure and <wheel>/slip in, <wheel>/friction_slope out: one processor a wheel."""
+"""wheel_states, <wheel>/brake_pressure and <wheel>/slip in, <wheel>/friction_slope out: one processor per wheel."""
 
 from collections.abc import Mapping
 from math import isfinite, nan
@@ -13,7 +13,7 @@ from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, level_of, silent
-from friction_runtime.reason_text import of_topic, of_wheel
+from friction_runtime.reason_text import of_topic, set_reason
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from friction_slope.detector import SlopeDetector
@@ -24,9 +24,9 @@ from vehicle_models.vehicle import Vehicle
 _QUIET = (Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING, Reason.NO_EXCITATION)
 """Reasons that belong to ordinary driving."""
 _BROKEN = (Reason.NO_TORQUE, Reason.NO_SLIP)
-"""Reasons that no wait cures."""
+"""Reasons that do not go away by waiting."""
 _UNKNOWN_SLIP = (nan, nan, 0.0, nan, 0.0)
-"""Slip, slip rate, are they valid, vehicle speed, is it known."""
+"""Slip, slip rate, 1 if they are valid, vehicle speed, 1 if it is known."""
 
 
 class WheelProcessor(AlignedProcessor[float]):
@@ -35,7 +35,7 @@ class WheelProcessor(AlignedProcessor[float]):
     def __init__(
         self, wheel: str, vehicle: Vehicle, parameters: FrictionSlopeParameters, report: Report = silent
     ) -> None:
-        """Build for one wheel of a car; `report` takes what a person should know."""
+        """Build for one wheel of a car; `report` is the log function."""
         self._wheel = wheel
         self._brake_torque = BrakeTorque(vehicle, wheel)
         self._pressure, self._slip = self._brake_torque.topic, f"{wheel}/slip"
@@ -89,7 +89,7 @@ class WheelProcessor(AlignedProcessor[float]):
         return self._aligner.offer(self._pressure, stamp, (torque,))
 
     def _offer_slip(self, message: WheelSlip) -> str | None:
-        # What is not known travels as a flag, so that an interpolation between a known and an unknown slip is unknown.
+        # Validity travels as a number, so that an interpolation between a known and an unknown slip is unknown.
         slip, slip_rate, valid = message.slip, message.slip_rate, 1.0
         if not (message.valid and isfinite(slip) and isfinite(slip_rate)):
             slip, slip_rate, valid = 0.0, 0.0, 0.0
@@ -118,8 +118,8 @@ class WheelProcessor(AlignedProcessor[float]):
         return [(f"{self._wheel}/friction_slope", self._message(sample.stamp, estimate))]
 
     def _reason(self, sample: AlignedSample[float], estimate: SlopeEstimate) -> str:
-        """Reason of an estimate in words; where an input is missing, what is known of that."""
-        text = estimate.reason_text
+        """Return the reason of an estimate in words; for a missing input, why it is missing."""
+        text = estimate.text
         if estimate.reason is Reason.NO_TORQUE:
             return sample.missing.get(self._pressure, text)
         if estimate.reason is Reason.NO_SLIP:
@@ -139,12 +139,10 @@ class WheelProcessor(AlignedProcessor[float]):
         message.crossing_sign = estimate.crossing_sign
         message.slip_at_crossing = estimate.slip_at_crossing
         message.crossing_stamp = from_nanoseconds(estimate.crossing_stamp)
-        message.valid = estimate.reason is Reason.OK
-        message.reason = int(estimate.reason)
-        message.reason_text = of_wheel(self._wheel, self._text)
+        set_reason(message, self._wheel, estimate.reason, self._text)
         return message
 
 
 def build(parameters: FrictionSlopeParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:
-    """Make the processors: one a wheel."""
+    """Make the processors: one per wheel."""
     return [WheelProcessor(wheel, vehicle, parameters, report) for wheel in vehicle.wheel_names]

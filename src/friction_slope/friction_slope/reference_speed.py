@@ -1,4 +1,4 @@
-"""Vehicle speed for method no_slip, only to know standstill: a locked wheel must not look like a car that stands."""
+"""Vehicle speed for method no_slip, only to detect standstill: a locked wheel must not look like a car at rest."""
 
 from friction_slope.estimate import SlopeSample
 from vehicle_models.nanoseconds import NANOSECOND
@@ -12,7 +12,7 @@ class ReferenceSpeed:
 
         Args:
             radius: r [m], > 0.
-            max_deceleration: no car brakes harder [m/s^2], > 0.
+            max_deceleration: hardest braking of any car [m/s^2], > 0.
         """
         self._radius, self._max_deceleration = radius, max_deceleration
         self.reset()

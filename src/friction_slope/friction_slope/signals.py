@@ -39,12 +39,12 @@ class SignalWindow:
         self._impulse = 0.0
         self._last: SlopeSample | None = None
         self.delay = 0.0
-        """Of h and slip behind the newest sample [s]; negative where they are predicted."""
+        """Delay of h and slip behind the newest sample [s]; negative where they are predicted."""
         self._rate_delay = 0.0
 
     @property
     def ready(self) -> bool:
-        """Are the windows full?"""
+        """Whether the windows are full."""
         return self._window.ready and self._rates.ready
 
     def update(self, sample: SlopeSample) -> None:
@@ -68,13 +68,13 @@ class SignalWindow:
         return float(self._window.derivative(0, self.delay)[_SLIP])
 
     def slip_rate(self) -> float:
-        """Mean over the rate window [1/s]; NaN if it was unknown anywhere in it."""
+        """Mean slip rate over the rate window [1/s]; NaN if it was unknown anywhere in it."""
         return float(self._rates.derivative(0, self._rate_delay)[_SLIP_RATE])
 
     def wheel_acceleration(self) -> float:
-        """Return omega_dot [rad/s^2], mean over the rate window."""
+        """omega_dot [rad/s^2], mean over the rate window."""
         return float(self._rates.derivative(1, self._rate_delay)[_OMEGA])
 
     def friction_moment(self) -> float:
-        """Return r Fx = J z_dot = J omega_dot + T_b [N m], braking positive, mean over the rate window."""
+        """r Fx = J z_dot = J omega_dot + T_b [N m], braking positive, mean over the rate window."""
         return self._inertia * float(self._rates.derivative(1, self._rate_delay)[_Z])

@@ -1,4 +1,4 @@
-"""The node as a real process over DDS: what it says is what the processor says, and it ends cleanly."""
+"""The node as a real process over DDS: its messages are those of the processor, and it ends cleanly."""
 
 from functools import partial
 from pathlib import Path

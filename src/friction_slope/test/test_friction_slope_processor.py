@@ -259,7 +259,7 @@ def test_bad_parameters_are_refused_by_name(values: dict[str, Any], named: str) 
     ],
 )
 def test_old_name_of_a_parameter_is_refused_with_its_new_place(name: str, place: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{name}' is no more: .*{place}"):
+    with pytest.raises(ParameterError, match=f"'{name}' no longer exists: .*{place}"):
         from_mapping(FrictionSlopeParameters, {name: 1.0})
 
 

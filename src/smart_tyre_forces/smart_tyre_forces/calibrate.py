@@ -1,7 +1,7 @@
 """Calibration from recorded drives: tooth tables, speed trends, beta, force maps (section 8.4.4).
 
 Reference forces come from the car's acceleration and load transfer; wheel-force transducers are not needed. Such a
-reference does not see the unevenness of the road: the maps are therefore fitted as angle over force (see `force_map`).
+reference does not include the unevenness of the road, so the maps are fitted as angle over force (see `force_map`).
 """
 
 from dataclasses import dataclass, replace
@@ -34,9 +34,9 @@ class WheelRun:
     wheel: Wheel
     passages: list[Passage]
     time: Array
-    """Of the car's acceleration, in the time of the passages [s], increasing, shape (n,)."""
+    """Times of the car's acceleration, on the time scale of the passages [s], increasing, shape (n,)."""
     acceleration: Array
-    """Forward positive [m/s^2], shape (n,)."""
+    """Acceleration of the car [m/s^2], forward positive, shape (n,)."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Points:
     speed: Array
     """[m/s]"""
     acceleration: Array
-    """Of the car [m/s^2]."""
+    """Acceleration of the car [m/s^2]."""
     shift: Array
     """[rad]"""
     length: Array
@@ -56,13 +56,13 @@ class Points:
     fz: Array
     """[N]"""
     front_stddev: Array
-    """Deviation of a front by the noise of the signal [rad]."""
+    """Standard deviation of a front from the noise of the signal [rad]."""
 
 
 def quasi_static_trends(
     runs: list[WheelRun], car: Vehicle, parameters: TrackerParameters
 ) -> tuple[Polynomial, Polynomial, Polynomial, dict[str, float]]:
-    """Speed trends of shift and length [rad], one map for all wheels (Figure 8.21), and the mean Fx [N] they absorb.
+    """Return the speed trends of shift [rad], length [rad] and Fx [N] for all wheels (Figure 8.21), and residuals.
 
     The zero of the shift differs from wheel to wheel and from drive to drive, so each run has a constant of its own in
     the fit.
@@ -97,19 +97,19 @@ def calibrate(
     zero: ZeroParameters = ZeroParameters(),
     template: FrontTemplate | None = None,
 ) -> Calibration:
-    """Everything a wheel needs, from quasi-static and dynamic drives of front and rear wheels.
+    """Calibrate all wheels from quasi-static and dynamic drives of front and rear wheels.
 
     Args:
-        quasi_static: very slow acceleration and coasting down.
-        dynamic: each from a stretch of constant low speed, with acceleration and braking.
-        tooth_tables: name of a wheel -> deviations of its crossings [rad].
-        car: for the reference forces.
-        parameters: sensors.
-        zero: what a steady stretch is.
-        template: goes into the result as it is.
+        quasi_static: drives with very slow acceleration, and coasting down.
+        dynamic: drives that begin with constant low speed, then accelerate and brake.
+        tooth_tables: deviations of the crossings [rad] by the name of the wheel.
+        car: the car, for the reference forces.
+        parameters: parameters of the sensors.
+        zero: conditions of a steady stretch.
+        template: template of the fronts, stored in the result unchanged.
 
     Raises:
-        ValueError: a drive lacks what it is needed for; the message says what.
+        ValueError: a drive lacks what it is needed for; the message names it.
     """
     shift_trend, length_trend, trend_force, residuals = quasi_static_trends(quasi_static, car, parameters)
     speeds = np.linspace(parameters.minimum_speed, parameters.maximum_speed, 61, dtype=np.float64)
@@ -132,7 +132,7 @@ def calibrate(
         shift_map=identity,
         trend_force=trend_force,
     )
-    # Beta needs to know how much of the front's shift is force, the force map needs beta: they settle in a few rounds.
+    # Beta depends on the share of force in the front's shift, the force map on beta: they settle in a few rounds.
     for _ in range(4):
         points = [corrected_points(run, tyre, wheels[run.wheel.name], car, parameters, zero) for run in dynamic]
         tyre = _fit_maps(tyre, points)
@@ -158,7 +158,7 @@ def _fit_maps(tyre: TyreCalibration, points: list[Points]) -> TyreCalibration:
 
 
 def _beta_step(tyre: TyreCalibration, runs: list[WheelRun], points: list[Points]) -> float:
-    """Change of beta that leaves no shift on a tyre that is not driven beyond what its small force explains.
+    """Return the change of beta that leaves no shift on an undriven tyre beyond what its small force explains.
 
     While the car accelerates, that is the front tyre of the chapter (8.19).
     """
@@ -176,7 +176,7 @@ def _beta_step(tyre: TyreCalibration, runs: list[WheelRun], points: list[Points]
 
 
 def raw_points(run: WheelRun, car: Vehicle, parameters: TrackerParameters) -> Points:
-    """Passages without any correction; the zero of the shift is that of the tooth table.
+    """Return the passages without any correction; the zero of the shift is that of the tooth table.
 
     Raises:
         ValueError: fewer than 10 passages are valid.
@@ -197,7 +197,7 @@ def corrected_points(
     parameters: TrackerParameters,
     zero: ZeroParameters,
 ) -> Points:
-    """Corrected passages; Fx relative to what zero shift stands for.
+    """Return the corrected passages; Fx is relative to the force at zero shift.
 
     Raises:
         ValueError: fewer than 10 passages are valid.
@@ -217,7 +217,7 @@ def _points(
     run: WheelRun, valid: list[Passage], shift: Array, length: Array, car: Vehicle, parameters: TrackerParameters
 ) -> Points:
     wheel_speed = np.array([p.wheel_speed for p in valid])
-    # The fronts are seen half a patch before and after its centre.
+    # The fronts pass half a patch before and after its centre.
     time = np.array([p.time for p in valid]) / parameters.sample_rate - 0.5 * length / wheel_speed
     acceleration = np.interp(time, run.time, run.acceleration)
     speed = wheel_speed * run.wheel.radius
@@ -229,7 +229,7 @@ def _points(
 
 
 def _second_order(speed: Array, value: Array) -> tuple[Polynomial, Array]:
-    """Least squares second-order polynomial, and what it leaves."""
+    """Fit a second-order polynomial by least squares; return it and the residuals."""
     design = np.vander(speed, 3, increasing=True)
     solution = np.linalg.lstsq(design, value, rcond=None)[0]
     return (float(solution[0]), float(solution[1]), float(solution[2])), value - design @ solution

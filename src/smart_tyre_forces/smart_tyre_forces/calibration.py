@@ -1,4 +1,4 @@
-"""What a calibrated smart tyre knows, and its file."""
+"""Calibration of a smart tyre, and its file."""
 
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -15,13 +15,13 @@ Polynomial = tuple[float, float, float]
 
 
 def polynomial(coefficients: Polynomial, speed: float) -> float:
-    """Value at `speed` [m/s]."""
+    """Return the value at `speed` [m/s]."""
     return coefficients[0] + speed * (coefficients[1] + speed * coefficients[2])
 
 
 @dataclass(frozen=True)
 class WheelCalibration:
-    """Of one wheel."""
+    """Calibration of one wheel."""
 
     tooth_table: tuple[float, ...]
     """Deviations of the crossings [rad], shape (2 teeth,)."""
@@ -31,7 +31,7 @@ class WheelCalibration:
 
 @dataclass(frozen=True)
 class TyreCalibration:
-    """Of one kind of tyre at one pressure: the same for front and rear."""
+    """Calibration of one kind of tyre at one pressure: the same for front and rear."""
 
     shift_trend: Polynomial
     """Speed trend of the phase shift [rad], Figure 8.21a."""
@@ -50,7 +50,7 @@ class TyreCalibration:
     trend_force: Polynomial
     """Fx that the common speed trend removes with it: drag and rolling resistance, mean of both axles [N]."""
     residuals: dict[str, float] = field(default_factory=dict)
-    """RMS of what each fit left, with its unit in the name."""
+    """RMS residual of each fit, with its unit in the name."""
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,13 @@ from smart_tyre_forces.calibrate import WheelRun
 from smart_tyre_forces.front_template import FrontRefiner
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker, TrackerParameters
 from smart_tyre_forces.tooth_table import ToothTable
+from vehicle_models.nanoseconds import NANOSECOND
 from vehicle_models.vehicle import Vehicle, Wheel
 
 Array = NDArray[np.float64]
 
 _SMOOTHING = 0.05
-"""The acceleration is averaged over this time [s]: engine and road shake the car as well."""
+"""Time over which the acceleration is averaged [s]: engine and road shake the car as well."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Block:
     """One tyre_signals message."""
 
     stamp: float
-    """Of the first sample [s]."""
+    """Stamp of the first sample [s]."""
     first_sample: int
     voltage: NDArray[np.float32]
     acceleration: NDArray[np.float32]
@@ -35,18 +36,18 @@ class Block:
 
 @dataclass(frozen=True)
 class BagRun:
-    """What a bag holds for the calibration."""
+    """Content of a bag for the calibration."""
 
     bag: Path
     tyres: dict[str, list[Block]]
-    """By wheel."""
+    """Blocks of each wheel."""
     time: Array
     """Stamps of the acceleration [s]."""
     acceleration: Array
-    """Of the car, forward positive, averaged [m/s^2]."""
+    """Acceleration of the car, forward positive, averaged [m/s^2]."""
 
     def table(self, wheel: Wheel, parameters: TrackerParameters) -> ToothTable:
-        """Tooth table of a wheel, learned from this bag.
+        """Learn the tooth table of a wheel from this bag.
 
         Raises:
             ValueError: the wheel never turned evenly for long enough.
@@ -64,7 +65,7 @@ class BagRun:
         parameters: TrackerParameters,
         refiner: FrontRefiner | None = None,
     ) -> WheelRun:
-        """Passages of a wheel, with the acceleration on their time scale."""
+        """Return the passages of a wheel, with the acceleration on their time scale."""
         tracker = PatchTracker(wheel, parameters, table, refiner)
         begin = self.tyres[wheel.name][0]
         origin = begin.stamp - begin.first_sample / parameters.sample_rate
@@ -75,7 +76,7 @@ class BagRun:
 
 
 def noted_vehicle(bag: Path) -> str:
-    """Vehicle file that a bag names as its car, empty where it names none."""
+    """Return the vehicle file in the note of a bag, empty where there is none."""
     try:
         document: Any = yaml.safe_load(Path(bag, "metadata.yaml").read_text(encoding="utf-8"))
         notes = document["rosbag2_bagfile_information"].get("custom_data") or {}
@@ -88,8 +89,8 @@ def read(bag: Path, vehicle: Vehicle, imu_topic: str = "imu/data") -> BagRun:
     """Read a bag of a car; topics may have any namespace.
 
     Raises:
-        ValueError: the bag cannot be read, lacks tyre signals or the acceleration, or holds a wheel that the car has
-            not; the message names the bag.
+        ValueError: the bag cannot be read, lacks tyre signals or the acceleration, or holds a wheel that the car does
+            not have; the message names the bag.
     """
     tyres: dict[str, list[Block]] = {}
     stamps: list[float] = []
@@ -99,7 +100,7 @@ def read(bag: Path, vehicle: Vehicle, imu_topic: str = "imu/data") -> BagRun:
             wanted = [c for c in reader.connections if c.topic.endswith(("/tyre_signals", imu_topic))]
             for connection, _, data in reader.messages(connections=wanted):
                 message: Any = reader.deserialize(data, connection.msgtype)
-                stamp = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
+                stamp = message.header.stamp.sec + NANOSECOND * message.header.stamp.nanosec
                 if connection.topic.endswith("/tyre_signals"):
                     signals = (message.encoder_voltage, message.radial_acceleration)
                     tyres.setdefault(message.wheel, []).append(Block(stamp, int(message.first_sample), *signals))
@@ -111,7 +112,9 @@ def read(bag: Path, vehicle: Vehicle, imu_topic: str = "imu/data") -> BagRun:
     if not tyres or len(stamps) < 2:
         raise ValueError(f"{bag}: needs <wheel>/tyre_signals and {imu_topic}")
     if strangers := sorted(set(tyres) - set(vehicle.wheel_names)):
-        raise ValueError(f"{bag}: '{strangers[0]}' is no wheel of the car, which has {', '.join(vehicle.wheel_names)}")
+        raise ValueError(
+            f"{bag}: '{strangers[0]}' is not a wheel of the car, which has {', '.join(vehicle.wheel_names)}"
+        )
     time = np.asarray(stamps)
     width = max(1, round(_SMOOTHING / float(np.median(np.diff(time)))))
     padded = np.pad(np.asarray(accelerations), (width // 2, (width - 1) // 2), mode="edge")

@@ -13,7 +13,7 @@ from smart_tyre_forces.calibration import TyreCalibration, polynomial
 
 
 def quasi_static_maps(points: dict[str, Points], tyre: TyreCalibration, file: Path) -> None:
-    """Figure 8.21: shift and length over speed, with their maps. `points` has one entry per run, by label.
+    """Plot Figure 8.21: shift and length over speed, with their maps. `points` has one entry per run, by label.
 
     The zero of the shift is a convention of each run: each is drawn with its mean on the map.
     """
@@ -38,7 +38,7 @@ def quasi_static_maps(points: dict[str, Points], tyre: TyreCalibration, file: Pa
 
 
 def force_maps(points: dict[str, Points], tyre: TyreCalibration, file: Path) -> None:
-    """Fz over length and Fx over shift: the passages of the dynamic runs against their reference, with the maps."""
+    """Plot Fz over length and Fx over shift: passages of the dynamic runs against their reference, with the maps."""
     figure, axes = plt.subplots(1, 2, figsize=(11.0, 4.5))
     for label, p in points.items():
         axes[0].plot(np.degrees(p.length), p.fz, ".", markersize=3, label=label)

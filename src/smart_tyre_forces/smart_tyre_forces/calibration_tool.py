@@ -17,7 +17,8 @@ from smart_tyre_forces.calibration_bags import noted_vehicle, read
 from smart_tyre_forces.front_template import TemplateLearner
 from smart_tyre_forces.parameters import SmartTyreParameters
 from vehicle_models.vehicle import Vehicle
-from vehicle_models.vehicle_file import load_vehicle, shipped_vehicles
+from vehicle_models.vehicle_argument import add_vehicle_argument
+from vehicle_models.vehicle_file import load_vehicle, vehicle_choices
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -48,23 +49,20 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--out", type=Path, required=True, help="calibration file to write")
     parser.add_argument("--plots", type=Path, help="directory for the plots")
-    shipped = ", ".join(shipped_vehicles())
-    text = f"vehicle file, or one of {shipped} (default: that of the bags, or of the parameter file)"
-    parser.add_argument("--vehicle", default="", metavar="NAME|FILE", help=text)
+    add_vehicle_argument(parser, "that of the bags, or of the parameter file")
     parser.add_argument("--params-file", type=Path, help="parameter file of smart_tyre_forces")
     parser.add_argument("--imu-topic", default="imu/data")
     return parser
 
 
 def _vehicle(options: argparse.Namespace, by_file: str) -> Vehicle:
-    """Car of the bags: the one given, else the one that they note, else that of the parameter file."""
+    """Return the car of the bags: the given one, else that in their notes, else that of the parameter file."""
     noted = sorted({name for bag in (*options.quasi_static, *options.dynamic) if (name := noted_vehicle(bag))})
     if not options.vehicle and len(noted) > 1:
         raise ParameterError(f"the bags are of different cars ({', '.join(noted)}): give --vehicle")
     chosen = options.vehicle or "".join(noted) or by_file
     if not chosen:
-        shipped = ", ".join(shipped_vehicles())
-        raise ParameterError(f"the bags do not say their car: give --vehicle, a path, or one of {shipped}")
+        raise ParameterError(f"the bags do not name their car: give --vehicle, {vehicle_choices()}")
     return load_vehicle(chosen)
 
 

@@ -16,17 +16,17 @@ import numpy as np
 from friction_parameters.parameter import parameter
 from smart_tyre_forces.calibration import TyreCalibration, polynomial
 from smart_tyre_forces.patch_tracker import Passage
-from smart_tyre_forces.reasons import PatchReason
+from smart_tyre_forces.reasons import PATCH_TEXTS, PatchReason
 
 _UNSTEADY = (PatchReason.SPEED_RANGE, PatchReason.REVERSAL)
-"""What ends a stretch of constant speed; a revolution lost for another reason is only missing from it."""
+"""Reasons that end a stretch of constant speed; a revolution lost for another reason is only missing from it."""
 _FEWEST = 8
-"""Revolutions a stretch must hold."""
+"""Least revolutions in a stretch."""
 
 
 @dataclass(frozen=True)
 class ZeroParameters:
-    """When a stretch of driving is steady enough to be called zero."""
+    """When a stretch of driving is steady enough to set a zero."""
 
     duration: float = parameter(4.0, "length of a stretch of constant speed", unit="s", minimum=0.5, maximum=60.0)
     speed_spread: float = parameter(
@@ -34,7 +34,7 @@ class ZeroParameters:
     )
     maximum_speed: float = parameter(
         12.0,
-        "speed of the first stretch, which gives zero shift, at most; a zero that is asked for may be at any speed",
+        "highest speed of the first stretch, which sets the zero of the shift; a requested zero may be at any speed",
         unit="m/s",
         minimum=5.0,
         maximum=50.0,
@@ -54,20 +54,25 @@ class Patch:
     passage: Passage
     reason: PatchReason
     speed: float = np.nan
-    """omega R [m/s]."""
+    """Circumferential speed omega R [m/s]."""
     alpha_1: float = np.nan
-    """With Omega_0."""
+    """Angle of the leading front, with Omega_0."""
     alpha_2: float = np.nan
     length_raw: float = np.nan
-    """Delta phi of (8.13)."""
+    """Length Delta phi of (8.13), uncorrected."""
     shift_raw: float = np.nan
-    """delta phi of (8.15), with Omega_0."""
+    """Shift delta phi of (8.15), with Omega_0, uncorrected."""
     length: float = np.nan
-    """Speed trend removed."""
+    """Length with the speed trend removed."""
     shift: float = np.nan
-    """Speed trend and the part of the load removed, see load_shift."""
+    """Shift with the speed trend and the part of the load removed, see load_shift."""
     length_bias: float = 0.0
-    """How far the length was off at the last constant speed, once that is called a change of pressure [rad]."""
+    """Error of the length at the last constant speed [rad], once it is reported as a change of pressure."""
+
+    @property
+    def text(self) -> str:
+        """The reason in words, empty where it is OK."""
+        return PATCH_TEXTS[self.reason]
 
 
 @dataclass(frozen=True)
@@ -98,24 +103,24 @@ class PatchCorrection:
         self._length_wanted = False
         self._any_speed = False
         self.zero_speed = np.nan
-        """v_0 [m/s]; NaN until Omega_0 is known."""
+        """Speed v_0 at which Omega_0 was found [m/s]; NaN until then."""
         self.length_scale = 1.0
-        """k"""
+        """Factor k of (8.13) [-]."""
         self._length_bias = 0.0
 
     @property
     def pressure_changed(self) -> bool:
-        """Was the length at the last constant speed longer or shorter than it should be?"""
+        """Whether the length at the last constant speed was longer or shorter than it should be."""
         return self._length_bias != 0.0
 
     def request_shift_zero(self) -> None:
-        """Find Omega_0 anew at the next stretch of constant speed, whatever the speed."""
+        """Find Omega_0 again at the next stretch of constant speed, whatever the speed."""
         self._omega_0 = None
         self._any_speed = True
         self._stretch.clear()
 
     def request_length_zero(self) -> None:
-        """Find k anew at the next stretch of constant speed: the pressure has changed."""
+        """Find k again at the next stretch of constant speed: the pressure has changed."""
         self._length_wanted = True
         self._stretch.clear()
 
@@ -182,7 +187,7 @@ class PatchCorrection:
         self._length_bias = bias if abs(bias) > self._parameters.pressure_tolerance * expected else 0.0
 
     def _zero(self, speed: float) -> None:
-        """Omega_0 such that the corrected shift is zero on the mean of the stretch."""
+        """Set Omega_0 such that the corrected shift is zero on the mean of the stretch."""
         first = self._stretch[0].centre
         self.zero_speed = speed
         self._omega_0 = 0.0
@@ -192,17 +197,18 @@ class PatchCorrection:
 
 
 def load_shift(tyre: TyreCalibration, longer: float) -> float:
-    """Correction f_F(Fz) that takes off the shift what comes of the load and not of Fx [rad] (8.17).
+    """Return the correction f_F(Fz) that removes from the shift the part due to the load, not to Fx [rad] (8.17).
 
-    Fz is not known: the length tells it, f_F(Delta phi) (8.18), and a line does, beta (Delta phi - Delta phi_0) (8.19).
+    Fz is not known, so it is taken from the length, f_F(Delta phi) (8.18); a line suffices,
+    beta (Delta phi - Delta phi_0) (8.19).
 
     Args:
-        tyre: with beta.
-        longer: Delta phi - Delta phi_0 [rad], how much longer the patch is than at rest.
+        tyre: calibration of the tyre.
+        longer: Delta phi - Delta phi_0 [rad], by which the patch is longer than at rest.
     """
     return tyre.beta * longer
 
 
 def _wrapped(angle: float) -> float:
-    """Angle brought to -pi..pi [rad]."""
+    """Return the angle wrapped to -pi..pi [rad]."""
     return angle - 2.0 * np.pi * round(angle / (2.0 * np.pi))

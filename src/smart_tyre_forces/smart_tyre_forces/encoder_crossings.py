@@ -1,4 +1,4 @@
-"""Zero crossings of the encoder's sine, streaming: blocks of any size give the same, bit for bit (section 8.4.4).
+"""Zero crossings of the encoder's sine, streaming: the same for blocks of any size, bit for bit (section 8.4.4).
 
 Every sample of the sine takes part: a short symmetric filter (its delay is a whole number of samples) averages the
 neighbourhood of each crossing before the crossing is interpolated, on a sine. Hysteresis keeps noise from adding
@@ -9,17 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from friction_parameters.parameter import parameter
+from smart_tyre_forces.fir import filtered
 from smart_tyre_forces.reasons import PatchReason
 
 Array = NDArray[np.float64]
 
-_TAPS = signal.windows.hann(7)[1:-1] / np.sum(signal.windows.hann(7))
+_HANN = 0.5 + 0.5 * np.cos(np.linspace(-np.pi, np.pi, 7))
+_TAPS = _HANN[1:-1] / np.sum(_HANN)
 _DELAY = (len(_TAPS) - 1) // 2
-# A two-term denominator keeps scipy on its sample-by-sample recursion; its shortcut for pure FIR sums in another order.
-_ONE = np.array([1.0, 0.0])
 _LONGEST_INTERVAL = 0.033
 """Time between crossings [s] above which the wheel may have turned back: the sine has no direction."""
 
@@ -37,7 +36,7 @@ class CrossingParameters:
     )
     interval_ratio: float = parameter(
         1.5,
-        "neighbouring crossing intervals that differ by more: a missed tooth, or a surplus one",
+        "ratio of neighbouring crossing intervals above which a tooth is missed or surplus",
         minimum=1.1,
         maximum=3.0,
     )
@@ -65,21 +64,20 @@ class EncoderCrossings:
     def restart(self, sample: int) -> None:
         """Forget everything; the next voltage is that of index `sample`."""
         self._next = sample
-        self._state = np.zeros(len(_TAPS) - 1)
-        self._blind = len(_TAPS) - 1
+        self._carried: Array = np.zeros(0)
         self._armed: tuple[float, float] | None = None
         self._previous: list[float] = []
         self._last_chord = np.nan
 
     def push(self, voltage: Array) -> list[Stretch]:
         """Take the next samples [V], finite, shape (n,); return the crossings they complete, in faultless stretches."""
-        smooth, self._state = signal.lfilter(_TAPS, _ONE, voltage, zi=self._state)
-        first = self._next - _DELAY
+        known = np.concatenate((self._carried, voltage))
+        first = self._next - len(self._carried) + _DELAY
         self._next += len(voltage)
-        if self._blind:
-            # The filter is still filling.
-            skip = min(self._blind, len(smooth))
-            smooth, first, self._blind = smooth[skip:], first + skip, self._blind - skip
+        self._carried = known[1 - len(_TAPS) :]
+        if len(known) < len(_TAPS):
+            return []
+        smooth = filtered(_TAPS, known)
         armed = np.flatnonzero(np.abs(smooth) >= self._parameters.hysteresis)
         if len(armed) == 0:
             return []
@@ -97,8 +95,8 @@ class EncoderCrossings:
     def _between(self, begin: Array, end: Array, before: Array, after: Array) -> Array:
         """Times of the zeros between samples of opposite sign: first on the chord, then on the sine.
 
-        The last half wave tells the phase delta between the two samples, and A sin(x) = |before|, A sin(delta - x) =
-        |after| the phase x at which the zero lies, whatever the amplitude A.
+        The last half wave gives the phase delta between the two samples, and A sin(x) = |before|, A sin(delta - x) =
+        |after| give the phase x at which the zero lies, whatever the amplitude A.
         """
         before, after = np.abs(before), np.abs(after)
         chord = begin + (end - begin) * (before / (before + after))

@@ -1,7 +1,7 @@
 """Static monotone maps between an angle of the contact patch and a force, (8.14) and (8.16).
 
 The map is fitted as angle over force, because the angle carries the noise (and the unevenness of the road, which a
-reference force does not see), and inverted for use.
+reference force does not include), and inverted for use.
 """
 
 from dataclasses import dataclass
@@ -44,22 +44,22 @@ class ForceMap:
         return force, self.angle(force)
 
     def angle(self, force: ArrayLike) -> Array:
-        """Angle [rad] that belongs to a force [N]."""
+        """Return the angle [rad] that belongs to a force [N]."""
         return np.asarray(np.polynomial.polynomial.polyval(np.asarray(force, dtype=np.float64), self.coefficients))
 
     def force(self, angle: float) -> float:
-        """Force [N] that belongs to an angle [rad]; NaN outside the calibrated range and its margin."""
+        """Return the force [N] that belongs to an angle [rad]; NaN outside the calibrated range and its margin."""
         force, table = self._table
         return float(np.interp(angle, table, force, left=np.nan, right=np.nan))
 
     def slope(self, force: float) -> float:
-        """D force / d angle [N/rad] at a force [N]."""
+        """Return d force / d angle [N/rad] at a force [N]."""
         derivative = np.polynomial.polynomial.polyder(np.asarray(self.coefficients))
         return 1.0 / float(np.polynomial.polynomial.polyval(force, derivative))
 
     @classmethod
     def fit(cls, force: Array, angle: Array, powers: tuple[int, ...]) -> "ForceMap":
-        """Least squares of angle [rad] over force [N], both of shape (n,), with the given powers of force.
+        """Fit angle [rad] over force [N], both of shape (n,), by least squares with the given powers of force.
 
         Raises:
             ValueError: the result is not monotone over the range of the data.

@@ -1,11 +1,11 @@
-"""Fz and Fx of one wheel from its corrected contact patch, with their deviations.
+"""Fz and Fx of one wheel from its corrected contact patch, with their standard deviations.
 
 Removing the speed trend removes the steady drag and rolling resistance with it: the shift map alone gives Fx relative
 to constant speed. The part removed is known from the calibration and is added again unless it is switched off:
 
     Fx = f_x(delta phi) + Fx_wheel(v_0) + trend(v) - trend(v_0),
 
-with Fx_wheel the force of this wheel at constant speed, where the shift was called zero, and trend the mean of both
+with Fx_wheel the force of this wheel at constant speed, where the shift was set to zero, and trend the mean of both
 axles and of driving and coasting (when the tyres feel no drag) that went into the common speed map.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from smart_tyre_forces.calibration import TyreCalibration, WheelCalibration, polynomial
 from smart_tyre_forces.correction import Patch
-from smart_tyre_forces.reasons import ForceReason, PatchReason
+from smart_tyre_forces.reasons import FORCE_TEXTS, ForceReason, PatchReason
 
 
 @dataclass(frozen=True)
@@ -24,31 +24,36 @@ class Forces:
 
     reason: ForceReason
     fx: float = np.nan
-    """Forward positive."""
+    """Longitudinal force [N], forward positive."""
     fz: float = np.nan
-    """On the tyre, upwards."""
+    """Vertical force on the tyre [N], upwards positive."""
     fx_stddev: float = np.nan
     fz_stddev: float = np.nan
 
+    @property
+    def text(self) -> str:
+        """The reason in words, empty where it is OK."""
+        return FORCE_TEXTS[self.reason]
+
 
 def steady_force(tyre: TyreCalibration, wheel: WheelCalibration, speed: float, zero_speed: float) -> float:
-    """Fx [N] that zero shift stands for at `speed`, the shift having been called zero at `zero_speed` [m/s]."""
+    """Return Fx [N] at zero shift and `speed` [m/s]; the shift was set to zero at `zero_speed` [m/s]."""
     removed = polynomial(tyre.trend_force, speed) - polynomial(tyre.trend_force, zero_speed)
     return polynomial(wheel.steady_force, zero_speed) + removed
 
 
 def _front_stddev(tyre: TyreCalibration, patch: Patch) -> float:
-    """Deviation of a front [rad]: the jitter of the calibration and the noise on this passage."""
+    """Standard deviation of a front [rad]: jitter of the calibration, and noise on this passage."""
     return float(np.hypot(tyre.jitter_stddev, patch.passage.front_stddev))
 
 
 def shift_stddev(tyre: TyreCalibration, patch: Patch) -> float:
-    """Deviation of the corrected shift [rad]: half the sum of two fronts, and beta times their difference."""
+    """Standard deviation of the corrected shift [rad]: half the sum of two fronts, and beta times their difference."""
     return _front_stddev(tyre, patch) * float(np.sqrt(0.5 + 2.0 * tyre.beta**2))
 
 
 def length_stddev(tyre: TyreCalibration, patch: Patch) -> float:
-    """Deviation of the length [rad]: the difference of two fronts, and what a change of pressure has shown."""
+    """Standard deviation of the length [rad]: difference of two fronts, and the error from a change of pressure."""
     return float(np.hypot(_front_stddev(tyre, patch) * np.sqrt(2.0), patch.length_bias))
 
 
@@ -63,11 +68,11 @@ def forces(
     """Forces of one contact patch: Fz = f_z(Delta phi) (8.14), Fx = f_x(delta phi) (8.16) and the steady part.
 
     Args:
-        patch: of this revolution.
-        tyre: maps; None when not calibrated.
-        wheel: steady force; None when not calibrated.
-        zero_speed: v_0, where the shift was called zero [m/s].
-        restore_steady: add the steady part that the speed trend removed.
+        patch: contact patch of this revolution.
+        tyre: calibration with the maps; None when not calibrated.
+        wheel: calibration with the steady force; None when not calibrated.
+        zero_speed: v_0, at which the shift was set to zero [m/s].
+        restore_steady: whether to add the steady part that the speed trend removed.
     """
     if tyre is None or wheel is None:
         return Forces(ForceReason.NOT_CALIBRATED)

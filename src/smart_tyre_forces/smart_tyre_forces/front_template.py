@@ -15,8 +15,8 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg, signal
 
+from smart_tyre_forces.fir import filtered
 from smart_tyre_forces.fronts import NOISE_END, Fronts
 
 Array = NDArray[np.float64]
@@ -26,25 +26,25 @@ GRID = np.radians(np.arange(-45.0, 45.1, 0.2))
 _REACH = np.radians(32.0)
 """How far the fit reaches out of the patch, before and after it [rad]."""
 _FARTHEST = np.radians(6.0)
-"""A front further from its crossing than this is not believed [rad]."""
+"""Largest distance of a valid front from its crossing [rad]."""
 _ORDER = 60
-"""Of the noise filter: 6 ms at 10 kHz, enough to see the quiet band below 150 Hz."""
+"""Order of the noise filter: 6 ms at 10 kHz, enough to resolve the quiet band below 150 Hz."""
 _FORGETTING = 0.1
 """Weight of the newest revolution in the noise."""
 _RIDGE = 1e-4
-"""Of the noise power added to the whole band, so that a quiet band is not trusted without limit."""
+"""Share of the noise power added to the whole band, so that a quiet band is not trusted without limit."""
 
 
 class FrontRefiner(Protocol):
-    """What may look at each passage once its fronts have been found by crossing."""
+    """Processes each passage once its fronts have been found by crossing."""
 
     def refine(self, fronts: Fronts, theta: Array, acceleration: Array) -> Fronts | None:
         """Return better fronts, or None where there are none.
 
         Args:
-            fronts: found by crossing.
+            fronts: fronts found by crossing.
             theta: wheel angle of the samples about the expected centre [rad], from half a revolution before it on.
-            acceleration: at those samples [m/s^2].
+            acceleration: acceleration at those samples [m/s^2].
         """
         ...
 
@@ -54,9 +54,9 @@ class FrontTemplate:
     """Mean normalised waveforms (0 in the patch, 1 on the free belt) on GRID."""
 
     leading: Array
-    """About the front where the sensor enters the patch, shape (len(GRID),)."""
+    """Waveform about the front where the sensor enters the patch, shape (len(GRID),)."""
     trailing: Array
-    """About the front where it leaves."""
+    """Waveform about the front where the sensor leaves the patch, shape (len(GRID),)."""
 
     def __post_init__(self) -> None:
         """Refuse tables of the wrong length or with gaps."""
@@ -83,7 +83,7 @@ class TemplateLearner:
 
     @property
     def template(self) -> FrontTemplate:
-        """The mean so far.
+        """Return the mean so far.
 
         Raises:
             ValueError: no passage was seen.
@@ -98,6 +98,10 @@ class TemplateFit:
 
     def __init__(self, template: FrontTemplate) -> None:
         """Start with no knowledge of the noise: the first passage gives the first estimate."""
+        # Here, because nodes without a template start faster without it; the first passage must not wait for it either.
+        from scipy.linalg import solve_toeplitz
+
+        self._solve_toeplitz = solve_toeplitz
         self._tables = (template.leading, template.trailing)
         self._slopes = tuple(np.gradient(table, GRID) for table in self._tables)
         self._covariance: Array | None = None
@@ -116,7 +120,7 @@ class TemplateFit:
         ramp = np.linspace(-1.0, 1.0, len(free))
         noise = free - np.mean(free) - ramp * (np.dot(ramp, free) / np.dot(ramp, ramp))
         lags = np.array([np.dot(noise[: len(noise) - lag], noise[lag:]) for lag in range(_ORDER + 1)]) / len(noise)
-        # Relative: a faster revolution is louder, not more telling.
+        # Relative: a faster revolution is louder, not more informative.
         lags = lags / lags[0] if lags[0] > 0.0 else np.eye(1, _ORDER + 1)[0]
         if self._covariance is None:
             self._covariance = lags
@@ -124,7 +128,7 @@ class TemplateFit:
             self._covariance = self._covariance + _FORGETTING * (lags - self._covariance)
         column = self._covariance[:_ORDER].copy()
         column[0] *= 1.0 + _RIDGE
-        return np.concatenate(((1.0,), -linalg.solve_toeplitz(column, self._covariance[1:])))
+        return np.concatenate(((1.0,), -self._solve_toeplitz(column, self._covariance[1:])))
 
     def _fit(self, fronts: Fronts, theta: Array, z: Array, whitener: Array) -> Fronts | None:
         """Least squares of the whitened passage, from the crossings."""
@@ -141,7 +145,7 @@ class TemplateFit:
                 phi = theta[part] - alphas[side]
                 columns[2, part] = np.interp(phi, GRID, self._tables[side])
                 columns[3 + side, part] = -np.interp(phi, GRID, self._slopes[side])
-            white = signal.lfilter(whitener, (1.0, 0.0), columns)[:, _ORDER:]
+            white = filtered(whitener, columns)
             gram = white[1:] @ white[1:].T
             solution = np.linalg.solve(gram, white[1:] @ white[0])
             alphas = alphas + solution[2:] / solution[1]

@@ -22,13 +22,13 @@ FREE_BEGIN, FREE_END = -np.pi, float(-np.radians(50.0))
 WINDOW_END = float(np.radians(50.0))
 """End of the window searched for fronts [rad]; it begins at FREE_END."""
 NOISE_END = -np.radians(75.0)
-"""The bulge is gone before this angle: what moves there is noise [rad]."""
+"""Angle before which the bulge has no effect, so that the signal is noise [rad]."""
 _SLOPE_REACH = np.radians(0.5)
-"""The slope of a front is taken between this far before and after it [rad]."""
+"""Distance before and after a front over which its slope is taken [rad]."""
 _CORE = np.radians(4.0)
 """Half width about the expected centre that lies in the patch [rad]."""
 _SMOOTHING = np.radians(3.0)
-"""Width of the running mean of the first look, and how far from it the crossing may lie [rad]."""
+"""Width of the running mean of the first pass, and largest distance of the final crossing from its result [rad]."""
 LEVEL = 0.6
 """Share of the centripetal step at a front: there the signal is steepest, at the very edge of the patch."""
 _MEAN_COSINE = (np.sin(FREE_END) - np.sin(FREE_BEGIN)) / (FREE_END - FREE_BEGIN)
@@ -43,15 +43,15 @@ class Fronts:
     alpha_2: float
     """Angle where it leaves [rad]."""
     floor: float
-    """P [m/s^2]."""
+    """Mean P inside the patch [m/s^2]."""
     step: float
-    """c omega^2 [m/s^2]."""
+    """Centripetal step c omega^2 [m/s^2]."""
     stddev: float = np.nan
-    """Of either front, from the noise of the signal [rad]; NaN where not worked out."""
+    """Standard deviation of either front from the noise of the signal [rad]; NaN where not computed."""
 
 
 def find_fronts(theta: Array, acceleration: Array, free_level: float, speed_ratio: float) -> Fronts | None:
-    """Fronts of one passage, or None where there is no twin spike.
+    """Return the fronts of one passage, or None where there is no twin spike.
 
     Args:
         theta: wheel angle [rad] about the expected centre of the patch, increasing, over the window, shape (n,).
@@ -59,7 +59,7 @@ def find_fronts(theta: Array, acceleration: Array, free_level: float, speed_rati
         free_level: M, mean on the free belt [m/s^2].
         speed_ratio: omega over the window / omega over the free belt.
     """
-    # First with the expected core of the patch, on a smoothed signal that a rough road does not mislead.
+    # First with the expected core of the patch, on a smoothed signal that is robust to a rough road.
     width = max(int(len(theta) * _SMOOTHING / (theta[-1] - theta[0])), 2)
     total = np.concatenate(((0.0,), np.cumsum(acceleration)))
     smooth, places = (total[width:] - total[:-width]) / width, 0.5 * (theta[width - 1 :] + theta[: 1 - width])
@@ -86,12 +86,14 @@ def find_fronts(theta: Array, acceleration: Array, free_level: float, speed_rati
 
 
 def noise_over_slope(theta: Array, acceleration: Array, fronts: Fronts) -> float:
-    """Deviation of a crossing [rad]: noise on the free belt over the mean slope of the two fronts; inf without slope.
+    """Return the standard deviation of a crossing [rad]: noise on the free belt over the mean slope of the fronts.
+
+    It is inf where the fronts have no slope.
 
     Args:
         theta: wheel angle [rad] about the expected centre, increasing, from half a revolution before it on, shape (n,).
-        acceleration: at those angles [m/s^2], shape (n,).
-        fronts: found in them.
+        acceleration: acceleration at those angles [m/s^2], shape (n,).
+        fronts: fronts found in them.
     """
     free = slice(0, int(np.searchsorted(theta, NOISE_END)))
     noise = float(np.std(acceleration[free] - GRAVITY * np.cos(theta[free])))
@@ -103,7 +105,7 @@ def noise_over_slope(theta: Array, acceleration: Array, fronts: Fronts) -> float
 
 
 def _mean_between(theta: Array, values: Array, begin: float, end: float) -> float:
-    """Mean over a range of angles; NaN where it holds no sample."""
+    """Return the mean over a range of angles; NaN where it holds no sample."""
     first, last = np.searchsorted(theta, (begin, end))
     return float(np.mean(values[first:last])) if last > first else np.nan
 
@@ -115,7 +117,7 @@ def _nearest(places: Array, wanted: float) -> float:
 def _crossings(
     theta: Array, acceleration: Array, floor: float, free_level: float, speed_ratio: float
 ) -> tuple[Array, Array, float] | None:
-    """Angles of falling and of rising crossings, and the centripetal step; None where the step is not positive."""
+    """Return angles of falling and rising crossings, and the centripetal step; None where that is not positive."""
     step = (free_level - floor + GRAVITY * (1.0 - _MEAN_COSINE)) * speed_ratio**2
     if not step > 0.0:
         return None

@@ -1,4 +1,4 @@
-"""Node smart_tyre_forces: one processor per wheel on its topics, and the services that call for a new zero."""
+"""Node smart_tyre_forces: one processor per wheel, and the services that request a new zero."""
 
 from collections.abc import Callable, Sequence
 

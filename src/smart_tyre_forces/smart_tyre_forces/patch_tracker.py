@@ -1,7 +1,7 @@
 """From the two sampled signals to one contact patch per revolution, streaming (section 8.4.4).
 
-Blocks of any size give the same passages, bit for bit: a revolution is worked on only when its last crossing has come,
-and then from samples chosen by angle, never by block.
+The passages are the same for blocks of any size, bit for bit: a revolution is processed only when its last crossing has
+come, and then from samples chosen by angle, never by block.
 """
 
 from dataclasses import dataclass, replace
@@ -22,20 +22,20 @@ from vehicle_models.vehicle import Wheel
 Array = NDArray[np.float64]
 
 _ACQUISITION_WIDTH = np.radians(20.0)
-"""Width of the running mean whose lowest place shows the patch [rad]."""
+"""Width of the running mean whose minimum is the patch [rad]."""
 _DEEP = 0.4
-"""The patch is believed when that mean lies below this share of the median over the revolution."""
+"""Share of the median over the revolution below which that minimum counts as the patch."""
 _LENGTHS = np.radians((8.0, 50.0))
 """Plausible contact patch lengths [rad]."""
 _FAILURES = 3
-"""Passages without fronts after which the patch is searched for anew."""
+"""Passages without fronts after which the patch is searched for again."""
 _BUFFER = 60_000
-"""Samples kept at most: a wheel that turns more slowly than one revolution in 6 s has no angle anyway."""
+"""Most samples kept: a wheel slower than one revolution in 6 s has no angle anyway."""
 
 
 @dataclass(frozen=True)
 class TrackerParameters:
-    """The sensors of a wheel, and the speeds at which they tell the contact patch."""
+    """The sensors of a wheel, and the speeds at which they show the contact patch."""
 
     sample_rate: float = parameter(1.0e4, "rate of the tyre signals", unit="Hz", minimum=5e3, maximum=1e5)
     minimum_speed: float = shared.minimum_speed(5.0)
@@ -58,9 +58,9 @@ class Passage:
     """One passage of the accelerometer through the contact patch."""
 
     revolution: int
-    """Counted since the start."""
+    """Number of the revolution since the start."""
     time: float
-    """Of the trailing front, or of the end of an invalid revolution [samples since index 0]."""
+    """Time of the trailing front, or of the end of an invalid revolution [samples since index 0]."""
     alpha_1: float
     """Leading front [rad], tooth table frame, 0 to 2 pi (its centre); NaN when not OK."""
     alpha_2: float
@@ -71,7 +71,7 @@ class Passage:
     reference: int
     """Convention of zero angle: angles of different references cannot be compared."""
     front_stddev: float = np.nan
-    """Deviation of either front by the noise of the signal [rad]; NaN when not OK."""
+    """Standard deviation of either front from the noise of the signal [rad]; NaN when not OK."""
 
     @property
     def length(self) -> float:
@@ -80,7 +80,7 @@ class Passage:
 
     @property
     def centre(self) -> float:
-        """Angle of its centre [rad], delta phi = (alpha_1 + alpha_2) / 2 (8.15), before any zero is called."""
+        """Angle of its centre [rad], delta phi = (alpha_1 + alpha_2) / 2 (8.15), before any zero is set."""
         return 0.5 * (self.alpha_1 + self.alpha_2)
 
 
@@ -115,8 +115,8 @@ class PatchTracker:
 
         Args:
             first_sample: index of its first sample; a jump means lost packets.
-            voltage: of the encoder [V], shape (n,).
-            acceleration: radial [m/s^2], shape (n,); NaN where it is missing.
+            voltage: voltage of the encoder [V], shape (n,).
+            acceleration: radial acceleration [m/s^2], shape (n,); NaN where it is missing.
 
         Raises:
             ValueError: the two differ in length, or the block is empty.
@@ -156,7 +156,7 @@ class PatchTracker:
         self._centre = None
 
     def _interrupt(self, reason: PatchReason, sample: int) -> list[Passage]:
-        """Say once why the angle is lost."""
+        """Return, once, an invalid passage with the reason why the angle is lost."""
         if not self.wheel.known:
             return []
         return [self._invalid(reason, float(sample), np.nan)]
@@ -187,14 +187,14 @@ class PatchTracker:
         return passages
 
     def _samples(self, begin: float, end: float) -> tuple[Array, Array]:
-        """Times [samples] and acceleration of the samples between two angles [rad]."""
+        """Return times [samples] and acceleration of the samples between two angles [rad]."""
         first, last = np.ceil(self.wheel.time_of(begin)), np.floor(self.wheel.time_of(end))
         times = np.arange(first, last + 1.0)
         start = int(first) - self._base
         return times, self._acceleration[start : start + len(times)]
 
     def _acquire(self, begin: float) -> float | None:
-        """Centre of the next patch [rad], from the revolution that starts at angle `begin`."""
+        """Return the centre of the next patch [rad], from the revolution that starts at angle `begin`."""
         times, acceleration = self._samples(begin, begin + 2.25 * np.pi)
         width = max(int(len(times) * _ACQUISITION_WIDTH / (2.25 * np.pi)), 2)
         total = np.concatenate(((0.0,), np.cumsum(acceleration)))
@@ -210,22 +210,22 @@ class PatchTracker:
         return centre
 
     def _no_patch(self) -> Passage:
-        """Leave a revolution in which no patch was seen."""
+        """Skip a revolution in which no patch was found."""
         begin = float(self.wheel.angles[0])
         end = self.wheel.time_of(begin + 2.0 * np.pi)
         start = self.wheel.time_of(begin)
         speed = self._rate(2.0 * np.pi, end - start)
         self.wheel.forget_before(end)
-        reason = self._speed_reason(speed) or PatchReason.NO_FRONTS
-        return self._invalid(reason, end, speed)
+        reason = self._speed_reason(speed)
+        return self._invalid(PatchReason.NO_FRONTS if reason is PatchReason.OK else reason, end, speed)
 
     def _rate(self, angle: float, samples: float) -> float:
         return angle * self._parameters.sample_rate / samples
 
-    def _speed_reason(self, wheel_speed: float) -> PatchReason | None:
+    def _speed_reason(self, wheel_speed: float) -> PatchReason:
         speed = wheel_speed * self._radius
         inside = self._parameters.minimum_speed <= speed <= self._parameters.maximum_speed
-        return None if inside else PatchReason.SPEED_RANGE
+        return PatchReason.OK if inside else PatchReason.SPEED_RANGE
 
     def _passage(self, centre: float) -> Passage:
         wheel = self.wheel
@@ -234,7 +234,7 @@ class PatchTracker:
         speed = self._rate(WINDOW_END - FREE_END, end - free_end)
         self._centre = centre + 2.0 * np.pi
         reason = self._speed_reason(speed)
-        if reason is not None:
+        if reason is not PatchReason.OK:
             return self._invalid(reason, end, speed)
         times, acceleration = self._samples(centre + FREE_BEGIN, centre + WINDOW_END)
         if not np.all(np.isfinite(acceleration)):

@@ -39,10 +39,10 @@ class TyreProcessor:
         calibration: Calibration | None,
         report: Report = silent,
     ) -> None:
-        """Build for one wheel of a car; a wheel that the calibration does not know gives raw contact patches.
+        """Build for one wheel of a car; a wheel that is not in the calibration gives raw contact patches.
 
         Raises:
-            ValueError: the calibration is of another encoder, or lacks the template asked for.
+            ValueError: the calibration is for another encoder, or lacks the template that the parameters choose.
         """
         self._wheel = vehicle.wheel(wheel)
         self._topic = f"{wheel}/tyre_signals"
@@ -65,12 +65,12 @@ class TyreProcessor:
             if len(self._table) != 2 * self._wheel.encoder_teeth:
                 raise ValueError(
                     f"calibration file {parameters.calibration_file}: wheel '{wheel}' was calibrated with "
-                    f"{len(self._table) // 2} teeth, the vehicle file says {self._wheel.encoder_teeth}"
+                    f"{len(self._table) // 2} teeth, the vehicle file has {self._wheel.encoder_teeth}"
                 )
         self.reset()
 
     def reset(self) -> None:
-        """Start anew, as after construction."""
+        """Start again, as after construction."""
         refiner = TemplateFit(self._template) if self._template is not None else None
         self._tracker = PatchTracker(self._wheel, self._p.tracker, self._table, refiner)
         self._correction = PatchCorrection(self._tyre, self._wheel.radius, self._p.tracker.sample_rate, self._p.zero)
@@ -79,15 +79,15 @@ class TyreProcessor:
         self._forces: Forces | None = None
 
     def request_shift_zero(self) -> None:
-        """Call the shift zero at the next stretch of constant speed."""
+        """Set the shift to zero at the next stretch of constant speed."""
         self._correction.request_shift_zero()
 
     def request_length_zero(self) -> None:
-        """Call the length nominal at the next stretch of constant speed, after a change of pressure."""
+        """Set the length to nominal at the next stretch of constant speed, after a change of pressure."""
         self._correction.request_length_zero()
 
     def process(self, topic: str, message: TyreSignals) -> Sequence[Output]:
-        """Take one block, return the revolutions it completes."""
+        """Take one block; return the outputs for the revolutions it completes."""
         self._note_first()
         stamp = to_nanoseconds(message.header.stamp)
         voltage = np.asarray(message.encoder_voltage, dtype=np.float32)
@@ -110,7 +110,7 @@ class TyreProcessor:
         return outputs
 
     def _note_first(self) -> None:
-        """Say what is missing once there are signals: a wheel without any is no smart tyre, and no fault."""
+        """Report what is missing once there are signals: a wheel without any is not a smart tyre, which is no fault."""
         if not self._came and self._p.calibration_file and self._wheel_calibration is None:
             self._report(
                 "warning",
@@ -122,7 +122,7 @@ class TyreProcessor:
         if message.wheel != self._wheel.name:
             return f"wheel \"{message.wheel}\" where '{self._wheel.name}' is expected"
         if not 0 < stamp <= LATEST_STAMP - voltages / self._p.tracker.sample_rate * NANOSECONDS:
-            return "stamp is zero" if stamp <= 0 else "stamp is no time"
+            return "stamp is zero" if stamp <= 0 else "stamp is out of range"
         if stamp == self._last_stamp:
             return "stamp repeats"
         if voltages == 0 or voltages != accelerations:
@@ -156,7 +156,7 @@ class TyreProcessor:
         return outputs
 
     def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
-        """Note silence for diagnostics, of signals that have come once."""
+        """Note silence for diagnostics, once signals have been received."""
         self._primary.watch(ages)
         return []
 
@@ -182,17 +182,17 @@ class TyreProcessor:
             return Level.OK, "no tyre signals"
         if self._patch is None:
             return Level.OK, "no revolution seen yet"
-        level, text = level_of(self._patch.reason, _QUIET, broken=()), messages.PATCH_TEXTS[self._patch.reason]
+        level, text = level_of(self._patch.reason, _QUIET, broken=()), self._patch.text
         if level is Level.OK and self._correction.pressure_changed:
             return Level.WARN, "pressure changed: re-zero the length"
         return level, text or "ok"
 
 
 def build(parameters: SmartTyreParameters, vehicle: Vehicle, report: Report = silent) -> list[TyreProcessor]:
-    """Make the processors: one a wheel.
+    """Make the processors: one per wheel.
 
     Raises:
-        ValueError: the calibration file is missing, damaged, knows no wheel of the car, or does not fit the parameters.
+        ValueError: the calibration file is missing or damaged, has no wheel of the car, or does not fit the parameters.
     """
     calibration = None
     if parameters.calibration_file:
@@ -202,17 +202,17 @@ def build(parameters: SmartTyreParameters, vehicle: Vehicle, report: Report = si
             raise ValueError(f"parameter 'calibration_file': {problem}") from problem
         if not set(vehicle.wheel_names) & set(calibration.wheels):
             raise ValueError(
-                f"calibration file {parameters.calibration_file}: knows {', '.join(calibration.wheels)}, "
+                f"calibration file {parameters.calibration_file}: has {', '.join(calibration.wheels)}, "
                 f"no wheel of the car: {', '.join(vehicle.wheel_names)}"
             )
     return [TyreProcessor(wheel, vehicle, parameters, calibration, report) for wheel in vehicle.wheel_names]
 
 
 def _template(parameters: SmartTyreParameters, calibration: Calibration | None) -> FrontTemplate | None:
-    """Template to find the fronts by, None where they are crossings.
+    """Return the template to find the fronts by, None where they are crossings.
 
     Raises:
-        ValueError: it is asked for, and the calibration has none.
+        ValueError: the parameters choose a template, and the calibration has none.
     """
     if parameters.front_method != "template":
         return None

@@ -1,9 +1,9 @@
-"""Where the crossings of an encoder really are: the tooth table, and finding one's place in it.
+"""Where the crossings of an encoder really are: the tooth table, and how a revolution is located in it.
 
 Teeth are not quite equal, the ring is not quite centred, and a second harmonic moves falling against rising crossings:
 the angle of crossing k of a revolution is k pi/teeth + d_k. The d_k are learned from driving. They are also a
-finger-print: one revolution of crossings tells which tooth is which, so the absolute angle survives a restart, a
-missed tooth or a lost packet. Turning backwards does not fit the print.
+fingerprint: one revolution of crossings identifies every tooth, so the absolute angle survives a restart, a missed
+tooth or a lost packet. Turning backwards does not fit the fingerprint.
 """
 
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ Array = NDArray[np.float64]
 _REVOLUTIONS = 16
 """Revolutions of one batch of learning: long against the once-per-revolution part, short against changes of speed."""
 _DEGREE = 3
-"""Of the polynomial in the crossing number that stands for the motion of the wheel."""
+"""Degree of the polynomial in the crossing number that stands for the motion of the wheel."""
 _BATCH_RESIDUAL = np.radians(0.05)
-"""Largest RMS of what a batch leaves unexplained [rad]: above it the wheel did not turn evenly enough to learn from."""
+"""Largest RMS residual of a batch [rad]: above it the wheel did not turn evenly enough to learn from."""
 _FLAT = np.radians(0.005)
-"""RMS of d_k [rad] below which the teeth cannot be told apart."""
+"""RMS of d_k [rad] below which the teeth cannot be distinguished."""
 _AMBIGUOUS = 0.5
-"""The best place must leave less than this share of the squares of the second best."""
+"""Largest ratio of the squared residuals of the best place to those of the second best."""
 
 
 def _basis(count: int) -> Array:
@@ -38,7 +38,7 @@ class Place:
     index: int
     """Table index of its first crossing."""
     certain: bool
-    """False where the teeth are too equal to tell: the place is then a new convention."""
+    """False where the teeth are too similar to distinguish: the place is then a new convention."""
 
 
 class ToothTable:
@@ -61,15 +61,15 @@ class ToothTable:
         self._prints = rolled - (rolled @ self._basis) @ self._basis.T
 
     def __len__(self) -> int:
-        """Crossings a revolution."""
+        """Crossings per revolution."""
         return len(self.deviations)
 
     def angles(self, numbers: NDArray[np.int64]) -> Array:
-        """Wheel angle [rad] at crossings counted from table index 0."""
+        """Return the wheel angle [rad] at crossings counted from table index 0."""
         return np.asarray(numbers * self.step + self.deviations[numbers % len(self)])
 
     def place(self, times: Array) -> Place | None:
-        """Recognise one revolution of crossing times, shape (2 teeth,); None where it fits no place, or two alike."""
+        """Locate one revolution of crossing times, shape (2 teeth,); None where no place fits, or two fit alike."""
         if np.sqrt(np.mean(self.deviations**2)) < _FLAT:
             return Place(0, certain=False)
         rate = self.step * (len(times) - 1) / (times[-1] - times[0])
@@ -98,7 +98,7 @@ class ToothTableLearner:
         return len(self._basis)
 
     def restart(self) -> None:
-        """Forget: the count of teeth was lost."""
+        """Forget everything: the count of teeth was lost."""
         self._sum: Array = np.zeros(self._count)
         self._learned = 0
 

@@ -14,7 +14,7 @@ class WheelAngle:
     def __init__(self, teeth: int, table: ToothTable | None = None) -> None:
         """Start; without a table it is learned first."""
         self.table = table
-        """None until learned."""
+        """Tooth table, None until learned."""
         self.reference = 0
         """Counts the conventions of zero angle: it changes when the old zero could not be found again."""
         self._learner = ToothTableLearner(teeth)
@@ -23,16 +23,16 @@ class WheelAngle:
     def restart(self) -> None:
         """Forget the angle: teeth may have been missed."""
         self.times: Array = np.zeros(0)
-        """Of the crossings whose angle is known [samples], increasing."""
+        """Times of the crossings whose angle is known [samples], increasing."""
         self.angles: Array = np.zeros(0)
-        """At those times [rad], increasing; zero at table index 0 of some revolution."""
+        """Angles at those times [rad], increasing; zero at table index 0 of some revolution."""
         self._waiting: Array = np.zeros(0)
         self._number: int | None = None
         self._learner.restart()
 
     @property
     def known(self) -> bool:
-        """Is the angle known?"""
+        """Whether the angle is known."""
         return self._number is not None
 
     def extend(self, times: Array) -> None:
@@ -49,11 +49,11 @@ class WheelAngle:
             self.angles = np.concatenate((self.angles, self.table.angles(numbers)))
 
     def time_of(self, angle: float) -> float:
-        """When the wheel stood at `angle` [rad], in samples; within `angles`."""
+        """Return the time [samples] at which the wheel stood at `angle` [rad], within `angles`."""
         return float(np.interp(angle, self.angles, self.times))
 
     def at(self, times: Array) -> Array:
-        """Angle [rad] at `times` [samples] within `times`; between crossings the wheel turns evenly."""
+        """Return the angle [rad] at `times` [samples] within `self.times`, linear between crossings."""
         return np.asarray(np.interp(times, self.times, self.angles))
 
     def forget_before(self, time: float) -> None:

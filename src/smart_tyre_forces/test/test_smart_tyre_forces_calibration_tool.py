@@ -150,7 +150,7 @@ def test_bags_whose_car_is_not_known_are_refused(
     own.write_text(vehicle_path("smart_tyre_car").read_text().replace("front_left", "FL"))
     other = noted(bags["dynamic"], tmp_path / "other", str(own))
     assert main(["--quasi-static", *plain, "--dynamic", other, *out]) == 2
-    assert "'front_left' is no wheel of the car, which has FL, " in capsys.readouterr().err
+    assert "'front_left' is not a wheel of the car, which has FL, " in capsys.readouterr().err
     dynamic = noted(bags["dynamic"], tmp_path / "noted", "smart_tyre_car")
     assert main(["--quasi-static", *plain, "--dynamic", other, dynamic, *out]) == 2
     assert "different cars" in capsys.readouterr().err

@@ -154,7 +154,7 @@ def test_change_of_pressure_is_noticed_and_length_is_re_zeroed_on_request() -> N
         correction.update(passage(k, 8.0, 3.0, 1.07 * nominal))
     assert correction.pressure_changed
     patch = correction.update(passage(40, 8.0, 3.0, 1.07 * nominal))
-    # The length is off by 7 %: the deviation says so.
+    # The length is off by 7 %: the standard deviation shows it.
     assert length_stddev(TYRE, patch) == pytest.approx(0.07 * nominal, rel=0.02)
     correction.request_length_zero()
     patches = [correction.update(passage(k, 8.0, 3.0, 1.07 * nominal)) for k in range(41, 61)]
@@ -226,7 +226,7 @@ def test_forces_refuse_what_they_cannot_know() -> None:
 
 
 def ideal_passages(drive: Drive, rear: bool) -> list[Passage]:
-    """What a perfect front detection would see: the laws of the tyre, once every tenth of a second."""
+    """Fronts of a perfect detection: the laws of the tyre, every tenth of a second."""
     fx, fz = (drive.smooth.fx_rear, drive.smooth.fz_rear) if rear else (drive.smooth.fx_front, drive.smooth.fz_front)
     found = []
     for k, i in enumerate(range(0, len(drive.time), 100)):

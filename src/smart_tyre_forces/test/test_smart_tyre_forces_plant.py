@@ -1,4 +1,4 @@
-"""The plant's own tyre blocks through the processor: forces and shift are those that the plant knows."""
+"""The plant's own tyre blocks through the processor: forces and shift are the true ones of the plant."""
 
 from dataclasses import replace
 from functools import cache
@@ -41,7 +41,7 @@ def blocks_and_truth(plant: SimParameters) -> tuple[list[Any], np.ndarray]:
 
 
 def drive(plant: SimParameters, car: Vehicle, given: SmartTyreParameters) -> tuple[dict[str, list[Any]], np.ndarray]:
-    """Messages of the first wheel by topic, and the truth; `car` is what the estimator takes it for."""
+    """Messages of the first wheel by topic, and the truth; `car` is the car of the estimator."""
     processor = build(given, car)[0]
     outputs: dict[str, list[Any]] = {"contact_patch": [], "tyre_force": []}
     blocks, truth = blocks_and_truth(plant)

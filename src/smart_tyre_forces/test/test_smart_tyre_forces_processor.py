@@ -14,7 +14,7 @@ from friction_parameters.generated import parameter_file
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from friction_parameters.values import declared, from_mapping
-from friction_runtime.processor import Level, optional_inputs
+from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces.calibration import Calibration, TyreCalibration, WheelCalibration
 from smart_tyre_forces.force_map import ForceMap
@@ -92,7 +92,7 @@ maximum_speed zero_duration zero_speed_spread zero_maximum_speed pressure_tolera
 
 @pytest.mark.parametrize("name", OLD.split())
 def test_old_parameter_is_refused_with_its_new_place(name: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{name}' is no more: ") as refused:
+    with pytest.raises(ParameterError, match=f"'{name}' no longer exists: ") as refused:
         from_mapping(SmartTyreParameters, {name: 1.0})
     place = str(refused.value).split("'")[3]
     assert "vehicle file" in str(refused.value) or place in declared(SmartTyreParameters)
@@ -106,7 +106,7 @@ def changed(**values: Any) -> Vehicle:
 
 def test_calibration_that_does_not_fit_is_refused(calibration_file: str, tmp_path: Path) -> None:
     given = SmartTyreParameters(calibration_file=calibration_file)
-    with pytest.raises(ValueError, match=r"calibration\.yaml: knows front_left, no wheel of the car: FL, front_right"):
+    with pytest.raises(ValueError, match=r"calibration\.yaml: has front_left, no wheel of the car: FL, front_right"):
         build(given, changed(name="FL"))
     with pytest.raises(ValueError, match="teeth"):
         build(given, changed(encoder_teeth=60))
@@ -123,7 +123,7 @@ def test_wheels_that_the_calibration_lacks_give_raw_patches_and_say_so_once_they
     processors = build(
         SmartTyreParameters(calibration_file=calibration_file), CAR, lambda _severity, text: said.append(text)
     )
-    assert [list(optional_inputs(each)) for each in processors] == [[f"{w}/tyre_signals"] for w in CAR.wheel_names]
+    assert [list(each.optional) for each in processors] == [[f"{w}/tyre_signals"] for w in CAR.wheel_names]
     assert said == []
     messages = list(blocks(simulate(10.0, seconds=14.0)))
     for message in messages:
@@ -147,7 +147,10 @@ def test_one_patch_and_one_force_a_revolution_and_a_wrench_on_request(simulate: 
     # The patch of the first revolutions may be cut by the start.
     assert revolutions - 3.0 < len(patches) < revolutions + 1.0
     assert [p.revolution for p in patches] == list(range(1, len(patches) + 1))
-    assert all(p.reason == ContactPatch.NOT_READY and not p.valid and p.reason_text for p in patches[:10])
+    assert all(p.reason == ContactPatch.NOT_READY and not p.valid for p in patches[:10])
+    for message in (*patches, *forces):
+        assert message.valid == (message.reason_text == "")
+        assert message.valid or message.reason_text.startswith("front_left: ")
     assert patches[-1].valid and patches[-1].reason == ContactPatch.OK
     assert patches[-1].length == pytest.approx(patches[-1].alpha_2 - patches[-1].alpha_1, abs=0.02)
     assert [f.valid for f in forces] == [p.valid for p in patches]

@@ -33,7 +33,7 @@ def test_crossings_of_a_sine_lie_where_they_should(frequency: float, phase: floa
     t = np.arange(2000)
     found = all_times(crossings(amplitude * np.sin(2.0 * np.pi * frequency * t / 1e4 + phase)))
     half_turns = found * 2.0 * frequency / 1e4 + phase / np.pi
-    # A half wave is 3.75 degrees of wheel angle; of a noise-free sine 0.002 are asked, but for the first crossing.
+    # A half wave is 3.75 degrees of wheel angle; 0.002 are required of a noise-free sine, but for the first crossing.
     np.testing.assert_allclose(half_turns[1:], np.round(half_turns[1:]), rtol=0.0, atol=0.002 / 3.75)
     np.testing.assert_allclose(np.diff(np.round(half_turns)), 1.0)
 

@@ -1,4 +1,4 @@
-"""The car: shares of the load, corners, the accelerometer, and what is no car."""
+"""The car: shares of the load, corners, the accelerometer, and invalid cars."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Vehicle files: what they give, how they are refused, and that nothing else ever comes out of them."""
+"""Vehicle files: their values, how bad ones are refused, and that no other exception is ever raised."""
 
 import re
 import string
@@ -46,7 +46,7 @@ def load(directory: Path, text: str) -> Vehicle:
 
 
 def refusal(directory: Path, text: str) -> str:
-    """What is said of a bad file, without its path."""
+    """Return the error for a bad file, without its path."""
     with pytest.raises(ParameterError) as caught:
         load(directory, text)
     said = str(caught.value)
@@ -67,7 +67,7 @@ def test_each_shipped_file_makes_a_car_with_all_it_carries(name: str) -> None:
     assert sum(corner.vertical_load for corner in corners) == pytest.approx(vehicle.mass * 9.81)
 
 
-def test_the_cars_of_the_issue_are_shipped() -> None:
+def test_known_cars_are_shipped() -> None:
     assert {"chapter_corner", "compact_car", "bmw_m8", "indy_av21"} <= set(shipped_vehicles())
     corner = load_vehicle("chapter_corner").corner("front_left")
     assert (corner.radius, corner.inertia, corner.mass, corner.gravity) == (0.3, 1.0, 225.0, 9.81)
@@ -127,12 +127,12 @@ REFUSED = {
     "unknown axle": (("  rear: {", "  back: {"), "line 11: unknown key 'back': known here are front, rear"),
     "unknown part of a value": (("stddev: 60.0", "sttdev: 60.0"), "line 2: unknown key 'sttdev': .* value, stddev"),
     "unknown key of the accelerometer": (("sign: 1", "sing: 1"), "line 7: unknown key 'sing': .* pitch_gain"),
-    "key twice": (("track: 1.55", "track: 1.55\nmass: 1700.0"), "line 7: 'mass' stands here again, first in line 2"),
+    "key twice": (("track: 1.55", "track: 1.55\nmass: 1700.0"), "line 7: 'mass' is repeated here, first in line 2"),
     "key of a wheel twice": (
         ("driven: true}", "driven: true, driven: false}"),
-        "line 11: 'driven' stands here again, first in line 11",
+        "line 11: 'driven' is repeated here, first in line 11",
     ),
-    "wheel twice": (("  FR:", "  FL:"), "line 14: 'FL' stands here again, first in line 13"),
+    "wheel twice": (("  FR:", "  FL:"), "line 14: 'FL' is repeated here, first in line 13"),
     "no name": (("name: my car\n", ""), "'name' is missing"),
     "no mass": (("mass: {value: 1620.0, stddev: 60.0}\n", ""), r"'mass' is missing: a number, 1 to 100000 \[kg\]"),
     "no wheels": ((CAR[CAR.index("axles:") :], "wheels: {}\n"), "line 9: 'wheels' must name at least one wheel"),
@@ -236,7 +236,7 @@ REFUSED = {
     "a wheel is empty": (("FR: {axle: front, side: right}", "FR:"), "line 14: 'FR' must hold keys and values"),
     "all_wheels is empty": ((CAR.splitlines()[7], "all_wheels:"), "line 8: 'all_wheels' must hold keys and values"),
     "an axle is empty": (("front: {radius: 0.31}", "front:"), "line 10: 'front' must hold keys and values"),
-    "no YAML": (("name: my car", "name: [my car"), "line 2: no YAML: .*"),
+    "not YAML": (("name: my car", "name: [my car"), "line 2: not YAML: .*"),
     "a list": ((CAR, "- 1\n- 2\n"), "line 1: a mapping is expected"),
     "empty": ((CAR, ""), "'name' is missing"),
 }

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 class Command(IntEnum):
-    """What the actuator is asked to do; the values are those of friction_msgs/BrakeCommand."""
+    """Command to the actuator; the values are those of friction_msgs/BrakeCommand."""
 
     NONE = 0
     INCREASE = 1
@@ -33,7 +33,7 @@ class ActuatorParameters:
     release_rate: float = parameter(5000.0, "fastest fall of brake torque", unit="N m/s", minimum=1.0, maximum=1e7)
 
     def __post_init__(self) -> None:
-        """Refuse values that make no actuator."""
+        """Refuse values without physical meaning."""
         if not (self.delay >= 0.0 and self.apply_rate > 0.0 and self.release_rate > 0.0):
             raise ValueError(f"delay must be >= 0 and the rates > 0: {self}")
 

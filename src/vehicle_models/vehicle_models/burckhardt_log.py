@@ -22,7 +22,7 @@ def to_theta(q: Array) -> Array:
 
 
 def theta_jacobian(theta: Array) -> Array:
-    """D theta / d q at `theta`, shape (..., 3); returns shape (..., 3, 3)."""
+    """d theta / d q at `theta`, shape (..., 3); returns shape (..., 3, 3)."""
     jacobian = np.zeros((*theta.shape, 3))
     jacobian[..., 0, 0] = theta[..., 0]
     jacobian[..., 1, 1] = theta[..., 1]
@@ -36,12 +36,12 @@ def steepness(q: Array) -> float:
 
 
 def friction_into(q: Array, slip: Array | float, gradient: Array) -> tuple[Array, Array]:
-    """Mu and d mu / d slip at `slip`; writes d mu / d q into `gradient`. Odd in slip, like `burckhardt`.
+    """Return mu and d mu / d slip at `slip`; write d mu / d q into `gradient`. Odd in slip, like `burckhardt`.
 
     Args:
-        q: shape (3,).
-        slip: [-], shape (n,), or one number.
-        gradient: shape (n, 3), or (3,).
+        q: coordinates of the curve, shape (3,).
+        slip: slip [-], shape (n,), or one number.
+        gradient: output, shape (n, 3), or (3,).
     """
     th1, th2, th3 = to_theta(q)
     decay = np.exp(-th2 * np.abs(slip))
@@ -58,17 +58,17 @@ class Point:
     """The curve at one slip."""
 
     friction: float
-    """Mu [-], odd in slip."""
+    """mu [-], odd in slip."""
     slope: float
-    """D mu / d slip [-]."""
+    """d mu / d slip [-]."""
     slope_gradient: Array
-    """Of the slope with respect to q, shape (3,)."""
+    """Gradient of the slope with respect to q, shape (3,)."""
     curvature: float
     """Change of the slope with the magnitude of the slip [-]."""
 
 
 def at(theta: Array, slip: float) -> Point:
-    """What the curve of `theta`, shape (3,), is at one slip."""
+    """Evaluate the curve of `theta`, shape (3,), at one slip."""
     th1, th2, th3 = (float(value) for value in theta)
     magnitude = abs(slip)
     steep = th1 * th2 * float(np.exp(-th2 * magnitude))
@@ -88,9 +88,9 @@ class Peak:
     lambda_max: float
     mu_max: float
     lambda_gradient: Array
-    """D ln(lambda_max) / d q, shape (3,)."""
+    """d ln(lambda_max) / d q, shape (3,)."""
     mu_gradient: Array
-    """D mu_max / d q, shape (3,)."""
+    """d mu_max / d q, shape (3,)."""
 
 
 def peak_exponent(q: Array) -> float:
@@ -99,7 +99,7 @@ def peak_exponent(q: Array) -> float:
 
 
 def lambda_max(q: Array) -> float:
-    """Slip at which the slope vanishes [-], in (0, 1) or not."""
+    """Slip at which the slope vanishes [-], not necessarily in (0, 1)."""
     return peak_exponent(q) / float(np.exp(q[1]))
 
 
@@ -117,5 +117,5 @@ def peak(q: Array) -> Peak:
 
 
 def lambda_gradient(exponent: Array | float) -> Array:
-    """D ln(lambda_max) / d q from the decay at the peak, shape (3,), or (3, n) from n of them."""
+    """d ln(lambda_max) / d q from the decay at the peak, shape (3,), or (3, n) from n of them."""
     return np.array([0.0 * exponent, 1.0 / exponent - 1.0, -1.0 / exponent])

@@ -26,9 +26,9 @@ def polynomial_weights(offsets: ArrayLike, degree: int, order: int, delay: float
 
     Args:
         offsets: times of the samples against the newest [s], ascending to 0, shape (n,), all different.
-        degree: of the polynomial, < n.
-        order: of the derivative, 0..degree.
-        delay: how long before the newest sample the derivative is read [s].
+        degree: degree of the polynomial, < n.
+        order: order of the derivative, 0..degree.
+        delay: time before the newest sample at which the derivative is read [s].
 
     Returns:
         Shape (n,), in 1/s^order: the derivative is their product with the samples.
@@ -58,9 +58,9 @@ class LocalPolynomial:
         """Start empty.
 
         Args:
-            window: samples N, > degree.
-            degree: of the polynomial, >= 0.
-            signals: how many are sampled together; they share the stamps.
+            window: number of samples N, > degree.
+            degree: degree of the polynomial, >= 0.
+            signals: number of signals that are sampled together; they share the stamps.
 
         Raises:
             ValueError: the window is too short for the degree.
@@ -80,7 +80,7 @@ class LocalPolynomial:
         self._equal_intervals = 0
         self._weights: dict[tuple[int, float], Array] = {}
         self.ready = False
-        """Is the window full?"""
+        """Whether the window is full."""
         self.span = 0.0
         """Time from the oldest to the newest sample of the window [s]; 0 while it is not full."""
 
@@ -88,8 +88,8 @@ class LocalPolynomial:
         """Take a sample of every signal.
 
         Args:
-            stamp: [ns], later than the last.
-            values: finite, shape (signals,).
+            stamp: stamp [ns], later than the last.
+            values: sample of each signal, finite, shape (signals,).
         """
         at = self._next
         self._values[at] = self._values[at + self._window] = values
@@ -98,8 +98,8 @@ class LocalPolynomial:
         self._stamps.append(stamp)
         self._equal_intervals = self._equal_intervals + 1 if interval == self._interval else 1
         self._interval = interval
-        # Span and weights follow the offsets, which repeat where the interval that came is the one that left and all
-        # between.
+        # Span and weights follow from the offsets. These repeat if the new interval equals the one that left and all
+        # those between.
         if self._equal_intervals < self._window or not self.ready:
             self._weights.clear()
             self.ready = len(self._stamps) == self._window

@@ -16,7 +16,7 @@ class EncoderParameters:
 
     teeth: int = Wheel.encoder_teeth
     amplitude_per_speed: float = 0.05
-    """Amplitude over wheel speed [V s/rad]: an inductive sensor sees the rate of change of flux."""
+    """Amplitude over wheel speed [V s/rad]: an inductive sensor measures the rate of change of flux."""
     modulation: float = 0.06
     """Amplitude modulation over one revolution [-], from the run-out of the air gap."""
     second_harmonic: float = 0.03
@@ -28,11 +28,11 @@ class EncoderParameters:
     noise: float = 0.010
     """White noise, standard deviation [V]."""
     resolution: float = 20.0 / 2**16
-    """Of the converter [V]; 0 for none."""
+    """Resolution of the converter [V]; 0 for none."""
 
     @classmethod
     def ideal(cls) -> "EncoderParameters":
-        """Perfect teeth, a pure sine, no noise."""
+        """Return perfect teeth, a pure sine, no noise."""
         return cls(modulation=0.0, second_harmonic=0.0, eccentricity=0.0, pitch_error=0.0, noise=0.0)
 
 
@@ -40,7 +40,7 @@ class ToothedRing:
     """One ring with its own teeth, and the voltage of the sensor in front of it."""
 
     def __init__(self, parameters: EncoderParameters, ring_seed: int) -> None:
-        """Cut the teeth; the same seed is the same ring."""
+        """Draw the teeth; the same seed gives the same ring."""
         self._parameters = parameters
         rng = np.random.default_rng(ring_seed)
         errors = parameters.pitch_error * rng.standard_normal(parameters.teeth)

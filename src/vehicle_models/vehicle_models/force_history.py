@@ -16,9 +16,9 @@ from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]
 CAR = load_vehicle("smart_tyre_car")
-"""That of the experiments."""
+"""Car of the experiments."""
 HISTORY_RATE = 1000.0
-"""Samples a second of a drive [Hz]."""
+"""Sample rate of a drive [Hz]."""
 
 
 @dataclass(frozen=True)
@@ -26,24 +26,24 @@ class Drive:
     """A straight drive, sampled at HISTORY_RATE; all arrays of shape (n,)."""
 
     time: Array
-    """From 0 [s]."""
+    """Time from 0 [s]."""
     speed: Array
     """[m/s]"""
     acceleration: Array
     """[m/s^2]"""
     forces: WheelForces
-    """With the load variation of an uneven road."""
+    """Forces with the load variation of an uneven road."""
     smooth: WheelForces
-    """The same on a perfectly even road: what load transfer alone tells."""
+    """Forces on a perfectly even road, from load transfer alone."""
 
 
 def dynamic_drive(car: Vehicle = CAR, *, road_seed: int, unevenness: float = 0.03) -> Drive:
-    """The minute of Figure 8.20: 8 m/s, full acceleration to 22 m/s, cruise, hard braking, 8 m/s again.
+    """Return the minute of Figure 8.20: 8 m/s, full acceleration to 22 m/s, cruise, hard braking, 8 m/s again.
 
     Args:
         car: the car.
-        road_seed: of the unevenness.
-        unevenness: deviation of Fz over the static load, 1 to 12 Hz [-].
+        road_seed: seed of the unevenness.
+        unevenness: standard deviation of Fz over the static load, 1 to 12 Hz [-].
     """
     corners = np.array([0.0, 14.0, 14.4, 19.0, 19.4, 42.0, 42.15, 43.75, 43.9, 60.0])
     values = np.array([0.0, 0.0, 2.8, 2.8, 0.0, 0.0, -8.0, -8.0, 0.0, 0.0])
@@ -54,7 +54,7 @@ def dynamic_drive(car: Vehicle = CAR, *, road_seed: int, unevenness: float = 0.0
 
 
 def quasi_static_drives(car: Vehicle = CAR, *, road_seed: int, unevenness: float = 0.03) -> tuple[Drive, Drive]:
-    """Very slow acceleration from 10 to 25 m/s, after 8 s at 8 m/s, and coasting down from 25 to 10 m/s."""
+    """Return very slow acceleration from 10 to 25 m/s, after 8 s at 8 m/s, and coasting down from 25 to 10 m/s."""
     time = np.arange(0.0, 110.0, 1.0 / HISTORY_RATE, dtype=np.float64)
     acceleration = np.interp(time, [0.0, 8.0, 8.2, 9.8, 10.0], [0.0, 0.0, 1.0, 1.0, 0.16])
     up = _drive(car, time, 8.0 + np.cumsum(acceleration) / HISTORY_RATE, acceleration, road_seed, unevenness)
@@ -70,7 +70,7 @@ def quasi_static_drives(car: Vehicle = CAR, *, road_seed: int, unevenness: float
 def steady_drive(
     speed: float, duration: float, car: Vehicle = CAR, *, road_seed: int, unevenness: float = 0.0
 ) -> Drive:
-    """Constant `speed` [m/s] for `duration` [s]."""
+    """Return a drive at constant `speed` [m/s] for `duration` [s]."""
     time = np.arange(0.0, duration, 1.0 / HISTORY_RATE, dtype=np.float64)
     return _drive(car, time, np.full(time.shape, speed), np.zeros(time.shape), road_seed, unevenness)
 

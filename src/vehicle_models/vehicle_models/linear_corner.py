@@ -1,4 +1,4 @@
-"""The single corner linearised at a slip, (8.1) and (8.2): how slip and wheel deceleration answer to the brake.
+"""The single corner linearised at a slip, (8.1) and (8.2): response of slip and wheel deceleration to the brake.
 
 With the speed v taken for a slowly varying parameter, eta = -r omega_dot / g and mu_1 the slope (2.37) of the curve:
 
@@ -36,20 +36,20 @@ def pole(corner: CornerParameters, theta: ArrayLike, slip: float, speed: float) 
 
 
 def slip_transfer(corner: CornerParameters, theta: ArrayLike, slip: float, speed: float) -> TransferFunction:
-    """G_lambda(s), (8.1), from brake torque [N m] to slip [-]; arguments as of `pole`."""
+    """G_lambda(s), (8.1), from brake torque [N m] to slip [-]; arguments as for `pole`."""
     denominator = np.array([1.0, -pole(corner, theta, slip, speed)])
     return np.array([corner.radius / (corner.inertia * speed)]), denominator
 
 
 def deceleration_transfer(corner: CornerParameters, theta: ArrayLike, slip: float, speed: float) -> TransferFunction:
-    """G_eta(s), (8.2), from brake torque [N m] to normalised wheel deceleration [-]; arguments as of `pole`."""
+    """G_eta(s), (8.2), from brake torque [N m] to normalised wheel deceleration [-]; arguments as for `pole`."""
     gain = corner.radius / (corner.inertia * corner.gravity)
     zero = -_slope_term(corner, theta, slip, speed) * (1.0 - slip)
     return gain * np.array([1.0, -zero]), np.array([1.0, -pole(corner, theta, slip, speed)])
 
 
 def is_stable(theta: ArrayLike, slip: ArrayLike) -> NDArray[np.bool_]:
-    """Is the pole of (8.1) and (8.2) negative? With any speed, load and wheel: where mu_1 > 0, before the peak."""
+    """Whether the pole of (8.1) and (8.2) is negative: whatever speed, load and wheel, where mu_1 > 0."""
     return np.asarray(burckhardt.slope(theta, slip) > 0.0)
 
 

@@ -4,8 +4,8 @@ With h the height of the centre of gravity, L the wheelbase, f the share of the 
 
     F_front = m g f - m a h / L,    F_rear = m g (1 - f) + m a h / L
 
-The forces decide the acceleration and the acceleration the loads; with the mean braking friction coefficients of the
-axles mu_front, mu_rear and further resistance R the loop closes in one line:
+The forces determine the acceleration, and the acceleration the loads; with the mean braking friction coefficients of
+the axles mu_front, mu_rear and further resistance R the loop closes in one line:
 
     a (1 - (h/L)(mu_front - mu_rear)) = -g (f mu_front + (1 - f) mu_rear) - R/m
 """
@@ -19,11 +19,11 @@ Array = NDArray[np.float64]
 def axle_loads(
     acceleration: ArrayLike, mass: float, front_share: float, height_ratio: float, gravity: float
 ) -> tuple[Array, Array]:
-    """Loads (front, rear) [N] under `acceleration` [m/s^2], forward positive; shapes as the acceleration's.
+    """Return the loads (front, rear) [N] under `acceleration` [m/s^2], forward positive; shapes of the acceleration.
 
     Args:
         acceleration: any shape.
-        mass: of the car [kg].
+        mass: mass of the car [kg].
         front_share: f, 0 to 1.
         height_ratio: h / L.
         gravity: [m/s^2].
@@ -45,7 +45,7 @@ def acceleration(
 
     Args:
         front_friction: mean friction coefficient of the front wheels, positive in braking.
-        rear_friction: of the rear wheels.
+        rear_friction: the same of the rear wheels.
         resistance: deceleration by all else, R / m [m/s^2].
         front_share: f, 0 to 1.
         height_ratio: h / L.

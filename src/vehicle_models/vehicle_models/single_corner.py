@@ -15,13 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vehicle_models import burckhardt
+from vehicle_models.rosenbrock import GAMMA, check_start, inner_steps, two_stages
 
 Array = NDArray[np.float64]
 
 GRAVITY = 9.81
 """Standard acceleration of free fall as the chapter uses it [m/s^2]."""
-ROSENBROCK_GAMMA = 1.0 - 1.0 / np.sqrt(2.0)
-"""Makes the two-stage method of second order and L-stable."""
 SLIP_SPEED_FLOOR = 0.1
 """Below this speed [m/s] slip is taken relative to it: the tyre then acts as a stiff damper."""
 REST_SPEED = 1e-3
@@ -42,14 +41,14 @@ class CornerParameters:
     """Fz at rest [N]."""
 
     def __post_init__(self) -> None:
-        """Refuse values that make no corner."""
+        """Refuse values without physical meaning."""
         for name in ("radius", "inertia", "mass", "vertical_load"):
             if not 0.0 < getattr(self, name) < np.inf:
                 raise ValueError(f"{name} must be finite and > 0, is {getattr(self, name)}")
 
     @property
     def gravity(self) -> float:
-        """Fz / m [m/s^2]."""
+        """Gravity as Fz / m [m/s^2]."""
         return self.vertical_load / self.mass
 
     def peak_torque(self, theta: ArrayLike) -> Array:
@@ -96,9 +95,9 @@ class SingleCorner:
         """Start at `speed`.
 
         Args:
-            parameters: of all corners, or n of them, one for each.
-            speed: [m/s], >= 0, shape (n,).
-            wheel_speed: [rad/s], >= 0, broadcasts to (n,); rolling without slip when None.
+            parameters: one set for all corners, or n of them, one for each.
+            speed: vehicle speed [m/s], >= 0, shape (n,).
+            wheel_speed: wheel speed [rad/s], >= 0, broadcasts to (n,); rolling without slip when None.
             max_step: longest inner step [s], > 0.
 
         Raises:
@@ -112,10 +111,7 @@ class SingleCorner:
         """Wheel speed omega [rad/s]."""
         self.distance: Array = np.zeros_like(self.speed)
         """Distance covered [m]."""
-        if not (np.all(self.speed >= 0.0) and np.all(self.wheel_speed >= 0.0)):
-            raise ValueError("speed and wheel_speed must be finite and >= 0")
-        if not max_step > 0.0:
-            raise ValueError(f"max_step must be > 0, is {max_step}")
+        check_start(self.speed, self.wheel_speed, max_step)
         self._max_step = max_step
 
     @property
@@ -140,19 +136,18 @@ class SingleCorner:
         return np.where((self.wheel_speed <= 0.0) & (free < 0.0), 0.0, free)
 
     def step(self, torque_begin: ArrayLike, torque_end: ArrayLike, theta: ArrayLike, dt: float) -> None:
-        """Advance by `dt` [s] under a brake torque [N m] that runs linearly from begin to end, on the road `theta`.
+        """Advance by `dt` [s] under a brake torque [N m] that changes linearly, on the road `theta`.
 
         The brake only opposes rolling: a wheel stops at zero speed and stays there while the torque exceeds the
         friction moment.
 
         Args:
-            torque_begin: shape (n,) or scalar, >= 0.
-            torque_end: shape (n,) or scalar, >= 0.
-            theta: shape (3,) or (n, 3).
-            dt: > 0.
+            torque_begin: torque at the start [N m], shape (n,) or scalar, >= 0.
+            torque_end: torque at the end [N m], shape (n,) or scalar, >= 0.
+            theta: Burckhardt parameters, shape (3,) or (n, 3).
+            dt: step [s], > 0.
         """
-        steps = max(1, int(np.ceil(dt / self._max_step - 1e-9)))
-        h = dt / steps
+        steps, h = inner_steps(dt, self._max_step)
         begin = np.asarray(torque_begin, dtype=np.float64)
         rate = (np.asarray(torque_end, dtype=np.float64) - begin) / dt
         for k in range(steps):
@@ -182,7 +177,7 @@ class SingleCorner:
         f_v, f_w = self._derivative(v, w, torque, theta)
         # A locked wheel has no equation: left in, its pull below zero would reach the body through the matrix.
         turns = (w > 0.0) | (f_w >= 0.0)
-        gh = ROSENBROCK_GAMMA * h
+        gh = GAMMA * h
         a11, a12 = 1.0 + gh * force_v / p.mass, np.where(turns, gh * force_w / p.mass, 0.0)
         a21 = np.where(turns, -gh * p.radius * force_v / p.inertia, 0.0)
         a22 = 1.0 - np.where(turns, gh * p.radius * force_w / p.inertia, 0.0)
@@ -192,12 +187,11 @@ class SingleCorner:
             b2 = np.where(turns, b2, 0.0)
             return (a22 * b1 - a12 * b2) / determinant, (a11 * b2 - a21 * b1) / determinant
 
+        def derivative_at_end(speed: Array, wheel_speed: Array) -> tuple[Array, Array]:
+            return self._derivative(speed, wheel_speed, torque + h * torque_rate, theta)
+
         time_term = -gh * torque_rate / p.inertia
-        k1_v, k1_w = solve(f_v, f_w + time_term)
-        f_v, f_w = self._derivative(v + h * k1_v, np.maximum(w + h * k1_w, 0.0), torque + h * torque_rate, theta)
-        k2_v, k2_w = solve(f_v - 2.0 * k1_v, f_w - 2.0 * k1_w - time_term)
-        speed = v + h * (1.5 * k1_v + 0.5 * k2_v)
-        wheel_speed = w + h * (1.5 * k1_w + 0.5 * k2_w)
+        speed, wheel_speed = two_stages((v, w), (f_v, f_w), time_term, h, solve, derivative_at_end)
         standing = speed < REST_SPEED
         self.speed = np.where(standing, 0.0, speed)
         self.wheel_speed = np.where(standing, 0.0, np.maximum(wheel_speed, 0.0))

@@ -20,9 +20,9 @@ from vehicle_models.vehicle import AIR_DENSITY, Vehicle
 Array = NDArray[np.float64]
 
 PITCH_FREQUENCY = 2.0 * np.pi * 1.5
-"""w [rad/s]"""
+"""Natural frequency w of the pitch mode [rad/s]."""
 PITCH_DAMPING = 0.3
-"""z"""
+"""Damping ratio z of the pitch mode [-]."""
 _SUBSTEPS = 25
 
 
@@ -33,7 +33,7 @@ class SprungCar:
         """Start free rolling at `speed` [m/s].
 
         Raises:
-            ValueError: the vehicle has not four wheels.
+            ValueError: the vehicle does not have four wheels.
         """
         wheels = four_wheels(vehicle)
         self._vehicle = vehicle
@@ -74,7 +74,7 @@ class SprungCar:
         return self._inertia
 
     def peak_torque(self, theta: Array) -> float:
-        """Quasi-static brake torque [N m] that holds a front wheel at the peak while all wheels are there."""
+        """Quasi-static brake torque [N m] that holds a front wheel at the peak while all wheels are at theirs."""
         return float(peak_torque(self._vehicle, theta)[0])
 
     def friction(self, theta: Array) -> Array:

@@ -33,7 +33,7 @@ def wheel_forces(car: Vehicle, speed: ArrayLike, acceleration: ArrayLike) -> Whe
     """Forces of one front and one rear wheel; speed [m/s] and acceleration [m/s^2], forward positive, broadcast.
 
     Raises:
-        ValueError: the car has not four wheels, or has to be driven and no wheel is.
+        ValueError: the car does not have four wheels, or has to be driven and no wheel is.
     """
     v, a = np.broadcast_arrays(np.asarray(speed, dtype=np.float64), np.asarray(acceleration, dtype=np.float64))
     front, rear = load_transfer.axle_loads(a, car.mass, car.front_load_share, car.height_ratio, GRAVITY)

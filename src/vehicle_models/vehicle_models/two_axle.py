@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vehicle_models import burckhardt, load_transfer
-from vehicle_models.single_corner import GRAVITY, REST_SPEED, ROSENBROCK_GAMMA, SLIP_SPEED_FLOOR
+from vehicle_models.rosenbrock import GAMMA, check_start, inner_steps, two_stages
+from vehicle_models.single_corner import GRAVITY, REST_SPEED, SLIP_SPEED_FLOOR
 from vehicle_models.vehicle import AIR_DENSITY, FRONT, REAR, Vehicle, Wheel
 
 Array = NDArray[np.float64]
@@ -78,14 +79,15 @@ class TwoAxleCar:
         """Start at `speed` [m/s], shape (n,).
 
         Args:
-            vehicle: the car; arrays are in the order of four_wheels, wherever these stand in it.
-            speed: >= 0, shape (n,).
-            wheel_speed: [rad/s], >= 0, broadcasts to (n, 4); rolling without slip when None.
+            vehicle: the car; arrays are in the order of four_wheels, whatever the order in `vehicle`.
+            speed: speed [m/s], >= 0, shape (n,).
+            wheel_speed: wheel speeds [rad/s], >= 0, broadcasts to (n, 4); rolling without slip when None.
             grade: slope of the road [rad], uphill positive, broadcasts to (n,); may be set at any time.
             max_step: longest inner step [s], > 0.
 
         Raises:
-            ValueError: a speed is negative or not finite, max_step is not positive, or the car has not four wheels.
+            ValueError: a speed is negative or not finite, max_step is not positive, or the car does not have four
+                wheels.
         """
         wheels = four_wheels(vehicle)
         self.vehicle = vehicle
@@ -105,10 +107,7 @@ class TwoAxleCar:
         self.distance: Array = np.zeros_like(self.speed)
         """Distance covered [m], shape (n,)."""
         self.grade: ArrayLike = grade
-        if not (np.all(self.speed >= 0.0) and np.all(self.wheel_speed >= 0.0)):
-            raise ValueError("speed and wheel_speed must be finite and >= 0")
-        if not max_step > 0.0:
-            raise ValueError(f"max_step must be > 0, is {max_step}")
+        check_start(self.speed, self.wheel_speed, max_step)
         self._max_step = max_step
 
     @property
@@ -146,21 +145,20 @@ class TwoAxleCar:
         dt: float,
         drive_torque: ArrayLike = 0.0,
     ) -> None:
-        """Advance by `dt` [s] under brake torques [N m] that run linearly from begin to end, on the road `theta`.
+        """Advance by `dt` [s] under brake torques [N m] that change linearly, on the road `theta`.
 
         Brakes and rolling resistance only oppose rolling: a wheel stops at zero speed and stays there while they exceed
         friction and drive.
 
         Args:
-            torque_begin: of each wheel, >= 0, broadcasts to (n, 4).
-            torque_end: of each wheel, >= 0, broadcasts to (n, 4).
-            theta: shape (3,), one road for all; (n, 3), one a car; or (n, 4, 3), one a wheel.
-            dt: > 0.
-            drive_torque: of the engine at all driven wheels together [N m], negative for engine braking, broadcasts to
-                (n,); they share it equally (open differential). A car without a driven wheel has no use for it.
+            torque_begin: torque of each wheel at the start, >= 0, broadcasts to (n, 4).
+            torque_end: torque of each wheel at the end, >= 0, broadcasts to (n, 4).
+            theta: shape (3,), one road for all; (n, 3), one per car; or (n, 4, 3), one per wheel.
+            dt: step [s], > 0.
+            drive_torque: torque of the engine at all driven wheels together [N m], negative for engine braking,
+                broadcasts to (n,); they share it equally (open differential). Ignored without a driven wheel.
         """
-        steps = max(1, int(np.ceil(dt / self._max_step - 1e-9)))
-        h = dt / steps
+        steps, h = inner_steps(dt, self._max_step)
         begin, end = self._net_torque(torque_begin, drive_torque), self._net_torque(torque_end, drive_torque)
         rate = (end - begin) / dt
         road = _per_wheel(theta)
@@ -214,7 +212,7 @@ class TwoAxleCar:
         f_v, f_w = self._derivative(v, w, torque, theta)
         # A locked wheel has no equation: left in, its pull below zero would reach the body through the matrix.
         turns = (w > 0.0) | (f_w >= 0.0)
-        gh = ROSENBROCK_GAMMA * h
+        gh = GAMMA * h
         by_wheel = np.where(turns, gh * force_w / mass, 0.0)
         wheel_by_v = np.where(turns, -gh * radius * force_v / inertia, 0.0)
         wheel_own = 1.0 - np.where(turns, gh * radius * force_w / inertia, 0.0)
@@ -225,12 +223,11 @@ class TwoAxleCar:
             x_v = (b_v - (by_wheel * b_w / wheel_own).sum(axis=1)) / body
             return x_v, (b_w - wheel_by_v * x_v[:, np.newaxis]) / wheel_own
 
+        def derivative_at_end(speed: Array, wheel_speed: Array) -> tuple[Array, Array]:
+            return self._derivative(speed, wheel_speed, torque + h * torque_rate, theta)
+
         time_term = -gh * torque_rate / inertia
-        k1_v, k1_w = solve(f_v, f_w + time_term)
-        f_v, f_w = self._derivative(v + h * k1_v, np.maximum(w + h * k1_w, 0.0), torque + h * torque_rate, theta)
-        k2_v, k2_w = solve(f_v - 2.0 * k1_v, f_w - 2.0 * k1_w - time_term)
-        speed = v + h * (1.5 * k1_v + 0.5 * k2_v)
-        wheel_speed = w + h * (1.5 * k1_w + 0.5 * k2_w)
+        speed, wheel_speed = two_stages((v, w), (f_v, f_w), time_term, h, solve, derivative_at_end)
         standing = (speed < REST_SPEED) & (speed <= v)
         self.speed = np.where(standing, 0.0, speed)
         self.wheel_speed = np.where(standing[:, np.newaxis], 0.0, np.maximum(wheel_speed, 0.0))

@@ -1,4 +1,4 @@
-"""Belt of a rolling tyre: contact patch, its shift, and what a radial accelerometer in the belt feels (section 8.4.3).
+"""Belt of a rolling tyre: contact patch, its shift, and the radial acceleration in the belt (section 8.4.3).
 
 In polar coordinates about the hub, theta from the centre of the contact patch, the belt is r(theta):
 
@@ -23,7 +23,7 @@ from vehicle_models.vehicle_file import load_vehicle
 Array = NDArray[np.float64]
 
 _CORNER = load_vehicle("smart_tyre_car").corner("front_left")
-"""Where the tyre of section 8.4 is mounted."""
+"""Corner on which the tyre of section 8.4 is mounted."""
 _STEP = 5e-4
 """Grid of the tabulated wave [rad]; linear interpolation on it is good to 1e-5 of the spike."""
 
@@ -41,27 +41,27 @@ class TyreRing:
     nominal_pressure: float = 2.0e5
     """p0, gauge [Pa]."""
     load_exponent: float = 0.7
-    """Patch length goes with (Fz / Fz0) to this power."""
+    """Exponent of the patch length in (Fz / Fz0) [-]."""
     pressure_exponent: float = -0.3
-    """Patch length goes with (effective pressure / p0) to this power."""
+    """Exponent of the patch length in (effective pressure / p0) [-]."""
     belt_density: float = 12.0
-    """rho_b [kg/m^2]: centrifugal stiffening adds rho_b v^2 / R0 to the pressure."""
+    """Density rho_b [kg/m^2]: centrifugal stiffening adds rho_b v^2 / R0 to the pressure."""
     torsional_stiffness: float = 25.0e3
-    """k_theta between rim and belt at nominal pressure [N m/rad]."""
+    """Stiffness k_theta between rim and belt at nominal pressure [N m/rad]."""
     stiffness_pressure_exponent: float = 0.25
-    """k_theta goes with (p / p0) to this power."""
+    """Exponent of k_theta in (p / p0) [-]."""
     shift_scale: float = 0.15
-    """q_s [rad]: the twist q = Fx R0 / k_theta gives a shift q_s tanh(q / q_s), slightly nonlinear."""
+    """Scale q_s [rad]: the twist q = Fx R0 / k_theta gives a shift q_s tanh(q / q_s), slightly nonlinear."""
     shift_per_speed: float = float(np.radians(0.01))
     """Growth of the shift with speed [rad s/m]."""
     cross_talk: float = 0.08
     """beta of (8.19): a patch longer by 1 rad under load shifts by minus this [rad]."""
     bulge_depth: float = 0.03
-    """w_c / R0 at the static patch; proportional to the half angle."""
+    """Depth w_c / R0 at the static patch [-]; proportional to the half angle."""
     bulge_rate: float = 6.2
-    """k [1/rad]."""
+    """Rate k of the bulge [1/rad]."""
     bending_angle: float = float(np.radians(0.6))
-    """Deviation of the Gaussian that spreads the change of curvature at the edge [rad]."""
+    """Standard deviation of the Gaussian that spreads the change of curvature at the edge [rad]."""
 
     def patch_half_angle(self, fz: ArrayLike, pressure: ArrayLike, speed: ArrayLike) -> Array:
         """theta_c [rad] under load `fz` [N], gauge `pressure` [Pa] and `speed` [m/s]; the arguments broadcast."""
@@ -97,7 +97,7 @@ class TyreRing:
         return np.where(np.abs(theta_) < edge, flat, free)
 
     def acceleration_shape(self, theta: ArrayLike, half_angle: ArrayLike) -> Array:
-        """R - r'' [m], the radial acceleration towards the hub over omega^2; same arguments as `belt_radius`."""
+        """r - r'' [m], the radial acceleration towards the hub over omega^2; same arguments as `belt_radius`."""
         theta_, edge = np.asarray(theta, dtype=np.float64), np.asarray(half_angle, dtype=np.float64)
         u = np.abs(theta_) - edge
         depth, sine = self._bulge(edge)
@@ -125,13 +125,13 @@ class TyreRing:
 
 
 def _margin(bending_angle: float) -> float:
-    """Where the rounding of the edge begins, before it [rad]."""
+    """Return how far before the edge its rounding begins [rad]."""
     return 6.0 * bending_angle
 
 
 @lru_cache(maxsize=8)
 def _waves(rate: float, bending_angle: float) -> tuple[Array, Array, Array]:
-    """What the free belt and the two waves of the bulge add to r - r'', rounded by bending, from -margin to pi."""
+    """Contributions of the free belt and the two waves of the bulge to r - r'', rounded by bending, -margin to pi."""
     margin = _margin(bending_angle)
     u = np.arange(-margin, np.pi + 2.0 * margin, _STEP)
     decay = np.where(u > 0.0, np.exp(-rate * np.maximum(u, 0.0)), 0.0)

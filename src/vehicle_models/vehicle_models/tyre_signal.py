@@ -12,7 +12,7 @@ from vehicle_models.tyre_ring import TyreRing
 
 Array = NDArray[np.float64]
 _JITTERS = 4096
-"""Edge positions drawn in advance; they repeat after as many revolutions."""
+"""Number of edge positions drawn in advance; they repeat after that many revolutions."""
 
 
 @dataclass(frozen=True)
@@ -20,17 +20,17 @@ class AccelerometerParameters:
     """Piezoresistive accelerometer on the inner liner, its radio, and the road that shakes it."""
 
     bandwidth: float = 3000.0
-    """[Hz] of a second-order low-pass."""
+    """Bandwidth of a second-order low-pass [Hz]."""
     range: float = 500.0 * GRAVITY
     """Saturation, +- [m/s^2]."""
     resolution: float = 1000.0 * GRAVITY / 2**16
-    """Of the converter [m/s^2]; 0 for none."""
+    """Resolution of the converter [m/s^2]; 0 for none."""
     texture_noise: float = 4.0 * GRAVITY
     """Shaking by the texture of the road at 20 m/s, standard deviation [m/s^2]; grows with speed to the power 1.5."""
     texture_band: tuple[float, float] = (150.0, 2000.0)
     """[Hz]"""
     electronic_noise: float = 0.3 * GRAVITY
-    """White, standard deviation [m/s^2]."""
+    """White noise, standard deviation [m/s^2]."""
     edge_jitter: float = float(np.radians(0.12))
     """Scatter of each edge of the patch from passage to passage, standard deviation [rad]."""
     offset: float = 2.0 * GRAVITY
@@ -38,13 +38,13 @@ class AccelerometerParameters:
     offset_drift: float = 0.05 * GRAVITY
     """[m/s^2 per s]"""
     delay: float = 0.2e-3
-    """Of the radio [s], to the next whole sample."""
+    """Delay of the radio [s], rounded up to a whole sample."""
     packet_loss: float = 0.0
     """Probability that a block is lost [-]."""
 
     @classmethod
     def ideal(cls) -> "AccelerometerParameters":
-        """Without noise, jitter, offset, drift and loss; bandwidth, delay and converter stay."""
+        """Return a sensor without noise, jitter, offset, drift and loss; bandwidth, delay and converter stay."""
         return cls(texture_noise=0.0, electronic_noise=0.0, edge_jitter=0.0, offset=0.0, offset_drift=0.0)
 
 
@@ -61,11 +61,11 @@ class TyreBlock:
     wheel_angle: Array = field(repr=False)
     """Truth: angle of the hub since the start, forward positive [rad], shape (n,)."""
     lost: bool = False
-    """The radio lost this block: it never arrives."""
+    """Whether the radio lost this block, so that it never arrives."""
 
 
 class TyreSignalSource:
-    """Makes the signals of one wheel from what the vehicle does; keeps phase, filters and noise from call to call."""
+    """Makes the signals of one wheel from its motion and forces; keeps phase, filters and noise from call to call."""
 
     def __init__(
         self,
@@ -84,17 +84,17 @@ class TyreSignalSource:
             ring: the tyre.
             accelerometer: the sensor in it.
             encoder: the sensor at the hub.
-            wheel_seed: which wheel it is: teeth and mounting angle of the accelerometer.
-            noise_seed: which drive it is: noise, jitter and the angle at which the wheel stands at the start.
-            pressure: gauge [Pa].
-            sample_rate: [Hz].
+            wheel_seed: seed of the wheel: teeth and mounting angle of the accelerometer.
+            noise_seed: seed of the drive: noise, jitter and the angle of the wheel at the start.
+            pressure: gauge pressure [Pa].
+            sample_rate: sample rate [Hz].
         """
         self._ring, self._accelerometer = ring, accelerometer
         self._toothed_ring = ToothedRing(encoder, wheel_seed)
         self._mounting = float(np.random.default_rng([wheel_seed, 1]).uniform(0.0, 2.0 * np.pi))
         self._rng = np.random.default_rng(noise_seed)
         self.pressure = pressure
-        """Gauge [Pa]; may be changed between calls."""
+        """Gauge pressure [Pa]; may be changed between calls."""
         self._dt = 1.0 / sample_rate
         self._angle = float(self._rng.uniform(0.0, 2.0 * np.pi))
         self._last_speed: float | None = None
@@ -110,10 +110,10 @@ class TyreSignalSource:
         self._radio: Array = np.zeros(round(accelerometer.delay * sample_rate))
 
     def advance(self, wheel_speed: ArrayLike, fx: ArrayLike, fz: ArrayLike) -> TyreBlock:
-        """The next n samples.
+        """Return the next n samples.
 
         Args:
-            wheel_speed: at the samples [rad/s], shape (n,); negative when rolling back.
+            wheel_speed: wheel speed at the samples [rad/s], shape (n,); negative when rolling back.
             fx: longitudinal force, forward positive [N], broadcasts to (n,).
             fz: vertical load [N], > 0, broadcasts to (n,).
         """

@@ -1,4 +1,4 @@
-"""The car: what is known of it and of each of its wheels, and how well. Files: see vehicle_file."""
+"""The car: parameters of it and of each of its wheels, with their uncertainty. Files: see vehicle_file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -10,14 +10,14 @@ from friction_parameters.parameter import parameter
 from vehicle_models.single_corner import GRAVITY, CornerParameters
 
 _REQUIRED = nan
-"""Default of what a file must give; NaN passes no check."""
+"""Default of a required value; NaN passes no check."""
 FRONT, REAR = "front", "rear"
 AIR_DENSITY = 1.2
-"""[kg/m^3]"""
+"""Density of air [kg/m^3]."""
 
 
 class SharedBy(Enum):
-    """Which wheels have the same error of a quantity: it decides whether errors of wheels average out."""
+    """Which wheels share the error of a quantity. This decides whether the errors of wheels average out."""
 
     WHEEL = "wheel"
     AXLE = "axle"
@@ -26,16 +26,16 @@ class SharedBy(Enum):
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far a value may be off."""
+    """Uncertainty of a value."""
 
     stddev: float
-    """In the unit of the value, > 0."""
+    """Standard deviation in the unit of the value, > 0."""
     shared_by: SharedBy
-    """Where it was stated: for one wheel, for an axle, for all wheels (or the whole car)."""
+    """Level at which it was stated: one wheel, an axle, all wheels (or the whole car)."""
 
 
 Deviations = Mapping[str, Deviation]
-"""By the name of the quantity. What is not named has no stated deviation, which does not mean that it is exact."""
+"""Deviations by the name of the quantity. A missing one is not stated, which does not mean that the value is exact."""
 
 
 def _deviations() -> Any:
@@ -43,7 +43,7 @@ def _deviations() -> Any:
 
 
 def _refuse_impossible(part: Any) -> None:
-    """Refuse what no car has. The ranges of the fields are for files: what is merely unusual passes."""
+    """Refuse impossible values. The ranges of the fields are for files: merely unusual values pass here."""
     for each in fields(part):
         low, value = each.metadata.get("minimum"), getattr(part, each.name)
         if low is not None and not (0.0 < value < inf or (low == 0.0 == value)):
@@ -55,9 +55,9 @@ class Wheel:
     """One wheel with its brake."""
 
     name: str
-    """What its topics begin with."""
+    """Name of the wheel, with which its topics begin."""
     joint: str
-    """Its name in wheel_states."""
+    """Name of the wheel in wheel_states."""
     axle: str = parameter(FRONT, "axle it is on", choices=(FRONT, REAR))
     side: str = parameter("left", "side it is on", choices=("left", "right"))
     radius: float = parameter(_REQUIRED, "effective rolling radius r", unit="m", minimum=0.05, maximum=2.0)
@@ -66,12 +66,12 @@ class Wheel:
     encoder_teeth: int = parameter(48, "teeth of the encoder", minimum=8, maximum=1000)
     driven: bool = parameter(False, "the engine drives it")
     relaxation_length: float = parameter(
-        0.3, "distance over which its tyre answers to slip", unit="m", minimum=1e-3, maximum=3.0
+        0.3, "distance over which its tyre responds to slip", unit="m", minimum=1e-3, maximum=3.0
     )
     deviations: Deviations = _deviations()
 
     def __post_init__(self) -> None:
-        """Refuse what makes no wheel.
+        """Refuse values without physical meaning.
 
         Raises:
             ValueError: a value is missing, not finite or not positive.
@@ -81,7 +81,7 @@ class Wheel:
 
 @dataclass(frozen=True)
 class Accelerometer:
-    """How the accelerometer of `imu/data` is mounted, and what it is known to get wrong."""
+    """Mounting of the accelerometer of `imu/data`, and its known errors."""
 
     axis: str = parameter("x", "its axis along the car", choices=("x", "y", "z"))
     sign: float = parameter(1.0, "1 if that axis points forward, -1 if backward", minimum=-1.0, maximum=1.0)
@@ -95,23 +95,23 @@ class Accelerometer:
     deviations: Deviations = _deviations()
 
     def __post_init__(self) -> None:
-        """Refuse a sign that is none."""
+        """Refuse a sign that is neither 1 nor -1."""
         if abs(self.sign) != 1.0:
             raise ValueError(f"'sign' = {self.sign} must be 1 or -1")
 
     def forward(self, linear_acceleration: Any) -> float:
         """Acceleration of the car [m/s^2], forward positive, on a level road.
 
-        A nose that dives adds gravity's share to the reading: sign f = scale (1 + g pitch_gain) a + offset.
+        A nose that dives adds a share of gravity to the reading: sign f = scale (1 + g pitch_gain) a + offset.
 
         Args:
-            linear_acceleration: with x, y, z [m/s^2], as in sensor_msgs/Imu.
+            linear_acceleration: vector with x, y, z [m/s^2], as in sensor_msgs/Imu.
         """
         reading = self.sign * float(getattr(linear_acceleration, self.axis))
         return (reading - self.offset) / (self.scale * (1.0 + GRAVITY * self.pitch_gain))
 
     def reading(self, acceleration: float) -> float:
-        """What `axis` reads [m/s^2] at an acceleration of the car [m/s^2], the inverse of `forward`."""
+        """Reading of `axis` [m/s^2] at an acceleration of the car [m/s^2], the inverse of `forward`."""
         return self.sign * (self.scale * (1.0 + GRAVITY * self.pitch_gain) * acceleration + self.offset)
 
 
@@ -121,7 +121,7 @@ class Vehicle:
 
     name: str
     wheels: tuple[Wheel, ...]
-    """In the order of every array per wheel."""
+    """Wheels in the order of every array per wheel."""
     mass: float = parameter(_REQUIRED, "mass of the car as driven", unit="kg", minimum=1.0, maximum=1e5)
     front_load_share: float = parameter(1.0, "share of the weight on the front axle at rest", minimum=0.05, maximum=1.0)
     wheelbase: float = parameter(2.7, "distance of the axles", unit="m", minimum=0.5, maximum=20.0)
@@ -143,11 +143,11 @@ class Vehicle:
     deviations: Deviations = _deviations()
 
     def __post_init__(self) -> None:
-        """Refuse what makes no car.
+        """Refuse a car that is not possible.
 
         Raises:
-            ValueError: beginning with the field: a value is missing, not finite or not positive, there are no wheels,
-                two have one name, joint or place, or the load share does not fit the axles.
+            ValueError: a value is missing, not finite or not positive, there are no wheels, two share a name, joint or
+                place, or the load share does not fit the axles. The text begins with the field.
         """
         _refuse_impossible(self)
         if not self.wheels:
@@ -203,7 +203,7 @@ class Vehicle:
         """Return a wheel by its name.
 
         Raises:
-            KeyError: it has none of this name.
+            KeyError: there is no wheel of this name.
         """
         for wheel in self.wheels:
             if wheel.name == name:

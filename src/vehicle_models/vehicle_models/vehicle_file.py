@@ -1,4 +1,4 @@
-"""Vehicle files: one YAML file says all that the graph knows of a car.
+"""Vehicle files: one YAML file holds all parameters of a car.
 
     name: my car
     mass: {value: 1620.0, stddev: 60.0}           # a value, or a value with its standard deviation
@@ -17,8 +17,8 @@
       RL: {axle: rear, side: left, joint: "car::wheel_rl", radius: {value: 0.314, stddev: 0.001}}
       RR: {axle: rear, side: right, joint: "car::wheel_rr"}
 
-What is said of an axle holds for its wheels, what is said of a wheel decides. A standard deviation is of an error that
-the wheels share for which it is said: of all wheels, of an axle, of one.
+A value of an axle holds for its wheels; a value of a wheel overrides it. A standard deviation is that of an error which
+is shared by the wheels at its level: all wheels, an axle, or one.
 """
 
 import re
@@ -35,7 +35,7 @@ from vehicle_models.vehicle import FRONT, REAR, Accelerometer, Deviation, Shared
 _SHIPPED = Path(__file__).parent / "vehicles"
 _TOPIC_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 TWO_AXLES_NEED = ("front_load_share", "wheelbase", "centre_of_gravity_height", "track")
-"""What a car with two axles must give."""
+"""Keys that are required for a car with two axles."""
 _OF_ONE_WHEEL = ("axle", "side")
 _ANY_NUMBER = {"unit": "", "minimum": None, "maximum": None, "choices": ()}
 
@@ -45,8 +45,13 @@ def shipped_vehicles() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _SHIPPED.glob("*.yaml")))
 
 
+def vehicle_choices() -> str:
+    """Say how a car may be given, for help and refusals."""
+    return f"a path, or one of those shipped: {', '.join(shipped_vehicles())}"
+
+
 def vehicle_path(name: str | Path) -> Path:
-    """Path of a vehicle file.
+    """Return the path of a vehicle file.
 
     Args:
         name: path, or name of a shipped file.
@@ -59,7 +64,7 @@ def vehicle_path(name: str | Path) -> Path:
     if str(name) and _is_file(Path(name)):
         return Path(name).absolute()
     what = f"there is no vehicle file '{name}'" if str(name) else "no vehicle file is given ('vehicle_file')"
-    raise ParameterError(f"{what}: give a path, or one of those shipped: {', '.join(shipped_vehicles())}")
+    raise ParameterError(f"{what}: give {vehicle_choices()}")
 
 
 def _is_file(path: Path) -> bool:
@@ -70,7 +75,7 @@ def _is_file(path: Path) -> bool:
 
 
 def vehicle_reference(name: str) -> str:
-    """Name of a car that means the same in every directory: a shipped name as it is, else the absolute path.
+    """Return a name of a car that is valid in every directory: a shipped name as it is, else the absolute path.
 
     Raises:
         ParameterError: as vehicle_path.
@@ -86,7 +91,7 @@ def vehicle_file_parameter(default: str = "") -> Any:
 
 
 def moved(key: str) -> str:
-    """Say where a parameter that was a node's stands now, for its MOVED."""
+    """Text for MOVED of a node: the parameter is now a key of the vehicle file."""
     return f"it is '{key}' of the vehicle file (parameter 'vehicle_file')"
 
 
@@ -97,14 +102,11 @@ def load_vehicle(name: str | Path) -> Vehicle:
         name: path of a vehicle file, or name of a shipped one.
 
     Raises:
-        ParameterError: in one line with file, line, key, unit and range: there is no such file, a key is unknown or
-            missing or stands twice, a value is bad, or the whole makes no car.
+        ParameterError: there is no such file, a key is unknown, missing or repeated, a value is bad, or the values do
+            not make a car. The text is one line with file, line, key, unit and range.
     """
     path = vehicle_path(name)
-    try:
-        return _vehicle(_File(path), read_yaml(path))
-    except OSError as error:
-        raise ParameterError(f"{path}: {error.strerror}") from error
+    return _vehicle(_File(path), read_yaml(path, "vehicle file"))
 
 
 class _File:
@@ -123,7 +125,7 @@ class _File:
         return entry.value
 
     def known(self, entries: Mapping[str, Entry], known: tuple[str, ...]) -> None:
-        """Refuse a key that means nothing here."""
+        """Refuse a key that is unknown here."""
         for key, entry in entries.items():
             if key not in known:
                 raise self.error(entry, f"unknown key '{key}': known here are {', '.join(known)}")
@@ -168,13 +170,13 @@ class _File:
         return float(stddev)
 
     def misfit(self, error: ValueError, entries: Mapping[str, Entry]) -> ParameterError:
-        """Say what does not fit, with the line of the key that the text of `error` begins with."""
+        """Return an error with the line of the key that the text of `error` begins with."""
         key = str(error).split("'")[1]
         return self.error(entries[key], str(error)) if key in entries else ParameterError(f"{self.path}: {error}")
 
 
 def file_keys(cls: type) -> dict[str, Mapping[str, Any]]:
-    """Fields of a dataclass that a file gives, with what `parameter` was told of them."""
+    """Fields of a dataclass that are keys of a file, with the arguments of `parameter`."""
     return {each.name: each.metadata for each in fields(cls) if "description" in each.metadata}
 
 
@@ -184,7 +186,7 @@ def required_keys(cls: type) -> tuple[str, ...]:
 
 
 def _must_be(cls: type, key: str) -> str:
-    """What a value must be, in words."""
+    """Describe the valid values of a key."""
     hint, limits = get_type_hints(cls)[key], file_keys(cls)[key]
     if limits["choices"]:
         return f"one of {range_text(limits)}"
@@ -252,7 +254,7 @@ def _wheels(file: _File, entries: dict[str, Entry]) -> tuple[Wheel, ...]:
 
 
 def _wheel(file: _File, name: str, entry: Entry, common: tuple[dict[str, Entry], dict[str, dict[str, Entry]]]) -> Wheel:
-    """Make a wheel of what is said of it, of its axle and of all wheels; `common` holds all wheels and the axles."""
+    """Make a wheel from its own keys, those of its axle and of all wheels; `common` holds all wheels and the axles."""
     given = file.mapping(name, entry)
     file.known(given, ("joint", *file_keys(Wheel)))
     if not _TOPIC_NAME.fullmatch(name):

@@ -34,7 +34,7 @@ def test_mean_gap_is_as_noisy_as_stated(wheels: CarriedWheels) -> None:
     rng = np.random.default_rng(3)
     found = [wheels.update(DT, [20.0 + np.sqrt(NOISE) * rng.normal(), nan], 20.0) for _ in range(20_000)]
     gaps = np.array([gap for gaps in found[100:] for gap in gaps])
-    # Samples are taken for quiet by their own scatter, which hardly favours small means.
+    # Samples count as quiet by their own scatter, which hardly favours small means.
     assert gaps.var() == pytest.approx(wheels.gap_variance(DT), rel=0.1)
 
 

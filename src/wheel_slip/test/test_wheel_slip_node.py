@@ -1,4 +1,4 @@
-"""The node as a real process over DDS: what it says is what the processor says; bad parameters are refused."""
+"""The node as a real process over DDS: its messages are those of the processor; bad parameters are refused."""
 
 from functools import partial
 from pathlib import Path

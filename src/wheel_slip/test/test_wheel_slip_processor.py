@@ -17,7 +17,6 @@ from friction_parameters.generated import parameter_file
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from friction_parameters.values import declared, from_mapping
-from friction_runtime.processor import optional_inputs
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models.vehicle import Accelerometer
 from vehicle_models.vehicle_file import load_vehicle
@@ -90,7 +89,7 @@ def test_shipped_parameter_file_holds_the_defaults() -> None:
 
 def test_one_processor_serves_every_wheel_of_the_car() -> None:
     (processor,) = build(WheelSlipParameters(), load_vehicle("chapter_car"))
-    assert optional_inputs(processor) == ("vehicle_velocity",)
+    assert processor.optional == ("vehicle_velocity",)
     assert list(processor.outputs) == [f"{wheel}/slip" for wheel in load_vehicle("chapter_car").wheel_names]
 
 
@@ -168,8 +167,8 @@ def test_reset_starts_anew(processor: CarProcessor) -> None:
         (imu(0, 0.0), "imu/data: stamp is zero"),
         (imu(300 * PERIOD + 1, nan), "imu/data: value is not finite"),
         (velocity(0, 20.0), "vehicle_velocity: stamp is zero"),
-        (velocity(301 * PERIOD, float("inf")), "vehicle_velocity: inf is no vehicle speed"),
-        (velocity((2**31 - 1) * 10**9, 20.0), "vehicle_velocity: stamp is no time"),
+        (velocity(301 * PERIOD, float("inf")), "vehicle_velocity: inf is not a vehicle speed"),
+        (velocity((2**31 - 1) * 10**9, 20.0), "vehicle_velocity: stamp is out of range"),
         (wheel_states(300 * PERIOD, [50.0]), "wheel_states: stamp repeats"),
     ],
 )
@@ -203,6 +202,7 @@ def test_missing_and_not_finite_wheels_are_invalid_and_named_while_others_go_on(
         assert message.reason == WheelSlip.BAD_INPUT
         assert wheel in message.reason_text
         assert isnan(message.slip)
+        assert isnan(message.wheel_speed)  # none has ever come: it is unknown, not 0
         assert any(f"'{wheel}'" in text for text in said)
 
 
@@ -289,7 +289,7 @@ max_slip_stddev learn_radii max_gap"""
 
 @pytest.mark.parametrize("name", OLD.split())
 def test_old_parameter_is_refused_with_its_new_place(name: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{name}' is no more: ") as refused:
+    with pytest.raises(ParameterError, match=f"'{name}' no longer exists: ") as refused:
         from_mapping(WheelSlipParameters, {name: 1.0})
     place = str(refused.value).split("'")[3]
     assert "vehicle file" in str(refused.value) or place in declared(WheelSlipParameters)

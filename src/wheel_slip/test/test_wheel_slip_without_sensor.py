@@ -1,4 +1,4 @@
-"""Vehicle speed from wheels and accelerometer alone: slides, faults and what is said about them."""
+"""Vehicle speed from wheels and accelerometer alone: slides, faults and their reports."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ STEP = 5_000_000
 RADIUS = 0.3
 OFFSET = 0.25
 CAR = load_vehicle("chapter_car")
-"""Four wheels of RADIUS; nothing is known of which the engine drives."""
+"""Four wheels of RADIUS; which of them the engine drives is not known."""
 
 
 @dataclass

@@ -1,4 +1,4 @@
-"""Wheels that turn with the car in the midst of a slide: released for a moment, they roll.
+"""Wheels that turn with the car in the middle of a slide: released for a moment, they roll.
 
 The gap of a wheel, its rim speed minus the integrated speed of the car, swings while brake and road fight for it, and
 stands still when the road carries it alone. Mean m and variance s of the gap are averaged over a time constant T:
@@ -6,16 +6,16 @@ stands still when the road carries it alone. Mean m and variance s of the gap ar
     d = gap - m,    m' = m + k d,    s' = s + k (d (gap - m') - s),    k = dt / (T + dt)
 
 A wheel is carried while s is not much more than the noise of its rim speed. A wheel that stands still in a slip looks
-the same: whether its gap may be that of a rolling wheel, others have to say.
+the same: whether its gap may be that of a rolling wheel is judged elsewhere (vehicle_speed.py).
 """
 
 from collections.abc import Sequence
 from math import isfinite
 
 _TIME_CONSTANT = 0.03
-"""T [s]: below the time a supervisor leaves a wheel released, above the half period of its swing."""
+"""Time constant T [s]: below the time a supervisor leaves a wheel released, above the half period of its swing."""
 _QUIET = 2.0
-"""Variance of the gap of a carried wheel, at most, in units of the noise: T at 200 Hz averages twelve samples."""
+"""Largest variance of a carried wheel's gap, in units of the noise: T at 200 Hz averages twelve samples."""
 _SWINGING = 0.1
 """Variance of the gap when a slide begins [m^2/s^2]: no wheel counts as carried in the first 0.14 s."""
 
@@ -24,13 +24,13 @@ class CarriedWheels:
     """Mean and variance of every wheel's gap during one slide."""
 
     def __init__(self, count: int, rim_speed_variance: float) -> None:
-        """Start anew; `rim_speed_variance`: noise of a rim speed [m^2/s^2]."""
+        """Start empty; `rim_speed_variance`: noise of a rim speed [m^2/s^2]."""
         self._count = count
         self._noise = rim_speed_variance
         self.reset()
 
     def reset(self) -> None:
-        """Forget everything: the next slide is another."""
+        """Forget everything before the next slide."""
         self._means = [0.0] * self._count
         self._variances = [_SWINGING] * self._count
 
@@ -38,12 +38,12 @@ class CarriedWheels:
         """Take one sample.
 
         Args:
-            dt: time since the last [s].
+            dt: time since the last sample [s].
             rim_speeds: r omega of each wheel [m/s], not finite where it is missing.
             speed: integrated speed of the car [m/s].
 
         Returns:
-            Mean gaps [m/s] of the wheels that are carried.
+            Mean gaps of the wheels that are carried [m/s].
         """
         gain, quiet = dt / (_TIME_CONSTANT + dt), _QUIET * self._noise
         means, variances = self._means, self._variances

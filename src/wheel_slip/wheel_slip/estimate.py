@@ -1,4 +1,4 @@
-"""What the slip estimator gives: one estimate a wheel and sample, with the reason where there is none."""
+"""Output of the slip estimator: one estimate per wheel and sample, with the reason where there is none."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -28,7 +28,7 @@ class Reason(IntEnum):
 
 @dataclass
 class WheelEstimate:
-    """Slip of one wheel at one sample. NaN is what is not known; slip and slip_rate are NaN unless reason is OK."""
+    """Slip of one wheel at one sample. Unknown values are NaN; slip and slip_rate are NaN unless reason is OK."""
 
     slip: float = nan
     """[-] braking positive"""
@@ -46,4 +46,5 @@ class WheelEstimate:
     """[m^2/s^2]"""
     source: SpeedSource = SpeedSource.NONE
     reason: Reason = Reason.OK
-    reason_text: str = ""
+    text: str = ""
+    """The reason in words, empty where it is OK."""

@@ -18,7 +18,7 @@ from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilte
 
 @dataclass(frozen=True)
 class EstimatorParameters:
-    """When there is a slip, and those of the filters below it."""
+    """When there is a slip, and the parameters of the filters below it."""
 
     minimum_speed: float = shared.minimum_speed(1.0)
     max_gap: float = shared.max_gap(0.1)
@@ -31,10 +31,10 @@ class EstimatorParameters:
 
 
 class SlipEstimator:
-    """One car. `update` takes all that is known at one stamp."""
+    """Slip estimator of one car. `update` takes all that is known at one stamp."""
 
     def __init__(self, vehicle: Vehicle, parameters: EstimatorParameters = EstimatorParameters()) -> None:
-        """Start anew."""
+        """Start without samples."""
         self._car = vehicle
         self._p = parameters
         self._largest_variance = parameters.max_slip_stddev**2
@@ -46,7 +46,7 @@ class SlipEstimator:
         self._wheels = [WheelSpeedFilter(p.wheel_filter, p.max_gap) for _ in self._car.wheels]
         self.vehicle = VehicleSpeed(self._car, p.vehicle_speed, p.wheel_filter.speed_stddev)
         self.radii = self._car.radii
-        """In use [m]: those of the car, or what has been learned."""
+        """Radii in use [m]: those of the vehicle file, or learned ones."""
         self._online = OnlineRadii(self.radii) if p.learn_radii else None
 
     def update(
@@ -59,13 +59,13 @@ class SlipEstimator:
         """Take one sample and estimate at its stamp.
 
         Args:
-            stamp: of the wheel speeds [ns], later than the last.
-            wheel_speeds: of each wheel [rad/s]; not finite where it is missing.
-            acceleration: of the car at the stamp [m/s^2], forward positive; None if there is none.
+            stamp: stamp of the wheel speeds [ns], later than the last.
+            wheel_speeds: speed of each wheel [rad/s]; not finite where it is missing.
+            acceleration: acceleration of the car at the stamp [m/s^2], forward positive; None if there is none.
             measured_speeds: samples of the speed sensor that became known since the last update.
 
         Returns:
-            One estimate a wheel.
+            One estimate per wheel.
         """
         if self._online is not None:
             self.radii = self._online.update(stamp, wheel_speeds, measured_speeds)
@@ -88,7 +88,7 @@ class SlipEstimator:
         ]
 
     def _motion(self) -> "_Motion":
-        """Motion of the car, and why it gives no wheel a slip, if so."""
+        """Return the motion of the car, with the reason if no wheel can have a slip."""
         vehicle, lowest = self.vehicle, self._p.minimum_speed
         source = vehicle.source
         if source is SpeedSource.NONE:
@@ -127,10 +127,10 @@ class SlipEstimator:
 
 
 class _Motion(NamedTuple):
-    """Of the car at one stamp: (value, variance) of speed [m/s] and acceleration [m/s^2], and why they give no slip."""
+    """Motion of the car at one stamp: (value, variance) of speed [m/s] and acceleration [m/s^2]; why it has no slip."""
 
     speed: tuple[float, float]
     acceleration: tuple[float, float]
     source: SpeedSource
     reason: Reason
-    reason_text: str
+    text: str

@@ -1,4 +1,4 @@
-"""Node wheel_slip: the car's processor on its topics."""
+"""Node wheel_slip: one processor for the car."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Radii learned under way, and used once they are certain."""
+"""Radii learned while driving, and used once they are certain."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -8,9 +8,9 @@ from wheel_slip.radius_calibration import CalibrationParameters, Radii, RadiusCa
 from wheel_slip.speed_sample import SpeedSample
 
 _CERTAIN = 0.001
-"""Standard deviation, as a share of the radius, from which on a learned radius is used."""
+"""Standard deviation, as a share of the radius, below which a learned radius is used."""
 _NEEDED = 20.0
-"""Coasting time [s] from which on learned radii may be used."""
+"""Coasting time [s] after which learned radii may be used."""
 _MEMORY = round(0.6 * NANOSECONDS)
 """How long wheel speeds are kept for late samples of the speed sensor [ns]."""
 _NEAR = round(0.02 * NANOSECONDS)
@@ -18,7 +18,7 @@ _NEAR = round(0.02 * NANOSECONDS)
 
 
 class OnlineRadii:
-    """Against the speed sensor from its first sample on; until then the wheels against each other."""
+    """Learns radii against the speed sensor from its first sample on; until then the wheels against each other."""
 
     def __init__(self, nominal: tuple[float, ...]) -> None:
         """Start with the nominal radii [m]."""

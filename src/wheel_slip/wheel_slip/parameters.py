@@ -65,5 +65,5 @@ class WheelSlipParameters:
 
 
 SHIPPED: Mapping[str, ShippedFile] = {
-    "wheel_slip": ShippedFile("One set for every car: what differs stands in the vehicle file.", WheelSlipParameters()),
+    "wheel_slip": ShippedFile("One set for every car: cars differ in the vehicle file.", WheelSlipParameters()),
 }

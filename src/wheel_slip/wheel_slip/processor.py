@@ -12,7 +12,7 @@ from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, silent
-from friction_runtime.reason_text import of_wheel
+from friction_runtime.reason_text import set_reason
 from friction_runtime.stamps import header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -34,19 +34,19 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     """Layer 2 of wheel_slip: fires on wheel_states."""
 
     def __init__(self, vehicle: Vehicle, parameters: WheelSlipParameters, report: Report = silent) -> None:
-        """Build for a car; `report` takes what a person should know."""
+        """Build for a car; `report` is the log function."""
         self._p = parameters
         self._wheels = vehicle.wheel_names
         self._accelerometer = vehicle.accelerometer
         self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, VEHICLE_VELOCITY: TwistWithCovarianceStamped}
-        self.optional = (VEHICLE_VELOCITY,)
         inputs: list[AlignedInput] = []
         if parameters.use_imu:
             self.sensors = {**self.sensors, IMU: Imu}
             inputs.append(AlignedInput(IMU, parameters.estimator.max_gap))
         self.estimates: Mapping[str, type] = {}
         self.outputs: Mapping[str, type] = {f"{wheel}/slip": WheelSlip for wheel in self._wheels}
-        super().__init__("car", Primary(WHEEL_STATES, "car", report), inputs, parameters.deadline)
+        primary = Primary(WHEEL_STATES, "car", report)
+        super().__init__("car", primary, inputs, parameters.deadline, optional=(VEHICLE_VELOCITY,))
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
         self._speeds: SpeedQueue[tuple[float, float]] = SpeedQueue(parameters.speed_sensor.wait)
         self._estimator = SlipEstimator(vehicle, parameters.estimator)
@@ -74,11 +74,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     def _state(self) -> tuple[Level, str]:
         if self._estimator.vehicle.source is SpeedSource.NONE:
             return Level.ERROR, "no vehicle speed"
-        bad = [
-            f"{wheel}: {estimate.reason_text}"
-            for wheel, estimate in self._last.items()
-            if estimate.reason not in _QUIET
-        ]
+        bad = [f"{wheel}: {estimate.text}" for wheel, estimate in self._last.items() if estimate.reason not in _QUIET]
         if self._estimator.vehicle.accelerometer_is_stuck:
             bad.append(f"{IMU}: repeats one value that the wheels contradict; left out")
         if self._missing:
@@ -93,7 +89,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             "late samples of vehicle_velocity": str(self._speeds.late),
         }
         for wheel, estimate in self._last.items():
-            values[f"{wheel} reason"] = estimate.reason_text or "ok"
+            values[f"{wheel} reason"] = estimate.text or "ok"
         return values
 
     def _acceleration(self, message: Imu) -> float:
@@ -104,7 +100,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     def _offer_speed(self, stamp: int, message: TwistWithCovarianceStamped) -> str | None:
         speed, variance = float(message.twist.twist.linear.x), float(message.twist.covariance[0])
         if not abs(speed) <= HIGHEST_SPEED:
-            return f"{VEHICLE_VELOCITY}: {speed} is no vehicle speed"
+            return f"{VEHICLE_VELOCITY}: {speed} is not a vehicle speed"
         if not (isfinite(variance) and variance > 0.0):
             variance = self._p.speed_sensor.stddev**2
         refusal = self._speeds.offer(stamp, (speed, variance))
@@ -127,7 +123,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
 
 
 def build(parameters: WheelSlipParameters, vehicle: Vehicle, report: Report = silent) -> list[CarProcessor]:
-    """Make the processors: one, for the whole car."""
+    """Make the processors: one for the whole car."""
     return [CarProcessor(vehicle, parameters, report)]
 
 
@@ -143,7 +139,5 @@ def _message(stamp: int, wheel: str, estimate: WheelEstimate) -> WheelSlip:
     message.slip_rate_variance = estimate.slip_rate_variance
     message.vehicle_speed_variance = estimate.vehicle_speed_variance
     message.speed_source = int(estimate.source)
-    message.valid = estimate.reason is Reason.OK
-    message.reason = int(estimate.reason)
-    message.reason_text = of_wheel(wheel, estimate.reason_text)
+    set_reason(message, wheel, estimate.reason, estimate.text)
     return message

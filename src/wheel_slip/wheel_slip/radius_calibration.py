@@ -15,7 +15,7 @@ from math import isfinite, sqrt
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _CORRELATION = 0.2
-"""[s]"""
+"""Time over which residuals are correlated [s]."""
 _LONGEST_STEP = 0.3
 """Longer steps between samples [s] are gaps."""
 _SPREAD = 0.05
@@ -29,7 +29,7 @@ class CalibrationParameters:
     """Which samples count, and how many are needed."""
 
     max_acceleration: float = 2.0
-    """Of the rim speeds [m/s^2]: engine braking passes, braking does not."""
+    """Largest change of the rim speeds [m/s^2]: engine braking passes, braking does not."""
     minimum_speed: float = 5.0
     """[m/s]"""
     needed: float = 1.5
@@ -92,7 +92,7 @@ class RadiusCalibration:
         return True
 
     def result(self) -> Radii | str:
-        """Radii so far, or the reason why there are none."""
+        """Return the radii so far, or the reason why there are none."""
         if self._seconds < self._p.needed:
             return f"{self._seconds:.1f} s of coasting, {self._p.needed:.1f} s needed"
         radii = tuple(cross / square for cross, square in zip(self._cross, self._square, strict=True))

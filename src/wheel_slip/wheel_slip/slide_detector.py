@@ -1,4 +1,4 @@
-"""Do the wheels roll, or does the accelerometer have to bridge a slide?
+"""Whether the wheels roll, or the accelerometer has to bridge a slide.
 
 Over a short window each wheel's change of rim speed r omega is compared with the integrated corrected acceleration:
 
@@ -8,8 +8,8 @@ A wheel rolls while |D_i| is small (for what is known of the offset) and its rim
 a slide on snow, where the car hardly decelerates, and does not use the integrated speed. The car slides when more than
 one wheel does not roll, or if it accelerates so strongly that every wheel must have slip. It rolls again when the
 wheels have rolled for a while and either agree with the integrated speed, or the car hardly accelerates: then they are
-right, whatever that speed says. Wheels that turn alike and hardly change for 2 s are right, whatever the accelerometer
-says: its offset is then learned anew.
+right, whatever that speed is. Wheels that turn alike and hardly change for 2 s are right, whatever the accelerometer
+reads: its offset is then learned again.
 """
 
 from collections import deque
@@ -26,19 +26,19 @@ _SPREAD = 0.03
 _SPREAD_AT_REST = 0.3
 """Rim speeds may differ by this share, and this speed [m/s]: radii, curves, quantisation."""
 _CALM = 1.0
-"""Below this acceleration [m/s^2] wheels that agree are believed against the integrated speed, after `_PATIENCE`."""
+"""Below this acceleration [m/s^2] wheels that agree are trusted over the integrated speed, after `_PATIENCE`."""
 _PATIENCE = 1.0
-"""[s]"""
+"""Time for which wheels must agree before they are trusted over the integrated speed [s]."""
 _STEADY = 0.5
-"""Wheels that change less [m/s^2] and turn alike ..."""
+"""Change of rim speed below which a wheel counts as steady [m/s^2]."""
 _STEADY_TIME = 2.0
-"""... for so long [s] are right, whatever the accelerometer says."""
+"""Wheels that are steady and turn alike for this long [s] are right, whatever the accelerometer reads."""
 _BLIND = 0.6
 """Rim speed [m/s] below which a wheel may as well be locked."""
 _STRONGEST = 14.0
 """Without an accelerometer a wheel that changes faster [m/s^2] does not roll."""
 _SETTLE = 0.3
-"""Time [s] the wheels have to roll before they are believed again."""
+"""Time [s] the wheels have to roll before they are trusted again."""
 
 
 @dataclass(frozen=True)
@@ -52,10 +52,10 @@ class SlideParameters:
         0.15, "difference |D| over that window above which a wheel slides", unit="m/s", minimum=0.01, maximum=5.0
     )
     slide_above: float = parameter(
-        3.0, "acceleration above which wheels are not believed", unit="m/s^2", minimum=0.1, maximum=20.0
+        3.0, "acceleration above which wheels are not trusted", unit="m/s^2", minimum=0.1, maximum=20.0
     )
     roll_below: float = parameter(
-        2.5, "acceleration below which they may be believed again", unit="m/s^2", minimum=0.1, maximum=20.0
+        2.5, "acceleration below which they may be trusted again", unit="m/s^2", minimum=0.1, maximum=20.0
     )
 
     def __post_init__(self) -> None:
@@ -68,10 +68,10 @@ class SlideDetector:
     """Mode of the car, and the wheels that roll."""
 
     def __init__(self, parameters: SlideParameters, driven: Sequence[bool]) -> None:
-        """Start sliding: nothing is believed before it has shown to roll.
+        """Start in the sliding mode: no wheel is trusted before it has been seen to roll.
 
         Args:
-            parameters: of the detector.
+            parameters: parameters of the detector.
             driven: which wheels the engine drives. All and none come to the same: no wheel is freer than another.
         """
         self._p = parameters
@@ -82,7 +82,7 @@ class SlideDetector:
     def reset(self) -> None:
         """Forget everything."""
         self.sliding = True
-        """Whether the wheels are not to be believed."""
+        """Whether the car slides, so that the wheels are not trusted."""
         self.rolling = [False] * len(self._all)
         """Which wheels roll."""
         self.since: int | None = None
@@ -93,7 +93,7 @@ class SlideDetector:
         """Largest difference between rim speeds [m/s]."""
         self._history: deque[tuple[int, float, Sequence[float]]] = deque()
         self.contradicted = False
-        """Whether the wheels were believed again because they turned alike, against the accelerometer."""
+        """Whether the wheels were trusted again because they turned alike, against the accelerometer."""
         self._rolled_since: int | None = None
         self._steady_from: tuple[int, float] | None = None
         self._travelled = 0.0
@@ -111,10 +111,10 @@ class SlideDetector:
         """Judge one sample.
 
         Args:
-            stamp: [ns].
+            stamp: stamp of the sample [ns].
             rim_speeds: r omega of each wheel [m/s], NaN where unknown.
-            rim_accelerations: their rates [m/s^2].
-            acceleration: of the car, corrected for offset [m/s^2]; None without an accelerometer.
+            rim_accelerations: rates of the rim speeds [m/s^2].
+            acceleration: acceleration of the car, corrected for offset [m/s^2]; None without an accelerometer.
             offset_stddev: standard deviation of that correction [m/s^2].
             integrated: integrated speed [m/s] and its standard deviation [m/s]; None if there is none.
         """
@@ -131,7 +131,7 @@ class SlideDetector:
         self._change_mode(stamp, rim_speeds, middle, integrated)
 
     def believed(self) -> list[int]:
-        """Wheels to take the speed from: those that roll, without the driven ones if a free one is left."""
+        """Return the wheels to take the speed from: those that roll, without the driven ones if a free one is left."""
         free = [index for index in self._free if self.rolling[index]]
         return free or [index for index in self._all if self.rolling[index]]
 
@@ -148,7 +148,7 @@ class SlideDetector:
         self._travelled += 0.5 * dt * (before + self.acceleration)
 
     def _roll(self, rim_speeds: Sequence[float], rim_accelerations: Sequence[float], middle: float) -> list[bool]:
-        """Which wheels roll; `middle`: the median of the rim speeds [m/s]."""
+        """Return which wheels roll; `middle`: the median of the rim speeds [m/s]."""
         alike = _SPREAD_AT_REST + _SPREAD * abs(middle)
         if self.acceleration is None:
             return [
@@ -193,7 +193,7 @@ class SlideDetector:
             self.sliding, self.since, self.contradicted = False, stamp, False
 
     def _watch_steadiness(self, stamp: int, judged: list[int], rim_speeds: Sequence[float], middle: float) -> None:
-        """Since when do the wheels turn alike and hardly change? Then they roll, whatever the accelerometer says."""
+        """Note since when the wheels turn alike and hardly change. Then they roll, whatever the accelerometer reads."""
         allowed = _SPREAD_AT_REST + _SPREAD * abs(middle)
         alike = [index for index in judged if abs(rim_speeds[index] - middle) <= allowed]
         if not judged or len(alike) < len(judged) or abs(middle) <= _BLIND:

@@ -4,7 +4,7 @@
 
 a_m is the measured acceleration, b its offset: sensor bias and road slope together (g sin(slope)), which a speed
 measurement separates from a_m and nothing else can. An accelerometer is low-passed before it is sampled, so a sample is
-taken to speak for the whole interval it ends. Without an accelerometer a_m is 0, b is minus the acceleration of
+taken to hold for the whole interval it ends. Without an accelerometer a_m is 0, b is minus the acceleration of
 the car, and n_b is as strong as the changes of acceleration of a braking car.
 
 While nothing observes the offset, the road may change its slope unseen. What that may have done to speed and offset is
@@ -25,13 +25,13 @@ from vehicle_models.nanoseconds import NANOSECONDS
 _HISTORY = 1 * NANOSECONDS
 """How far back [ns] a measurement can be used."""
 _FIRST_SPEED_VARIANCE = 1e6
-"""[m^2/s^2] Nothing is known."""
+"""Variance of an unknown speed [m^2/s^2]."""
 _ACCELERATION_WALK = 30.0**2
 """Density of the change of acceleration without an accelerometer [m^2/s^5]: 10 m/s^2 in 0.1 s."""
 _UNKNOWN_ACCELERATION_VARIANCE = 25.0
-"""Of the acceleration when the accelerometer has just gone, or over a gap [m^2/s^4]."""
+"""Variance of the acceleration when the accelerometer has just gone, or over a gap [m^2/s^4]."""
 _GAP = 0.1
-"""[s]"""
+"""Longer steps between samples are gaps [s]."""
 _NOTHING = (0.0, 0.0, 0.0)
 
 
@@ -47,14 +47,14 @@ class SpeedFilterParameters:
     )
     offset_walk: float = parameter(
         0.001,
-        "change of the offset in the square root of a second while the wheels roll and teach it",
+        "change of the offset in the square root of a second while the wheels roll and the offset is learned",
         unit="m/s^2",
         minimum=1e-4,
         maximum=10.0,
     )
     blind_offset_walk: float = parameter(
         0.06,
-        "the same while the wheels slide and nothing shows it: change of road slope",
+        "the same while the wheels slide and the offset is not observed: change of road slope",
         unit="m/s^2",
         minimum=1e-4,
         maximum=10.0,
@@ -96,7 +96,7 @@ class SpeedFilter:
 
     @property
     def steady_road_variance(self) -> float:
-        """Of the speed, if the road has kept its slope [m^2/s^2]."""
+        """Variance of the speed, if the road has kept its slope [m^2/s^2]."""
         return self._pv
 
     @property
@@ -119,9 +119,9 @@ class SpeedFilter:
         """Go to `stamp` [ns], later than the last.
 
         Args:
-            stamp: [ns].
-            measured: acceleration measured there [m/s^2], None if there is none.
-            observed: whether speed measurements watch the offset at present.
+            stamp: new stamp [ns].
+            measured: acceleration measured at the stamp [m/s^2], None if there is none.
+            observed: whether speed measurements observe the offset at present.
         """
         if (self._measured is None) != (measured is None):
             self._change_of_input(measured)
@@ -168,7 +168,7 @@ class SpeedFilter:
         self._update(speed, variance, 0.0, 0.0)
 
     def limit(self, variance: float) -> None:
-        """Take it that the speed is known to `variance` [m^2/s^2], without moving it: as a measurement that agrees."""
+        """Limit the variance of the speed to `variance` [m^2/s^2] without moving it: as a measurement that agrees."""
         uv, uc, ub = self._unseen
         total = self._pv + uv
         if total <= variance:
@@ -197,19 +197,19 @@ class SpeedFilter:
         return True
 
     def _see(self) -> None:
-        """What happened unseen is observed from now on: one covariance again."""
+        """Merge the unseen part into the covariance: it is observed from now on."""
         if self._unseen is not _NOTHING:
             uv, uc, ub = self._unseen
             self._pv, self._pc, self._pb = self._pv + uv, self._pc + uc, self._pb + ub
             self._unseen = _NOTHING
 
     def doubt_offset(self, variance: float) -> None:
-        """The offset has changed: it is known to `variance` [m^2/s^4] at best."""
+        """Widen the variance of the offset to at least `variance` [m^2/s^4]: it has changed."""
         self._see()
         self._pb = max(self._pb, variance)
 
     def _travelled_at(self, stamp: int) -> float | None:
-        """Integral of the measured acceleration up to `stamp` [m/s]."""
+        """Return the integral of the measured acceleration up to `stamp` [m/s]."""
         later: tuple[int, float] | None = None
         for known in reversed(self._history):
             if known[0] == stamp:
@@ -223,7 +223,7 @@ class SpeedFilter:
         return None
 
     def _change_of_input(self, measured: float | None) -> None:
-        """The accelerometer came or went: the offset changes its meaning, the acceleration of the car stays."""
+        """Convert the offset when the accelerometer came or went; the acceleration of the car stays."""
         self._see()
         if measured is None:
             self._kept = (self.offset, self._pb)
@@ -236,6 +236,6 @@ class SpeedFilter:
 
 
 def _predicted(covariance: tuple[float, float, float], dt: float, walk: float) -> tuple[float, float, float]:
-    """Covariance (speed, both, offset) after `dt` [s] with an offset that walks with density `walk` [m^2/s^5]."""
+    """Return the covariance (speed, both, offset) after `dt` [s]; the offset walks with density `walk` [m^2/s^5]."""
     pv, pc, pb = covariance
     return pv + dt * (dt * (pb + walk * dt / 3.0) - 2.0 * pc), pc - dt * (pb + 0.5 * walk * dt), pb + walk * dt

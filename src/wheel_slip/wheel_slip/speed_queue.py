@@ -43,7 +43,7 @@ class SpeedQueue(Generic[Payload]):
         if stamp <= 0:
             return "stamp is zero"
         if stamp > LATEST_STAMP:
-            return "stamp is no time"
+            return "stamp is out of range"
         if stamp == self._newest:
             return "stamp repeats"
         if self._newest is not None and stamp < self._newest:
@@ -59,7 +59,7 @@ class SpeedQueue(Generic[Payload]):
         """Yield the samples (stamp [ns], payload) to be used in the output at `stamp` [ns].
 
         Args:
-            stamp: of the output.
+            stamp: stamp of the output [ns].
             rewound: whether this is the first output after a jump back in time.
         """
         if rewound:
@@ -75,7 +75,7 @@ class SpeedQueue(Generic[Payload]):
             yield when, payload
 
     def _meet(self, stamp: int) -> None:
-        """One stream has jumped and the other not, or not yet: after a while they belong together again."""
+        """Handle a jump of one stream only: after a while without a jump of the other, they belong together again."""
         if self._apart_since is None:
             self._apart_since = stamp
         if stamp - self._apart_since >= max(self._wait, 1):

@@ -1,4 +1,4 @@
-"""Does a sensor repeat one value to the last bit?"""
+"""Whether a sensor repeats one value to the last bit."""
 
 from vehicle_models.nanoseconds import NANOSECONDS
 
@@ -9,7 +9,7 @@ class StuckSensor:
     """Watches one value. Noise moves the last bits of a live sensor; a dead one repeats its last value."""
 
     def __init__(self) -> None:
-        """Start with nothing seen."""
+        """Start without samples."""
         self.reset()
 
     def reset(self) -> None:
@@ -18,7 +18,7 @@ class StuckSensor:
         self._since = 0
 
     def repeats(self, stamp: int, value: float | None) -> bool:
-        """Take a value at a stamp [ns]; return whether it has been the very same for 0.25 s."""
+        """Take a value at a stamp [ns]; return whether it has been exactly the same for 0.25 s."""
         if value is None or value != self._value:
             self._value, self._since = value, stamp
         return value is not None and stamp - self._since >= _STUCK_AFTER

@@ -1,6 +1,6 @@
-"""Vehicle speed from wheels, accelerometer and speed sensor: which of them is believed when.
+"""Vehicle speed from wheels, accelerometer and speed sensor: which of them is trusted when.
 
-- While the car rolls, the wheels correct the speed and teach the accelerometer's offset. A wheel sample is believed
+- While the car rolls, the wheels correct the speed and the accelerometer's offset is learned. A wheel sample is used
   only `_BELIEF_LAG` after its stamp, at its own time, when nothing has shown that a slide had begun.
 - While it slides, the corrected acceleration is integrated; the wheels are bounds: braked wheels are no faster than the
   car, driven ones no slower. The offset is no longer observed, so its uncertainty, and the speed's, grow with the road.
@@ -26,25 +26,25 @@ from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.stuck_sensor import StuckSensor
 
 _LOST_AFTER = 1 * NANOSECONDS
-"""Without any sample for longer [ns], what was known of the speed is worth nothing."""
+"""Time without any sample [ns] after which the estimate starts again."""
 _BELIEF_LAG = round(0.1 * NANOSECONDS)
 _SLIP_CORRELATION = 0.1
 """Time [s] over which the slip of a rolling wheel counts as one error, not many."""
 _BLIND_SPEED = 0.6
 _BLIND_STDDEV = 0.1
-"""Encoders read zero below about this rim speed [m/s]; what that says of the speed [m/s]."""
+"""Standard deviation of the speed where encoders read zero, as they do below about this rim speed [m/s]."""
 _AT_REST = 1.0
-"""A car that stands cannot seem to accelerate by more [m/s^2]."""
+"""Largest apparent acceleration of a car that stands [m/s^2]."""
 _BOUND_MARGIN = 0.02
 """Share of the speed by which wheels may pass the bound: radii and torsional vibration."""
 _SURPRISE = 0.6
 """Mean innovation over its standard deviation that noise does not reach in hours: the road has changed its slope."""
 _SURPRISE_TIME = 0.2
-"""[s] it is averaged over."""
+"""Time over which that innovation is averaged [s]."""
 _DOUBT = 0.05
 """Standard deviation of the offset after such a change [m/s^2]."""
 _CLOSE = 0.1
-"""A wheel of less slip confirms the integrated speed, to half of that share."""
+"""Slip below which a wheel confirms the integrated speed, to half of that share."""
 _STANDING = 0.5
 """Time [s] over which the slip of a carried wheel counts as one error: longer than a supervisor leaves it released."""
 _PLAUSIBLE = 3.0
@@ -55,7 +55,7 @@ _BOUND_LATENCY = 0.03
 
 @dataclass(frozen=True)
 class VehicleSpeedParameters:
-    """What is believed when, and how much."""
+    """Which source is trusted when, and how much."""
 
     slip_per_acceleration: float = parameter(
         0.004,
@@ -78,11 +78,11 @@ class VehicleSpeed:
     """Speed of one car. `speed`, `variance` and so on mean something unless `source` is NONE."""
 
     def __init__(self, vehicle: Vehicle, parameters: VehicleSpeedParameters, wheel_speed_stddev: float) -> None:
-        """Start anew.
+        """Start without samples.
 
         Args:
             vehicle: the car.
-            parameters: of the estimate.
+            parameters: parameters of the estimate.
             wheel_speed_stddev: noise of a wheel speed [rad/s].
         """
         self._p = parameters
@@ -110,32 +110,32 @@ class VehicleSpeed:
 
     @property
     def speed(self) -> float:
-        """[m/s]."""
+        """Vehicle speed [m/s]."""
         return self._filter.speed
 
     @property
     def acceleration(self) -> float:
-        """Forward, corrected by the offset of the accelerometer [m/s^2]."""
+        """Acceleration [m/s^2], forward positive, corrected by the offset of the accelerometer."""
         return self._filter.acceleration
 
     @property
     def acceleration_variance(self) -> float:
-        """[m^2/s^4]."""
+        """Variance of the acceleration [m^2/s^4]."""
         return self._filter.acceleration_variance
 
     @property
     def offset(self) -> float:
-        """Of the accelerometer [m/s^2]."""
+        """Offset of the accelerometer [m/s^2]."""
         return self._filter.offset
 
     @property
     def disagreement(self) -> float:
-        """Of the wheels about the speed [m/s]."""
+        """Spread of the wheels about the speed [m/s]."""
         return self._slide.spread
 
     @property
     def variance(self) -> float:
-        """Of the speed [m^2/s^2], with that of the radii: they scale every speed learned from wheels."""
+        """Variance of the speed [m^2/s^2], including that of the radii, which scale every speed learned from wheels."""
         return self._filter.speed_variance + (self._p.radius_uncertainty * self._filter.speed) ** 2
 
     def update(
@@ -150,11 +150,11 @@ class VehicleSpeed:
         """Take one sample.
 
         Args:
-            stamp: [ns], later than the last.
+            stamp: stamp of the sample [ns], later than the last.
             rim_speeds: r omega of each wheel as measured [m/s], NaN where missing.
-            smooth_rim_speeds: filtered [m/s], NaN where unknown.
-            rim_accelerations: filtered [m/s^2].
-            acceleration: accelerometer [m/s^2], None if there is none.
+            smooth_rim_speeds: filtered rim speeds [m/s], NaN where unknown.
+            rim_accelerations: filtered rates of the rim speeds [m/s^2].
+            acceleration: reading of the accelerometer [m/s^2], None if there is none.
             measured: samples of the speed sensor.
         """
         if self._last is not None and stamp - self._last > _LOST_AFTER:
@@ -176,7 +176,7 @@ class VehicleSpeed:
             self._return_to_wheels(smooth_rim_speeds)
         for sample in measured:
             self._use_sensor(sample)
-        # Without an accelerometer only a speed sensor can tell a slide from braking.
+        # Without an accelerometer only a speed sensor can distinguish a slide from braking.
         if self._slide.sliding or (acceleration is None and self._sensor_is_fresh(stamp)):
             self._not_yet_believed.clear()
             self._surprise = 0.0
@@ -243,8 +243,8 @@ class VehicleSpeed:
     def _return_to_wheels(self, smooth_rim_speeds: Sequence[float]) -> None:
         """Take the speed from the wheels.
 
-        What the integration was off by is not put down to the offset: lag and scale of the accelerometer may be to
-        blame as well, and a wrong offset would begin the next slide.
+        The error of the integration is not attributed to the offset: lag and scale of the accelerometer may have caused
+        it as well, and the next slide would begin with a wrong offset.
         """
         believed = [smooth_rim_speeds[index] for index in self._slide.believed()]
         if not believed:
@@ -256,13 +256,13 @@ class VehicleSpeed:
             self._filter.doubt_offset(self._p.speed_filter.offset_stddev**2)
 
     def _watch_offset(self, dt: float) -> None:
-        """Learn anew when the wheels surprise the filter in one direction."""
+        """Learn the offset again when the innovations of the wheels stay on one side."""
         self._surprise += min(dt / _SURPRISE_TIME, 1.0) * (self._filter.surprise - self._surprise)
         if abs(self._surprise) > _SURPRISE:
             self._filter.doubt_offset(_DOUBT**2)
 
     def _bound(self, rim_speeds: Sequence[float]) -> None:
-        """Keep the speed above braked and below driven wheels; two of them must say so, for one may vibrate or fail."""
+        """Keep the speed above braked and below driven wheels; two of them must agree, for one may vibrate or fail."""
         a = self._slide.acceleration
         known = sorted(speed for speed in rim_speeds if abs(speed) > _BLIND_SPEED)
         if a is None or not known:

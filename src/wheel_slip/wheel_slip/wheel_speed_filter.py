@@ -14,25 +14,26 @@ Noise alone hardly reaches m = 2, so that the smoothing of a quiet wheel stays w
 """
 
 from dataclasses import dataclass
+from math import nan
 
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _FIRST_ACCELERATION_VARIANCE = 100.0**2
-"""Of a wheel nothing is known of [rad^2/s^4]: ten times the acceleration of a wheel that rolls in a hard stop."""
+"""Variance of an unknown acceleration [rad^2/s^4]: ten times that of a wheel that rolls in a hard stop, squared."""
 _MEMORY = 0.3
 """Share of the newest sample in the mean squared innovation."""
 _KNEE = 2.0
 """Mean squared innovation above which the wheel is no longer quiet."""
 _LARGEST_GAIN = 1e4
-"""Of the density q."""
+"""Largest factor on the density q."""
 _SAMPLES_TO_SETTLE = 5
-"""From there on the acceleration is measured, not assumed."""
+"""Samples after which the acceleration is measured, not assumed."""
 
 
 @dataclass(frozen=True)
 class WheelFilterParameters:
-    """Of the filter of every wheel."""
+    """Parameters of the filter of every wheel."""
 
     speed_stddev: float = parameter(0.07, "noise of a wheel speed", unit="rad/s", minimum=1e-4, maximum=10.0)
     jerk_density: float = parameter(
@@ -51,8 +52,8 @@ class WheelSpeedFilter:
         """Start empty.
 
         Args:
-            parameters: of the filter.
-            max_gap: longer gaps [s] start the filter anew.
+            parameters: parameters of the filter.
+            max_gap: gap [s] beyond which the filter starts again.
         """
         self._variance = parameters.speed_stddev**2
         self._jerk_density = parameters.jerk_density
@@ -61,8 +62,8 @@ class WheelSpeedFilter:
 
     def reset(self) -> None:
         """Forget everything."""
-        self.speed = 0.0
-        """Wheel speed [rad/s]."""
+        self.speed = nan
+        """Wheel speed [rad/s]; NaN before the first sample."""
         self.acceleration = 0.0
         """Wheel acceleration [rad/s^2]."""
         self.speed_variance = self._variance
@@ -70,9 +71,9 @@ class WheelSpeedFilter:
         self.acceleration_variance = _FIRST_ACCELERATION_VARIANCE
         """[rad^2/s^4]"""
         self.restarted_by_gap = False
-        """Whether a gap was the last reason to start anew."""
+        """Whether the last restart was caused by a gap."""
         self.settled = False
-        """Enough samples since start or gap."""
+        """Whether there are enough samples since start or gap."""
         self._covariance = 0.0
         self._unrest = 1.0
         self._stamp: int | None = None

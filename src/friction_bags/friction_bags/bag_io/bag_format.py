@@ -1,4 +1,4 @@
-"""What a rosbag2 bag says about its topics, and the metadata.yaml that says it."""
+"""Topics and contents of a rosbag2 bag, and its metadata.yaml."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ _METADATA_VERSION = 9
 
 
 class BagError(Exception):
-    """A bag cannot be read or written; the text names it, says why and what to do."""
+    """A bag cannot be read or written; the text names the bag, the reason and what to do."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Topic:
     type: str
     """Message type, e.g. sensor_msgs/msg/JointState."""
     definition: str = ""
-    """Text of the message definition with those it refers to; empty where unknown."""
+    """Text of the message definition and of those it refers to; empty where unknown."""
     definition_encoding: str = ""
     """ros2msg or ros2idl; empty where the definition is unknown."""
     type_hash: str = ""
@@ -35,22 +35,22 @@ class Topic:
     """QoS offered by each publisher when it was recorded."""
 
     def __hash__(self) -> int:
-        """Of the name: topics are looked up at every message, and seldom share one."""
+        """Hash of the name alone: topics are looked up at every message, and seldom share a name."""
         return hash(self.name)
 
 
 @dataclass(frozen=True)
 class Contents:
-    """What one storage file holds."""
+    """Contents of one storage file."""
 
     file: str
     """Name of the file, relative to the bag."""
     counts: Mapping[Topic, int]
     """Messages of each topic."""
     start: int
-    """[ns] earliest recording stamp; 0 in an empty file."""
+    """Earliest recording stamp [ns]; 0 in an empty file."""
     end: int
-    """[ns] latest recording stamp; 0 in an empty file."""
+    """Latest recording stamp [ns]; 0 in an empty file."""
 
     @property
     def message_count(self) -> int:
@@ -64,7 +64,7 @@ def write_metadata(bag: Path, storage: str, contents: Sequence[Contents], custom
     Args:
         bag: directory of the bag.
         storage: mcap or sqlite3.
-        contents: of each file, in their order.
+        contents: contents of each file, in their order.
         custom_data: notes that travel with the bag.
     """
     counts: dict[Topic, int] = {}
@@ -113,7 +113,7 @@ def write_metadata(bag: Path, storage: str, contents: Sequence[Contents], custom
 
 
 def read_custom_data(bag: Path) -> dict[str, str]:
-    """Notes in the metadata.yaml of a bag; none where there is no such file or it cannot be read."""
+    """Return the notes in the metadata.yaml of a bag; none where there is no such file or it cannot be read."""
     try:
         document: Any = yaml.safe_load((bag / METADATA_NAME).read_text(encoding="utf-8"))
         notes = document["rosbag2_bagfile_information"].get("custom_data") or {}

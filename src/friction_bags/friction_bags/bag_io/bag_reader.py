@@ -51,8 +51,8 @@ class _Part:
 class BagReader:
     """A bag, open for reading.
 
-    What cannot be read is said in `problems`, on opening and while reading; what can be read is read. On damaged files
-    rosbags lets errors of every layer below it surface, hence the broad `except Exception` around its calls.
+    What cannot be read is listed in `problems`, on opening and while reading; the rest is read. On damaged files
+    rosbags passes on errors of every layer below it, hence the broad `except Exception` around its calls.
     """
 
     def __init__(self, bag: Path) -> None:
@@ -97,12 +97,12 @@ class BagReader:
 
     @property
     def start(self) -> int:
-        """[ns] Earliest recording stamp; 0 in an empty bag."""
+        """Earliest recording stamp [ns]; 0 in an empty bag."""
         return min((part.contents.start for part in self._parts if part.contents.message_count), default=0)
 
     @property
     def end(self) -> int:
-        """[ns] Latest recording stamp; 0 in an empty bag."""
+        """Latest recording stamp [ns]; 0 in an empty bag."""
         return max((part.contents.end for part in self._parts if part.contents.message_count), default=0)
 
     @property
@@ -118,12 +118,12 @@ class BagReader:
     def messages(
         self, topics: Collection[Topic] | None = None, start: int | None = None, stop: int | None = None
     ) -> Iterator[Message]:
-        """Yield topic, recording stamp [ns] and CDR data in the order of recording, a file after the other.
+        """Yield topic, recording stamp [ns] and CDR data in the order of recording, one file after the other.
 
         Args:
             topics: only these; None for all.
-            start: from this stamp [ns] on.
-            stop: up to and without this stamp [ns].
+            start: first stamp [ns].
+            stop: stamp [ns] before which to stop.
         """
         wanted = {(topic.name, topic.type): topic for topic in (self.counts if topics is None else topics)}
         for part in self._parts:
@@ -141,7 +141,7 @@ class BagReader:
             self._unpacked.cleanup()
 
     def __enter__(self) -> "BagReader":
-        """Give itself."""
+        """Return itself."""
         return self
 
     def __exit__(
@@ -251,7 +251,7 @@ def storage_files(bag: Path) -> list[Path]:
 
 
 def storage_of(file: Path) -> str:
-    """Name rosbag2 gives to the storage of a file."""
+    """Return the name of a file's storage in rosbag2."""
     return _STORAGES[file.suffix]
 
 
@@ -259,8 +259,8 @@ def open_salvage(file: Path) -> _Salvage:
     """Open a damaged file for reading from its beginning.
 
     Raises:
-        BagError: it is no mcap or sqlite3 file, or nothing of it can be read.
-        OSError: it cannot be opened.
+        BagError: the file is not an mcap or sqlite3 file, or nothing in it can be read.
+        OSError: the file cannot be opened.
     """
     if file.suffix == ".mcap":
         return McapSalvage(file)
@@ -270,7 +270,7 @@ def open_salvage(file: Path) -> _Salvage:
 
 
 def scan(name: str, salvage: _Salvage) -> Contents:
-    """Read all messages and say what there is."""
+    """Read all messages; return the contents."""
     counts: dict[Topic, int] = {}
     start, end = 0, 0
     for topic, stamp, _ in salvage.messages():
@@ -295,7 +295,7 @@ def _topic(connection: Connection) -> Topic:
 
 
 def _plain(data: bytes) -> bytes:
-    """CDR of a message, which a bag may hold compressed one by one."""
+    """Return the CDR of a message, decompressed if the bag compresses messages one by one."""
     return zstandard.decompress(data) if data[:4] == _ZSTD_MAGIC else data
 
 

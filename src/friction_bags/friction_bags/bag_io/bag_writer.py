@@ -1,4 +1,4 @@
-"""Crash-safe writing of rosbag2 bags: mcap, ros2 profile, embedded definitions, chunks handed to the system in time."""
+"""Crash-safe writing of rosbag2 bags: mcap, ros2 profile, embedded definitions, chunks written in time."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,7 +9,7 @@ from friction_bags.bag_io.mcap_writer import Compression, McapWriter
 
 
 class BagWriter:
-    """A bag of one mcap file. Leaving the context closes it, after an error too: what was written is kept."""
+    """A bag of one mcap file. Leaving the context closes it, even after an error: what was written is kept."""
 
     def __init__(
         self,
@@ -23,8 +23,8 @@ class BagWriter:
 
         Args:
             bag: directory to be made; it must not exist.
-            compression: of each chunk.
-            chunk_size: bytes at which a chunk is closed.
+            compression: compression of each chunk.
+            chunk_size: size at which a chunk is closed [bytes].
             custom_data: notes for metadata.yaml.
 
         Raises:
@@ -82,7 +82,7 @@ class BagWriter:
             raise self._failed(error) from error
 
     def __enter__(self) -> "BagWriter":
-        """Give itself."""
+        """Return itself."""
         return self
 
     def __exit__(

@@ -1,10 +1,10 @@
 """Messages to CDR and back.
 
-rclpy's own serialization leaves the padding between fields as it finds it in memory, and appends padding to a message
-that ends with an empty sequence of doubles; rosbags pads with zeros and adds nothing, so that the same message always
-gives the same bytes. Its decoding takes half the time of rclpy's, which is kept for the messages with that padding:
-rosbags refuses them. What lies as it did in an earlier message is read and written by its layout, to the same bytes and
-values in a fraction of the time of rosbags.
+rclpy's own serialization does not initialise the padding between fields, and appends padding to a message that ends
+with an empty sequence of doubles; rosbags pads with zeros and appends nothing, so that equal messages give equal bytes.
+Its decoding takes half the time of rclpy's, which is kept for messages with that padding: rosbags refuses them. A
+message with the same lengths as an earlier one is read and written by its layout, with the same bytes and values as by
+rosbags in a fraction of the time.
 """
 
 from array import array
@@ -25,11 +25,11 @@ from friction_bags.bag_io.message_definition import message_definition, type_nam
 
 _LENGTH_SIZE = 4
 _MOST_LAYOUTS = 64
-"""Kept of one class, before all are forgotten: texts of ever new lengths do not fill the memory."""
+"""Most layouts kept of one class before all are dropped, so that strings of ever new lengths do not fill the memory."""
 
 
 def installed_topic(name: str, kind: type) -> Topic:
-    """Topic of a message class, with its definition.
+    """Return the topic of a message class, with its definition.
 
     Raises:
         UnknownTypeError: the definition is not installed.
@@ -39,7 +39,7 @@ def installed_topic(name: str, kind: type) -> Topic:
 
 
 def encode(message: Any) -> bytes:
-    """CDR of a message, little endian, with its encapsulation header.
+    """Return the CDR of a message, little endian, with its encapsulation header.
 
     Raises:
         UnknownTypeError: the definition of the message is not installed.
@@ -49,10 +49,10 @@ def encode(message: Any) -> bytes:
 
 
 def decode(data: bytes, kind: Any) -> Any:
-    """Fields of a message of a class from CDR: to be read like the message, not to be published.
+    """Decode CDR to an object with the fields of a message: to be read like the message, not to be published.
 
     Raises:
-        ValueError: the data is no message of this class.
+        ValueError: the data is not a message of this class.
     """
     return _codec_of(kind).decode(data)
 
@@ -130,7 +130,7 @@ class _Codec:
     def _decode_padded(self, data: bytes) -> Any:
         try:
             return deserialize_message(data, self._kind)
-        except Exception as error:  # rclpy has no common class for what its middleware refuses
+        except Exception as error:  # rclpy has no common class for errors of its middleware
             raise ValueError(f"not a {self._name}: {error}") from error
 
 

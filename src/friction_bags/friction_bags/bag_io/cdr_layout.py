@@ -1,8 +1,8 @@
-"""Where the fields of a message lie in its CDR, once the lengths of its texts and sequences are known.
+"""Where the fields of a message are in its CDR, once the lengths of its strings and sequences are known.
 
-The texts and sequences of a topic seldom change their lengths. As long as they do not, a whole message is one struct,
-read or written at once instead of field by field. cdr.py learns the lengths from what rosbags has read, and leaves to
-rosbags what is not covered here.
+The strings and sequences of a topic seldom change their lengths. As long as they do not, a whole message is one struct,
+read or written at once instead of field by field. cdr.py takes the lengths from what rosbags has read, and falls back
+to rosbags for what is not covered here.
 """
 
 import re
@@ -15,7 +15,7 @@ import numpy as np
 from friction_bags.bag_io.message_definition import message_class, type_name
 
 _HEADER = b"\0\1\0\0"
-"""Of little-endian CDR; alignment counts from behind it."""
+"""Encapsulation header of little-endian CDR; alignment counts from its end."""
 _TEXT = "s"
 _CODES = {
     "boolean": "?",
@@ -39,17 +39,17 @@ class UnsupportedFieldError(Exception):
 
 
 class Field:
-    """A number, a text, or several of either; `name` in the message that it belongs to."""
+    """A number, a string, or several of either; `name` is that in the message to which it belongs."""
 
     def __init__(self, name: str, code: str, count: int | None, is_sequence: bool) -> None:
-        """Say what an element is (code of the module struct) and how many an array has (None: a single one)."""
+        """Set the type of an element (code of the module struct) and the number in an array (None: a single one)."""
         self.name = name
         self.code = code
         self.count = count
         self.is_sequence = is_sequence
 
     def lengths(self, value: Any) -> Iterator[int]:
-        """Lengths that a value has in the CDR, see Layout."""
+        """Yield the lengths of a value in the CDR, see Layout."""
         if self.is_sequence:
             yield len(value)
         if self.code == _TEXT:
@@ -58,13 +58,13 @@ class Field:
 
 
 class Message:
-    """A message class and those within it; `name` in the message that it belongs to."""
+    """A message class and those within it; `name` is that in the message to which it belongs."""
 
     def __init__(self, kind: Any, name: str = "") -> None:
-        """Look at the fields of a class.
+        """Read the fields of a class.
 
         Raises:
-            UnsupportedFieldError: one is not covered.
+            UnsupportedFieldError: a field is not covered.
         """
         self.name = name
         self.type_name = type_name(kind)
@@ -84,12 +84,14 @@ class Message:
             raise UnsupportedFieldError(f"{self.type_name} has no fields")  # a byte stands in for them in the CDR
 
     def lengths(self, message: Any) -> Iterator[int]:
-        """Lengths that its texts and sequences have in the CDR, see Layout."""
+        """Yield the lengths of its strings and sequences in the CDR, see Layout."""
         for child in self.children:
             yield from child.lengths(getattr(message, child.name))
 
     def written_slots(self, prefix: str = "") -> Iterator[str]:
-        """Slots in which the numbers and texts are, dotted within messages, in the order of Layout.write; a text twice.
+        """Yield the slots of the numbers and strings in the order of Layout.write; a string twice.
+
+        Slots within messages have dotted names.
 
         Raises:
             UnsupportedFieldError: a field is an array or a sequence.
@@ -117,7 +119,7 @@ class _Numbers:
 
 
 class _Texts:
-    """A sequence of texts."""
+    """A sequence of strings."""
 
     def __init__(self, places: list[int]) -> None:
         self._places = places
@@ -141,19 +143,19 @@ class _Fields:
 
 
 _Part = _Numbers | _Texts | _Fields
-"""Makes what is not in the struct as it is, and is put behind its values."""
+"""Makes a value that is not directly in the struct; these follow the values of the struct."""
 
 
 class Layout:
     """The CDR of a message class with known lengths."""
 
     def __init__(self, message: Message, lengths: Sequence[int], kinds: Mapping[str, Any]) -> None:
-        """Lay it out.
+        """Compute the layout.
 
         Args:
             message: the class.
-            lengths: of its texts (bytes, with the zero at the end) and sequences (elements) in the order of the CDR;
-                the number of texts in a sequence comes before their lengths.
+            lengths: lengths of its strings (bytes, with the zero at the end) and sequences (elements) in the order of
+                the CDR; the number of strings in a sequence comes before their lengths.
             kinds: classes of the messages to be made, by type name.
         """
         self._format = "<4s"
@@ -165,17 +167,17 @@ class Layout:
         self._lengths = iter(lengths)
         self._kinds = kinds
         self.first_length = 0
-        """Where the first length is in the data: the same for all layouts of a class; 0 where there is none."""
+        """Position of the first length in the data: the same for all layouts of a class; 0 where there is none."""
         self._root = self._message(message)
         self._blank: list[Any] = [None] * len(self._parts)
         self._struct = Struct(self._format)
         self.size = self._struct.size
 
     def read(self, data: bytes) -> Any:
-        """Message from CDR of this size; None where the lengths in it are others.
+        """Return the message from CDR of this size; None where the lengths in it differ.
 
         Raises:
-            ValueError: a text is no UTF-8.
+            ValueError: a string is not UTF-8.
         """
         values: list[Any] = [*self._struct.unpack(data), *self._blank]
         for place, value in self._expected:
@@ -191,7 +193,7 @@ class Layout:
         return values[self._root]
 
     def write(self, values: Sequence[Any]) -> bytes:
-        """CDR of numbers and texts (bytes), each text behind its length.
+        """Return the CDR of numbers and strings (bytes), each string after its length.
 
         Raises:
             struct.error: a number is out of its range.
@@ -199,7 +201,7 @@ class Layout:
         return self._struct.pack(_HEADER, *values)
 
     def _message(self, message: Message) -> int:
-        """Lay out a message; return its place: the parts stand behind the struct's values, the first as the last."""
+        """Lay out a message; return its place. Parts follow the values of the struct, the outermost message last."""
         places = [
             (each.name, self._message(each) if isinstance(each, Message) else self._field(each))
             for each in message.children

@@ -15,9 +15,9 @@ from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.message_definition import UnknownTypeError, message_class
 
 _NANOSECONDS = 1_000_000_000
-"""In a second; said here too, as reading bags imports nothing of the graph."""
+"""Nanoseconds in a second; repeated here, as reading bags imports nothing of the graph."""
 _WIDTH = 160
-"""Of the output where it goes to no terminal."""
+"""Width of the output where it does not go to a terminal."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -46,7 +46,7 @@ def run(args: Namespace) -> int:
 
 
 def describe(reader: BagReader) -> dict[str, Any]:
-    """What a bag holds, as plain data; times in seconds."""
+    """Return the contents of a bag as plain data; times in seconds."""
     duration = (reader.end - reader.start) / _NANOSECONDS
     return {
         "bag": str(reader.bag),

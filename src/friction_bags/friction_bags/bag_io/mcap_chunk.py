@@ -20,9 +20,9 @@ class McapChunk:
         self.size = 0
         """Bytes of the records."""
         self.start = 0
-        """[ns] Earliest stamp."""
+        """Earliest stamp [ns]."""
         self.end = 0
-        """[ns] Latest stamp."""
+        """Latest stamp [ns]."""
         self._parts: list[bytes] = []
         self._index: dict[int, list[int]] = {}
 
@@ -59,7 +59,7 @@ class McapChunk:
         self.size += _MESSAGE.size + len(data)
 
     def indexes(self) -> dict[int, bytes]:
-        """A record for each channel: stamps and places of its messages."""
+        """Return a record for each channel: stamps and positions of its messages."""
         return {
             channel: _INDEX.pack(Opcode.MESSAGE_INDEX, _INDEX_FIELDS_SIZE + 8 * len(entries), channel, 8 * len(entries))
             + pack(f"<{len(entries)}Q", *entries)

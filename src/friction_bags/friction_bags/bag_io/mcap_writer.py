@@ -1,7 +1,7 @@
-"""Writing of an mcap file: ros2 profile, chunks handed to the system in time.
+"""Writing of an mcap file: ros2 profile, chunks written in time.
 
-Schemas, channels and summary are records of the mcap package. Its writer takes 5 µs a message, which is more than all
-that an estimator does for it, hence the chunks of our own.
+Schemas, channels and summary are records of the mcap package. Its writer takes 5 µs per message, which is more than an
+estimator takes for it, hence the chunks of our own.
 """
 
 import zlib
@@ -45,9 +45,9 @@ class McapWriter:
         """Create the file.
 
         Args:
-            path: of the file, which must not exist.
-            compression: of each chunk.
-            chunk_size: bytes at which a chunk is closed.
+            path: path of the file, which must not exist.
+            compression: compression of each chunk.
+            chunk_size: size at which a chunk is closed [bytes].
 
         Raises:
             OSError: the file exists or cannot be made.
@@ -100,7 +100,7 @@ class McapWriter:
         """Append a message.
 
         Args:
-            channel: of add_topic.
+            channel: channel, from add_topic.
             stamp: recording time [ns].
             data: CDR with its encapsulation header.
             sent: time [ns] at which it was published; the recording time where unknown.
@@ -117,12 +117,12 @@ class McapWriter:
         self._file.flush()
 
     def abandon(self) -> None:
-        """Close as it is, after an error."""
+        """Close the file as it is, after an error."""
         with suppress(OSError):
             self._file.close()
 
     def finish(self) -> Contents:
-        """Write index and footer, close, and say what the file holds."""
+        """Write index and footer, close, and return the contents of the file."""
         try:
             self._close_chunk()
             self._file.write(_encoded(DataEnd(data_section_crc=0)))

@@ -1,4 +1,4 @@
-"""A bag made from messages at hand: imported or simulated."""
+"""A bag made from imported or simulated messages."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path

@@ -26,14 +26,14 @@ class MessageDefinition:
     """Definition of a message type."""
 
     text: str
-    """In the ros2msg encoding: its own .msg file, then those of all types it refers to."""
+    """Text in the ros2msg encoding: its own .msg file, then those of all types it refers to."""
     type_hash: str
     """RIHS01 hash."""
 
 
 @cache
 def message_definition(type_name: str) -> MessageDefinition:
-    """Definition of an installed type, from the share directories of its package.
+    """Return the definition of an installed type, from the share directory of its package.
 
     Args:
         type_name: e.g. sensor_msgs/msg/JointState.
@@ -58,7 +58,7 @@ def message_definition(type_name: str) -> MessageDefinition:
 
 @cache
 def message_class(type_name: str) -> type:
-    """Python class of an installed type.
+    """Return the Python class of an installed type.
 
     Raises:
         UnknownTypeError: the type is not installed.
@@ -73,12 +73,12 @@ def message_class(type_name: str) -> type:
 
 @cache
 def type_name(kind: Any) -> str:
-    """Name of a message class, e.g. sensor_msgs/msg/JointState."""
+    """Return the name of a message class, e.g. sensor_msgs/msg/JointState."""
     return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
 
 
 def _references(owner: str, text: str) -> list[str]:
-    """Types a .msg file refers to, as package/Name, in their order."""
+    """Return the types that a .msg file refers to, as package/Name, in their order."""
     found = []
     for line in text.splitlines():
         match = _FIELD_TYPE.match(line.split("#", 1)[0])

@@ -17,7 +17,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(args: Namespace) -> int:
-    """Repair a bag and say what was wrong.
+    """Repair a bag and print what was wrong.
 
     Returns:
         Exit code: 0, 2 when nothing can be repaired.
@@ -41,10 +41,10 @@ def reindex(bag: Path) -> tuple[list[Contents], list[str]]:
         bag: directory of the bag.
 
     Returns:
-        What each file holds now, and what was wrong.
+        New contents of each file, and what was wrong.
 
     Raises:
-        BagError: the directory is none, holds no storage file, holds files of two kinds, or nothing can be read.
+        BagError: the path is not a directory, holds no storage file or files of two kinds, or nothing can be read.
     """
     if not bag.is_dir():
         raise BagError(f"{bag} is not a directory: give the directory that holds the .mcap or .db3 files")
@@ -75,7 +75,7 @@ def _is_sound(file: Path) -> bool:
         with Reader(file) as reader:
             for _ in reader.messages():
                 pass
-    except Exception:  # rosbags lets errors of every layer below it surface
+    except Exception:  # rosbags passes on errors of every layer below it
         return False
     return True
 

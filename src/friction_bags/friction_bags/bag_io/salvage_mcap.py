@@ -1,7 +1,7 @@
 """Reading what can be read of an mcap file that is truncated or damaged, or was never closed.
 
-The file is read from its beginning, record by record, without its index. A chunk whose checksum is wrong is left out as
-a whole; of a chunk that is cut off, the messages that are complete are kept.
+The file is read from its beginning, record by record, without its index. A chunk with a wrong checksum is left out as a
+whole; the complete messages of a chunk that is cut off are kept.
 """
 
 import struct
@@ -35,11 +35,11 @@ class McapSalvage:
     """One pass over a damaged file. What was lost is in `problems` once `messages` has ended."""
 
     def __init__(self, path: Path) -> None:
-        """Look at the beginning of the file.
+        """Read the beginning of the file.
 
         Raises:
-            BagError: the file is empty or no mcap file.
-            OSError: it cannot be opened.
+            BagError: the file is empty or not an mcap file.
+            OSError: the file cannot be opened.
         """
         with path.open("rb") as stream:
             magic = stream.read(len(MCAP0_MAGIC))
@@ -108,7 +108,7 @@ class McapSalvage:
         self.problems.append(f"{self._path}: ends within a record at byte {offset}: truncated, or never closed")
 
     def _chunk(self, stream: BinaryIO, length: int, offset: int, start: int) -> Iterator[Message]:
-        """Read a chunk of which `length` bytes are in the file; the stream is behind it afterwards."""
+        """Read a chunk of which `length` bytes are in the file; leave the stream at its end."""
         payload = stream.read(length)
         try:
             _, end, raw_size, checksum = _CHUNK_HEAD.unpack_from(payload, 0)
@@ -149,7 +149,7 @@ class McapSalvage:
             position += length
 
     def _record(self, opcode: int, payload: bytes) -> Message | None:
-        """Take a schema or a channel, or give a message."""
+        """Take a schema or a channel, or return a message."""
         try:
             if opcode == Opcode.SCHEMA:
                 schema = Schema.read(ReadDataStream(BytesIO(payload)))
@@ -185,7 +185,7 @@ class McapSalvage:
 
 
 def _decompressed(data: bytes, compression: str, raw_size: int) -> bytes | None:
-    """The raw bytes, as far as they can be had; None where the compression is unknown."""
+    """Return the raw bytes as far as they can be recovered; None where the compression is unknown."""
     if compression == "":
         return data
     decompressor: zstandard.ZstdDecompressionObj | lz4.frame.LZ4FrameDecompressor

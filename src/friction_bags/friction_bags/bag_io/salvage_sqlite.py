@@ -19,14 +19,14 @@ _PAGE_COUNT_AT = 28
 class SqliteSalvage:
     """One pass over a damaged file, in the order of writing, up to the damage.
 
-    Of a truncated file whole pages are read only: sqlite takes the missing part of a page for zeros.
+    Only whole pages of a truncated file are read: sqlite would take the missing part of a page for zeros.
     """
 
     def __init__(self, path: Path) -> None:
         """Read the topics.
 
         Raises:
-            BagError: the file is empty, is no database, or its table of topics cannot be read.
+            BagError: the file is empty, is not a database, or its table of topics cannot be read.
             OSError: the file cannot be read.
         """
         with path.open("rb") as stream:
@@ -57,7 +57,7 @@ class SqliteSalvage:
         return list(self._topics.values())
 
     def messages(self, start: int = 0) -> Iterator[tuple[Topic, int, bytes]]:
-        """Yield topic, recording stamp [ns] and data; then `problems` says where it had to stop.
+        """Yield topic, recording stamp [ns] and data; afterwards `problems` holds where reading had to stop.
 
         Args:
             start: leave out what was recorded before this stamp [ns].
@@ -87,13 +87,13 @@ class SqliteSalvage:
 
 
 def is_truncated(path: Path) -> bool:
-    """Whether a database is shorter than its header says."""
+    """Whether a database is shorter than its header states."""
     page_size, count = _pages(path)
     return path.stat().st_size < page_size * count
 
 
 def _pages(path: Path) -> tuple[int, int]:
-    """Page size in bytes and number of pages by the header (1 and 0 where there is none)."""
+    """Return page size in bytes and number of pages in the header (1 and 0 where there is none)."""
     with path.open("rb") as stream:
         header = stream.read(100)
     if len(header) < 100 or not header.startswith(_MAGIC):

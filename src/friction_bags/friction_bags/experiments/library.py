@@ -1,4 +1,4 @@
-"""`library`: makes the recorded experiments of bags/ anew, from fixed seeds."""
+"""`library`: makes the recorded experiments of bags/ from fixed seeds."""
 
 import shutil
 import sys
@@ -24,7 +24,7 @@ from friction_runtime.processor import Output, silent
 from vehicle_models.vehicle_file import load_vehicle
 
 START_STAMP = 1_000_000_000_000
-"""[ns] Stamp of the first sample of every experiment: 1000 s."""
+"""Stamp of the first sample of every experiment [ns]: 1000 s."""
 _LOOP = ("wheel_slip", "friction_slope", "abs_supervisor")
 _README = "README.md"
 _README_BEGIN = """\
@@ -33,8 +33,8 @@ _README_BEGIN = """\
 Recorded experiments, made by `make bags` (`python -m friction_bags library`) with fixed seeds; that command writes this
 file too. `python -m friction_bags play bags/NAME` and `ros2 bag play bags/NAME` play them; `make demo BAG=bags/NAME`
 runs the graph on them. The recording stamp of a message is its header stamp; the experiments begin at 1000 s. Sensor
-noise is that of section 8.3.2 of the chapter. `truth/...` is what the plant knows. The car is a vehicle file that
-vehicle_models ships; the bag carries its name as a note, so that `python -m friction_bags process` knows it.
+noise is that of section 8.3.2 of the chapter. `truth/...` holds the true values of the plant. The car is a vehicle file
+that vehicle_models ships; its name is a note in the bag, where `python -m friction_bags process` finds it.
 
 | bag | car | what it is |
 |---|---|---|
@@ -45,7 +45,7 @@ The smart-tyre bags in the repository are short cuts: `python -m friction_bags l
 runs. The measured bags are not in the repository: `python -m friction_bags import bmw|iac FILE.csv --out DIR`.
 
 Made again on the same machine, every file is the same, byte for byte. On another kind of processor messages differ in
-their last bits: numpy takes sums in another order and exponentials by other instructions there.
+their last bits: numpy sums in another order and uses other instructions for exponentials there.
 """
 
 
@@ -54,11 +54,11 @@ class Experiment:
     """A run of corner_sim."""
 
     note: str
-    """What it is."""
+    """Description of the experiment."""
     parameters: Mapping[str, Any] = field(default_factory=dict)
-    """Of corner_sim, over its defaults."""
+    """Parameters of corner_sim that override its defaults."""
     vehicle: str = "chapter_corner"
-    """The car: vehicle file, or name of a shipped one."""
+    """Vehicle file of the car, or name of a shipped one."""
     closed_loop: bool = False
     """Whether wheel_slip, friction_slope and abs_supervisor are in the loop, and recorded."""
 
@@ -109,7 +109,7 @@ def run(args: Namespace) -> int:
     """Make the bags; those of the same name are replaced.
 
     Returns:
-        Exit code: 0, 2 when one cannot be made.
+        Exit code: 0, 2 when a bag cannot be made.
     """
     known = _NAMES
     unknown = [name for name in args.names if name not in known]
@@ -180,7 +180,7 @@ def _vehicle(name: str) -> str:
 
 
 def _replace(bag: Path) -> None:
-    """Remove a bag that is to be made anew; nothing else."""
+    """Remove a bag that will be replaced, and nothing else."""
     if (bag / METADATA_NAME).is_file():
         shutil.rmtree(bag)
     bag.parent.mkdir(parents=True, exist_ok=True)

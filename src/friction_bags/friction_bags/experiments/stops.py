@@ -20,7 +20,7 @@ from vehicle_models.vehicle_file import load_vehicle
 
 VEHICLE = "chapter_car"
 _PROPORTIONING = np.array([1.0, 1.0, 0.375, 0.375])
-"""Line pressure of each wheel over the driver's: a valve spares the rear axle."""
+"""Line pressure of each wheel over the driver's: a proportioning valve reduces that of the rear axle."""
 _SPEED = 25.0
 _DURATION = 2.5
 _ACCELERATION_VARIANCE = 0.01
@@ -31,7 +31,7 @@ class Stop:
     """A stop that the driver breaks off beyond the peak."""
 
     note: str
-    """What it is."""
+    """Description of the stop."""
     surface: str
     """Name of the road."""
     level: float

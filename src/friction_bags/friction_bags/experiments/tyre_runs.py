@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 VEHICLE = "smart_tyre_car"
 _RATE = 10_000
-"""[Hz]"""
+"""Sample rate of the tyre signals [Hz]."""
 _BLOCK = 50
 """Samples in a message: 5 ms."""
 _ROAD_SEED = 7
@@ -35,13 +35,13 @@ class TyreRun:
     """A drive at a tyre pressure."""
 
     note: str
-    """What it is."""
+    """Description of the run."""
     dynamic: bool
-    """The dynamic drive of Figure 8.20, or the slow acceleration of Figure 8.21."""
+    """Whether it is the dynamic drive of Figure 8.20; else the slow acceleration of Figure 8.21."""
     pressure: float
-    """Gauge [Pa]."""
+    """Gauge pressure [Pa]."""
     cut: tuple[float, float]
-    """[s] Part that is kept in the repository."""
+    """Begin and end of the part that is kept in the repository [s]."""
 
 
 def _run(dynamic: bool, pressure: float) -> TyreRun:
@@ -96,13 +96,13 @@ def _drive(dynamic: bool) -> Drive:
 
 
 def _forces(drive: Drive, wheel: str) -> tuple[Array, Array]:
-    """True Fx and Fz [N] of a wheel over the time of the drive."""
+    """Return true Fx and Fz [N] of a wheel over the time of the drive."""
     forces = drive.forces
     return (forces.fx_front, forces.fz_front) if wheel.startswith("front") else (forces.fx_rear, forces.fz_rear)
 
 
 def _signals(run: TyreRun, drive: Drive, wheel: str, time: Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Encoder voltage [V] and radial acceleration [m/s^2] over `time`."""
+    """Return encoder voltage [V] and radial acceleration [m/s^2] over `time`."""
     ring = TyreRing()
     source = TyreSignalSource(
         ring,

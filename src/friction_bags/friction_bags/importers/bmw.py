@@ -1,21 +1,21 @@
 """Columns of bmw_m8_abs_stop_100hz.csv as our input topics.
 
-The stamps are t_s + 1000 s, exact to the nanosecond and otherwise as in the file: t_s begins below zero, which a stamp
-cannot. The file is strictly increasing, so nothing is reordered; bursts of samples less than 3 ms apart are kept.
+The stamps are t_s + 1000 s, exact to the nanosecond: t_s begins below zero, which a stamp cannot. The file is strictly
+increasing, so nothing is reordered; bursts of samples less than 3 ms apart are kept.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from geometry_msgs.msg import TwistWithCovarianceStamped
-from sensor_msgs.msg import Imu, JointState
+from sensor_msgs.msg import JointState
 
 from friction_bags.bag_vehicle import VEHICLE_NOTE
+from friction_bags.importers.car_messages import imu, velocity
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 
 STAMP_OFFSET = 1000
-"""[s] added to t_s."""
+"""Offset added to t_s [s]."""
 WHEELS = {
     "front_left": "w_fl_radps",
     "front_right": "w_fr_radps",
@@ -49,21 +49,11 @@ def messages(rows: Iterable[Mapping[str, float]]) -> Iterator[tuple[str, Any]]:
     for row in rows:
         stamp = from_nanoseconds(round(row["t_s"] * NANOSECONDS) + STAMP_OFFSET * NANOSECONDS)
         wheels = JointState(name=list(WHEELS), velocity=[row[column] for column in WHEELS.values()])
-        imu = Imu()
-        imu.header.frame_id = "base_link"
-        imu.orientation_covariance[0] = -1.0
-        imu.angular_velocity.z = row["yaw_rate_radps"]
-        imu.linear_acceleration.x = row["ax_mps2"]
-        imu.linear_acceleration.y = row["ay_mps2"]
-        speed = TwistWithCovarianceStamped()
-        speed.header.frame_id = "base_link"
-        speed.twist.twist.linear.x = row["vx_mps"]
-        speed.twist.twist.linear.y = row["vy_mps"]
         torque = JointState(name=["all_wheels"], effort=[row["brake_torque_can"]])
         for topic, message in (
             ("/wheel_states", wheels),
-            ("/imu/data", imu),
-            ("/vehicle_velocity", speed),
+            ("/imu/data", imu(row["yaw_rate_radps"], row["ax_mps2"], row["ay_mps2"])),
+            ("/vehicle_velocity", velocity(row["vx_mps"], row["vy_mps"])),
             (BRAKE_TORQUE_TOPIC, torque),
         ):
             message.header.stamp = stamp

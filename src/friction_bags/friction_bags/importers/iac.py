@@ -1,17 +1,17 @@
 """Columns of iac_av21_putnam_25hz.csv as our input topics.
 
-The wheel speeds of the file are rim speeds in km/h. They become angular speeds by the nominal radii of the vehicle
-file, which are no measurement: a node that is given the same car gets back the speeds of the file.
+The wheel speeds of the file are rim speeds in km/h. They are converted to angular speeds with the nominal radii of the
+vehicle file, which are not measured: a node with the same car computes the speeds of the file again.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from friction_msgs.msg import BrakeDemand
-from geometry_msgs.msg import TwistWithCovarianceStamped
-from sensor_msgs.msg import Imu, JointState
+from sensor_msgs.msg import JointState
 
 from friction_bags.bag_vehicle import VEHICLE_NOTE
+from friction_bags.importers.car_messages import imu, velocity
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle_file import load_vehicle
@@ -53,21 +53,12 @@ def messages(rows: Iterable[Mapping[str, float]]) -> Iterator[tuple[str, Any]]:
             name=list(WHEELS),
             velocity=[row[column] * _KMPH / car.wheel(name).radius for name, column in WHEELS.items()],
         )
-        imu = Imu()
-        imu.header.frame_id = "base_link"
-        imu.orientation_covariance[0] = -1.0
-        imu.angular_velocity.z = row["omega(rad/s)"]
-        imu.linear_acceleration.x = row["ax(m/s^2)"]
-        speed = TwistWithCovarianceStamped()
-        speed.header.frame_id = "base_link"
-        speed.twist.twist.linear.x = row["vx(m/s)"]
-        speed.twist.twist.linear.y = row["vy(m/s)"]
         demand = BrakeDemand(pressure=row["brake_ped_cmd(kPa)"] * _KILOPASCAL)
         demand.header.frame_id = "base_link"
         for topic, message in (
             ("/wheel_states", wheels),
-            ("/imu/data", imu),
-            ("/vehicle_velocity", speed),
+            ("/imu/data", imu(row["omega(rad/s)"], row["ax(m/s^2)"])),
+            ("/vehicle_velocity", velocity(row["vx(m/s)"], row["vy(m/s)"])),
             ("/brake_demand", demand),
         ):
             message.header.stamp = stamp

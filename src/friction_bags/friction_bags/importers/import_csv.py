@@ -15,16 +15,16 @@ _FORMATS = {"bmw": bmw, "iac": iac}
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Describe the command line."""
-    parser.add_argument("format", choices=sorted(_FORMATS), help="whose columns the file has")
+    parser.add_argument("format", choices=sorted(_FORMATS), help="format of the columns in the file")
     parser.add_argument("csv", type=Path, help="file of measured data")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="bag to be made")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="bag to write")
 
 
 def run(args: Namespace) -> int:
     """Import a file.
 
     Returns:
-        Exit code: 0, 2 when the file cannot be read or the bag not be made.
+        Exit code: 0, 2 when the file cannot be read or the bag cannot be made.
     """
     module = _FORMATS[args.format]
     try:
@@ -40,11 +40,11 @@ def read_rows(path: Path, columns: Iterable[str]) -> Iterator[dict[str, float]]:
     """Yield the rows of a CSV file as numbers by column.
 
     Args:
-        path: of the file; its first line names the columns.
-        columns: those needed; others are left out.
+        path: path of the file; its first line names the columns.
+        columns: columns to read; others are left out.
 
     Raises:
-        BagError: a column is missing or a value is no number; the text names it.
+        BagError: a column is missing or a value is not a number; the text names it.
         OSError: the file cannot be read.
     """
     wanted = list(columns)
@@ -57,4 +57,4 @@ def read_rows(path: Path, columns: Iterable[str]) -> Iterator[dict[str, float]]:
             try:
                 yield {column: float(row[column]) for column in wanted}
             except (TypeError, ValueError):
-                raise BagError(f"{path}, line {reader.line_num}: a value is no number") from None
+                raise BagError(f"{path}, line {reader.line_num}: a value is not a number") from None

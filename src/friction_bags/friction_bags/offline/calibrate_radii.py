@@ -3,9 +3,9 @@
     python -m friction_bags calibrate_radii BAG --vehicle my_car.yaml --out my_car_calibrated.yaml
         [--params-file FILE] [--against sensor|wheels]
 
-The bag needs a stretch of coasting. `sensor` takes vehicle_velocity for the truth (with wheel_slip's parameter
+The bag needs a stretch of coasting. `sensor` takes vehicle_velocity as the truth (with wheel_slip's parameter
 speed_sensor.latency); `wheels` equalises the wheels and keeps their mean radius. The new file is the old one with the
-radius of each wheel and its standard deviation; all else stays, comments too.
+radius of each wheel and its standard deviation; everything else stays, including comments.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from sensor_msgs.msg import JointState
 
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_bags.bag_vehicle import add_vehicle_argument, vehicle_for
+from friction_bags.bag_vehicle import CAR_OTHERWISE, vehicle_for
 from friction_bags.offline.estimators import read_parameters, vehicle_of
 from friction_bags.offline.plan import SayOnce
 from friction_bags.offline.vehicle_text import with_radii
@@ -32,6 +32,7 @@ from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_argument import add_vehicle_argument
 from vehicle_models.vehicle_file import load_vehicle, vehicle_path
 from wheel_slip.processor import VEHICLE_VELOCITY
 from wheel_slip.radius_calibration import CalibrationParameters, Radii, RadiusCalibration
@@ -48,14 +49,14 @@ def calibrate(
     limits: CalibrationParameters,
     report: Report,
 ) -> Radii | str:
-    """Radii from the messages of a bag, or the reason why there are none.
+    """Return the radii from the messages of a bag, or the reason why there are none.
 
     Args:
-        messages: relative topic and message.
+        messages: pairs of relative topic and message.
         vehicle: the car with its nominal radii.
         speed_latency: age of vehicle_velocity at its stamp [s]; None: compare the wheels with each other.
-        limits: of what counts as coasting.
-        report: is told of wheels that are missing.
+        limits: limits of coasting.
+        report: log function; missing wheels are reported.
     """
     calibration = RadiusCalibration(vehicle.radii, limits)
     use_sensor = speed_latency is not None
@@ -92,10 +93,10 @@ def bag_messages(reader: BagReader) -> Iterator[tuple[str, Any]]:
 
 
 def calibrated_file(vehicle: Vehicle, source: Path, found: Radii) -> str:
-    """Text of the new vehicle file.
+    """Return the text of the new vehicle file.
 
     Raises:
-        ParameterError: a radius is none of a wheel.
+        ParameterError: a radius is not plausible for a wheel.
     """
     radii = dict(zip(vehicle.wheel_names, zip(found.radii, found.stddevs, strict=True), strict=True))
     head = f"# Radii of the wheels are calibrated: {found.seconds:.1f} s of coasting.\n"
@@ -110,8 +111,8 @@ def calibrated_file(vehicle: Vehicle, source: Path, found: Radii) -> str:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this command."""
     parser.add_argument("bag", type=Path, help="bag with wheel_states and, against the sensor, vehicle_velocity")
-    parser.add_argument("--out", type=Path, required=True, help="vehicle file to be written: the car's, with new radii")
-    add_vehicle_argument(parser)
+    parser.add_argument("--out", type=Path, required=True, help="vehicle file to write: the car's, with new radii")
+    add_vehicle_argument(parser, CAR_OTHERWISE)
     parser.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
     parser.add_argument("--against", choices=("sensor", "wheels"), default="sensor")
     limit = CalibrationParameters().max_acceleration

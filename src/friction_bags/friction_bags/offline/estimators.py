@@ -1,4 +1,4 @@
-"""The estimators of the graph and how each is built from parameter files and the car, as its node is."""
+"""The estimators of the graph, built from parameter files and the car in the same way as their nodes."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
@@ -13,28 +13,27 @@ from friction_runtime.shipped_files import shipped_parameters
 from vehicle_models.vehicle import Vehicle
 
 ESTIMATORS = ("wheel_slip", "friction_slope", "friction_curve_id", "abs_supervisor", "smart_tyre_forces")
-"""In the order in which data flows. Package, node and parameter file have one name; `SHIPPED` of the module
-`parameters` holds what is shipped, `build` of the module `processor` makes the processors. Only what is asked for is
-imported: all of it takes a second."""
+"""Estimators in the order of the data flow. Package, node and parameter file have the same name; `SHIPPED` of the
+module `parameters` holds the shipped values, `build` of the module `processor` makes the processors. Only the selected
+ones are imported: all of them take a second."""
 SMART_TYRE = "smart_tyre_forces"
 WHEEL_ESTIMATORS = tuple(name for name in ESTIMATORS if name != SMART_TYRE)
-"""Those that live on wheel_states."""
+"""Estimators that need wheel_states."""
 
 
 def read_parameters(
     estimators: Iterable[str], files: Sequence[Path], report: Report, namespace: str = "/"
 ) -> dict[str, Any]:
-    """Parameters of some estimators, by name.
+    """Return the parameters of some estimators, by name.
 
     Args:
         estimators: names from ESTIMATORS.
-        files: ROS parameter files over what the packages ship, the later decides.
-        report: is told of parameters that are set for another method than the chosen one.
-        namespace: of the estimators, such as /car.
+        files: ROS parameter files that override those of the packages; later files override earlier ones.
+        report: log function; parameters that are set for a method that is not chosen are reported.
+        namespace: namespace of the estimators, such as /car.
 
     Raises:
         ParameterError: a file or a parameter is bad; the text names it.
-        OSError: a file cannot be read.
     """
     found: dict[str, Any] = {}
     for name in estimators:
@@ -52,10 +51,10 @@ def read_parameters(
 
 
 def vehicle_of(parameters: Mapping[str, Any]) -> str:
-    """Vehicle file that the parameters of estimators name; empty where none does.
+    """Return the vehicle file that the parameters of estimators name; empty where none does.
 
     Raises:
-        ParameterError: they name two.
+        ParameterError: they name different ones.
     """
     found = {each.vehicle_file: name for name, each in parameters.items() if each.vehicle_file}
     if len(found) > 1:
@@ -68,9 +67,9 @@ def make_processors(parameters: Mapping[str, Any], vehicle: Vehicle, report: Rep
     """Make the processors of some estimators.
 
     Args:
-        parameters: of each, as read_parameters gives them.
-        vehicle: the car; `vehicle_file` of the parameters is not looked at.
-        report: takes what the processors have to say.
+        parameters: parameters of each, from read_parameters.
+        vehicle: the car; `vehicle_file` of the parameters is not used.
+        report: log function of the processors.
 
     Raises:
         ParameterError: parameters do not fit the car or each other.

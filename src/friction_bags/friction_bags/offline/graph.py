@@ -1,4 +1,4 @@
-"""The wheel processors of several estimators connected without middleware: what the nodes do, in one process."""
+"""The processors of several estimators, connected in one process without middleware as the nodes are with it."""
 
 from collections import deque
 from collections.abc import Mapping, Sequence
@@ -8,13 +8,13 @@ from friction_runtime.processor import Output, Processor
 
 
 class OfflineGraph:
-    """Passes messages to the processors that take them, and theirs in turn to those behind."""
+    """Passes messages to the processors that take them, and their outputs to those after them."""
 
     def __init__(self, processors: Sequence[Processor]) -> None:
         """Connect processors by their topics.
 
         Args:
-            processors: all that take part, in any order.
+            processors: processors of the graph, in any order.
         """
         self.inputs: dict[str, type] = {}
         self._readers: dict[str, list[Processor]] = {}
@@ -23,7 +23,7 @@ class OfflineGraph:
                 self._connect(processor, topics)
 
     def feed(self, topic: str, message: Any) -> list[Output]:
-        """Take one message; return what all processors give because of it, in order."""
+        """Take one message; return the resulting outputs of all processors, in order."""
         given: list[Output] = []
         waiting: deque[Output] = deque([(topic, message)])
         while waiting:

@@ -1,4 +1,4 @@
-"""Division of the processors of a graph into stages, of which each needs topics of those before it only."""
+"""Division of the processors of a graph into stages, each of which needs topics of earlier stages only."""
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
@@ -9,10 +9,10 @@ Stage = tuple[Processor, ...]
 
 
 def graph_stages(processors: Sequence[Processor], most: int) -> list[Stage]:
-    """Divide processors into at most so many stages that take about the same time.
+    """Divide processors into at most `most` stages that take about the same time.
 
-    Those for several wheels (wheel_slip) are in the first stage, which also reads the bag and so has fewer of the
-    others. These stay with those whose topics they take.
+    Processors for several wheels (wheel_slip) are in the first stage, which also reads the bag and so has fewer of the
+    others. The others stay with those whose topics they take.
     """
     shared = [processor for processor in processors if len(_wheels(processor)) > 1]
     groups = _connected([processor for processor in processors if processor not in shared])
@@ -27,7 +27,7 @@ def graph_stages(processors: Sequence[Processor], most: int) -> list[Stage]:
 
 
 def _connected(processors: Sequence[Processor]) -> list[list[Processor]]:
-    """Groups of processors that take each other's topics."""
+    """Return groups of processors that take each other's topics."""
     groups: list[list[Processor]] = []
     for processor in processors:
         made, needed = _made([processor]), _needed([processor])

@@ -1,4 +1,4 @@
-"""What is to be done with a bag, as each of the processes that do it must know it."""
+"""Plan for processing a bag, shared by all processes that take part."""
 
 import sys
 from collections.abc import Mapping, Sequence
@@ -34,39 +34,39 @@ _MOST_REPORTS = 100
 
 @dataclass(frozen=True)
 class ProcessOptions:
-    """What a user asks for."""
+    """Options of the user."""
 
     estimators: tuple[str, ...] = ()
     """Names of estimators; empty for all whose inputs the bag has."""
     vehicle: str = ""
     """Vehicle file or name of a shipped one; empty for that of the bag's note, or of the parameter files."""
     parameter_files: tuple[Path, ...] = ()
-    """ROS parameter files over what the packages ship."""
+    """ROS parameter files that override those of the packages."""
     namespace: str = "/"
-    """Of the topics, e.g. /car; / for none."""
+    """Namespace of the topics, e.g. /car; / for none."""
     outputs_only: bool = False
     """Whether to leave out the topics of the bag."""
 
     @property
     def prefix(self) -> str:
-        """What the names of the topics begin with."""
+        """Prefix of the names of the topics."""
         return self.namespace.rstrip("/") + "/"
 
 
 @dataclass(frozen=True)
 class OfflinePlan:
-    """What becomes of the topics of one bag."""
+    """What is done with the topics of one bag."""
 
     bag: Path
     parameters: Mapping[str, Mapping[str, Any]]
-    """Values by dotted name, of each estimator by its name: compiled dataclasses cannot be sent to a process."""
+    """Values by estimator and dotted name: compiled dataclasses cannot be sent to a process."""
     vehicle: Vehicle
     vehicle_note: str
-    """How the bag that is made names the car."""
+    """Name of the car in the note of the new bag."""
     taken: tuple[str, ...]
-    """Of each topic in the bag: its relative name if the estimators take it, else nothing."""
+    """Relative name of each topic in the bag that the estimators take, empty for the other topics."""
     copied: tuple[bool, ...]
-    """Of each topic in the bag: whether it is copied to the other."""
+    """Whether each topic in the bag is copied to the new one."""
 
     def processors(self, report: Report) -> list[Processor]:
         """Make the processors.
@@ -81,13 +81,13 @@ class OfflinePlan:
 
 
 class SayOnce:
-    """Report of processors: warnings and errors, each kind once."""
+    """Log function of processors: prints warnings and errors, each kind once."""
 
     def __init__(self) -> None:
         self._said: set[str] = set()
 
     def __call__(self, severity: Severity, text: str) -> None:
-        """Print what was not printed before."""
+        """Print the text if its kind has not been printed before."""
         kind = report_kind(text)
         if severity in ("warning", "error") and kind not in self._said and len(self._said) < _MOST_REPORTS:
             self._said.add(kind)
@@ -95,12 +95,11 @@ class SayOnce:
 
 
 def plan_for(reader: BagReader, options: ProcessOptions, report: Report) -> tuple[OfflinePlan, list[Processor]]:
-    """Find out what a bag asks for; return also the processors of the plan.
+    """Make the plan for a bag; return also its processors.
 
     Raises:
-        BagError: it holds no wheel of the car.
+        BagError: the bag holds no wheel of the car.
         ParameterError: a parameter or the vehicle file is bad, or no car is named.
-        OSError: a parameter file cannot be read.
     """
     prefix = options.prefix
     names = [topic.name.removeprefix(prefix) for topic in reader.counts]
@@ -121,13 +120,13 @@ def plan_for(reader: BagReader, options: ProcessOptions, report: Report) -> tupl
 
 
 def output_numbers(processors: Sequence[Processor]) -> dict[str, int]:
-    """Numbers of the topics that processors make, in the order in which outputs of one message are written."""
+    """Return numbers of the topics that processors make, in the order in which outputs of one message are written."""
     topics = dict.fromkeys(topic for processor in processors for topic in processor.outputs)
     return {topic: number for number, topic in enumerate(topics)}
 
 
 def _taken(reader: BagReader, processors: Sequence[Processor], made: set[str], prefix: str) -> list[str]:
-    """Relative names of the topics of the bag that processors take and none of them makes, nothing of the others."""
+    """Return relative names of the bag's topics that processors take and none of them makes, empty for the others."""
     kinds: dict[str, Any] = {}
     for processor in processors:
         kinds.update(processor.sensors)
@@ -137,14 +136,14 @@ def _taken(reader: BagReader, processors: Sequence[Processor], made: set[str], p
         name = topic.name.removeprefix(prefix)
         fits = name in kinds and name not in made
         if fits and type_name(kinds[name]) != topic.type:
-            print(f"warning: {topic.name} is {topic.type}, not {type_name(kinds[name])}: not taken", file=sys.stderr)
+            print(f"warning: {topic.name} is {topic.type}, not {type_name(kinds[name])}: ignored", file=sys.stderr)
             fits = False
         taken.append(name if fits else "")
     return taken
 
 
 def _refuse_strange_car(reader: BagReader, prefix: str, vehicle: Vehicle) -> None:
-    """Refuse a car of which the bag holds no wheel: by the first wheel_states, and by the names of tyre_signals.
+    """Refuse a car without any wheel in the bag, by the first wheel_states and the names of tyre_signals.
 
     Raises:
         BagError: the text names the wheels of both.
@@ -166,7 +165,7 @@ def _refuse_strange_car(reader: BagReader, prefix: str, vehicle: Vehicle) -> Non
 
 
 def _first_joints(reader: BagReader, prefix: str) -> list[str] | None:
-    """Names in the first wheel_states message; None where there is none."""
+    """Return the names in the first wheel_states message; None where there is none."""
     states = [topic for topic in reader.counts if topic.name == prefix + _WHEEL_STATES]
     for topic, _, data in reader.messages(states):
         if topic.type == type_name(JointState):

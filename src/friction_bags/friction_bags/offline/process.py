@@ -15,11 +15,12 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.bag_vehicle import add_vehicle_argument
+from friction_bags.bag_vehicle import CAR_OTHERWISE
 from friction_bags.offline.estimators import ESTIMATORS
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import ProcessResult, process_bag
 from friction_parameters.parameter import ParameterError
+from vehicle_models.vehicle_argument import add_vehicle_argument
 
 _REFRESH_PERIOD = 0.2
 _INTERRUPTED = 130
@@ -28,24 +29,28 @@ _INTERRUPTED = 130
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Describe the command line."""
-    parser.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="bags to be processed")
+    parser.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="bags to process")
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="DIR", help="bag to be made; of several bags: where to make them"
+        "--out",
+        type=Path,
+        required=True,
+        metavar="DIR",
+        help="bag to write; for several bags their directory",
     )
     parser.add_argument("--estimators", nargs="+", choices=ESTIMATORS, default=[], help="default: all with inputs")
-    add_vehicle_argument(parser)
+    add_vehicle_argument(parser, CAR_OTHERWISE)
     parser.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
-    parser.add_argument("--namespace", default="/", help="of the topics, such as /car")
+    parser.add_argument("--namespace", default="/", help="namespace of the topics, such as /car")
     parser.add_argument("--outputs-only", action="store_true", help="leave out the topics of the bag")
-    parser.add_argument("--jobs", type=int, default=cpu_count() or 1, help="processes at once (default: one a core)")
+    parser.add_argument("--jobs", type=int, default=cpu_count() or 1, help="processes at once (default: one per core)")
 
 
 def run(args: Namespace) -> int:
     """Process the bags.
 
     Returns:
-        Exit code: 0, 1 when a bag is damaged, 2 when one could not be processed, 130 after SIGINT or SIGTERM: then
-        the bag being made is closed with what it has, of several bags made at once those under way need a reindex.
+        Exit code: 0, 1 when a bag is damaged, 2 when one could not be processed, 130 after SIGINT or SIGTERM. Then the
+        bag being written is closed with what it has; of several bags at once, unfinished ones need a reindex.
     """
     options = ProcessOptions(
         tuple(args.estimators),
@@ -126,7 +131,7 @@ def _attempt(
 
 @contextmanager
 def _bars(bags: Sequence[Path]) -> Iterator[Callable[[int, float], None]]:
-    """Progress bars on a terminal, nothing elsewhere: a function of the bag's index and the part that is done."""
+    """Yield a function that shows progress on a terminal, by the bag's index and the share that is done."""
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:

@@ -15,6 +15,7 @@ from friction_bags.offline.graph_stages import graph_stages
 from friction_bags.offline.plan import ProcessOptions, SayOnce, output_numbers, plan_for
 from friction_bags.offline.stage_processes import read_steps, steps_of_stages, undecoded
 from friction_bags.offline.stage_run import StageRun
+from vehicle_models.nanoseconds import NANOSECOND
 
 _CHUNK_SIZE = 4 << 20
 _PROGRESS_EVERY = 1000
@@ -23,17 +24,17 @@ _number = itemgetter(0)
 
 @dataclass(frozen=True)
 class ProcessResult:
-    """What was done to a bag."""
+    """Result of processing a bag."""
 
     bag: str
     messages: int
-    """Read."""
+    """Messages read."""
     outputs: int
-    """Made by the estimators."""
+    """Messages made by the estimators."""
     duration: float
-    """[s] of the bag."""
+    """Duration of the bag [s]."""
     seconds: float
-    """[s] it took."""
+    """Processing time [s]."""
     problems: tuple[str, ...]
 
 
@@ -46,14 +47,14 @@ def process_bag(
     caused it. The bytes of the result depend neither on the run nor on the number of processes.
 
     Args:
-        bag: to be read.
-        out: to be made.
-        options: what to do.
-        processes: among which the estimators are divided, at most.
-        progress: is told the part that is done, 0 to 1.
+        bag: bag to read.
+        out: bag to write.
+        options: options of the user.
+        processes: largest number of processes for the estimators.
+        progress: called with the share that is done, 0 to 1.
 
     Raises:
-        BagError: the bag cannot be read, holds no wheel of the car, or the other cannot be made.
+        BagError: the bag cannot be read, holds no wheel of the car, or the new one cannot be made.
         ParameterError: a parameter or the vehicle file is bad, or no car is named.
     """
     begun = perf_counter()
@@ -92,6 +93,6 @@ def process_bag(
             if count % _PROGRESS_EVERY == 0:
                 progress(count / total)
         progress(1.0)
-        duration = (reader.end - reader.start) * 1e-9
+        duration = (reader.end - reader.start) * NANOSECOND
         found = tuple(dict.fromkeys([*reader.problems, *problems, *undecoded(run)]))
         return ProcessResult(str(bag), count, given, duration, perf_counter() - begun, found)

@@ -1,4 +1,4 @@
-"""Stages of the estimators in processes of their own: a chain from the one that reads to the one that writes."""
+"""Stages of the estimators, each in its own process: a chain from the one that reads to the one that writes."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -16,14 +16,14 @@ from friction_bags.offline.stage_run import Outputs, StageRun
 _BATCH = 128
 """Steps that are sent together."""
 _PIPE_SIZE = 1 << 20
-"""[bytes] What a stage may be ahead of the next: with the usual 64 kB they wait for each other."""
+"""How far a stage may be ahead of the next [bytes]: with the usual 64 kB they wait for each other."""
 
 Step = tuple[int, int, bytes, Outputs]
-"""Number of a topic of the bag, recording stamp [ns], CDR, what followed from it so far."""
+"""Number of a topic of the bag, recording stamp [ns], CDR, outputs so far."""
 
 
 def read_steps(reader: BagReader, plan: OfflinePlan) -> Iterator[Step]:
-    """Messages of a bag that the plan asks for."""
+    """Yield the messages of a bag that the plan needs."""
     numbers = {topic: number for number, topic in enumerate(reader.counts) if plan.taken[number] or plan.copied[number]}
     for topic, stamp, data in reader.messages(numbers):
         yield numbers[topic], stamp, data, []
@@ -31,12 +31,12 @@ def read_steps(reader: BagReader, plan: OfflinePlan) -> Iterator[Step]:
 
 @contextmanager
 def steps_of_stages(plan: OfflinePlan, stages: int, problems: list[str]) -> Iterator[Iterator[Step]]:
-    """Steps behind all stages but the last, each of which runs in a process of its own.
+    """Yield the steps after all stages but the last, each of which runs in a process of its own.
 
     Args:
-        plan: for the bag.
-        stages: all, two at least.
-        problems: what was wrong with the bag is added when all steps are there.
+        plan: plan for the bag.
+        stages: number of all stages, at least two.
+        problems: problems of the bag are appended when all steps are there.
     """
     context = get_context("spawn")  # a forked process would hang in the middleware
     processes = []
@@ -62,7 +62,7 @@ def steps_of_stages(plan: OfflinePlan, stages: int, problems: list[str]) -> Iter
 
 
 def undecoded(run: StageRun) -> list[str]:
-    """What a stage says of messages that cannot be decoded."""
+    """Return texts on messages of a stage that could not be decoded."""
     return [f"{name}: {number} messages cannot be decoded" for name, number in run.refused.items()]
 
 
@@ -71,7 +71,7 @@ def _run_stage(plan: OfflinePlan, stage: int, stages: int, before: Connection | 
 
     An exception is sent instead of being raised.
     """
-    signal(SIGINT, SIG_IGN)  # the process that writes ends this one
+    signal(SIGINT, SIG_IGN)  # the writing process ends this one
     try:
         processors = plan.processors(SayOnce())
         run = StageRun(graph_stages(processors, stages)[stage], output_numbers(processors))

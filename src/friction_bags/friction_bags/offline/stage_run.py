@@ -1,4 +1,4 @@
-"""A stage of the estimators over encoded messages: what is done for each message of a bag."""
+"""A stage of the estimators over the encoded messages of a bag."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -8,7 +8,7 @@ from friction_bags.offline.graph import OfflineGraph
 from friction_bags.offline.graph_stages import Stage
 
 Outputs = list[tuple[int, bytes]]
-"""Number of the topic and CDR of what follows from one message."""
+"""Topic number and CDR of each output for one message."""
 
 
 class StageRun:
@@ -18,11 +18,11 @@ class StageRun:
     """
 
     def __init__(self, stage: Stage, numbers: Mapping[str, int]) -> None:
-        """Start anew.
+        """Start without messages.
 
         Args:
-            stage: processors.
-            numbers: of the topics that the processors of all stages make.
+            stage: processors of the stage.
+            numbers: numbers of the topics that the processors of all stages make.
         """
         self._graph = OfflineGraph(stage)
         self._numbers = dict(numbers)
@@ -30,7 +30,7 @@ class StageRun:
         self.refused: dict[str, int] = {}
 
     def take(self, name: str, data: bytes, outputs: Outputs) -> None:
-        """Take a message with its relative topic, and what follows from it so far; append what follows here."""
+        """Take a message with its relative topic and its outputs so far; append those of this stage."""
         made = [(self._names[number], encoded) for number, encoded in outputs]
         self._feed(name, data, outputs)
         for topic, encoded in made:

@@ -5,14 +5,14 @@ from collections.abc import Mapping
 import yaml
 
 Edit = tuple[int, int, str]
-"""Begin and end of what is replaced, and by what."""
+"""Begin and end of the text to replace, and the new text."""
 
 
 def with_radii(text: str, found: Mapping[str, tuple[float, float]]) -> str:
-    """Write radii below the wheels of a vehicle file.
+    """Set the radii of the wheels in the text of a vehicle file.
 
     Args:
-        text: of a vehicle file that load_vehicle takes.
+        text: text of a valid vehicle file.
         found: radius and its standard deviation [m] by the name of the wheel.
 
     Returns:
@@ -22,7 +22,7 @@ def with_radii(text: str, found: Mapping[str, tuple[float, float]]) -> str:
     wheels = _value(top, "wheels")
     edits: list[Edit] = []
     for wheel, (radius, stddev) in found.items():
-        # to 0.01 mm and 0.001 mm: no calibration is better
+        # to 0.01 mm and 0.001 mm: no calibration is more accurate
         values = {"value": f"{radius:.5f}", "stddev": f"{max(stddev, 1e-6):.6f}"}
         mapping = _value(wheels, wheel)
         given = _value(mapping, "radius")
@@ -44,7 +44,7 @@ def _value(mapping: yaml.Node | None, key: str) -> yaml.Node | None:
 
 
 def _entry(mapping: yaml.Node | None, key: str, new: str) -> Edit:
-    """Edit that gives a key of a mapping a new value; a new key stands before the others."""
+    """Return the edit that sets a key of a mapping; a new key goes before the others."""
     assert isinstance(mapping, yaml.MappingNode)
     present = _value(mapping, key)
     if present is not None:

@@ -1,4 +1,4 @@
-"""Flow control of a replay: the next samples go out when the nodes have answered those before."""
+"""Flow control of a replay: the next samples are published when the nodes have answered the previous ones."""
 
 import struct
 from collections import deque
@@ -12,10 +12,11 @@ from rclpy.subscription import Subscription
 from friction_bags.bag_io.message_definition import UnknownTypeError, message_class
 from friction_bags.record_replay import qos_profiles
 from friction_bags.record_replay.topic_selection import TopicSelection
+from vehicle_models.nanoseconds import NANOSECONDS
 
 _POLL_PERIOD = 0.0002
 _PATIENCE = 1.0
-"""[s] Silence after which one more stamp is let through: some answers need a later sample of another topic."""
+"""Silence after which one more stamp is let through [s]: some answers need a later sample of another topic."""
 _MOST_AHEAD = 100
 _LITTLE = struct.Struct("<iI")
 _BIG = struct.Struct(">iI")
@@ -24,9 +25,9 @@ _BIG = struct.Struct(">iI")
 class FlowControl:
     """Holds the replay until every followed topic has a message stamped like the sample before, or later.
 
-    Where the answers of a topic need later samples, it finds out: after a second of silence it lets one stamp more be
-    under way for that topic. So it never blocks, and is slow once; topics that answer at once are waited for all the
-    same, so that no node sees them late because another one is.
+    Some topics answer only after later samples. So after a second of silence one more stamp may be under way for that
+    topic: the replay never blocks, and is slow only once. Topics that answer at once are still waited for, so that
+    their samples do not arrive late because of a slow topic.
     """
 
     def __init__(self, node: Node) -> None:
@@ -117,17 +118,17 @@ class FlowControl:
 
 
 def has_header(kind: Any) -> bool:
-    """Whether messages of a class begin with a header; a foreign class does not tell."""
+    """Whether messages of a class begin with a header; False for a foreign class, whose fields are unknown."""
     if not hasattr(kind, "get_fields_and_field_types"):
         return False
     return next(iter(kind.get_fields_and_field_types().values()), "") == "std_msgs/Header"
 
 
 def header_stamp(data: bytes) -> int:
-    """Stamp [ns] of the header a CDR message begins with."""
+    """Return the stamp [ns] of the header at the start of a CDR message."""
     seconds, nanoseconds = (_LITTLE if data[1] & 1 else _BIG).unpack_from(data, 4)
-    return int(seconds) * 1_000_000_000 + int(nanoseconds)
+    return int(seconds) * NANOSECONDS + int(nanoseconds)
 
 
 def _never_called(_: bytes) -> None:
-    """Callback of subscriptions that are drained by hand."""
+    """Callback of subscriptions that are drained without an executor."""

@@ -1,7 +1,7 @@
-"""Messages of types that are not installed, as bytes: DDS asks for no more than the name of the type.
+"""Messages of types that are not installed, as bytes: DDS needs no more than the name of the type.
 
-rclpy wants a message class with type support. The one made here has the name of the foreign type and otherwise the
-functions of std_msgs/String, which are never called as long as messages pass as bytes. It holds for the
+rclpy needs a message class with type support. The one made here has the name of the foreign type and otherwise the
+functions of std_msgs/String, which are never called as long as messages pass as bytes. It works with the
 rmw_fastrtps_cpp middleware of Jazzy, the default; with another one the type stays unknown.
 """
 
@@ -52,14 +52,14 @@ _HashFunction = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)
 
 
 def raw_class(type_name: str, type_hash: str) -> Any:
-    """Class with which messages of a type pass as bytes: the installed one, or one made for it.
+    """Return a class with which messages of a type pass as bytes: the installed one, or one made for it.
 
     Args:
         type_name: e.g. test_msgs/msg/BasicTypes.
         type_hash: RIHS01 hash of the type, empty where unknown.
 
     Raises:
-        UnknownTypeError: the type is not installed, and the middleware is not the one for which this can be done.
+        UnknownTypeError: the type is not installed, and the middleware does not support such a class.
     """
     try:
         return message_class(type_name)
@@ -69,7 +69,7 @@ def raw_class(type_name: str, type_hash: str) -> Any:
 
 @cache
 def foreign_class(type_name: str, type_hash: str) -> Any:
-    """Class for bytes of a type, whether it is installed or not; see raw_class."""
+    """Return a class for bytes of a type, whether it is installed or not; see raw_class."""
     package, _, name = type_name.partition("/msg/")
     fastrtps, introspection = _support_of_string(_FASTRTPS), _support_of_string(_INTROSPECTION)
     if not (fastrtps and introspection and name):
@@ -90,14 +90,14 @@ def foreign_class(type_name: str, type_hash: str) -> Any:
         member: getattr(kept, member)
         for member in ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE")
     }
-    # what C code points to must live as long as the class
+    # objects that C code points to must live as long as the class
     members["_ALIVE"] = (callbacks, made_hash, handle_function, hash_function, made)
     members["_TYPE_SUPPORT"] = _capsule(made)
     return type(f"Metaclass_{name}", (type,), members)(name, (), {})
 
 
 def _support_of_string(identifier: bytes) -> int | None:
-    """Address of a type support of std_msgs/String; None where it is not installed."""
+    """Return the address of a type support of std_msgs/String; None where it is not installed."""
     kind: Any = type(String)
     if kind._TYPE_SUPPORT is None:
         kind.__import_type_support__()
@@ -117,7 +117,7 @@ def _capsule(support: _TypeSupport) -> Any:
 
 
 def _type_hash(text: str) -> _TypeHash:
-    """Hash as the middleware announces it; that of version 0 where it is unknown."""
+    """Return the hash as the middleware announces it; that of version 0 where it is unknown."""
     if not text.startswith("RIHS01_"):
         return _TypeHash()
     return _TypeHash(1, (ctypes.c_uint8 * _HASH_SIZE).from_buffer_copy(bytes.fromhex(text.removeprefix("RIHS01_"))))

@@ -30,7 +30,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Describe the command line."""
     parser.add_argument("bag", type=Path, help="directory of a bag, or an .mcap or .db3 file")
     add_selection_arguments(parser)
-    parser.add_argument("--rate", type=_positive, default=1.0, help="seconds of the bag in a second (default 1)")
+    parser.add_argument("--rate", type=_positive, default=1.0, help="seconds of the bag per second (default 1)")
     parser.add_argument(
         "--as-fast-as-possible", action="store_true", help="do not pace by recording times; best with --follow"
     )
@@ -41,8 +41,8 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="TOPIC",
         help="flow control: publish the next stamp when these have answered the last, such as '*/abs_supervisor'",
     )
-    parser.add_argument("--loop", action="store_true", help="begin again at the end")
-    parser.add_argument("--start-offset", type=_not_negative, default=0.0, metavar="S", help="begin S into the bag")
+    parser.add_argument("--loop", action="store_true", help="start again at the end")
+    parser.add_argument("--start-offset", type=_not_negative, default=0.0, metavar="S", help="start S s into the bag")
     parser.add_argument("--duration", type=_positive, metavar="S", help="replay only S seconds of the bag")
     parser.add_argument("--remap", nargs="+", default=[], type=_remapping, metavar="OLD:=NEW", help="rename topics")
     parser.add_argument(
@@ -55,9 +55,15 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="S",
         help="wait at most S until each topic has its subscribers (default 3: discovery can take 2.5 s)",
     )
-    parser.add_argument("--subscribers", type=int, default=1, metavar="N", help="of each topic to wait for (default 1)")
     parser.add_argument(
-        "--settle", type=_not_negative, default=0.0, metavar="S", help="and until none has come for S (default 0)"
+        "--subscribers", type=int, default=1, metavar="N", help="subscribers to wait for per topic (default 1)"
+    )
+    parser.add_argument(
+        "--settle",
+        type=_not_negative,
+        default=0.0,
+        metavar="S",
+        help="wait also until no new subscriber has come for S seconds (default 0)",
     )
 
 
@@ -104,7 +110,7 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
     rate = inf if args.as_fast_as_possible else args.rate
     flow = _flow_control(args, node, stop) if args.follow else None
     if flow is not None and not flow.topics:
-        print(f"error: nobody publishes {' '.join(args.follow)}: start the nodes first", file=sys.stderr)
+        print(f"error: no publisher of {' '.join(args.follow)}: start the nodes first", file=sys.stderr)
         return 2
     begun = monotonic()
     with _progress((span.stop - span.start) / NANOSECONDS) as progress:
@@ -126,7 +132,7 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
 
 
 def _flow_control(args: Namespace, node: Node, stop: Event) -> FlowControl:
-    """Follow what appears within the time that discovery may take, which ends when all that is named has appeared."""
+    """Follow the topics that appear within the time for discovery, which ends once all named ones have appeared."""
     flow = FlowControl(node)
     selection = TopicSelection(args.follow, (), node.get_namespace())
     end = monotonic() + args.wait
@@ -140,7 +146,7 @@ def _flow_control(args: Namespace, node: Node, stop: Event) -> FlowControl:
 
 @contextmanager
 def _progress(total: float) -> Iterator[Callable[[float], None]]:
-    """Bar on a terminal, nothing elsewhere."""
+    """Yield a function that shows progress on a terminal, by the time into the bag [s]."""
     console = Console(stderr=True)
     if not console.is_terminal:
         yield lambda _: None

@@ -1,4 +1,4 @@
-"""Replay of a bag onto its topics: raw CDR, so that header stamps stay what they were."""
+"""Replay of a bag onto its topics as raw CDR, so that header stamps do not change."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -27,12 +27,12 @@ _ACKNOWLEDGE_EVERY = 50
 
 @dataclass(frozen=True)
 class Span:
-    """Part of a bag to be replayed."""
+    """Part of a bag to replay."""
 
     start: int
-    """[ns] from this recording stamp on."""
+    """First recording stamp [ns]."""
     stop: int
-    """[ns] up to and without this one."""
+    """Recording stamp before which to stop [ns]."""
 
 
 class Player:
@@ -42,10 +42,10 @@ class Player:
         """Make the publishers.
 
         Args:
-            node: on which to publish.
+            node: node that publishes.
             reader: the bag.
-            topics: those to be replayed.
-            remapping: topics that get another name.
+            topics: topics to replay.
+            remapping: new names of topics.
         """
         self._node = node
         self._reader = reader
@@ -78,7 +78,7 @@ class Player:
         """Wait until each topic has `count` subscribers and none has come for `settle` [s], at most `timeout` [s].
 
         Returns:
-            The topics that have less.
+            The topics that have fewer.
         """
         now = monotonic()
         end, changed_at = now + timeout, now
@@ -101,10 +101,10 @@ class Player:
 
         Args:
             span: part of the bag.
-            rate: seconds of the bag in a second; inf: as fast as possible.
-            stop: ends the replay when set.
-            progress: is told the time [s] into the span after each message.
-            flow: holds the replay until the nodes have answered.
+            rate: seconds of the bag per second; inf: as fast as possible.
+            stop: event that ends the replay.
+            progress: called with the time into the span [s] after each message.
+            flow: flow control; holds the replay until the nodes have answered.
         """
         stamped = {topic for topic, publisher in self._publishers.items() if has_header(publisher.msg_type)}
         begun = monotonic()

@@ -1,4 +1,4 @@
-"""QoS of recorded topics: as stored in a bag, as matched by the recorder, as offered again by the player."""
+"""QoS of recorded topics: as stored in a bag, as matched by the recorder, as offered by the player."""
 
 from collections.abc import Sequence
 
@@ -7,6 +7,8 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
+from vehicle_models.nanoseconds import NANOSECONDS
+
 _RECORDING_DEPTH = 4000
 """Samples a topic may wait for the recorder: 20 s at 200 Hz."""
 _REPLAY_DEPTH = 1000
@@ -14,7 +16,7 @@ _REPLAY_DEPTH = 1000
 
 
 def stored(profile: QoSProfile) -> Qos:
-    """Form in which a bag stores a profile."""
+    """Return the form in which a bag stores a profile."""
     return Qos(
         QosHistory(int(profile.history)),
         profile.depth,
@@ -29,7 +31,7 @@ def stored(profile: QoSProfile) -> Qos:
 
 
 def matching(publishers: Sequence[TopicEndpointInfo]) -> QoSProfile:
-    """Strictest profile that all publishers match: reliable and transient local only where each of them is."""
+    """Return the strictest profile that all publishers match: reliable and transient local only where they all are."""
     offered = [publisher.qos_profile for publisher in publishers]
     reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in offered)
     latched = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in offered)
@@ -37,7 +39,7 @@ def matching(publishers: Sequence[TopicEndpointInfo]) -> QoSProfile:
 
 
 def replayed(recorded: Sequence[Qos]) -> QoSProfile:
-    """Profile of the player: reliable, which every subscriber matches; transient local where it was."""
+    """Return the profile of the player: reliable, which every subscriber matches; transient local where it was."""
     latched = bool(recorded) and all(qos.durability == QosDurability.TRANSIENT_LOCAL for qos in recorded)
     depth = max(max(qos.depth for qos in recorded), 1) if latched else _REPLAY_DEPTH
     return _profile(depth, reliable=True, latched=latched)
@@ -53,4 +55,4 @@ def _profile(depth: int, *, reliable: bool, latched: bool) -> QoSProfile:
 
 
 def _time(duration: Duration) -> QosTime:
-    return QosTime(*divmod(int(duration.nanoseconds), 1_000_000_000))
+    return QosTime(*divmod(int(duration.nanoseconds), NANOSECONDS))

@@ -15,28 +15,29 @@ from rich.table import Table
 
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_writer import BagWriter
-from friction_bags.bag_vehicle import VEHICLE_NOTE, add_vehicle_argument
+from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.record_replay.recorder import Recorder
 from friction_bags.record_replay.topic_selection import add_selection_arguments, selection_of
 from friction_parameters.parameter import ParameterError
 from friction_runtime.spin import stop_on_signals, take_down
+from vehicle_models.vehicle_argument import add_vehicle_argument
 from vehicle_models.vehicle_file import vehicle_reference
 
 _TAKE_PERIOD = 0.02
 _DISCOVER_PERIOD = 0.1
 _FLUSH_PERIOD = 0.5
-"""[s] A killed recorder loses at most this, and one take period."""
+"""Period of flushing [s]. A killed recorder loses at most this, and one take period."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Describe the command line."""
-    parser.add_argument("--out", type=Path, metavar="DIR", help="directory to be made (default: bag_ and the time)")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="directory to create (default: bag_ and the time)")
     parser.add_argument("--all", action="store_true", help="all topics, which is the default without --topics")
     add_selection_arguments(parser)
     parser.add_argument("--compression", choices=("zstd", "lz4", "none"), default="zstd", help="of chunks")
-    parser.add_argument("--duration", type=float, default=float("inf"), metavar="S", help="stop after so many seconds")
+    parser.add_argument("--duration", type=float, default=float("inf"), metavar="S", help="stop after S seconds")
     parser.add_argument("--note", default="", help="a note that travels with the bag")
-    add_vehicle_argument(parser, "none; `process` then asks for it")
+    add_vehicle_argument(parser, "none; `process` then needs --vehicle")
 
 
 def run(args: Namespace, ros_args: list[str]) -> int:

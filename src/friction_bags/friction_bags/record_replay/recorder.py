@@ -19,7 +19,7 @@ from friction_bags.record_replay.topic_selection import TopicSelection
 
 
 class _Taken(NamedTuple):
-    """A message that was received; tuples sort by the time of arrival."""
+    """A received message; tuples sort by the time of arrival."""
 
     received: int
     channel: int
@@ -46,18 +46,18 @@ class RecordedTopic:
 class Recorder:
     """Subscribes to the selected topics of a graph and writes what arrives.
 
-    The subscriptions are drained by `take`, every now and then, instead of by an executor: that costs microseconds a
-    message, and the middleware stamps each arrival by itself. The node is never spun.
+    The subscriptions are drained by `take`, called periodically, instead of by an executor: that costs microseconds per
+    message, and the middleware stamps each arrival. The node is never spun.
     """
 
     def __init__(self, node: Node, writer: BagWriter, selection: TopicSelection, say: Callable[[str], None]) -> None:
         """Start with no topic.
 
         Args:
-            node: on which to subscribe.
-            writer: of the bag.
-            selection: topics wanted.
-            say: takes lines for a person.
+            node: node that subscribes.
+            writer: writer of the bag.
+            selection: selected topics.
+            say: prints a line for the user.
         """
         self._node = node
         self._writer = writer
@@ -91,7 +91,7 @@ class Recorder:
         """Write what has arrived.
 
         Raises:
-            BagError: it cannot be written.
+            BagError: the bag cannot be written.
         """
         now = time_ns()
         arrived: list[_Taken] = []
@@ -143,13 +143,13 @@ class Recorder:
         self._say(f"recording {name} ({kind}, {profile.reliability.name.lower()}{remark})")
 
     def _resubscribe(self, recorded: RecordedTopic, profile: QoSProfile) -> None:
-        """Match publishers that offer less, or more, than those before."""
+        """Match publishers that offer less or more than the previous ones."""
         self._drain(recorded, self._held)
         self._node.destroy_subscription(recorded.subscription)
         recorded.subscription = self._subscribe(recorded.topic, profile)
         recorded.profile = profile
         recorded.last_sequence = None
-        self._say(f"recording {recorded.topic.name} anew with {profile.reliability.name.lower()} QoS")
+        self._say(f"recording {recorded.topic.name} again with {profile.reliability.name.lower()} QoS")
 
     def _subscribe(self, topic: Topic, profile: QoSProfile) -> Subscription:
         kind = raw_class(topic.type, topic.type_hash)
@@ -161,4 +161,4 @@ class Recorder:
 
 
 def _never_called(_: bytes) -> None:
-    """Callback of subscriptions that are drained by hand."""
+    """Callback of subscriptions that are drained without an executor."""

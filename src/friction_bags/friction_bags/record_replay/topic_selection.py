@@ -1,4 +1,4 @@
-"""Which topics a command means: names and patterns, in the namespace of its node."""
+"""Selection of topics for a command: names and patterns, in the namespace of its node."""
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Collection, Sequence
@@ -12,9 +12,9 @@ class TopicSelection:
         """Take patterns.
 
         Args:
-            include: topics wanted; none for all.
-            exclude: topics not wanted.
-            namespace: where patterns without leading slash begin.
+            include: patterns of topics to select; none for all.
+            exclude: patterns of topics to leave out.
+            namespace: namespace of patterns without a leading slash.
         """
         self._include = [_absolute(pattern, namespace) for pattern in include]
         self._exclude = [_absolute(pattern, namespace) for pattern in exclude]
@@ -26,7 +26,7 @@ class TopicSelection:
         return not self._include or any(fnmatchcase(name, pattern) for pattern in self._include)
 
     def is_complete(self, names: Collection[str]) -> bool:
-        """Whether every wanted topic is among these absolute names; with a wildcard that is never known."""
+        """Whether every selected topic is among these absolute names; always False with a wildcard."""
         return bool(self._include) and set(self._include) <= set(names)
 
 
@@ -37,7 +37,7 @@ def add_selection_arguments(parser: ArgumentParser) -> None:
 
 
 def selection_of(args: Namespace, namespace: str = "/") -> TopicSelection:
-    """Selection by the options."""
+    """Return the selection by the options."""
     return TopicSelection(args.topics, args.exclude, namespace)
 
 

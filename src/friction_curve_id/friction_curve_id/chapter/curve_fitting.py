@@ -1,4 +1,4 @@
-"""From friction samples to estimates: when a fit starts, when it starts anew, and what it says.
+"""From friction samples to estimates: when a fit starts, when it starts again, and its result.
 
 The start is that of section 8.3: a fit begins once `initial_samples` friction samples are there and the slip exceeds
 `lambda_init` (0 and 20 in Tables 8.1 to 8.3; 0.07 in Tables 8.4 and 8.5, where the samples before it are the
@@ -19,7 +19,7 @@ from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartC
 Array = NDArray[np.float64]
 
 _LEAST_SLIP_SPAN = 0.003
-"""The first samples must spread over this much slip [-], or there is nothing to fit."""
+"""Least range of slip over the first samples [-]; with less there is nothing to fit."""
 _RELEASE_TIME = 0.5
 """A brake released for longer than this ends the fit [s]."""
 _RELEASED = Refusal(Reason.NO_EXCITATION, "the brake is released")
@@ -57,7 +57,7 @@ class PointFitting:
         self._released_since: float | None = None
 
     def reset(self) -> None:
-        """Forget everything; the next estimate says that it restarted on request."""
+        """Forget everything; the next estimate reports a restart on request."""
         self._clear()
         self._cause = RestartCause.REQUEST
 
@@ -130,7 +130,7 @@ class WheelFitting:
         self._fitting = PointFitting(fit, start)
 
     def reset(self) -> None:
-        """Forget everything; the next estimate says that it restarted on request."""
+        """Forget everything; the next estimate reports a restart on request."""
         self._samples.reset()
         self._fitting.reset()
 

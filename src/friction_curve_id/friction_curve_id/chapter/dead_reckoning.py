@@ -16,17 +16,17 @@ from friction_curve_id.measurement_noise import MeasurementNoise
 from vehicle_models.single_corner import CornerParameters
 
 _UNKNOWN = float("inf")
-"""Variance of a speed that nothing is known of."""
+"""Variance of an unknown speed."""
 _RECOVERY_TIME = 0.2
 """A wheel released this long [s] rolls freely again."""
 FREE_ROLLING_TORQUE = 15.0
-"""Below this brake torque [N m], five times its noise, the wheel rolls freely: v = omega r."""
+"""Brake torque [N m], five times its noise, below which the wheel rolls freely: v = omega r."""
 _ACCELERATION_ERROR = 0.3
-"""What the model leaves out of the vehicle's acceleration [m/s^2]: drag, slope, errors of its parameters."""
+"""Error of the model's acceleration of the vehicle [m/s^2]: drag, slope, errors of its parameters."""
 
 
 class DeadReckonedSpeed:
-    """Speed of the vehicle at one wheel, one scalar Kalman step a sample."""
+    """Speed of the vehicle at one wheel, one scalar Kalman step per sample."""
 
     def __init__(self, wheel: CornerParameters, noise: MeasurementNoise = MeasurementNoise()) -> None:
         """Start without an anchor."""

@@ -16,13 +16,13 @@ Array = NDArray[np.float64]
 
 EXPONENTS = np.array([4.0, 36.0, 68.0, 100.0])
 _RATES = np.append(-EXPONENTS, [0.0, 0.0])
-"""Of growth of all six terms; line and constant have none."""
+"""Growth rates of all six terms; 0 for the line and the constant."""
 _SQUARES = _RATES**2
 _PLAIN_EXPONENTS: list[float] = EXPONENTS.tolist()
 _GRID: list[float] = np.concatenate([np.linspace(0.001, 0.2, 200), np.linspace(0.205, 1.0, 160)]).tolist()
 _STEPS = 40
 _CONVERGED = 1e-12
-"""The step [-] that ends the search for a peak: a further one would be rounding."""
+"""Step [-] that ends the search for a peak: a further one would be rounding."""
 
 
 def regressor(slips: Array) -> Array:
@@ -40,7 +40,7 @@ def regressor_row(slip: float) -> Array:
 
 
 def slope_row(slip: float) -> Array:
-    """D phi / d slip, shape (6,)."""
+    """d phi / d slip, shape (6,)."""
     row = np.asarray(_RATES * np.exp(_RATES * slip))
     row[4] = 1.0
     return row
@@ -53,11 +53,11 @@ class ExponentialCurve:
     """CurveModel of (8.12)."""
 
     def __init__(self, largest_slip: float) -> None:
-        """Tell how far the data reach: a peak among them goes before one that is extrapolated."""
+        """Set how far the data reach [-]: a peak among them is preferred to one that is extrapolated."""
         self._largest_slip = largest_slip
 
     def friction(self, parameters: Array, slip: float) -> float:
-        """Mu [-], (8.12)."""
+        """mu [-], (8.12)."""
         return float(regressor_row(slip) @ parameters)
 
     def gradient(self, parameters: Array, slip: float) -> Array:
@@ -65,7 +65,7 @@ class ExponentialCurve:
         return regressor_row(slip)
 
     def slope(self, parameters: Array, slip: float) -> float:
-        """D mu / d slip [-]."""
+        """d mu / d slip [-]."""
         return float(slope_row(slip) @ parameters)
 
     def slope_gradient(self, parameters: Array, slip: float) -> Array:
@@ -91,14 +91,14 @@ class ExponentialCurve:
         return next(iter(among or maxima), nan)
 
     def theta(self, parameters: Array) -> Array:
-        """Unknown: (8.12) is not a Burckhardt curve."""
+        """Return UNKNOWN_THETA: (8.12) is not a Burckhardt curve."""
         return UNKNOWN_THETA
 
 
 def _zero_of_slope(parameters: Array, low: float, high: float) -> float:
-    """Where the slope falls through zero between two slips: Newton's method, or bisection where that leaves them.
+    """Return where the slope falls through zero between two slips: Newton's method, or bisection if that leaves them.
 
-    In plain numbers: for four of them numpy takes several times as long.
+    Uses plain floats: for four of them numpy takes several times as long.
     """
     *amplitudes, line, _ = parameters.tolist()
     terms = [(exponent, exponent * amplitude) for exponent, amplitude in zip(_PLAIN_EXPONENTS, amplitudes, strict=True)]

@@ -1,6 +1,6 @@
 """Samples of the friction curve, mu(slip), from the signals of one wheel: (8.8) and two better conditioned forms.
 
-Each takes two neighbouring samples and speaks of the middle between them: rates are differences over the
+Each takes two neighbouring samples and holds at the middle between them: rates are differences over the
 interval, levels are means. The difference and the mean of white noise are uncorrelated, so that the noise of
 omega does not enter mu and slip together. At 200 Hz with the noise of section 8.3.2 (sigma of omega 0.07 rad/s,
 v 0.5 m/s, T_b 3.2 N m) on the corner of that section:
@@ -9,7 +9,7 @@ v 0.5 m/s, T_b 3.2 N m) on the corner of that section:
   0.012 at 30 m/s) and differenced in slip_dot, which puts a sigma near 0.7 on mu; the two are correlated
   through slip(t).
 - WHEEL_EQUATION: mu = (J omega_dot + T_b) / (r Fz), from (2.15) alone, against the slip from the measured
-  speed. mu knows nothing of v: sigma 0.03, nearly all from omega (each difference shares its omega with the
+  speed. mu does not depend on v: sigma 0.03, nearly all from omega (each difference shares its omega with the
   next, so that it averages out as 1/N and not as 1/sqrt(N)). The slip keeps its 0.012: errors in variables
   flatten and bias the fit.
 - DEAD_RECKONED: the same mu against the slip from the dead-reckoned speed (dead_reckoning.py): sigma of the slip
@@ -52,9 +52,9 @@ class FrictionPoint(NamedTuple):
     mu: float
     """[-]"""
     braking: bool = True
-    """The brake is applied."""
+    """Whether the brake is applied."""
     after_gap: bool = False
-    """The first point after a gap or a jump back in time: whoever keeps state starts anew."""
+    """Whether this is the first point after a gap or a jump back in time, where fits start again."""
 
 
 class _Known(NamedTuple):
@@ -74,7 +74,7 @@ class FrictionSamples:
         gate: GateParameters = _GATE,
         noise: MeasurementNoise = _NOISE,
     ) -> None:
-        """Choose the form; `gate` says which samples are admitted, `noise` how far dead reckoning trusts each."""
+        """Choose the form; `gate` sets which samples are admitted, `noise` how far dead reckoning trusts each."""
         self._wheel = wheel
         self._source = source
         self._is_dead_reckoned = source is FrictionSource.DEAD_RECKONED
@@ -93,9 +93,9 @@ class FrictionSamples:
     def update(self, sample: Sample) -> FrictionPoint | Refusal:
         """Return the point between the last sample and this one, or why there is none."""
         if sample.wheel_speed > HIGHEST_WHEEL_SPEED:
-            return Refusal(Reason.BAD_INPUT, f"{sample.wheel_speed:.3g} rad/s is no wheel speed")
+            return Refusal(Reason.BAD_INPUT, f"{sample.wheel_speed:.3g} rad/s is not a wheel speed")
         if abs(sample.brake_torque or 0.0) > HIGHEST_TORQUE:
-            return Refusal(Reason.BAD_INPUT, f"{sample.brake_torque:.3g} N m is no brake torque")
+            return Refusal(Reason.BAD_INPUT, f"{sample.brake_torque:.3g} N m is not a brake torque")
         admission = self._gate.admit(sample)
         if isinstance(admission, Refusal):
             return admission

@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 RIDGE = 1e-6
 """Added to the diagonal of the Gram matrix. With noise of 0.02 on mu this is a prior of sigma 20 on each
-coefficient: it decides only directions the data do not see, and after 20 samples there are always some
+coefficient: it decides only directions that the data do not determine, and after 20 samples there are always some
 (condition 1e10 to 1e17)."""
 
 
@@ -30,10 +30,10 @@ def triangle(slips: Array, frictions: Array) -> Array:
 
 
 def solve(root: Array, samples: int, largest_slip: float) -> FittedCurve:
-    """The curve that a triangle of `samples` samples up to `largest_slip` holds.
+    """Return the curve from a triangle of `samples` samples up to `largest_slip`.
 
     The covariance is sigma^2 (phi^T phi)^-1, NaN where there are no more samples than parameters. Differenced
-    signals share noise between neighbours, which makes it too large rather than too small; it knows nothing of
+    signals share noise between neighbours, which makes it too large rather than too small; it does not include
     the bias of (8.12).
     """
     inverse = np.linalg.inv(root[:6, :6])
@@ -45,6 +45,6 @@ class LeastSquares(SampleWindow):
     """Batch LS over the newest samples: a fit from scratch at every sample."""
 
     def curve(self) -> FittedCurve:
-        """Fit."""
+        """Fit the curve."""
         slips, frictions = self.samples()
         return solve(triangle(slips, frictions), len(slips), float(np.max(slips)))

@@ -23,12 +23,12 @@ from vehicle_models import burckhardt
 Array = NDArray[np.float64]
 
 INITIAL_THETA_3 = 0.4
-"""theta_3(0) of the chapter: the mean of what Table 8.1 holds."""
+"""theta_3(0) of the chapter: the mean over Table 8.1."""
 _USUAL_STEEPNESS, _STEEPNESS_SPREAD = 30.0, 6.0
-"""th2(0) where the first samples do not bend enough to tell: with so few and small slips the quadratic term of
-(8.11) comes out with an error larger than itself."""
+"""th2(0) where the first samples do not bend enough to determine it: with so few and small slips the error of the
+quadratic term of (8.11) is larger than the term itself."""
 _FRICTION_NOISE = 0.02
-"""Noise of mu that weighs the line above against the samples [-]."""
+"""Noise of mu [-] that weighs this prior of th2 against the samples."""
 _MAX_ITERATIONS = 60
 _MIN_DAMPING, _MAX_DAMPING = 1e-10, 1e8
 _CONVERGED = 1e-9
@@ -103,7 +103,7 @@ class MaximumLikelihood(SampleWindow):
     """Batch ML over the newest samples: a fit from scratch at every sample."""
 
     def curve(self) -> FittedCurve:
-        """Fit."""
+        """Fit the curve."""
         slips, frictions = self.samples()
         result = fit(slips, frictions, initial_theta(slips[:20], frictions[:20]))
         return FittedCurve(BurckhardtCurve(), result.theta, result.covariance)

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 class RecursiveLS:
-    """RLS; its memory does not grow."""
+    """Recursive least squares with constant memory."""
 
     def __init__(self) -> None:
         """Wait for the first samples."""

@@ -4,12 +4,12 @@ The recursion is (8.10) turned into recursive least squares: one Gauss-Newton st
 P xi, P^-1 = sum of xi xi^T. As printed it is unsound twice, and this form differs so that it cannot diverge:
 - P^-1 of the first samples is singular to working precision (condition 1e10 and more). Here its square root R is
   carried (P^-1 = R^T R, updated by a QR step) and it begins with a prior around theta(0);
-- at low slip the data tell th1 th2 and nothing else, a hyperbola in theta on which a linear step goes astray.
+- at low slip the data determine th1 th2 and nothing else, a hyperbola in theta on which a linear step goes astray.
   The recursion runs in (ln th1, ln th2, th3), where it is a straight line; the steps end at the box of sensible
   curves.
 
 The extra gain of the chapter multiplies the steps of th2 and th3. Alone that would leave the line of curves that
-fit the past and oscillate, so th1 follows: it is fitted anew, given the longer steps, to the information in R. A gain
+fit the past and oscillate, so th1 follows: it is fitted again, given the longer steps, to the information in R. A gain
 below 2 keeps the recursion stable (an error of the linearised prediction shrinks by at most |1 - gain|).
 """
 
@@ -34,17 +34,17 @@ from vehicle_models import burckhardt
 Array = NDArray[np.float64]
 
 _PRIOR_STDDEV = np.array([0.5, 0.7, 0.2])
-"""Of ln th1, ln th2 and th3 around theta(0)."""
+"""Standard deviations of ln th1, ln th2 and th3 around theta(0)."""
 _FRICTION_NOISE = 0.02
 """Noise of mu that weighs the prior against the samples [-]."""
 _LONGEST_STEP = 1.0
-"""Of one sample, in standard deviations of the prior: beyond it the linearisation does not hold."""
+"""Longest step at one sample, in standard deviations of the prior: beyond it the linearisation does not hold."""
 _NOISE_SAMPLES = 10
-"""Samples the assumed noise counts for in the estimate of the noise."""
+"""Weight of the assumed noise in the estimate of the noise, in samples."""
 
 
 def _scale(theta: Array) -> Array:
-    """D theta / d (unknowns in standard deviations of the prior), diagonal, shape (3,)."""
+    """d theta / d (unknowns in standard deviations of the prior), diagonal, shape (3,)."""
     return theta_per_unknown(theta) * _PRIOR_STDDEV
 
 
@@ -150,7 +150,7 @@ class RecursiveMLWithBatch:
         self._errors: list[float] = []
         self._last_mean_square = np.inf
         self.batches = 0
-        """Times batch iterations were made since the start."""
+        """Number of batches of iterations since the start."""
 
     def add(self, slip: float, friction: float) -> None:
         """Take one more sample."""

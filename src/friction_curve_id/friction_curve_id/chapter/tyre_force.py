@@ -1,7 +1,7 @@
 """Friction samples from measured tyre forces, mu = -Fx / Fz, and the curve fitted to them.
 
 The forces of a smart tyre (section 8.4) need neither brake torque nor the wheel's inertia: their noise is that of the
-forces alone, and an error common to Fx and Fz cancels. They come once a revolution, some ten a second.
+forces alone, and an error common to Fx and Fz cancels. They come once per revolution, about ten per second.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from friction_parameters import shared
 from friction_parameters.parameter import parameter
 
 _BRAKING_FRICTION = 0.02
-"""mu from which the brake counts as applied [-]."""
+"""mu [-] from which the brake counts as applied."""
 _REPEATED = 1e-4
 """Samples closer than this count as repeated [s]."""
 
@@ -53,7 +53,7 @@ class TyreForceFitting:
         self._last: float | None = None
 
     def reset(self) -> None:
-        """Forget everything; the next estimate says that it restarted on request."""
+        """Forget everything; the next estimate reports a restart on request."""
         self._last = None
         self._fitting.reset()
 

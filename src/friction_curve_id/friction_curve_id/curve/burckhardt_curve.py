@@ -20,17 +20,17 @@ UNKNOWNS_HIGH = np.array([np.log(5.0), np.log(300.0), 5.0])
 
 
 def to_theta(unknowns: Array) -> Array:
-    """Theta of (ln th1, ln th2, th3), both of shape (3,)."""
+    """theta from (ln th1, ln th2, th3), both of shape (3,)."""
     return np.array([np.exp(unknowns[0]), np.exp(unknowns[1]), unknowns[2]])
 
 
 def to_unknowns(theta: Array) -> Array:
-    """(ln th1, ln th2, th3) of theta, both of shape (3,)."""
+    """(ln th1, ln th2, th3) from theta, both of shape (3,)."""
     return np.array([np.log(theta[0]), np.log(theta[1]), theta[2]])
 
 
 def theta_per_unknown(theta: Array) -> Array:
-    """D theta / d (ln th1, ln th2, th3), which is diagonal: shape (3,)."""
+    """d theta / d (ln th1, ln th2, th3), which is diagonal: shape (3,)."""
     return np.array([theta[0], theta[1], 1.0])
 
 
@@ -38,15 +38,15 @@ class BurckhardtCurve:
     """CurveModel of (2.13)."""
 
     def friction(self, parameters: Array, slip: float) -> float:
-        """Mu [-], (2.13)."""
+        """mu [-], (2.13)."""
         return float(burckhardt.friction(parameters, slip))
 
     def gradient(self, parameters: Array, slip: float) -> Array:
-        """The xi of (8.10), shape (3,)."""
+        """xi of (8.10), shape (3,)."""
         return burckhardt.gradient(parameters, slip)
 
     def slope(self, parameters: Array, slip: float) -> float:
-        """D mu / d slip [-], (2.37)."""
+        """d mu / d slip [-], (2.37)."""
         return float(burckhardt.slope(parameters, slip))
 
     def slope_gradient(self, parameters: Array, slip: float) -> Array:

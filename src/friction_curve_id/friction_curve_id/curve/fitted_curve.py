@@ -1,4 +1,4 @@
-"""A fitted friction curve with the covariance of its parameters, and what follows for the peak and the present slip.
+"""A fitted friction curve with the covariance of its parameters, and estimates at the peak and the present slip.
 
 First-order error propagation. With s = d mu / d slip and p the parameters,
     d lambda_max = -(ds/dp at the peak) dp / (ds/dslip at the peak),   d mu_max = (dmu/dp at the peak) dp,
@@ -22,15 +22,15 @@ class CurveModel(Protocol):
     """A friction curve mu(slip; p) of n parameters."""
 
     def friction(self, parameters: Array, slip: float) -> float:
-        """Mu [-]."""
+        """mu [-]."""
         ...
 
     def gradient(self, parameters: Array, slip: float) -> Array:
-        """D mu / d p, shape (n,)."""
+        """d mu / d p, shape (n,)."""
         ...
 
     def slope(self, parameters: Array, slip: float) -> float:
-        """D mu / d slip [-]."""
+        """d mu / d slip [-]."""
         ...
 
     def slope_gradient(self, parameters: Array, slip: float) -> Array:
@@ -65,13 +65,13 @@ class FittedCurve:
         largest_slip: float,
         limits: ValidityLimits = ValidityLimits(),
     ) -> CurveEstimate:
-        """Say what the curve says at the present `slip`.
+        """Return the estimate at the present `slip`.
 
         Args:
             slip: present slip [-].
-            samples: points in the fit.
-            largest_slip: the largest slip among them; a peak beyond it is extrapolated, hence not valid.
-            limits: when the peak may be used.
+            samples: number of points in the fit.
+            largest_slip: largest slip among them [-]; a peak beyond it is extrapolated, hence not valid.
+            limits: limits within which the peak may be used.
         """
         m, p, covariance = self.model, self.parameters, self.covariance
 

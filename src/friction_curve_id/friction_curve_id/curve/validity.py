@@ -1,4 +1,4 @@
-"""Whether the peak of a fitted curve may be used: the one judge of all methods."""
+"""Whether the peak of a fitted curve may be used: the same limits for all methods."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -8,23 +8,23 @@ from friction_curve_id.interface import Reason
 
 @dataclass(frozen=True)
 class ValidityLimits:
-    """When lambda_max and mu_max may be used."""
+    """Limits within which lambda_max and mu_max may be used."""
 
     min_samples: int = 0
-    """In the fit; a method that waits for its samples before it fits needs none here."""
+    """Least samples in the fit; 0 for a method that waits for its samples before it fits."""
     max_relative_stddev: float = 0.1
-    """Of lambda_max, > 0."""
+    """Largest relative standard deviation of lambda_max [-], > 0."""
 
     def judge(
         self, samples: int, slip_span: tuple[float, float], lambda_max: float, stddev: float
     ) -> tuple[Reason, str]:
-        """Why the peak may not be used, OK if it may.
+        """Return why the peak may not be used, OK if it may, and the same in words.
 
         Args:
-            samples: in the fit.
+            samples: number of samples in the fit.
             slip_span: smallest and largest slip in the fit [-]. The smallest is 0 for a method that starts from there.
-            lambda_max: estimate [-], NaN for no peak.
-            stddev: its standard deviation [-], NaN where it is unknown.
+            lambda_max: estimate of the slip at the peak [-], NaN for no peak.
+            stddev: standard deviation of lambda_max [-], NaN where it is unknown.
         """
         if samples < self.min_samples:
             return Reason.TOO_FEW_SAMPLES, f"{samples} of {self.min_samples} samples"

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class OutlierThresholds:
-    """Residuals beyond these, in standard deviations, weigh less."""
+    """Residuals beyond these, in standard deviations, get less weight."""
 
     wheel_speed: float = 3.5
     speed: float = 2.0
@@ -43,29 +43,29 @@ class NormalEquations:
     """Matrix and gradient of the cost at the present unknowns, n samples."""
 
     diagonal: Array
-    """Of the omegas, shape (n,)."""
+    """Diagonal of the block of the omegas, shape (n,)."""
     off_diagonal: Array
-    """Shape (n - 1,)."""
+    """Off-diagonal of the block of the omegas, shape (n - 1,)."""
     border: Array
     """Rows omega_k; columns q, u, and last the gradient; shape (n, 5)."""
     corner: Array
-    """Of (q, u), bordered by the gradient in the last column, shape (5, 5)."""
+    """Block of (q, u), bordered by the gradient in the last column, shape (5, 5)."""
     wheel_equation_error: Array
     """Residuals of the wheel equations [standard deviations of the torque], shape (n - 1,)."""
     cost: float
-    """At the present unknowns."""
+    """Cost at the present unknowns."""
 
 
 @dataclass(frozen=True)
 class Solution:
-    """Newton step and the covariance of what is wanted."""
+    """Newton step, and the covariance of the unknowns that are published."""
 
     wheel_speed_step: Array
-    """Shape (n,)."""
+    """Step of the omegas [rad/s], shape (n,)."""
     step: Array
-    """Of (q, u), shape (4,)."""
+    """Step of (q, u), shape (4,)."""
     covariance: Array
-    """Of (q, u, omega of the newest sample), shape (5, 5)."""
+    """Covariance of (q, u, omega of the newest sample), shape (5, 5)."""
 
 
 def assemble(
@@ -78,17 +78,17 @@ def assemble(
     past: PastEvidence,
     oldest: int | None = None,
 ) -> NormalEquations:
-    """Linearise the residuals of a window of at least two samples about the present unknowns, the prior of q apart.
+    """Linearise the residuals of a window of at least two samples about the present unknowns, without the prior of q.
 
     Args:
         window: the samples, and the present estimate of their wheel speeds.
         q: present curve, shape (3,).
         momentum_speed: present u [m/s].
-        wheel: with what rests on it.
-        noise: of the measurements.
-        thresholds: beyond which residuals weigh less.
-        past: what samples before the window say.
-        oldest: only the residuals of the oldest so many samples, up to the wheel equation that leads to the next one.
+        wheel: the wheel and its share of the car.
+        noise: noise of the measurements.
+        thresholds: residuals beyond these get less weight.
+        past: evidence of the samples before the window.
+        oldest: take only the residuals of this many oldest samples, up to the wheel equation that leads to the next.
     """
     n = window.count if oldest is None else oldest + 1
     omega = window.wheel_speed[:n]
@@ -156,7 +156,7 @@ def assemble(
 
 
 def solve(equations: NormalEquations) -> Solution:
-    """Newton step and covariance.
+    """Return the Newton step and the covariance.
 
     Raises:
         np.linalg.LinAlgError: the matrix is not positive definite (or not finite).
@@ -180,7 +180,7 @@ def solve(equations: NormalEquations) -> Solution:
 
 
 def fold(equations: NormalEquations, number: int, x: Array) -> PastEvidence:
-    """Eliminate the oldest `number` omegas: what they say of x = (q, u, omega of the sample after them), shape (5,).
+    """Eliminate the oldest `number` omegas; return their evidence on x = (q, u, omega of the next sample), shape (5,).
 
     `equations` must hold the residuals of these samples only: those of sample `number` itself excluded.
     """
@@ -194,7 +194,7 @@ def fold(equations: NormalEquations, number: int, x: Array) -> PastEvidence:
     corner[4, :4] = corner[:4, 4] = equations.border[number, :4]
     corner[4, 4] = equations.diagonal[number]
     corner[4, 5] = corner[5, 4] = equations.border[number, 4]
-    # LAPACK's wrapper wants one off-diagonal element even where there is none
+    # LAPACK's wrapper needs one off-diagonal element even where there is none
     pivots, factors, info = dpttrf(equations.diagonal[:number], equations.off_diagonal[: max(number - 1, 1)])
     if info != 0:
         raise np.linalg.LinAlgError("the wheel speeds are not determined")

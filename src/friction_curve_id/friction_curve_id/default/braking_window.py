@@ -16,7 +16,7 @@ from vehicle_models.single_corner import CornerParameters
 Array = NDArray[np.float64]
 
 SET_ASIDE = 1e-6
-"""Weight of what is set aside: nothing, but it keeps the matrix regular."""
+"""Weight of a measurement that is set aside: negligible, but it keeps the matrix regular."""
 
 _SLOWEST = 0.1
 """Floor of the speed where slip is taken [m/s], far below what the gate admits."""
@@ -30,9 +30,9 @@ class NewestSlip:
     """Vehicle speed [m/s]."""
     slip: float
     per_u: float
-    """D slip / d u [s/m]."""
+    """d slip / d u [s/m]."""
     per_omega: float
-    """D slip / d omega [s]."""
+    """d slip / d omega [s]."""
 
 
 class BrakingWindow:
@@ -86,7 +86,7 @@ class BrakingWindow:
         return NewestSlip(speed, slip, per_u, -per_u * self.speed_per_wheel_speed - self._radius / speed)
 
     def impulse_after(self, time: float, torque: float) -> float:
-        """I [m/s] at a sample that would come next, at `time` [s] under `torque` [N m]."""
+        """Return I [m/s] at a next sample, at `time` [s] under `torque` [N m]."""
         last = self.count - 1
         if last < 0:
             return 0.0
@@ -122,7 +122,7 @@ class BrakingWindow:
     def drop_oldest(self, number: int) -> None:
         """Forget the oldest `number` samples."""
         rest = self.count - number
-        self._rows[:, :rest] = self._rows[:, number : self.count]  # numpy minds the overlap
+        self._rows[:, :rest] = self._rows[:, number : self.count]  # numpy handles the overlap
         self.count = rest
 
     def clear(self) -> None:

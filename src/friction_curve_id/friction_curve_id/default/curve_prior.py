@@ -1,4 +1,4 @@
-"""What is known of a road before the first sample: the family of the published Burckhardt roads, weakly."""
+"""Weak prior of a road before the first sample, from the family of the published Burckhardt roads."""
 
 from dataclasses import dataclass
 from math import log
@@ -31,12 +31,12 @@ class CurvePrior:
     ratio: float = 0.4
     """Median of th3 / th1 at the median th2 [-], > 0."""
     ratio_log_stddev: float = 0.18
-    """Of th3 / th1 at a given th2, > 0."""
+    """Standard deviation of ln(th3 / th1) at a given th2, > 0."""
     ratio_log_slope: float = -0.05
-    """D ln(th3 / th1) / d ln th2 [-]."""
+    """d ln(th3 / th1) / d ln th2 [-]."""
 
     def __post_init__(self) -> None:
-        """Refuse values that make no distribution."""
+        """Refuse values that are not a distribution."""
         positive = (self.theta_1, self.theta_2, self.ratio)
         spread = (self.theta_1_log_stddev, self.theta_2_log_stddev, self.ratio_log_stddev)
         if not all(0.0 < value < np.inf for value in positive + spread) or not np.isfinite(self.ratio_log_slope):

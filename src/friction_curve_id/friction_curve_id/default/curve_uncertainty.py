@@ -28,7 +28,7 @@ def describe(
     limits: ValidityLimits,
     cause: RestartCause,
 ) -> CurveEstimate:
-    """Say what the fit says; `covariance` is that of (q, u, omega), shape (5, 5)."""
+    """Return the estimate of a fit; `covariance` is that of (q, u, omega), shape (5, 5)."""
     theta = burckhardt_log.to_theta(q)
     of_q = covariance[:3, :3]
     jacobian = burckhardt_log.theta_jacobian(theta)

@@ -1,4 +1,4 @@
-"""The default estimator: when samples enter the full-information fit, which are set aside, when it begins anew.
+"""The default estimator: when samples enter the full-information fit, which are set aside, when the fit restarts.
 
 Samples wait until the brake moves (`excitation`); then every sample updates the fit (`map_fit`). Surprising wheel
 speeds and suspect torques are set aside (`torque_watch`), many surprises mean a new road (`surface_change`).
@@ -24,19 +24,19 @@ from vehicle_models.single_corner import CornerParameters
 Array = NDArray[np.float64]
 
 _LEAD_IN = 20
-"""Samples that wait for the brake or the wheel to move."""
+"""Samples kept while waiting for the brake or the wheel to move."""
 _SHORT_LEAD_IN = 3
-"""So many of them where the engine moves the wheel: its torque is not known."""
+"""The same where the engine moves the wheel, whose torque is not known."""
 _QUIET = 40
-"""So many samples of constant torque and slip say nothing new."""
+"""Samples of constant torque and slip after which more of them add no information."""
 _RELEASED = 10
-"""So many samples without brake torque and slip end the braking."""
+"""Samples without brake torque and slip that end the braking."""
 _QUIET_SLIP_SPAN = 0.002
 
 
 @dataclass(frozen=True)
 class DefaultParameters(FitParameters):
-    """What the default estimator believes, admits and publishes as valid."""
+    """Noise and prior of the default estimator, and its limits for samples and valid estimates."""
 
     gate: GateParameters = field(default_factory=GateParameters)
     limits: ValidityLimits = ValidityLimits(min_samples=20)
@@ -46,7 +46,7 @@ class DefaultEstimator:
     """CurveEstimator of one wheel."""
 
     def __init__(self, wheel: CornerParameters, parameters: DefaultParameters = DefaultParameters()) -> None:
-        """Know nothing but the prior."""
+        """Start from the prior."""
         self._radius = wheel.radius
         self._p = parameters
         self._gate = SampleGate(wheel.radius, parameters.gate)
@@ -57,7 +57,7 @@ class DefaultEstimator:
         self._forget()
 
     def reset(self) -> None:
-        """Forget everything; the next estimate says that it restarted on request."""
+        """Forget everything; the next estimate reports a restart on request."""
         self._gate.reset()
         self._forget()
         self._cause = RestartCause.REQUEST
@@ -72,7 +72,7 @@ class DefaultEstimator:
             return self._take(sample, sample.brake_torque, admission)
         except np.linalg.LinAlgError as error:
             self._forget()
-            return Refusal(Reason.BAD_INPUT, f"the fit failed and begins anew: {error}")
+            return Refusal(Reason.BAD_INPUT, f"the fit failed and starts again: {error}")
 
     def _forget(self) -> None:
         self._fit.forget()
@@ -83,7 +83,7 @@ class DefaultEstimator:
         self._count(0)
 
     def _count(self, samples: int) -> None:
-        """Begin to count samples anew."""
+        """Restart the count of samples at `samples`."""
         self._samples = samples
         self._smallest_slip, self._largest_slip = 1.0, 0.0
 
@@ -97,7 +97,7 @@ class DefaultEstimator:
         return self._wait(sample, torque)
 
     def _pause(self, time: float) -> None:
-        """After a gap the dead reckoning starts anew; what is known of the curve fades with the length of the gap."""
+        """Restart the dead reckoning after a gap; the evidence on the curve fades with the length of the gap."""
         if self._fitting:
             self._stop()
         if self._samples:
@@ -129,7 +129,7 @@ class DefaultEstimator:
         return self._publish()
 
     def _start(self) -> None:
-        """Begin to fit the samples that waited."""
+        """Begin to fit the waiting samples."""
         if not self._fit.start():
             if self._samples:
                 self._cause = RestartCause.GAP
@@ -178,8 +178,8 @@ class DefaultEstimator:
     def _set_aside(self, equation_trust: float, innovation: float) -> None:
         """Set aside what should not bend the curve: a surprising wheel speed, the equations of a suspect torque.
 
-        After a run of surprises too long for outliers the wheel speed counts again, and how the wheel came there not.
-        A curve of few samples may be wrong itself: it judges nothing.
+        After a run of surprises too long for outliers the measured wheel speed counts again, but not the wheel equation
+        that leads to it. A curve of few samples may itself be wrong, so nothing is set aside on its account.
         """
         window = self._fit.window
         newest = window.count - 1
@@ -192,7 +192,7 @@ class DefaultEstimator:
         window.equation_trust[newest] = equation_trust
 
     def _nothing_new(self) -> str:
-        """Why further samples would say nothing about the curve, or ""."""
+        """Return why further samples would add no information on the curve, or ""."""
         window, noise = self._fit.window, self._p.noise
         n = window.count
         torque = window.torque[:n]
@@ -213,8 +213,8 @@ class DefaultEstimator:
     def _blind_covariance(self) -> Array:
         """Covariance of (q, u, omega), honest where all slips lie beyond the peak.
 
-        There th2 has no effect on the data any more, and the quadratic about the fit does not see the long tail of
-        steeper curves: th2 is then as uncertain as the prior says.
+        There th2 has no effect on the data any more, and the quadratic about the fit misses the long tail of steeper
+        curves: th2 is then as uncertain as in the prior.
         """
         if self._smallest_slip <= burckhardt_log.lambda_max(self._fit.q):
             return self._fit.covariance

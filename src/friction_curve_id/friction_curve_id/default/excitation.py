@@ -1,4 +1,4 @@
-"""Whether the latest samples say anything about the curve, and whether the brake alone moves the wheel."""
+"""Whether the latest samples carry information on the curve, and whether the brake alone moves the wheel."""
 
 from dataclasses import dataclass
 
@@ -9,12 +9,12 @@ Array = NDArray[np.float64]
 
 _TORQUE_SPAN = 8.0
 _BEND = 6.0
-"""Both in standard deviations of the measurement: twice what noise alone reaches within some ten samples."""
+"""Thresholds in standard deviations of the measurement: twice what noise alone reaches within some ten samples."""
 _NO_TORQUE = 1.5
 """Mean torque of a released brake, in standard deviations of one sample."""
 _NO_SLIP = 0.01
 _DRIVEN = 4.0
-"""Standard deviations of the trend."""
+"""Threshold of a driven wheel, in standard deviations of the trend."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class WheelTrend:
     rate: float
     """[rad/s^2]"""
     stddev: float
-    """Of the rate [rad/s^2]; inf for fewer than four samples."""
+    """Standard deviation of the rate [rad/s^2]; inf for fewer than four samples."""
     bend: float
     """Largest distance from the line [rad/s]."""
 
@@ -42,7 +42,7 @@ def wheel_trend(time: Array, wheel_speed: Array, wheel_speed_noise: float) -> Wh
 
 
 def is_excited(trend: WheelTrend, torque: Array, wheel_speed_noise: float, torque_noise: float) -> bool:
-    """Does the torque [N m], shape (n,), vary, or the braked wheel not just decelerate?"""
+    """Whether the torque [N m], shape (n,), varies, or the braked wheel does more than decelerate."""
     limit = _TORQUE_SPAN * torque_noise
     if float(torque.max() - torque.min()) > limit:
         return True
@@ -50,10 +50,10 @@ def is_excited(trend: WheelTrend, torque: Array, wheel_speed_noise: float, torqu
 
 
 def is_released(torque: Array, slip: Array, torque_noise: float) -> bool:
-    """Is there no brake torque [N m] any more, and has the slip gone? Shapes (n,)."""
+    """Whether brake torque [N m] and slip [-], shapes (n,), have gone."""
     return float(torque.mean()) < _NO_TORQUE * torque_noise and float(np.abs(slip).max()) < _NO_SLIP
 
 
 def is_driven(trend: WheelTrend, torque: Array, torque_noise: float) -> bool:
-    """Does a wheel without brake torque [N m], shape (n,), change its speed: by the engine, or a slope?"""
+    """Whether a wheel without brake torque [N m], shape (n,), changes its speed, by the engine or a slope."""
     return abs(trend.rate) > _DRIVEN * trend.stddev and float(torque.mean()) < _NO_TORQUE * torque_noise

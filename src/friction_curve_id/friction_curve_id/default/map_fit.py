@@ -1,7 +1,7 @@
 """Full-information maximum a posteriori fit of the curve over a window of samples.
 
-What it fits is in `banded_normal_equations`, what it knows beforehand in `curve_prior`. Gauss-Newton steps start from
-the last fit, so one a sample suffices; samples that leave the window are folded into `past_evidence`.
+The residuals are in `banded_normal_equations`, the prior in `curve_prior`. Gauss-Newton steps start from the last fit,
+so one per sample suffices; samples that leave the window are folded into `past_evidence`.
 """
 
 from dataclasses import dataclass, field
@@ -28,25 +28,25 @@ from vehicle_models.single_corner import CornerParameters
 Array = NDArray[np.float64]
 
 _LONGEST_STEP = 0.7
-"""Of any coordinate of q in one iteration: a factor two."""
+"""Longest step of any coordinate of q in one iteration: a factor of two."""
 _HALVINGS = 4
-"""Of a step that raises the cost."""
+"""Most halvings of a step that raises the cost."""
 _SETTLED = 0.1
 """A step of q below this needs no further iteration."""
 _FARTHEST = 8.0
-"""q stays within so many prior standard deviations of the prior mean."""
+"""Largest distance of q from the prior mean, in standard deviations of the prior."""
 _NO_OUTLIERS = OutlierThresholds(1e6, 1e6, 1e6)
 _DRIVEN_ACCELERATION = 5.0
 """Standard deviation of the acceleration between brakings [m/s^2]: the torque of the engine is not measured."""
 _START_SPEED_STDDEV = 10.0
-"""Of the first guess of u [m/s]: weak, whatever the wheel does at the start."""
+"""Standard deviation of the first guess of u [m/s]: weak, whatever the wheel does at the start."""
 _START_SPEED_DOUBT = 0.1
 """Added to the standard deviation of u at a change of surface [m/s]."""
 
 
 @dataclass(frozen=True)
 class FitParameters:
-    """What the fit believes of noise and road."""
+    """Noise, prior and memory of the fit."""
 
     noise: MeasurementNoise = field(default_factory=MeasurementNoise)
     prior: CurvePrior = field(default_factory=CurvePrior)
@@ -56,10 +56,10 @@ class FitParameters:
     memory: float = 2.0
     """Time constant with which folded samples are forgotten [s], > 0."""
     acceleration_error: float = 0.3
-    """What the model leaves out of the vehicle's acceleration [m/s^2], > 0: drag, slope, errors of its parameters."""
+    """Error of the model's acceleration of the vehicle [m/s^2], > 0: drag, slope, errors of its parameters."""
 
     def __post_init__(self) -> None:
-        """Refuse what makes no fit."""
+        """Refuse values with which no fit is possible."""
         if self.window < 60 or not (self.memory > 0.0 and self.acceleration_error > 0.0):
             raise ValueError("window must be >= 60, memory and acceleration_error > 0")
 
@@ -68,7 +68,7 @@ class MapFit:
     """The unknowns, their covariance, and the samples they are fitted to."""
 
     def __init__(self, wheel: CornerParameters, parameters: FitParameters) -> None:
-        """Know nothing but the prior."""
+        """Start from the prior."""
         self._wheel = wheel
         self._p = parameters
         self.window = BrakingWindow(wheel, parameters.window)
@@ -76,7 +76,7 @@ class MapFit:
         self._prior_information = parameters.prior.information
         self._prior_reach = _FARTHEST * np.sqrt(np.diag(np.linalg.inv(self._prior_information)))
         self.robust = False
-        """Do outliers weigh less? Not while the curve itself may be far off."""
+        """Whether outliers get less weight. Not while the curve itself may be far off."""
         self.forget()
 
     def forget(self) -> None:
@@ -87,7 +87,7 @@ class MapFit:
         self.momentum_speed = 0.0
         """u of `braking_window` [m/s]."""
         self.covariance: Array = np.zeros((5, 5))
-        """Of (q, u, omega of the newest sample)."""
+        """Covariance of (q, u, omega of the newest sample), shape (5, 5)."""
         self._past = no_evidence()
         self._folded_at = 0.0
 
@@ -133,7 +133,7 @@ class MapFit:
         self.window.clear()
 
     def start(self) -> bool:
-        """Begin to fit the samples in the window; say whether something is still known of those before."""
+        """Begin to fit the samples in the window; return whether evidence of earlier ones remains."""
         window, p = self.window, self._p
         age = max(float(window.time[0]) - self._folded_at, 0.0)
         self._past = self._past.loosened(MOMENTUM, (_DRIVEN_ACCELERATION * age) ** 2).aged(age, p.memory)
@@ -155,7 +155,7 @@ class MapFit:
         self.q = self._prior_mean.copy()
 
     def iterate(self, at_most: int) -> None:
-        """Gauss-Newton steps; a long one that raises the cost is taken back by halves."""
+        """Make Gauss-Newton steps; one that raises the cost is halved."""
         equations, cost = self._posterior()
         for _ in range(at_most):
             solution = solve(equations)

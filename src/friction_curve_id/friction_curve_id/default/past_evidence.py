@@ -1,4 +1,4 @@
-"""What samples that have left the window still say, and how it fades.
+"""Evidence of samples that have left the window, and how it fades.
 
 A quadratic in the unknowns x = (q, u, omega of the oldest sample), shape (5,), about the point at which the samples
 were folded together:  cost = 0.5 d^T information d + gradient^T d,  d = x - reference.
@@ -22,14 +22,14 @@ _FORGOTTEN = 1e-3
 
 @dataclass(frozen=True)
 class PastEvidence:
-    """See above; shapes (5, 5), (5,), (5,)."""
+    """The quadratic above: information, gradient and reference, shapes (5, 5), (5,), (5,)."""
 
     information: Array
     gradient: Array
     reference: Array
 
     def gradient_at(self, x: Array) -> Array:
-        """D cost / d x at `x`, shape (5,)."""
+        """d cost / d x at `x`, shape (5,)."""
         return np.asarray(self.gradient + self.information @ (x - self.reference))
 
     def cost_at(self, x: Array) -> float:
@@ -38,7 +38,7 @@ class PastEvidence:
         return float(d @ (0.5 * (self.information @ d) + self.gradient))
 
     def loosened(self, index: int, variance: float) -> "PastEvidence":
-        """The same when unknown `index` has since moved by a random step of this variance."""
+        """Return the evidence after unknown `index` has moved by a random step of this variance."""
         column = self.information[:, index]
         gain = column * (variance / (1.0 + variance * column[index]))
         information = self.information - np.outer(gain, column)
@@ -46,14 +46,14 @@ class PastEvidence:
         return PastEvidence(information, gradient, self.reference)
 
     def aged(self, duration: float, memory: float) -> "PastEvidence":
-        """The same `duration` [s] later: it counts exp(-duration / memory) as much, and nothing once that is tiny."""
+        """Return the evidence `duration` [s] later, weighted by exp(-duration / memory); dropped once that is tiny."""
         share = exp(-duration / memory)
         if share < _FORGOTTEN:
             return no_evidence()
         return PastEvidence(share * self.information, share * self.gradient, self.reference)
 
     def without(self, index: int) -> "PastEvidence":
-        """The same when nothing is known any more of how unknown `index` has moved: it is eliminated."""
+        """Return the evidence after unknown `index` has moved by an unknown amount: it is eliminated."""
         column = self.information[:, index]
         if not column[index] > 0.0:
             return self
@@ -65,12 +65,12 @@ class PastEvidence:
 
 
 def no_evidence() -> PastEvidence:
-    """Nothing known."""
+    """Return evidence that holds no information."""
     return PastEvidence(np.zeros((5, 5)), np.zeros(5), np.zeros(5))
 
 
 def momentum_evidence(speed: float, variance: float) -> PastEvidence:
-    """Only u is known, as `speed` [m/s] with this variance."""
+    """Return evidence on u alone: `speed` [m/s] with this variance."""
     evidence = no_evidence()
     evidence.information[MOMENTUM, MOMENTUM] = 1.0 / variance
     evidence.reference[MOMENTUM] = speed

@@ -16,12 +16,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Prediction:
-    """What the next sample should say."""
+    """Prediction of the next sample."""
 
     wheel_speed: float
     """[rad/s]"""
     stddev: float
-    """Of the next measured wheel speed about it [rad/s]."""
+    """Standard deviation of the next measured wheel speed about the predicted one [rad/s]."""
     speed: float
     """Vehicle speed [m/s]."""
 

@@ -13,7 +13,7 @@ def robust_weights(squared: Array, threshold: float) -> Array:
 
 
 def robust_cost(squared: Array, threshold: float) -> Array:
-    """The cost whose derivative these weights are, shape (n,): squared / 2, at most threshold^2."""
+    """Cost that belongs to `robust_weights`, shape (n,): squared / 2, at most threshold^2."""
     ratio = np.minimum(threshold**2 / np.maximum(squared, 1e-30), 1.0)
     return np.asarray(np.where(ratio < 1.0, threshold**2 * (1.0 - 0.5 * ratio), 0.5 * squared))
 
@@ -24,6 +24,6 @@ def huber_weights(squared: Array, threshold: float) -> Array:
 
 
 def huber_cost(squared: Array, threshold: float) -> Array:
-    """The cost whose derivative these weights are, shape (n,)."""
+    """Cost that belongs to `huber_weights`, shape (n,)."""
     size = np.sqrt(squared)
     return np.asarray(np.where(size > threshold, threshold * (size - 0.5 * threshold), 0.5 * squared))

@@ -1,13 +1,13 @@
-"""Detection of a change of the road, from how many of the latest wheel speeds were a surprise to their prediction."""
+"""Detection of a change of the road, from the number of surprising wheel speeds among the latest."""
 
 from collections import deque
 
 LONGEST_OUTLIER = 5
-"""So many surprises in a row may be outliers."""
+"""Most surprises in a row that may be outliers."""
 
 
 _SURPRISE, _FURTHER_SURPRISE = 4.0, 2.5
-"""Innovations beyond these are surprises, the second within a burst of outliers."""
+"""Innovations beyond these are surprises [standard deviations], the second within a burst of outliers."""
 
 
 class SurfaceChangeMonitor:
@@ -26,7 +26,7 @@ class SurfaceChangeMonitor:
         self.run = 0
 
     def take(self, innovation: float) -> bool:
-        """Take the next innovation [standard deviations of the prediction]; say whether it is a surprise."""
+        """Take the next innovation [standard deviations of the prediction]; return whether it is a surprise."""
         in_burst = 0 < self.run < LONGEST_OUTLIER
         surprising = abs(innovation) > (_FURTHER_SURPRISE if in_burst else _SURPRISE)
         self._latest.append(surprising)
@@ -35,11 +35,11 @@ class SurfaceChangeMonitor:
 
     @property
     def changed(self) -> bool:
-        """Has the road changed?"""
+        """Whether the road has changed."""
         return sum(self._latest) >= self._needed
 
     @property
     def since(self) -> int:
-        """The latest samples that hold the needed surprises: those on the new road."""
+        """Number of the latest samples that hold the needed surprises: those on the new road."""
         latest = list(self._latest)
         return next((n for n in range(1, len(latest) + 1) if sum(latest[-n:]) >= self._needed), len(latest))

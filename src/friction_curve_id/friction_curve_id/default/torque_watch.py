@@ -11,27 +11,27 @@ from dataclasses import dataclass
 import numpy as np
 
 _TREND = 6
-"""Samples of the trend."""
+"""Samples in the trend."""
 _LONGEST = 5
-"""Suspect samples in a row; more are the new trend."""
+"""Most suspect samples in a row; more are the new trend."""
 
 
 @dataclass(frozen=True)
 class TorqueVerdict:
-    """What to make of a torque."""
+    """Judgement on a torque."""
 
     suspect: bool
     torque: float
-    """What to use [N m]: the measured, or the trend's in place of a suspect one."""
+    """Torque to use [N m]: the measured one, or that of the trend in place of a suspect one."""
     rehabilitated: list[float]
-    """The torques before this one [N m] that were suspect and are the new trend."""
+    """Torques before this one [N m] that were suspect and are the new trend."""
 
 
 class TorqueWatch:
     """Compares each torque with the straight line through the latest trusted ones."""
 
     def __init__(self, noise: float, threshold: float = 6.5) -> None:
-        """Set the standard deviation of the torque [N m] and how many of them off the trend are suspect."""
+        """Set the noise of the torque [N m], and the distance from the trend that is suspect, in multiples of it."""
         self._limit = threshold * noise
         self._trusted: deque[tuple[float, float]] = deque(maxlen=_TREND)
         self._suspects: list[tuple[float, float]] = []

@@ -1,4 +1,4 @@
-"""Samples of the whole vehicle: which may enter the fit, slips behind the tyres' relaxation, load shares."""
+"""Samples of the whole vehicle: which may enter the fit, slips after the tyres' relaxation, load shares."""
 
 from dataclasses import dataclass
 from statistics import fmean
@@ -20,12 +20,12 @@ _REPEATED = 1e-3
 _RELEASED = 0.5
 """Without braking for longer than this the next braking begins a new fit [s]."""
 _UNSTATED_SPREAD = 0.5
-"""Of a relaxation length whose deviation the vehicle file does not state, relative [-]."""
+"""Relative standard deviation of a relaxation length that the vehicle file gives without one [-]."""
 
 
 @dataclass(frozen=True)
 class WholeVehicleParameters:
-    """Which samples enter the fit, and the doubt about their timing."""
+    """Which samples enter the fit, and the uncertainty of their timing."""
 
     timing_stddev: float = parameter(
         0.01,
@@ -36,13 +36,13 @@ class WholeVehicleParameters:
     )
     minimum_speed: float = shared.minimum_speed(6.0)
     min_deceleration: float = parameter(
-        2.0, "from here on the car brakes, and does not coast on the engine", unit="m/s^2", minimum=0.1, maximum=10.0
+        2.0, "deceleration above which the car brakes, not coasts", unit="m/s^2", minimum=0.1, maximum=10.0
     )
     max_gap: float = shared.max_gap(0.1)
 
 
 def relaxation_spread(vehicle: Vehicle) -> float:
-    """Standard deviation of the logarithm of the tyres' relaxation lengths [-], an error that they share."""
+    """Return the standard deviation of the logarithm of the tyres' relaxation lengths [-], an error that they share."""
     return fmean(
         wheel.deviations["relaxation_length"].stddev / wheel.relaxation_length
         if "relaxation_length" in wheel.deviations
@@ -58,19 +58,19 @@ class VehicleSample:
     time: float
     """Stamp [s]."""
     speed: float
-    """v [m/s]."""
+    """Vehicle speed v [m/s]."""
     acceleration: float
-    """a_x [m/s^2], forward positive."""
+    """Acceleration a_x [m/s^2], forward positive."""
     wheel_speeds: tuple[float, ...]
-    """omega of each wheel [rad/s]."""
+    """Speed omega of each wheel [rad/s]."""
 
 
 @dataclass(frozen=True)
 class VehiclePoint:
-    """What a sample contributes to the fit. Arrays have one element a wheel."""
+    """Contribution of a sample to the fit. Arrays have one element per wheel."""
 
     slips: Array
-    """Slip behind the relaxation of the tyres [-]."""
+    """Slip after the relaxation of the tyres [-]."""
     slips_per_second: Array
     """Change of these slips per shift of the speed reference in time [1/s]."""
     slips_per_length: Array
@@ -80,16 +80,16 @@ class VehiclePoint:
     friction: float
     """-a_x / g - drag [-]."""
     starts_braking: bool
-    """The first point of a braking."""
+    """Whether this is the first point of a braking."""
     after_gap: bool
-    """The first point after a gap or a jump back in time."""
+    """Whether this is the first point after a gap or a jump back in time."""
 
 
 class VehicleSamples:
     """Makes a `VehiclePoint` of each sample taken while braking."""
 
     def __init__(self, vehicle: Vehicle, parameters: WholeVehicleParameters) -> None:
-        """Start without samples of the car; the wheels of a sample are in its order."""
+        """Start without samples; the wheels of a sample are in the order of `vehicle`."""
         self._parameters = parameters
         self._radii = np.array(vehicle.radii)
         self._static = np.array(vehicle.load_shares)
@@ -110,7 +110,7 @@ class VehicleSamples:
         self._per_length: Array = np.zeros(len(self._radii))
 
     def update(self, sample: VehicleSample) -> VehiclePoint | Refusal:
-        """Return what `sample` contributes, or why it contributes nothing."""
+        """Return the contribution of `sample`, or why there is none."""
         refusal = self._refuse(sample)
         if refusal is not None:
             return refusal
@@ -134,7 +134,7 @@ class VehicleSamples:
         return VehiclePoint(self._slips, self._per_second, self._per_length, shares, friction, starts, after_gap)
 
     def _relax(self, slips: Array, per_second: Array, lengths: Array) -> None:
-        """Advance each tyre by so many of its relaxation lengths."""
+        """Advance each tyre by `lengths` of its relaxation lengths."""
         kept = np.exp(-lengths)
         self._per_length = kept * (self._per_length - lengths * (slips - self._slips))
         self._slips = slips + kept * (self._slips - slips)

@@ -3,14 +3,14 @@
     -a_x / g - drag = sum over wheels of s_i mu(slip_i; theta),   s_i = Fz_i / sum of Fz = s_i0 + t_i (-a_x / g),
 
 with the load shares s_i0 of the standing vehicle and the load transfer t_i. It holds for the whole vehicle on
-one road surface. Two things are known to spoil the slips of real sensors, and both are in the model:
+one road surface. Two effects are known to distort the slips of real sensors, and both are in the model:
 - the speed reference and the wheel speeds are not of the same instant. A shift tau moves the slip by
   tau (1 - slip) a_x / v, at 11 m/s^2 and 10 m/s some 0.01 for 10 ms. tau is a nuisance unknown with a prior;
 - a tyre answers to a change of slip over its relaxation length L: the slip is filtered by exp(-distance / L). ln L is
   another nuisance unknown, linearised around that of the vehicle file.
 
 The fit is robust (Huber) maximum a posteriori in (ln th1, ln th2, th3, tau, ln L) over the samples of one braking,
-two Gauss-Newton steps a sample. Neighbouring residuals are alike (suspension, ABS cycles), so the information of the
+two Gauss-Newton steps per sample. Neighbouring residuals are alike (suspension, ABS cycles), so the information of the
 samples is divided by 1 + 2 sum of their positive autocorrelation before it becomes an interval.
 """
 
@@ -43,7 +43,7 @@ Array = NDArray[np.float64]
 
 _PRIOR_MEAN = np.array([np.log(0.8), np.log(25.0), 0.4, 0.0, 0.0])
 _PRIOR_STDDEV = np.array([0.8, 1.0, 0.5])
-"""Of ln th1, ln th2, th3; that of tau is a parameter, that of ln L stands in the vehicle file."""
+"""Standard deviations of ln th1, ln th2, th3; that of tau is a parameter, that of ln L is in the vehicle file."""
 _LOW = np.append(UNKNOWNS_LOW, [-0.1, -2.0])
 _HIGH = np.append(UNKNOWNS_HIGH, [0.1, 2.0])
 _LEAST_NOISE = 0.01
@@ -51,11 +51,11 @@ _LEAST_NOISE = 0.01
 _HUBER = 1.345
 _STEPS = 2
 _LONGEST_STEP = 1.0
-"""Of one Gauss-Newton step, in standard deviations of the prior."""
+"""Longest Gauss-Newton step, in standard deviations of the prior."""
 _SAMPLES_BEYOND = 5
 """Samples that must lie beyond the peak before it counts as passed."""
 _LIMITS = ValidityLimits(max_relative_stddev=0.25)
-"""Timing and relaxation alone leave a relative deviation of 0.13 on a measured stop, all of it counted."""
+"""Limits of a valid peak. Timing and relaxation alone leave a relative deviation of 0.13 on a measured stop."""
 _FEWEST_SAMPLES = 20
 _WINDOW = 400
 
@@ -72,7 +72,7 @@ class WholeVehicle:
         self._cause = RestartCause.NONE
 
     def reset(self) -> None:
-        """Forget everything; the next estimate says that it restarted on request."""
+        """Forget everything; the next estimate reports a restart on request."""
         self._samples.reset()
         self._clear()
         self._cause = RestartCause.REQUEST

@@ -1,0 +1,1 @@
+"""Two checkouts compared over every bag."""

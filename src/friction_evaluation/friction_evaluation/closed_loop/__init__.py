@@ -1,0 +1,1 @@
+"""Stops of one corner with the supervisor in the loop."""

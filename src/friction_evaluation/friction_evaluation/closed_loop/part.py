@@ -1,0 +1,68 @@
+"""Closed loop from 30 to 5 m/s: plant, shipped friction_slope (no_slip) and abs_supervisor, chapter noise.
+
+The plant is one corner of a car: the chapter's, or the first wheel of --vehicle. The driver's demand is a step to 1.5
+times the peak torque. Utilisation is the mean of mu / mu_max from the brake onset to 5 m/s; the ideal stop holds mu_max
+all the way. A lock is a slip above 0.95 for 50 ms.
+"""
+
+import argparse
+
+from rich.progress import Progress
+
+from friction_evaluation.closed_loop.controller import shipped
+from friction_evaluation.closed_loop.stops import END_SPEED, Stops, stops
+from friction_evaluation.protocol import SPEED, VEHICLE
+from friction_evaluation.rows import Row
+from vehicle_models import burckhardt
+from vehicle_models.sensor_noise import CHAPTER_NOISE
+from vehicle_models.surfaces import TABLE_8_1, surface
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
+
+_LOCK_TIME = 0.05
+"""[s]"""
+_FIRST_SEED = 20_000
+"""Far from the seeds of the tuning."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of this part."""
+    parser.add_argument("--seeds", type=int, default=100, help="noise seeds a surface")
+    parser.add_argument(
+        "--vehicle", default=VEHICLE, help="vehicle file or name of a shipped one: its first wheel brakes"
+    )
+
+
+def run(options: argparse.Namespace) -> list[Row]:
+    """Make all runs; return a row per surface."""
+    rows: list[Row] = []
+    vehicle = load_vehicle(options.vehicle)
+    with Progress() as progress:
+        task = progress.add_task("closed loop", total=len(TABLE_8_1) * options.seeds)
+        for name in TABLE_8_1:
+            seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
+            found = stops(name, seeds, CHAPTER_NOISE, shipped(), lambda n: progress.advance(task, n), vehicle)
+            rows.append(_row(name, found, vehicle))
+    return rows
+
+
+def _row(name: str, found: Stops, vehicle: Vehicle) -> Row:
+    gravity = vehicle.corner(vehicle.wheel_names[0]).gravity
+    mu_max = float(burckhardt.peak(surface(name))[1])
+    ideal = (SPEED**2 - END_SPEED**2) / (2.0 * mu_max * gravity)
+    return {
+        "surface": name,
+        "method": "no_slip",
+        "seeds": found.duration.size,
+        "utilisation": float(found.utilisation.mean()),
+        "utilisation_worst": float(found.utilisation.min()),
+        "utilisation_without_0.4s": float(found.utilisation_late.mean()),
+        "runs_with_lock": int((found.longest_lock >= _LOCK_TIME).sum()),
+        "longest_lock_ms": 1e3 * float(found.longest_lock.max()),
+        "distance_m": float(found.distance.mean()),
+        "ideal_distance_m": ideal,
+        "distance_ratio": float(found.distance.mean()) / ideal,
+        "transitions": float(found.transitions.mean()),
+        "release_timeouts": float(found.release_timeouts.mean()),
+        "fail_safes": int(found.fail_safes.sum()),
+    }

@@ -1,0 +1,100 @@
+"""Stops of one corner from 30 to 5 m/s with the supervisor in the loop, and their results."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_evaluation.closed_loop.braked_corners import BrakedCorners
+from friction_evaluation.closed_loop.controller import Parameters
+from friction_evaluation.protocol import CAR, DT
+from vehicle_models import burckhardt
+from vehicle_models.sensor_noise import SensorNoise
+from vehicle_models.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+
+END_SPEED = 5.0
+"""[m/s]"""
+_ROLLING = 60
+"""Samples of free rolling before the brake: 0.3 s."""
+_BUILD_UP = 0.4
+"""Time after the onset left out of the second utilisation [s]."""
+_LOCK_SLIP = 0.95
+_LONGEST = 12_000
+"""Samples after which a run is given up: one minute."""
+
+
+@dataclass
+class Stops:
+    """Results of n stops, arrays of shape (n,)."""
+
+    utilisation: Array
+    """[-]"""
+    utilisation_late: Array
+    """[-] without the first 0.4 s."""
+    distance: Array
+    """[m] from brake onset to the end speed."""
+    duration: Array
+    """[s]"""
+    longest_lock: Array
+    """[s] longest time with a slip above 0.95."""
+    transitions: Array
+    release_timeouts: Array
+    fail_safes: Array
+
+
+def stops(
+    name: str,
+    seeds: range,
+    noise: SensorNoise,
+    parameters: Parameters,
+    done: Callable[[int], None] = lambda count: None,
+    vehicle: Vehicle = CAR,
+) -> Stops:
+    """Brake once for each seed, side by side: the plant is one array, each run has its own processors.
+
+    Args:
+        name: of the surface.
+        seeds: of the sensor noise.
+        noise: variances of the sensor noise.
+        parameters: of friction_slope and abs_supervisor.
+        done: called with the number of runs that have just ended.
+        vehicle: its first wheel brakes, with the mass that rests on it.
+    """
+    count = len(seeds)
+    braked = BrakedCorners(name, seeds, noise, parameters, vehicle)
+    corner, theta = braked.corner, braked.theta
+    mu_max = float(burckhardt.peak(theta)[1])
+    lock: Array = np.zeros(count)
+    used, late = np.zeros(count), np.zeros(count)
+    result = Stops(*(np.zeros(count) for _ in range(8)))
+    running = np.ones(count, dtype=bool)
+    start = corner.distance
+    for k in range(_LONGEST):
+        if k == _ROLLING:
+            start = corner.distance
+        braked.step(k >= _ROLLING, running)
+        if k < _ROLLING:
+            continue
+        ratio = np.where(running, corner.friction(theta) / mu_max, 0.0)
+        used += ratio
+        late += ratio * ((k - _ROLLING) * DT >= _BUILD_UP)
+        result.duration += DT * running
+        lock = np.where(running & (corner.slip > _LOCK_SLIP), lock + DT, 0.0)
+        result.longest_lock = np.maximum(result.longest_lock, lock)
+        ended = running & (corner.speed <= END_SPEED)
+        result.distance = np.where(ended, corner.distance - start, result.distance)
+        running &= ~ended
+        done(int(ended.sum()))
+        if not running.any():
+            break
+    result.utilisation = used * DT / result.duration
+    result.utilisation_late = late * DT / np.maximum(result.duration - _BUILD_UP, DT)
+    for i, controller in enumerate(braked.controllers):
+        values = controller.supervisor.health().values
+        result.transitions[i] = float(values["transitions"])
+        result.release_timeouts[i] = float(values["release time-outs"])
+        result.fail_safes[i] = float(values["fail-safes"])
+    return result

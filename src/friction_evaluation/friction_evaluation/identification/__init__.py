@@ -1,0 +1,1 @@
+"""Identification of lambda_max, beside the Cramer-Rao bound."""

@@ -1,0 +1,40 @@
+"""Fits by the chapter's methods to the friction samples of one run."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.chapter.curve_fitting import CurveFit
+from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSamples, FrictionSource
+from friction_curve_id.curve.fitted_curve import FittedCurve
+from friction_curve_id.interface import Sample
+from friction_curve_id.methods import CHAPTER_METHODS
+from friction_evaluation.protocol import CORNER
+
+Array = NDArray[np.float64]
+
+INITIAL_SAMPLES = 20
+"""Samples that RML and RLS start from, section 8.3.2."""
+
+
+def friction_points(samples: Iterable[Sample], source: FrictionSource) -> tuple[Array, Array]:
+    """Slips and frictions of one run, shapes (samples - 1,); fewer where samples were refused."""
+    maker = FrictionSamples(CORNER, source)
+    points = [point for point in map(maker.update, samples) if isinstance(point, FrictionPoint)]
+    slips, frictions = np.array([(point.slip, point.mu) for point in points]).T
+    return slips, frictions
+
+
+def begun(method: str, slips: Array, frictions: Array) -> CurveFit:
+    """Return a fit by `method`, begun with the first 20 samples."""
+    fit = CHAPTER_METHODS[method]()
+    fit.start(slips[:INITIAL_SAMPLES], frictions[:INITIAL_SAMPLES])
+    return fit
+
+
+def completed(fit: CurveFit, slips: Array, frictions: Array) -> FittedCurve:
+    """Return the curve after the samples that follow the first 20."""
+    for slip, friction in zip(slips[INITIAL_SAMPLES:], frictions[INITIAL_SAMPLES:], strict=True):
+        fit.add(float(slip), float(friction))
+    return fit.curve()

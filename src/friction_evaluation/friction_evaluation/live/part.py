@@ -1,0 +1,152 @@
+"""The graph live over DDS: samples lost, delay from sensor to command, and agreement with the offline processors.
+
+First a run in real time: at 200 Hz, node to node, cruising and then braking with the supervisor in the loop. Delays are
+from the publication of a wheel_states sample to the publication of what answers it, by the wall clock of one machine.
+Then a run in lock-step, whose messages must be those of the same processors without middleware, bit for bit.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from friction_msgs.msg import BrakeCommand, FrictionSlope, SupervisorState, WheelSlip
+from rich.progress import Progress
+from sensor_msgs.msg import JointState
+
+from corner_sim.parameters import SimParameters
+from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS
+from corner_sim.simulation import Simulation
+from friction_bags.bag_io.cdr import encode
+from friction_bags.offline.estimators import make_processors, read_parameters
+from friction_bringup import graph
+from friction_evaluation.live.graph import Observation, run_graph
+from friction_evaluation.live.offline_loop import run_offline
+from friction_evaluation.protocol import CAR, VEHICLE, WHEEL
+from friction_evaluation.rows import Row
+from friction_parameters.values import from_mapping
+from friction_runtime.processor import silent
+from vehicle_models.surfaces import TABLE_8_1
+
+SOURCE = "wheel_states"
+LOOP = ("wheel_slip", "friction_slope", "abs_supervisor")
+"""The nodes between the sensors and the command."""
+CHAIN: Mapping[str, type] = {
+    SOURCE: JointState,
+    f"{WHEEL}/slip": WheelSlip,
+    f"{WHEEL}/friction_slope": FrictionSlope,
+    f"{WHEEL}/abs_supervisor": SupervisorState,
+    f"{WHEEL}/brake_command": BrakeCommand,
+}
+_BRAKING = 5.0
+"""The last seconds of the run in real time are a panic stop [s]."""
+_PATIENCE = 5.0
+"""In lock-step the fail-safe waits this long for a silent input [s, wall clock]: a stall of the machine
+must not change a run that has to repeat."""
+_START_STAMP = 1_000_000_000
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of this part."""
+    parser.add_argument("--seconds", type=float, default=60.0, help="length of the run in real time [s], at least 6")
+    parser.add_argument("--surface", choices=TABLE_8_1, default="dry", help="road of both runs")
+    parser.add_argument("--live-seed", type=int, default=0, help="seed of the sensor noise")
+
+
+def run(options: argparse.Namespace) -> list[Row]:
+    """Make both runs; return a row per topic and run.
+
+    Raises:
+        ValueError: --seconds is too short for a run that cruises and brakes.
+    """
+    if not options.seconds >= _BRAKING + 1.0:
+        raise ValueError(f"--seconds must be at least {_BRAKING + 1.0}, is {options.seconds}")
+    real_time = real_time_rows(options.seconds, options.surface, options.live_seed)
+    return real_time + agreement_rows(options.surface, options.live_seed)
+
+
+def real_time_rows(seconds: float, surface: str, seed: int) -> list[Row]:
+    """Run `seconds` [s] in real time; return a row per topic with what was lost and the delays [ms]."""
+    plant: dict[str, graph.ParameterValue] = {
+        "surfaces": [surface],
+        "seed": seed,
+        "demand_start": seconds - _BRAKING,
+        "end_speed": -1.0,
+        "end_time": seconds,
+        "lock_step": False,
+    }
+    found = _run(plant, seconds)
+    expected = round(seconds / SAMPLE_TIME) + 1
+    return [real_time_row(topic, found[topic], found[SOURCE], expected, surface) for topic in CHAIN]
+
+
+def agreement_rows(surface: str, seed: int) -> list[Row]:
+    """Run in lock-step to 5 m/s, live and offline; return a row per topic with the number of messages that differ."""
+    plant: dict[str, graph.ParameterValue] = {
+        "surfaces": [surface],
+        "seed": seed,
+        "start_stamp": _START_STAMP,
+        "end_speed": 5.0,
+        "lock_step": True,
+        "lock_step_timeout": 20.0,
+        "real_time_factor": 0.0,
+    }
+    found = _run(plant, 60.0)
+    values = {name: tuple(value) if isinstance(value, list) else value for name, value in plant.items()}
+    simulation = Simulation(from_mapping(SimParameters, values), CAR, _START_STAMP)
+    parameters = read_parameters(LOOP, [], silent)
+    parameters[graph.SUPERVISOR] = replace(parameters[graph.SUPERVISOR], shadow=False)
+    offline = run_offline(simulation, make_processors(parameters, CAR, silent))
+    rows: list[Row] = []
+    for topic in CHAIN:
+        live = [encode(message) for message in found[topic].messages]
+        alike = sum(a == b for a, b in zip(live, offline[topic], strict=False))
+        rows.append(
+            {
+                "run": "lock_step",
+                "surface": surface,
+                "topic": topic,
+                "samples": len(offline[topic]),
+                "received": len(live),
+                "differing": max(len(live), len(offline[topic])) - alike,
+            }
+        )
+    return rows
+
+
+def _run(plant: Mapping[str, graph.ParameterValue], seconds: float) -> dict[str, Observation]:
+    overrides: dict[str, dict[str, graph.ParameterValue]] = {
+        node: {"vehicle_file": VEHICLE} for node in (graph.PLANT, *LOOP)
+    }
+    overrides[graph.PLANT] |= plant
+    overrides[graph.SUPERVISOR] |= {"shadow": False, "stale_after": _PATIENCE if plant["lock_step"] else 0.1}
+    with Progress() as progress:
+        what, total = ("lock-step", None) if plant["lock_step"] else ("real time", seconds / SAMPLE_TIME)
+        task = progress.add_task(f"live, {what}, {plant['surfaces']}", total=total)
+        return run_graph(
+            LOOP, CHAIN, overrides, 2.0 * seconds + 60.0, lambda count: progress.update(task, completed=count)
+        )
+
+
+def real_time_row(topic: str, found: Observation, source: Observation, expected: int, surface: str) -> Row:
+    """Row of one topic: what was lost, steps between stamps other than 5 ms, delays [ms] behind the source."""
+    stamps = np.array(found.stamps)
+    sent = dict(zip(source.stamps, source.published, strict=True))
+    answered = [(sent[stamp], at) for stamp, at in zip(found.stamps, found.published, strict=True) if stamp in sent]
+    delay = np.array([at - begin for begin, at in answered]) * 1e-6
+    steps = np.diff(stamps)
+    return {
+        "run": "real_time",
+        "surface": surface,
+        "topic": topic,
+        "samples": expected,
+        "received": len(stamps),
+        "lost": expected - len(set(found.stamps)),
+        "irregular_steps": int(np.count_nonzero(steps != SAMPLE_TIME_NS)),
+        "delay_median_ms": float(np.median(delay)),
+        "delay_p99_ms": float(np.percentile(delay, 99.0)),
+        "delay_max_ms": float(delay.max()),
+        "duration_s": (source.published[-1] - source.published[0]) * 1e-9,
+    }

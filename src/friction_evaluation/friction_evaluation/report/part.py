@@ -1,0 +1,165 @@
+"""The report: every table and every figure with data of the chapter beside its own numbers, and what goes beyond it.
+
+Writes `index.html` (one file, opens offline) and `results.json` (every row, by section). `--effort` scales the numbers
+of seeds: 1 is the full evaluation.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+
+from rich.console import Console
+
+from friction_evaluation.closed_loop import state_machine_figure
+from friction_evaluation.parts import part
+from friction_evaluation.report import friction_samples, slope, speed, texts
+from friction_evaluation.report.page import Picture, Section, Table, page
+from friction_evaluation.rows import Row, plain
+
+Seeds = Callable[[int], str]
+"""Number of seeds of this run, as an argument, from the full number."""
+
+_SLOPE_SEEDS = 200
+"""For each of the roads of Figures 8.2 and 8.3."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of this part."""
+    parser.add_argument("--out", type=Path, default=Path("build/report"), help="directory (default: build/report)")
+    parser.add_argument("--effort", type=float, default=1.0, help="share of the seeds of the full evaluation")
+    parser.add_argument("--no-live", action="store_true", help="leave out what runs over DDS in real time")
+
+
+def run(options: argparse.Namespace) -> list[Row]:
+    """Write the report; return what it holds."""
+    out: Path = options.out
+    pictures = out / "figures"
+    pictures.mkdir(parents=True, exist_ok=True)
+    console = Console()
+    made: list[Section] = []
+    for make in _sections(pictures, options.effort, live=not options.no_live):
+        made.append(make())
+        console.print(f"{made[-1].title}: done")
+    (out / "index.html").write_text(page(texts.TITLE, texts.INTRODUCTION, made), encoding="utf-8")
+    results = {s.key: {table.caption: [plain(row) for row in table.rows] for table in s.tables} for s in made}
+    (out / "results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    console.print(f"report {out / 'index.html'}", soft_wrap=True)
+    return [
+        {
+            "section": s.title,
+            "tables": len(s.tables),
+            "rows": sum(len(t.rows) for t in s.tables),
+            "figures": len(s.pictures),
+        }
+        for s in made
+    ]
+
+
+def _sections(pictures: Path, effort: float, live: bool) -> list[Callable[[], Section]]:
+    def seeds(full: int) -> str:
+        return str(max(2, round(effort * full)))
+
+    sections: list[Callable[[], Section]] = [
+        partial(slope.section, pictures, int(seeds(_SLOPE_SEEDS))),
+        partial(_detection, pictures, seeds),
+        partial(_identification, pictures, seeds),
+        partial(friction_samples.section, pictures),
+        partial(_speed, pictures, seeds),
+        partial(_smart_tyre, pictures, seeds, live),
+        partial(_beyond, seeds),
+        partial(_measured, seeds),
+    ]
+    return [*sections, _live] if live else sections
+
+
+def _detection(pictures: Path, seeds: Seeds) -> Section:
+    tables = [
+        Table("Detection delay, false alarms, slip at detection", rows_of("slope", "--seeds", seeds(500))),
+        Table("Closed loop from 30 to 5 m/s", rows_of("abs", "--seeds", seeds(100))),
+    ]
+    machine = pictures / "figure_8_1.png"
+    state_machine_figure.draw(machine)
+    figures = [Picture("Figure 8.1: states and transitions, found by trying every class of input", machine)]
+    title = "Detection delay and adhesion utilisation, Figure 8.1"
+    return Section("closed_loop", title, texts.CLOSED_LOOP, tables, figures)
+
+
+def _identification(pictures: Path, seeds: Seeds) -> Section:
+    drawn = rows_of("identification", "--study", "figures", "--figures", str(pictures))
+    tables = [
+        Table(
+            "Tables 8.1 to 8.3, medians over the runs beside the chapter's single runs",
+            rows_of("identification", "--study", "tables", "--seeds", seeds(500)),
+        )
+    ]
+    figures = [
+        Picture(
+            f"{'Figures 8.5, 8.6' if row['method'] in ('rml', 'ml', 'rml_ml') else 'Figures 8.7, 8.8'}: "
+            f"{row['method']}, {row['surface']}",
+            Path(row["figure"]),
+        )
+        for row in drawn
+    ]
+    title = "Identification of the friction curve, Tables 8.1 to 8.3, Figures 8.5 to 8.8"
+    return Section("identification", title, texts.IDENTIFICATION, tables, figures)
+
+
+def _speed(pictures: Path, seeds: Seeds) -> Section:
+    rows = rows_of("slip", "--cases", "tables", "--seeds", seeds(100))
+    tables = [Table("Tables 8.4 and 8.5 in simulation, errors of lambda_max", rows)]
+    title = "With and without a speed sensor, Tables 8.4 and 8.5, Figures 8.10 to 8.13"
+    return Section("speed", title, texts.SPEED, tables, speed.pictures(pictures))
+
+
+def _smart_tyre(pictures: Path, seeds: Seeds, live: bool) -> Section:
+    arguments = ["--seeds", seeds(30), "--figures", str(pictures), *([] if live else ["--no-live"])]
+    tables = [Table("Fz and Fx against the limits", rows_of("smart_tyre", *arguments))]
+    found = sorted(pictures.glob("figure_8_[12][0-9].png"))
+    drawn = [Picture(f"Figure 8.{file.stem.rsplit('_', 1)[1]}", file) for file in found if int(file.stem[-2:]) >= 16]
+    title = "Contact forces from the smart tyre, Figures 8.16 to 8.28"
+    return Section("smart_tyre", title, texts.SMART_TYRE, tables, drawn)
+
+
+def _beyond(seeds: Seeds) -> Section:
+    studies = {
+        "All methods beside the Cramer-Rao bound": ("methods", 500),
+        "500 random curves": ("random", 500),
+        "P(beyond the peak) against the true crossing": ("alarms", 750),
+        "Bias by wrong parameters": ("model_error", 100),
+        "Outliers": ("outliers", 100),
+        "Change of road": ("surface_change", 100),
+        "Cost of an update": ("cost", 20),
+    }
+    tables = [
+        Table(caption, rows_of("identification", "--study", study, "--seeds", seeds(full)))
+        for caption, (study, full) in studies.items()
+    ]
+    return Section("default", "Beyond the chapter: the default estimator at its bound", texts.DEFAULT, tables)
+
+
+def _measured(seeds: Seeds) -> Section:
+    tables = [
+        Table("Whole-vehicle fits and tyre rig", rows_of("measured")),
+        Table(
+            "Speed and slip without a speed sensor",
+            rows_of("slip", "--cases", "stops", "measured", "--seeds", seeds(100)),
+        ),
+    ]
+    return Section("measured", "Measured data, and slip without a speed sensor", texts.MEASURED, tables)
+
+
+def _live() -> Section:
+    tables = [Table("60 s at 200 Hz, and one lock-step run", rows_of("live"))]
+    return Section("live", "The live graph", texts.LIVE, tables)
+
+
+def rows_of(name: str, *arguments: str) -> Sequence[Row]:
+    """Run a part of the evaluation with the arguments of its command line."""
+    chosen = part(name)
+    parser = argparse.ArgumentParser(prog=name)
+    chosen.add_arguments(parser)
+    return chosen.run(parser.parse_args(arguments))

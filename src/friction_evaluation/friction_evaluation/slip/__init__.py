@@ -1,0 +1,1 @@
+"""Vehicle speed and slip without a speed sensor."""

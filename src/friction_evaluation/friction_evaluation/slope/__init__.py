@@ -1,0 +1,1 @@
+"""Slope sign of one corner, on simulated manoeuvres."""

@@ -1,0 +1,1 @@
+"""Fz and Fx from the in-tyre accelerometer."""
