@@ -206,6 +206,15 @@ def test_of_a_truncated_database_only_what_was_written_is_read_or_the_file_is_re
     assert len(found) == COUNT or problems
 
 
+def test_most_of_a_truncated_database_is_read(sqlite_bag: Path, tmp_path: Path) -> None:
+    whole = (sqlite_bag / "bag.db3").read_bytes()
+    file = tmp_path / "cut.db3"
+    file.write_bytes(whole[: int(0.9 * len(whole))])
+    found, problems = read(file)
+    assert len(found) > COUNT // 2
+    assert problems
+
+
 def test_metadata_of_a_database_is_rebuilt(sqlite_bag: Path, tmp_path: Path) -> None:
     shutil.copytree(sqlite_bag, tmp_path / "bag")
     (tmp_path / "bag" / "metadata.yaml").unlink()

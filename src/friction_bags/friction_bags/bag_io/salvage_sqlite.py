@@ -83,7 +83,9 @@ class SqliteSalvage:
             stream.truncate(self._path.stat().st_size // page_size * page_size)
 
     def _connect(self) -> sqlite3.Connection:
-        return sqlite3.connect(f"{self._readable.resolve().as_uri()}?immutable=1", uri=True)
+        database = sqlite3.connect(f"{self._readable.resolve().as_uri()}?immutable=1", uri=True)
+        database.execute("PRAGMA writable_schema = ON")  # else sqlite refuses a file shorter than its header says
+        return database
 
 
 def is_truncated(path: Path) -> bool:
