@@ -27,8 +27,7 @@ lint: setup ## ruff and mypy
 	@$(run) mypy
 
 test: build lint ## everything that must hold: lint, format, types, tests
-	@$(run) pytest -n auto --dist loadfile --max-worker-restart 0 src
-	@$(run) pytest test
+	@$(run) pytest -n auto --dist loadfile --max-worker-restart 0 test src
 
 demo: ready ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow, or BAG=path to replay; VEHICLE=name|file
 	@$(run) python -m friction_bringup demo $(if $(BAG),--bag "$(BAG)",--surface $(SURFACE)) \
