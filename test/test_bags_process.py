@@ -146,11 +146,10 @@ def braking(tmp_path: Path) -> Path:
     return tmp_path / "bag"
 
 
-@pytest.mark.parametrize("how", [["--as-fast-as-possible"], ["--rate", "1"]], ids=["fast", "real_time"])
 def test_live_nodes_give_what_offline_processing_gives(
-    processes: Processes, braking: Path, parameters: Path, tmp_path: Path, how: list[str]
+    processes: Processes, braking: Path, parameters: Path, tmp_path: Path
 ) -> None:
-    replay_to_live_nodes(processes, braking, tmp_path / "live", parameters, how)
+    replay_to_live_nodes(processes, braking, tmp_path / "live", parameters, ["--rate", "1"])
     assert_live_equals_offline(braking, tmp_path / "live", parameters, tmp_path)
 
 

@@ -113,7 +113,7 @@ def test_supervisor_is_in_the_loop(demo: Finished) -> None:
     assert max(np.diff(changes)[::2], default=0) * 0.005 < 0.05
 
 
-def test_same_seed_gives_the_same_run_and_another_surface_another(demo: Finished, tmp_path: Path) -> None:
+def test_same_seed_gives_the_same_run(demo: Finished, tmp_path: Path) -> None:
     again = run(tmp_path / "out", "--surface", "wet", "--params", str(parameters(tmp_path, SHORT)))
     first, second = (read_run(each.bag, WHEELS).series["truth/front_left/slip"] for each in (demo, again))
     assert np.array_equal(first["slip"], second["slip"], equal_nan=True)

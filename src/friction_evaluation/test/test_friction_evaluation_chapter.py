@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from friction_curve_id.methods import METHODS
 from friction_evaluation.identification.chapter_tables import chapter_tables
 from friction_evaluation.identification.figures import figures
 from friction_evaluation.rows import Row
@@ -44,8 +43,8 @@ def test_rls_equals_ls_from_its_first_estimate_on(table: dict[tuple[str, str], R
 
 
 def test_a_figure_is_drawn_for_every_method_and_surface(tmp_path: Path) -> None:
-    options = argparse.Namespace(manoeuvre="B", source="dead_reckoned", methods=list(METHODS), figures=tmp_path)
-    rows = figures(options)
-    assert len(rows) == len(METHODS) * len(TABLE_8_1)
+    methods = ["rls", "default"]
+    rows = figures(argparse.Namespace(manoeuvre="B", source="dead_reckoned", methods=methods, figures=tmp_path))
+    assert len(rows) == len(methods) * len(TABLE_8_1)
     for row in rows:
         assert Path(str(row["figure"])).stat().st_size > 10_000

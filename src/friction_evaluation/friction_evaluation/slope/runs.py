@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -79,6 +80,7 @@ class Run:
         return times[0], times[1]
 
 
+@cache
 def through_the_peak(name: str) -> Run:
     """Ramp and hold of manoeuvre B until twice lambda_max, then release until shortly after the slip is back."""
     theta = surface(name)
@@ -100,6 +102,7 @@ def through_the_peak(name: str) -> Run:
     return _simulate(theta, torque)
 
 
+@cache
 def below_the_peak(name: str, ratio: float, duration: float) -> Run:
     """Ramp over 0.25 s and hold at `ratio` of the peak torque for `duration` [s]: there is nothing to detect."""
     theta = surface(name)
