@@ -44,6 +44,14 @@ def start(client: DdsClient, **parameters: object) -> subprocess.Popen[str]:
     return client.start("-m", "corner_sim", "--ros-args", *arguments)
 
 
+def start_when_matched(client: DdsClient, **parameters: object) -> subprocess.Popen[str]:
+    """Start the node, and its run when every subscription of the client has its publisher: the first sample counts."""
+    process = start(client, autostart="false", **parameters)
+    client.until(lambda: all(each.get_publisher_count() for each in client.node.subscriptions))
+    assert client.call(Trigger, "/corner_sim/start", Trigger.Request()).success
+    return process
+
+
 def record(client: DdsClient, topics: Sequence[str] = tuple(TOPICS)) -> dict[str, list[Any]]:
     """Collect messages by topic."""
     found: dict[str, list[Any]] = {topic: [] for topic in topics}
@@ -83,7 +91,7 @@ def test_every_topic_comes_at_200_hz_with_the_stamps_of_the_schedule(client: Dds
         published.append(info["source_timestamp"])
 
     client.node.create_subscription(Clock, "/clock", note, qos.ESTIMATE)
-    process = start(client, end_time=2.0, exit_when_done="true", publish_clock="true")
+    process = start_when_matched(client, end_time=2.0, exit_when_done="true", publish_clock="true")
     client.until(lambda: all(len(received) >= 401 for received in found.values()))
     for topic, received in found.items():
         assert stamps(received) == [START + k * PERIOD for k in range(401)], topic
@@ -96,7 +104,8 @@ def test_every_topic_comes_at_200_hz_with_the_stamps_of_the_schedule(client: Dds
 
 def test_what_goes_over_dds_is_the_simulation_bit_for_bit(client: DdsClient) -> None:
     found = record(client)
-    start(client, end_time=1.0, seed=5, demand_start=0.2, vehicle_file="chapter_corner", exit_when_done="true")
+    run = {"end_time": 1.0, "seed": 5, "demand_start": 0.2, "exit_when_done": "true"}
+    start_when_matched(client, vehicle_file="chapter_corner", **run)
     client.until(lambda: all(len(received) >= 201 for received in found.values()))
     simulation = Simulation(SimParameters(seed=5, demand_start=0.2), load_vehicle("chapter_corner"), START)
     for k in range(201):
