@@ -72,7 +72,8 @@ def install(prefix: Path, ros_sourced: bool, env: dict[str, str]) -> None:
         return "copying into .venv" if line.startswith("Installing collected packages") else None
 
     log = prefix / "pip.log"
-    command = [str(prefix / "bin/python"), "-m", "pip", "install", "--progress-bar=off"]
+    # Python compiles what is imported; compiling everything now would hold the first demo up.
+    command = [str(prefix / "bin/python"), "-m", "pip", "install", "--progress-bar=off", "--no-compile"]
     command += requirement_arguments(prefix, ros_sourced)
     if run_with_progress("Python packages", command, log, describe, env) != 0:
         sys.exit("".join(log.read_text().splitlines(keepends=True)[-12:]))
