@@ -180,7 +180,7 @@ def test_messages_of_unknown_types_pass_through(rows: Rows, tmp_path: Path) -> N
         assert unknown.definition in {topic.definition for topic in reader.counts}
 
 
-def test_estimates_that_the_bag_holds_are_made_anew(rows: Rows, tmp_path: Path) -> None:
+def test_estimates_that_the_bag_holds_are_made_again(rows: Rows, tmp_path: Path) -> None:
     old = WheelSlip(wheel="front_left", slip=0.99)
     write(tmp_path / "bag", [*rows, ("front_left/slip", START + 1, old)])
     after = process(tmp_path / "bag", tmp_path / "out", estimators=("wheel_slip",), outputs_only=True)

@@ -162,7 +162,7 @@ def test_a_weak_brake_on_a_slippery_road_is_seen_all_the_same() -> None:
     assert given > 70
 
 
-def test_after_a_gap_the_fit_begins_anew_and_says_so(noisy: Brake) -> None:
+def test_after_a_gap_the_fit_begins_again_and_says_so(noisy: Brake) -> None:
     samples = list(noisy("wet", 6).samples)
     estimator = DefaultEstimator(CORNER)
     for sample in samples[:80]:
@@ -176,7 +176,7 @@ def test_after_a_gap_the_fit_begins_anew_and_says_so(noisy: Brake) -> None:
     assert_allclose(estimates[-1].lambda_max, peak_of("wet")[0], rtol=0.08)
 
 
-def test_reset_begins_anew_on_request(noisy: Brake) -> None:
+def test_reset_begins_again_on_request(noisy: Brake) -> None:
     samples = list(noisy("dry", 7).samples)
     used, fresh = DefaultEstimator(CORNER), DefaultEstimator(CORNER)
     final(samples, used)

@@ -176,7 +176,7 @@ def test_the_next_braking_begins_a_new_fit(clean: Brake, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_reset_begins_anew_and_says_that_it_was_asked_to(clean: Brake, name: str) -> None:
+def test_reset_begins_again_and_says_that_it_was_asked_to(clean: Brake, name: str) -> None:
     estimator, fresh = make_estimator(name, WHEEL), make_estimator(name, WHEEL)
     for sample in clean("wet").samples:
         estimator.update(sample)

@@ -47,7 +47,7 @@ def start_node(client: DdsClient, *parameters: str) -> Any:
     )
 
 
-def test_node_identifies_two_wheels_and_begins_anew_on_reset(client: DdsClient, clean: Brake, tmp_path: Path) -> None:
+def test_node_identifies_two_wheels_and_begins_again_on_reset(client: DdsClient, clean: Brake, tmp_path: Path) -> None:
     wheels = ("front_left", "rear_left")
     car = tmp_path / "two_wheels.yaml"
     car.write_text(TWO_WHEELS)

@@ -118,7 +118,7 @@ def stamp_of(message: Any) -> int:
     return message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
 
 
-def test_a_looped_bag_gives_the_same_again_and_says_that_it_began_anew(clean: Brake) -> None:
+def test_a_looped_bag_gives_the_same_again_and_says_that_it_began_again(clean: Brake) -> None:
     made, stream = processor(), braking(clean)
     first = drive(made, stream)
     second = drive(made, stream)
@@ -131,7 +131,7 @@ def test_a_looped_bag_gives_the_same_again_and_says_that_it_began_anew(clean: Br
     assert second[-1].restarts == 1
 
 
-def test_reset_begins_anew_and_says_that_it_was_asked_to(clean: Brake) -> None:
+def test_reset_begins_again_and_says_that_it_was_asked_to(clean: Brake) -> None:
     made = processor()
     drive(made, braking(clean, "wet"))
     made.reset()

@@ -180,7 +180,7 @@ def test_a_bad_sample_is_refused_with_its_reason(change: dict[str, Any], reason:
     assert isinstance(vehicle.update(samples[81]), CurveEstimate)
 
 
-def test_a_gap_and_a_reset_begin_anew_and_say_so() -> None:
+def test_a_gap_and_a_reset_begin_again_and_say_so() -> None:
     samples = stop()
     vehicle = WholeVehicle(CAR)
     for sample in samples[:100]:

@@ -146,7 +146,7 @@ def test_load_of_the_wheel_decides_what_friction_it_uses() -> None:
     assert signed[0] < signed[1]
 
 
-def test_gap_fills_the_window_anew_and_says_so() -> None:
+def test_gap_fills_the_window_again_and_says_so() -> None:
     samples, _ = through_the_peak("dry")
     late = samples[:60] + [replace(s, stamp=s.stamp + 100_000_000) for s in samples[60:]]
     found = run(exact(), late)

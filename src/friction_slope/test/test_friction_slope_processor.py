@@ -174,7 +174,7 @@ def test_zero_and_repeated_stamps_are_refused_by_topic(stamp: int) -> None:
     assert ["wheel_states" in refused[0], PRESSURE in refused[1]] == [True, True]
 
 
-def test_jump_back_in_time_starts_anew() -> None:
+def test_jump_back_in_time_starts_again() -> None:
     processor = WheelProcessor("front_left", VEHICLE, P)
     first = run(processor, stream(50))
     again = run(processor, stream(50))

@@ -215,7 +215,7 @@ def _fields(message: TyreSignals) -> dict[str, Any]:
     return {name: getattr(message, name) for name in message.get_fields_and_field_types()}
 
 
-def test_time_that_goes_back_starts_anew(simulate: Any, calibration_file: str) -> None:
+def test_time_that_goes_back_starts_again(simulate: Any, calibration_file: str) -> None:
     given = SmartTyreParameters(calibration_file=calibration_file)
     messages = list(blocks(simulate(8.0, seconds=7.0)))
     said: list[tuple[str, str]] = []

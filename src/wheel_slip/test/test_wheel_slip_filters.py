@@ -50,7 +50,7 @@ def test_wheel_filter_is_as_uncertain_as_it_says(rate: int) -> None:
     assert np.all(np.abs(mean - 1.0) < 5.0 * np.sqrt(2.0 / 60.0))
 
 
-def test_burst_of_near_equal_stamps_averages_and_a_gap_starts_anew() -> None:
+def test_burst_of_near_equal_stamps_averages_and_a_gap_starts_again() -> None:
     wheel = wheel_filter()
     for k in range(5):
         wheel.update(MS + k, 50.0 + (-1.0) ** k * 0.07)
@@ -177,7 +177,7 @@ def test_queue_gives_the_same_samples_to_the_same_outputs_however_the_streams_in
     assert in_step == apart
 
 
-def test_queue_refuses_repeats_and_zero_and_starts_anew_after_a_jump_back() -> None:
+def test_queue_refuses_repeats_and_zero_and_starts_again_after_a_jump_back() -> None:
     queue: SpeedQueue[str] = SpeedQueue(0.02)
     assert queue.offer(0, "zero") == "stamp is zero"
     assert queue.offer(1000 * MS, "old") is None

@@ -148,13 +148,13 @@ def test_late_speed_is_used_at_its_own_time(processor: CarProcessor) -> None:
     assert last.vehicle_speed == pytest.approx(30.0 - 6.0 * (499 * 0.005 - 0.3), abs=0.1)
 
 
-def test_loop_of_a_bag_starts_anew_with_the_same_outputs(processor: CarProcessor) -> None:
+def test_loop_of_a_bag_starts_again_with_the_same_outputs(processor: CarProcessor) -> None:
     first = run(processor, stop())
     second = run(processor, stop())
     assert [numbers(m) for m in second[-290:]] == [numbers(m) for m in first[-290:]]
 
 
-def test_reset_starts_anew(processor: CarProcessor) -> None:
+def test_reset_starts_again(processor: CarProcessor) -> None:
     first = run(processor, stop())
     processor.reset()
     assert [numbers(m) for m in run(processor, stop())] == [numbers(m) for m in first]
