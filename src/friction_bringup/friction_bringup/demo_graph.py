@@ -105,7 +105,9 @@ class DemoGraph:
             observer.create_client(Trigger, f"{graph.PLANT}/start").call_async(Trigger.Request())
             return
         play = ["friction_bags", "play", str(self._options.bag), "--wait", "15", "--subscribers", "2"]
-        self._run(_PLAYER, [sys.executable, "-m", *play, "--settle", "1", "--topics", *graph.INPUTS])
+        # In real time, yet no faster than the estimators answer: a stall of the machine loses no sample.
+        play += ["--follow", "*/abs_supervisor", "*/friction_curve", "--settle", "1"]
+        self._run(_PLAYER, [sys.executable, "-m", *play, "--topics", *graph.INPUTS])
 
     @property
     def ended(self) -> bool:
