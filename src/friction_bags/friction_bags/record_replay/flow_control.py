@@ -16,7 +16,7 @@ from vehicle_models.nanoseconds import NANOSECONDS
 
 _POLL_PERIOD = 0.0002
 _PATIENCE = 1.0
-"""Silence after which one more stamp is let through [s]: some answers need a later sample of another topic."""
+"""Silence after which more stamps are let through [s]: some answers need a later sample of another topic."""
 _MOST_AHEAD = 100
 _LITTLE = struct.Struct("<iI")
 _BIG = struct.Struct(">iI")
@@ -25,14 +25,15 @@ _BIG = struct.Struct(">iI")
 class FlowControl:
     """Holds the replay until every followed topic has a message stamped like the sample before, or later.
 
-    Some topics answer only after later samples. So after a second of silence one more stamp may be under way for that
-    topic: the replay never blocks, and is slow only once. Topics that answer at once are still waited for, so that
+    Some topics answer only after later samples. So after a second of silence twice as many stamps may be under way for
+    that topic: the replay never blocks, and is slow only once. Topics that answer at once are still waited for, so that
     their samples do not arrive late because of a slow topic.
     """
 
-    def __init__(self, node: Node) -> None:
-        """Follow nothing yet."""
+    def __init__(self, node: Node, ahead: int = 1) -> None:
+        """Follow nothing yet; so many stamps may be under way without an answer."""
         self._node = node
+        self._first_ahead = ahead
         self._followed: dict[str, tuple[Subscription, Any]] = {}
         self._reached: dict[str, int] = {}
         self._ahead: dict[str, int] = {}
@@ -58,7 +59,7 @@ class FlowControl:
                 subscription = self._node.create_subscription(kind, name, _never_called, profile, raw=True)
                 self._followed[name] = (subscription, kind)
                 self._reached[name] = 0
-                self._ahead[name] = 1
+                self._ahead[name] = self._first_ahead
 
     def is_connected(self) -> bool:
         """Whether every followed topic has found its publisher."""
@@ -82,17 +83,18 @@ class FlowControl:
                 break
             if monotonic() - since > _PATIENCE:
                 for name in late:
-                    self._let_one_more(name)
+                    self._let_more(name)
             stop.wait(_POLL_PERIOD)
         self._under_way.append(stamp)
         self._last = stamp
 
-    def _let_one_more(self, topic: str) -> None:
-        self._ahead[topic] += 1
-        if self._ahead[topic] > _MOST_AHEAD:
-            self._node.get_logger().warning(f"{topic}: no answer to {_MOST_AHEAD} stamps, not followed any more")
+    def _let_more(self, topic: str) -> None:
+        if self._ahead[topic] >= _MOST_AHEAD:
+            self._node.get_logger().warning(f"{topic}: no answer to {self._ahead[topic]} stamps, not followed any more")
             self._node.destroy_subscription(self._followed.pop(topic)[0])
             del self._reached[topic]
+        else:
+            self._ahead[topic] = min(2 * self._ahead[topic], _MOST_AHEAD)
 
     def _unanswered(self, topic: str) -> int:
         return sum(stamp > self._reached[topic] for stamp in self._under_way)

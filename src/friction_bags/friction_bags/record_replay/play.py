@@ -41,6 +41,9 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="TOPIC",
         help="flow control: publish the next stamp when these have answered the last, such as '*/abs_supervisor'",
     )
+    parser.add_argument(
+        "--ahead", type=_at_least_one, default=1, metavar="N", help="stamps that --follow lets go unanswered (default 1)"
+    )
     parser.add_argument("--loop", action="store_true", help="start again at the end")
     parser.add_argument("--start-offset", type=_not_negative, default=0.0, metavar="S", help="start S s into the bag")
     parser.add_argument("--duration", type=_positive, metavar="S", help="replay only S seconds of the bag")
@@ -133,7 +136,7 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
 
 def _flow_control(args: Namespace, node: Node, stop: Event) -> FlowControl:
     """Follow the topics that appear within the time for discovery, which ends once all named ones have appeared."""
-    flow = FlowControl(node)
+    flow = FlowControl(node, args.ahead)
     selection = TopicSelection(args.follow, (), node.get_namespace())
     end = monotonic() + args.wait
     while not selection.is_complete(flow.topics) and monotonic() < end and not stop.is_set():
@@ -169,6 +172,13 @@ def _positive(text: str) -> float:
     value = float(text)
     if not 0.0 < value < float("inf"):
         raise ArgumentTypeError(f"{text} must be above 0")
+    return value
+
+
+def _at_least_one(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise ArgumentTypeError(f"{text} must be at least 1")
     return value
 
 
