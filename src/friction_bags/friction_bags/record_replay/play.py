@@ -42,7 +42,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="flow control: publish the next stamp when these have answered the last, such as '*/abs_supervisor'",
     )
     parser.add_argument(
-        "--ahead", type=_at_least_one, default=1, metavar="N", help="stamps that --follow lets go unanswered (default 1)"
+        "--ahead", type=_at_least_one, default=1, metavar="N", help="stamps --follow lets go unanswered (default 1)"
     )
     parser.add_argument("--loop", action="store_true", help="start again at the end")
     parser.add_argument("--start-offset", type=_not_negative, default=0.0, metavar="S", help="start S s into the bag")
