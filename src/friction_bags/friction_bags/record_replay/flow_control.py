@@ -17,7 +17,10 @@ from vehicle_models.nanoseconds import NANOSECONDS
 _POLL_PERIOD = 0.0002
 _PATIENCE = 1.0
 """Silence after which more stamps are let through [s]: some answers need a later sample of another topic."""
-_MOST_AHEAD = 100
+_LONGEST_STALL = 10.0
+"""The same for a topic that has answered with as many stamps under way as are allowed now: its node is held up [s]."""
+_MOST_AHEAD = 40
+"""Stamps under way: best-effort samples of more overflow the queues of a node that stands still."""
 _LITTLE = struct.Struct("<iI")
 _BIG = struct.Struct(">iI")
 
@@ -26,8 +29,9 @@ class FlowControl:
     """Holds the replay until every followed topic has a message stamped like the sample before, or later.
 
     Some topics answer only after later samples. So after a second of silence twice as many stamps may be under way for
-    that topic: the replay never blocks, and is slow only once. Topics that answer at once are still waited for, so that
-    their samples do not arrive late because of a slow topic.
+    that topic: the replay never blocks, and is slow only once. A topic that has answered since is waited for longer,
+    because its node may only stand still. Topics that answer at once are still waited for, so that their samples do
+    not arrive late because of a slow topic.
     """
 
     def __init__(self, node: Node, ahead: int = 1) -> None:
@@ -37,6 +41,7 @@ class FlowControl:
         self._followed: dict[str, tuple[Subscription, Any]] = {}
         self._reached: dict[str, int] = {}
         self._ahead: dict[str, int] = {}
+        self._answered: set[str] = set()
         self._under_way: deque[int] = deque()
         self._last = 0
 
@@ -81,14 +86,17 @@ class FlowControl:
             late = [name for name in self._reached if self._unanswered(name) >= self._ahead[name]]
             if not late:
                 break
-            if monotonic() - since > _PATIENCE:
-                for name in late:
+            silence = monotonic() - since
+            for name in late:
+                if silence > (_LONGEST_STALL if name in self._answered else _PATIENCE):
                     self._let_more(name)
+                    since = monotonic()
             stop.wait(_POLL_PERIOD)
         self._under_way.append(stamp)
         self._last = stamp
 
     def _let_more(self, topic: str) -> None:
+        self._answered.discard(topic)
         if self._ahead[topic] >= _MOST_AHEAD:
             self._node.get_logger().warning(f"{topic}: no answer to {self._ahead[topic]} stamps, not followed any more")
             self._node.destroy_subscription(self._followed.pop(topic)[0])
@@ -115,6 +123,7 @@ class FlowControl:
             with subscription.handle:
                 while (message := subscription.handle.take_message(kind, True)) is not None:
                     self._reached[name] = header_stamp(message[0])
+                    self._answered.add(name)
                     count += 1
         return count
 
