@@ -24,6 +24,8 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 
 BRAKE_DEMAND = "brake_demand"
+_VALID_FOR = 0.1
+"""[s]"""
 _QUIET = (Reason.OK, Reason.LOW_SPEED)
 """Reasons that belong to ordinary driving."""
 _BROKEN = (Reason.NO_SLOPE, Reason.NO_DEMAND, Reason.INVALID_SLOPE)
@@ -51,6 +53,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self.outputs: Mapping[str, type] = {f"{wheel}/abs_supervisor": SupervisorState}
         if not parameters.shadow:
             self.outputs = {**self.outputs, f"{wheel}/brake_command": BrakeCommand}
+        self.commands: Mapping[str, float] = {} if parameters.shadow else {f"{wheel}/brake_command": _VALID_FOR}
+        self._counter = 0
         primary = Primary(self._slope, wheel, report, silent_after=parameters.stale_after)
         super().__init__(wheel, primary, [AlignedInput(self._demand)], parameters.deadline)
         self._supervisor = Supervisor(parameters.thresholds, parameters.tolerance)
@@ -190,6 +194,9 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             command.header = header
             command.wheel = self._wheel
             command.command = int(COMMANDS[machine.state])
+            self._counter = (self._counter + 1) % 2**32
+            command.counter = self._counter
+            command.valid_for = _VALID_FOR
             outputs.append((f"{self._wheel}/brake_command", command))
         return outputs
 

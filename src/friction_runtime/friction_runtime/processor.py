@@ -6,7 +6,7 @@ A node and the offline bag runner drive processors in the same way, so that thei
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, runtime_checkable
 
 Output = tuple[str, Any]
 """A relative topic and the message to publish on it."""
@@ -86,3 +86,15 @@ class Processor(Protocol):
 
     def health(self) -> Health:
         """State for diagnostics."""
+
+
+@runtime_checkable
+class CommandingProcessor(Processor, Protocol):
+    """A processor with outputs that somebody else obeys at once."""
+
+    @property
+    def commands(self) -> Mapping[str, float]:
+        """Outputs that are commands, and how long each holds after its publication [s]: never sent later than that.
+
+        Empty where nothing follows the clock of the machine: a command then waits for as long as it takes.
+        """

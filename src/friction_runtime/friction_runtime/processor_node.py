@@ -11,13 +11,14 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 from std_srvs.srv import Trigger
 
 from friction_parameters.parameter import ParameterError
 from friction_parameters.values import ignored
 from friction_runtime import qos
 from friction_runtime.node_parameters import declare
-from friction_runtime.processor import Health, Level, Output, Processor, Report, Severity
+from friction_runtime.processor import CommandingProcessor, Health, Level, Output, Processor, Report, Severity
 from friction_runtime.report_kind import ReportLimit
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
@@ -93,7 +94,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         for processor in processors:
             for topic, kind in processor.outputs.items():
                 if topic not in self._publishers_by_topic:
-                    self._publishers_by_topic[topic] = qos.publish(self, kind, topic)
+                    self._publishers_by_topic[topic] = qos.publish(self, kind, topic, _offered(processor, topic))
             for inputs, profile in ((processor.sensors, qos.SENSOR), (processor.estimates, qos.ESTIMATE)):
                 for topic, kind in inputs.items():
                     if topic not in self._counts:
@@ -173,3 +174,9 @@ class ProcessorNode(Node, Generic[Parameters]):
             hardware_id=health.name,
             values=[KeyValue(key=key, value=value) for key, value in health.values.items()],
         )
+
+
+def _offered(processor: Processor, topic: str) -> QoSProfile:
+    """Return the QoS with which an output is published."""
+    commands = processor.commands if isinstance(processor, CommandingProcessor) else {}
+    return qos.command(commands[topic]) if topic in commands else qos.ESTIMATE
