@@ -309,7 +309,7 @@ def test_a_sender_that_promises_neither_deadline_nor_liveliness_is_not_obeyed_an
     health: list[DiagnosticArray] = []
     client.node.create_subscription(DiagnosticArray, "/diagnostics", health.append, 10)
     publisher = qos.publish(client.node, BrakeCommand, "front_left/brake_command")
-    start(client, end_speed=-1.0)
+    start(client, end_speed=-1.0, wait_for_subscribers=0)
     client.until(lambda: "a publisher is not obeyed, it does not offer" in plant_status(health).message)
     assert publisher.get_subscription_count() == 0
 
@@ -319,5 +319,5 @@ def test_two_supervisors_of_one_wheel_are_named(client: DdsClient) -> None:
     client.node.create_subscription(DiagnosticArray, "/diagnostics", health.append, 10)
     for _ in range(2):
         qos.publish(client.node, BrakeCommand, "front_left/brake_command", qos.command(0.1))
-    start(client, end_speed=-1.0)
+    start(client, end_speed=-1.0, wait_for_subscribers=0)
     client.until(lambda: "front_left/brake_command: 2 supervisors command" in plant_status(health).message)
