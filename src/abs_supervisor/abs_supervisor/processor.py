@@ -172,7 +172,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
     def _outputs(self) -> list[Output]:
         machine, counts = self._supervisor, self._supervisor.counts
         header = header_at(self._stamp, self._wheel)
-        state = new_message(SupervisorState)
+        state = SupervisorState()
         state.header = header
         state.wheel = self._wheel
         state.state = int(machine.state)
