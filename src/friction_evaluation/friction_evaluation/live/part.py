@@ -26,7 +26,7 @@ from friction_bringup import graph
 from friction_evaluation.live.graph import Observation, run_graph
 from friction_evaluation.live.offline_loop import run_offline
 from friction_evaluation.protocol import CAR, VEHICLE, WHEEL
-from friction_evaluation.rows import Row
+from friction_evaluation.rows import Row, at_most
 from friction_parameters.values import from_mapping
 from friction_runtime.processor import silent
 from vehicle_models.surfaces import TABLE_8_1
@@ -111,7 +111,8 @@ def agreement_rows(surface: str, seed: int) -> list[Row]:
                 "topic": topic,
                 "samples": len(offline[topic]),
                 "received": len(live),
-                "differing": max(len(live), len(offline[topic])) - alike,
+                "quantity": "differing",
+                **at_most(max(len(live), len(offline[topic])) - alike, 0),
             }
         )
     return rows
@@ -152,7 +153,8 @@ def real_time_row(topic: str, found: Observation, source: Observation, expected:
         "topic": topic,
         "samples": expected,
         "received": len(stamps),
-        "lost": expected - len(set(found.stamps)),
+        "quantity": "lost",
+        **at_most(expected - len(set(found.stamps)), 0),
         "irregular_steps": int(np.count_nonzero(steps != SAMPLE_TIME_NS)),
         "delay_median_ms": float(np.median(delay)),
         "delay_p99_ms": float(np.percentile(delay, 99.0)),
