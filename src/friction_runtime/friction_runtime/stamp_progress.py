@@ -1,7 +1,7 @@
 """Progress of the stamps of one input against the steady clock: whether the input is lost.
 
-The age of the newest stamp by the steady clock is constant but for the delay of transport, whatever the offset of the two
-clocks is. So the least age seen is the reference, and the input is lost where its stamps lag behind it by more than
+The age of a stamp by the steady clock as it arrives is constant but for the delay of transport, whatever the offset of the
+two clocks is. So the least age seen is the reference, and the input is lost where its stamps lag behind it by more than
 `LAG` and its own period: when it is silent, when its stamps repeat, crawl or have gone back. The reference follows a
 slow drift of the clocks. A leap ahead is a loss as well, until the stamps are seen to progress with the clock again.
 
@@ -59,14 +59,21 @@ class StampProgress:
             self.period = min(period, _LONGEST_PERIOD)
         self._newest = stamp
 
-    def poll(self, now: float) -> bool:
-        """Judge at a time [s] of the steady clock, not before that of the last poll; return whether it is lost."""
+    def poll(self, now: float, quiet: float) -> bool:
+        """Return whether the input is lost.
+
+        Args:
+            now: time of the steady clock [s], not before that of the last poll.
+            quiet: time since the last message of any content came [s], inf before the first.
+        """
         passed, self._now = now - self._now, now
         if not self.came:
             return True
         age = now - self._newest * NANOSECOND
         limit = LAG + self.period
-        self._follow_candidate(age, limit)
+        on_arrival = age - quiet
+        """Upper bound of the newest stamp's age on arrival: what came after it may have been refused."""
+        self._follow_candidate(age, on_arrival, limit)
         if self._reference is None:
             self.lag = 0.0
             self.lost = self._candidate_steady_for() < _KEEPS_UP
@@ -78,7 +85,7 @@ class StampProgress:
         if not -_LEAP <= self.lag <= limit:
             self.lost, self._keeps_up_since = True, None
         else:
-            self._reference = min(self._reference, age)
+            self._reference = min(self._reference, on_arrival)
             if self._keeps_up_since is None:
                 self._keeps_up_since = now
             self.lost = self.lost and now - self._keeps_up_since < _KEEPS_UP
@@ -92,13 +99,13 @@ class StampProgress:
             return False
         return self._now - stamp * NANOSECOND - self._reference > LAG + self.period
 
-    def _follow_candidate(self, age: float, limit: float) -> None:
-        """Look for stamps that progress with the clock: their least age stays within the limits of an input."""
+    def _follow_candidate(self, age: float, on_arrival: float, limit: float) -> None:
+        """Look for stamps that progress with the clock: their age stays within the limits of an input."""
         since = self._candidate_since
         if since is None or not -_LEAP <= age - self._candidate <= limit:
-            self._candidate, self._candidate_since = age, self._now
+            self._candidate, self._candidate_since = on_arrival, self._now
         else:
-            self._candidate = min(self._candidate, age)
+            self._candidate = min(self._candidate, on_arrival)
 
     def _candidate_steady_for(self) -> float:
         return 0.0 if self._candidate_since is None else self._now - self._candidate_since
