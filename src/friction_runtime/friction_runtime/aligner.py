@@ -3,9 +3,9 @@
 A primary sample is ready once every other input has a sample at or past its stamp; the others are then interpolated to
 it. An input that has not come when the primary is a deadline further (in message time) is missing for that sample, with
 the reason. An input that has been silent for longer than its `max_gap` is not waited for until it comes back: no
-interpolation reaches across, and so the loss of one input does not delay the answers for ever. What comes out depends on
-the stamps only, as long as no stream arrives later than the deadline; but where an input comes back from a silence, the
-first sample that uses it is that at which it has arrived.
+interpolation reaches across, and so the loss of one input does not delay the answers for ever. What comes out depends
+on the stamps only, as long as no stream arrives later than the deadline; but where an input comes back from a silence,
+the first sample that uses it is that at which it has arrived.
 
 A stamp that steps back a little is that of a late sample: it is refused and counted. A jump back in time (a looped bag,
 a reset plant) starts a new epoch of a stream. Samples compare by (epoch, stamp), so that nothing from before a jump is
@@ -115,7 +115,7 @@ class _Stream:
         return tuple(a + weight * (b - a) for a, b in zip(before, after, strict=True))
 
     def settled(self, key: Key) -> bool:
-        """Whether there is nothing to wait for at `key`: samples reach it, or have ended further before it than a gap."""
+        """Whether there is nothing to wait for at `key`: samples reach it, or have ended more than a gap before."""
         newest = self.newest
         return newest >= key or (newest[0] == key[0] and key[1] - newest[1] > self.max_gap_ns)
 

@@ -1,9 +1,9 @@
 """Progress of the stamps of one input against the steady clock: whether the input is lost.
 
-The age of a stamp by the steady clock as it arrives is constant but for the delay of transport, whatever the offset of the
-two clocks is. So the least age seen is the reference, and the input is lost where its stamps lag behind it by more than
-`LAG` and its own period: when it is silent, when its stamps repeat, crawl or have gone back. The reference follows a
-slow drift of the clocks. A leap ahead is a loss as well, until the stamps are seen to progress with the clock again.
+The age of a stamp by the steady clock as it arrives is constant but for the delay of transport, whatever the offset of
+the two clocks is. So the least age seen is the reference, and the input is lost where its stamps lag behind it by more
+than `LAG` and its own period: when it is silent, when its stamps repeat, crawl or have gone back. The reference follows
+a slow drift of the clocks. A leap ahead is a loss as well, until the stamps are seen to progress with the clock again.
 
 After a loss the input is back when it has kept up with the reference for `_KEEPS_UP` (what waited in a queue has been
 read), or with a new reference for `_NEW_REFERENCE` (its clock has been set). A crawl keeps up with neither.
@@ -13,7 +13,7 @@ from vehicle_models.nanoseconds import NANOSECOND
 from vehicle_models.plausible import NEW_RUN
 
 LAG = 0.035
-"""Lag of the stamps, beyond the input's period, with which it is lost [s]: 50 ms less a period of the watch, and slack."""
+"""Lag of the stamps, beyond the input's period, with which it is lost [s]: 50 ms, less a period of the watch."""
 _KEEPS_UP = 0.1
 _NEW_REFERENCE = 0.5
 _LEAP = 0.05
@@ -54,7 +54,7 @@ class StampProgress:
         step = stamp - self._newest
         if stamp <= 0 or -NEW_RUN < step <= 0:
             return
-        if 0 < self._newest and 0 < step * NANOSECOND <= 2.0 * _LONGEST_PERIOD:
+        if self._newest > 0 and 0 < step * NANOSECOND <= 2.0 * _LONGEST_PERIOD:
             period = self.period + _PERIOD_GAIN * (step * NANOSECOND - self.period)
             self.period = min(period, _LONGEST_PERIOD)
         self._newest = stamp
