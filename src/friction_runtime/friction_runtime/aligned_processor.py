@@ -8,6 +8,7 @@ from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
 from friction_runtime.primary import SILENT_AFTER, Primary, silence
 from friction_runtime.processor import Health, Level, Output
 from friction_runtime.stamps import to_nanoseconds
+from vehicle_models.nanoseconds import NANOSECONDS
 
 Payload = TypeVar("Payload")
 
@@ -47,6 +48,9 @@ class AlignedProcessor(ABC, Generic[Payload]):
         self._aligner: Aligner[Payload] = Aligner(primary.topic, aligned, deadline)
         self._fired = False
         self._silent: dict[str, float] = {}
+        self._stamp_fired = 0
+        self._missing: dict[str, tuple[int, str]] = {}
+        """Inputs that were missing at the last sample: since when [ns], and why."""
 
     def process(self, topic: str, message: Any) -> Sequence[Output]:
         """Take one message; return the resulting outputs."""
@@ -62,6 +66,9 @@ class AlignedProcessor(ABC, Generic[Payload]):
                 self._primary.jumped_back()
                 self._start_again(sample.stamp)
             self._fired = True
+            self._stamp_fired = sample.stamp
+            if sample.missing or self._missing:
+                self._note_missing(sample)
             outputs += self._fire(sample)
         return outputs
 
@@ -80,6 +87,7 @@ class AlignedProcessor(ABC, Generic[Payload]):
         """Start again, as after construction."""
         self._aligner.reset()
         self._fired = False
+        self._missing = {}
         self._forget()
 
     def health(self) -> Health:
@@ -92,10 +100,20 @@ class AlignedProcessor(ABC, Generic[Payload]):
             return Health(self._name, Level.ERROR, text, values)
         level, text = self._state()
         # What the estimator can do without is degraded all the same; a state that names the topic has said so.
-        unnamed = [silence(topic, age) for topic, age in self._silent.items() if topic not in text]
+        lost = {topic: silence(topic, age) for topic, age in self._silent.items()}
+        for topic, (since, why) in self._missing.items():
+            if abs(self._stamp_fired - since) >= SILENT_AFTER * NANOSECONDS and topic not in self.optional:
+                lost[topic] = why
+        unnamed = [why for topic, why in lost.items() if topic not in text]
         if unnamed:
             level, text = max(level, Level.WARN), "; ".join([text, *unnamed] if text else unnamed)
         return Health(self._name, level, text or "ok", values)
+
+    def _note_missing(self, sample: AlignedSample[Payload]) -> None:
+        before = self._missing
+        self._missing = {
+            topic: (before[topic][0] if topic in before else sample.stamp, why) for topic, why in sample.missing.items()
+        }
 
     @abstractmethod
     def _payload(self, message: Any) -> Payload:

@@ -13,7 +13,8 @@ from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, level_of, silent
-from friction_runtime.reason_text import of_topic, set_reason
+from friction_runtime.reason_text import set_reason
+from friction_runtime.slip_fault import slip_fault
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from friction_slope.detector import SlopeDetector
@@ -25,8 +26,6 @@ _QUIET = (Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING, Rea
 """Reasons that belong to ordinary driving."""
 _BROKEN = (Reason.NO_TORQUE,)
 """Reasons that do not go away by waiting."""
-_SLIP_LOW_SPEED = int(WheelSlip.LOW_SPEED)
-"""Copy of a message constant: a message class looks its constants up in Python, here at every sample."""
 _UNKNOWN_SLIP = (nan, nan, 0.0, nan, 0.0)
 """Slip, slip rate, 1 if they are valid, vehicle speed, 1 if it is known."""
 
@@ -62,17 +61,16 @@ class WheelProcessor(AlignedProcessor[float]):
         self._detector.reset()
         self._last: SlopeEstimate | None = None
         self._text = ""
-        self._slip_reason = ""
-        self._degraded = ""
+        self._slip_fault = ""
 
     def _start_again(self, stamp: int) -> None:
         self._detector.reset()
 
     def _state(self) -> tuple[Level, str]:
         level = Level.OK if self._last is None else level_of(self._last.reason, _QUIET, _BROKEN)
-        if not self._degraded:
+        if not self._slip_fault:
             return level, self._text
-        return max(level, Level.WARN), f"{self._text}; {self._degraded}" if self._text else self._degraded
+        return max(level, Level.WARN), f"{self._text}; {self._slip_fault}" if self._text else self._slip_fault
 
     def _values(self) -> dict[str, str]:
         last = self._last
@@ -99,8 +97,7 @@ class WheelProcessor(AlignedProcessor[float]):
         slip, slip_rate, valid = message.slip, message.slip_rate, 1.0
         if not (message.valid and isfinite(slip) and isfinite(slip_rate)):
             slip, slip_rate, valid = 0.0, 0.0, 0.0
-        ordinary = valid == 1.0 or message.reason == _SLIP_LOW_SPEED
-        self._slip_reason = "" if ordinary else message.reason_text or "not valid"
+        self._slip_fault = slip_fault(self._slip, message)
         speed, known = message.vehicle_speed, 1.0
         if not isfinite(speed):
             speed, known = 0.0, 0.0
@@ -122,9 +119,6 @@ class WheelProcessor(AlignedProcessor[float]):
         )
         self._last = estimate
         self._text = self._reason(sample, estimate)
-        self._degraded = sample.missing.get(self._slip, "")
-        if self._slip_reason and not self._degraded:
-            self._degraded = of_topic(self._slip, self._slip_reason)
         return [(f"{self._wheel}/friction_slope", self._message(sample.stamp, estimate))]
 
     def _reason(self, sample: AlignedSample[float], estimate: SlopeEstimate) -> str:

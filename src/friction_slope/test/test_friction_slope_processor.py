@@ -164,7 +164,7 @@ def test_a_dead_wheel_slip_costs_its_method_but_no_answer_and_no_time_for_ever()
 @pytest.mark.parametrize("parameters", [P, NO_SLIP])
 def test_a_slip_that_was_never_heard_of_is_named_in_diagnostics(parameters: FrictionSlopeParameters) -> None:
     processor = WheelProcessor("front_left", VEHICLE, parameters)
-    run(processor, [item for item in stream(40) if item[0] != SLIP])
+    run(processor, [item for item in stream(80) if item[0] != SLIP])
     assert (processor.health().level, SLIP in processor.health().message) == (Level.WARN, True)
 
 
