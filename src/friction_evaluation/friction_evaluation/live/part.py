@@ -131,7 +131,11 @@ def _run(plant: Mapping[str, graph.ParameterValue], seconds: float) -> dict[str,
         node: {"vehicle_file": VEHICLE} for node in (graph.PLANT, *LOOP)
     }
     overrides[graph.PLANT] |= plant
-    overrides[graph.SUPERVISOR] |= {"shadow": False, "stale_after": _PATIENCE if plant["lock_step"] else 0.1}
+    overrides[graph.SUPERVISOR] |= {
+        "shadow": False,
+        "real_time": not plant["lock_step"],
+        "stale_after": _PATIENCE,  # counts in lock-step only
+    }
     with Progress() as progress:
         what, total = ("lock-step", None) if plant["lock_step"] else ("real time", seconds / SAMPLE_TIME)
         task = progress.add_task(f"live, {what}, {plant['surfaces']}", total=total)
