@@ -34,10 +34,12 @@ demo: ready ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow, o
 		$(if $(VEHICLE),--vehicle "$(VEHICLE)") --out "$(OUT)/demo"
 
 bench: build ## every table of the evaluation as text and JSON, or PARTS="slope abs"
-	@for part in $(PARTS); do $(run) python -m friction_evaluation $$part --json "$(OUT)/bench/$$part.json" || exit 1; done
+	@failed=0; for part in $(PARTS); do \
+		$(run) python -m friction_evaluation $$part --json "$(OUT)/bench/$$part.json" || failed=1; done; exit $$failed
 
 results: build ## the same tables as pages in docs/results, or PARTS="slope abs"
-	@for part in $(PARTS); do $(run) python -m friction_evaluation $$part --page docs/results/$$part.md || exit 1; done
+	@failed=0; for part in $(PARTS); do \
+		$(run) python -m friction_evaluation $$part --page docs/results/$$part.md || failed=1; done; exit $$failed
 
 report: build ## every table and figure of the chapter as one page; EFFORT=0.1 for a quick one
 	@$(run) python -m friction_evaluation report --out build/report --effort $(EFFORT)

@@ -83,7 +83,7 @@ def parameters(tmp_path: Path) -> Path:
     path = tmp_path / "parameters.yaml"
     path.write_text(
         f"/**:\n  ros__parameters:\n    vehicle_file: {CAR}\n"
-        "/**/abs_supervisor:\n  ros__parameters:\n    shadow: false\n    stale_after: 5.0\n"
+        "/**/abs_supervisor:\n  ros__parameters:\n    shadow: false\n    real_time: false\n    stale_after: 5.0\n"
     )
     return path
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import subprocess
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -50,7 +50,7 @@ def start(client: DdsClient, node: str, *extra: str, **parameters: graph.Paramet
 
 
 def start_estimators(client: DdsClient, stale_after: float = 0.1) -> list[subprocess.Popen[str]]:
-    supervisor = {"shadow": False, "stale_after": stale_after}
+    supervisor = {"shadow": False, "stale_after": stale_after, "real_time": False}
     return [start(client, node, **(supervisor if node == "abs_supervisor" else {})) for node in LOOP]
 
 
@@ -179,6 +179,91 @@ def test_stamps_that_repeat_give_no_output_and_leave_the_state_alone(client: Dds
     assert all(process.poll() is None for process in processes)
 
 
+class PacedInputs:
+    """Inputs of a supervisor that commands, sent by the clock, as sensors do; each of them can stop or repeat."""
+
+    def __init__(self, client: DdsClient) -> None:
+        node = client.node
+        self._client = client
+        kinds = {
+            "wheel_states": JointState,
+            f"{WHEEL}/brake_pressure": FluidPressure,
+            "brake_demand": BrakeDemand,
+            f"{WHEEL}/friction_slope": FrictionSlope,
+        }
+        self.publishers = {topic: qos.publish(node, kind, topic) for topic, kind in kinds.items()}
+        self.states: list[SupervisorState] = []
+        self.commands: list[BrakeCommand] = []
+        qos.subscribe(node, SupervisorState, f"{WHEEL}/abs_supervisor", self.states.append, EVERYTHING)
+        qos.subscribe(node, BrakeCommand, f"{WHEEL}/brake_command", self.commands.append, EVERYTHING)
+        client.until(lambda: all(publisher.get_subscription_count() > 0 for publisher in self.publishers.values()))
+        client.until(lambda: node.count_publishers(f"{WHEEL}/brake_command") == 1)
+        self.fault, self.lost = "", ""
+        self._frozen = Header()
+        self._due = time.monotonic()
+
+    def send(self) -> None:
+        """Send the next sample of each input when it is due."""
+        while (left := self._due - time.monotonic()) > 0.0:
+            self._client.executor.spin_once(timeout_sec=left)
+        self._due = max(self._due + 0.005, time.monotonic() - 0.05)
+        now = Header(stamp=self._client.node.get_clock().now().to_msg())
+        for topic, publisher in self.publishers.items():
+            if topic != self.lost:
+                publisher.publish(self._message(topic, now))
+            elif self.fault == "repeats":
+                publisher.publish(self._message(topic, self._frozen))
+        if not self.lost:
+            self._frozen = now
+
+    def _message(self, topic: str, header: Header) -> Any:
+        if topic == "wheel_states":
+            return JointState(header=header, name=[WHEEL], velocity=[60.0])
+        if topic == "brake_demand":
+            return BrakeDemand(header=header, pressure=4e6)
+        if topic.endswith("brake_pressure"):
+            return FluidPressure(header=header, fluid_pressure=4e6)
+        return FrictionSlope(header=header, h=500.0, indicator=500.0, sign=1, valid=True)
+
+    def until(self, condition: Callable[[], bool]) -> None:
+        """Send until a condition holds."""
+
+        def holds() -> bool:
+            self.send()
+            return condition()
+
+        self._client.until(holds)
+
+
+def test_a_lost_input_brings_none_by_the_clock_with_its_reason_and_abs_comes_back(client: DdsClient) -> None:
+    process = start(client, "abs_supervisor", shadow=False)
+    inputs = PacedInputs(client)
+
+    def in_force(command: int, reason: int) -> bool:
+        told, commanded = inputs.states, inputs.commands
+        return bool(told and commanded) and (commanded[-1].command, told[-1].reason) == (command, reason)
+
+    lost = {
+        "wheel_states": SupervisorState.NO_WHEEL_SPEED,
+        f"{WHEEL}/brake_pressure": SupervisorState.NO_PRESSURE,
+        "brake_demand": SupervisorState.NO_DEMAND,
+        f"{WHEEL}/friction_slope": SupervisorState.NO_SLOPE,
+    }
+    for topic, reason in lost.items():
+        for fault in ("silent", "repeats"):
+            inputs.until(lambda: in_force(BrakeCommand.INCREASE, SupervisorState.OK))
+            inputs.fault, inputs.lost = fault, topic
+            inputs.until(lambda reason=reason: in_force(BrakeCommand.NONE, reason))  # type: ignore[misc]
+            assert topic in inputs.states[-1].reason_text
+            before = len(inputs.commands)
+            inputs.until(lambda before=before: len(inputs.commands) > before + 10)  # type: ignore[misc]
+            assert {command.command for command in inputs.commands[before:]} == {BrakeCommand.NONE}
+            inputs.lost = ""
+    counters = [command.counter for command in inputs.commands]
+    assert counters == list(range(counters[0], counters[0] + len(counters)))
+    assert process.poll() is None
+
+
 def test_resetting_the_plant_resets_the_whole_graph(client: DdsClient) -> None:
     start_estimators(client, stale_after=5.0)  # a stall of the machine is no silence in lock-step
     found = record(client)
@@ -202,6 +287,8 @@ def test_resetting_the_plant_resets_the_whole_graph(client: DdsClient) -> None:
         for k, (first, again) in enumerate(zip(before[:150], after[:150], strict=True)):
             if isinstance(first, SupervisorState):  # its counts and its cause show the reset
                 assert (first.state, first.reason) == (again.state, again.reason), k
+            elif isinstance(first, BrakeCommand):  # its counter goes on
+                assert (first.header, first.command) == (again.header, again.command), k
             else:
                 assert encode(first) == encode(again), (topic, k)
     states = epochs(found[f"{WHEEL}/abs_supervisor"])[0]

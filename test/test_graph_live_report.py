@@ -26,7 +26,8 @@ def test_delays_are_from_the_sample_to_its_answer() -> None:
     source = observed(list(range(101)), [1.0] * 101)
     answers = observed(list(range(101)), [2.0] * 60 + [4.0] * 40 + [51.0])
     row = real_time_row("front_left/brake_command", answers, source, 101, "dry")
-    assert (row["samples"], row["received"], row["lost"], row["irregular_steps"]) == (101, 101, 0, 0)
+    assert (row["samples"], row["received"], row["irregular_steps"]) == (101, 101, 0)
+    assert (row["quantity"], row["value"], row["passed"]) == ("lost", 0, True)
     assert row["delay_median_ms"] == pytest.approx(1.0)
     assert row["delay_p99_ms"] == pytest.approx(3.0)
     assert row["delay_max_ms"] == pytest.approx(50.0)
@@ -38,5 +39,5 @@ def test_lost_samples_are_counted_and_a_repeated_one_does_not_hide_them() -> Non
     answers = observed([0, 1, 2, 2, 5, 6, 7, 8, 9, 10], [1.0] * 10)
     row = real_time_row("front_left/brake_command", answers, source, 11, "dry")
     assert row["received"] == 10
-    assert row["lost"] == 2
+    assert (row["quantity"], row["value"], row["limit"], row["passed"]) == ("lost", 2, 0, False)
     assert row["irregular_steps"] == 2

@@ -26,6 +26,7 @@ AROUND = {
     "messages": "smart_tyre_forces: estimates as messages",
     "curve_messages": "friction_curve_id: estimates as messages",
     "inputs": "friction_curve_id: messages as samples",
+    "input_watch": "abs_supervisor: progress of the inputs, by their messages",
     "wheel_inputs": "the same of one wheel",
     "vehicle_inputs": "the same of a vehicle",
     "tyre_force_inputs": "the same of a smart tyre",

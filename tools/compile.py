@@ -17,12 +17,13 @@ from pathlib import Path
 from progress import run_with_progress
 
 COMPILED = {
-    "friction_runtime": "aligned_processor aligner brake_torque new_message primary reason_text stamps wheel_speeds",
+    "friction_runtime": "aligned_processor aligner brake_torque new_message primary reason_text slip_fault "
+    "stamp_progress stamps wheel_speeds",
     "vehicle_models": "derivatives",
     "wheel_slip": "carried_wheels estimate estimator online_radii processor radius_calibration slide_detector slip "
     "speed_filter speed_queue speed_sample stuck_sensor vehicle_speed wheel_speed_filter",
     "friction_slope": "crossing detector estimate indicator processor reference_speed signals",
-    "abs_supervisor": "braking braking_log fsm processor supervisor",
+    "abs_supervisor": "braking braking_log fsm input_watch processor supervisor",
     "friction_curve_id": "activation chapter/curve_fitting chapter/dead_reckoning chapter/exponential_curve "
     "chapter/friction_samples chapter/recursive_ls chapter/square_root curve/fitted_curve curve_messages inputs "
     "processor wheel_inputs",

@@ -18,6 +18,14 @@ class SupervisorParameters:
 
     vehicle_file: str = vehicle_file_parameter()
     shadow: bool = parameter(True, "publish the state, never a command", read_only=True)
+    real_time: bool = parameter(
+        True,
+        "stamps progress with the steady clock, an input whose stamps do not is lost; false for a plant in lock-step",
+        read_only=True,
+    )
+    valid_for: float = parameter(
+        0.1, "a command is in force for so long after its stamp", unit="s", minimum=0.02, maximum=1.0
+    )
     braking_source: str = parameter(
         "demand",
         "signal that shows whether the driver brakes: brake_demand, or <wheel>/brake_pressure with hysteresis",
@@ -32,12 +40,16 @@ class SupervisorParameters:
         0.02, "message time of invalid input after which the fail-safe acts", unit="s", minimum=0.0, maximum=1.0
     )
     stale_after: float = parameter(
-        0.1, "silence (node's clock) after which the fail-safe acts", unit="s", minimum=0.02, maximum=5.0
+        0.1,
+        "silence of friction_slope (steady clock) after which the fail-safe acts, with 'shadow' or without 'real_time'",
+        unit="s",
+        minimum=0.02,
+        maximum=5.0,
     )
     demand_timeout: float = parameter(
-        0.2, "demand or pressure is held this long where no newer one comes", unit="s", minimum=0.0, maximum=5.0
+        0.08, "demand or pressure is held this long where no newer one comes", unit="s", minimum=0.0, maximum=5.0
     )
-    deadline: float = shared.deadline()
+    deadline: float = shared.deadline(0.02)
 
     MOVED: ClassVar[Mapping[str, str]] = {
         "wheels": moved("wheels"),

@@ -4,12 +4,13 @@ from collections.abc import Mapping, Sequence
 from math import isfinite, nan
 from typing import Any
 
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
+from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState, WheelSlip
 from sensor_msgs.msg import FluidPressure
 
 from abs_supervisor.braking import TorqueWithHysteresis
 from abs_supervisor.braking_log import BrakingLog
 from abs_supervisor.fsm import COMMANDS
+from abs_supervisor.input_watch import InputWatch, Loss
 from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.supervisor import Evidence, Reason, Supervisor
 from friction_runtime.aligned_processor import AlignedProcessor
@@ -26,10 +27,11 @@ from vehicle_models.vehicle import Vehicle
 BRAKE_DEMAND = "brake_demand"
 _QUIET = (Reason.OK, Reason.LOW_SPEED)
 """Reasons that belong to ordinary driving."""
-_BROKEN = (Reason.NO_SLOPE, Reason.NO_DEMAND, Reason.INVALID_SLOPE)
+_BROKEN = (Reason.NO_SLOPE, Reason.NO_DEMAND, Reason.INVALID_SLOPE, Reason.NO_WHEEL_SPEED, Reason.NO_PRESSURE)
 """Reasons that bring the fail-safe."""
 _SLOPE_LOW_SPEED = int(FrictionSlope.LOW_SPEED)
 """Copy of a message constant: a message class looks its constants up in Python, here at every sample."""
+_COUNTER_END = 2**32
 _ALIVE = (FrictionSlope.OK, FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION, FrictionSlope.LOW_SPEED)
 """Reasons of friction_slope with which the machine can go on."""
 
@@ -44,36 +46,65 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._slope = f"{wheel}/friction_slope"
         by_demand = parameters.braking_source == "demand"
         self._demand = BRAKE_DEMAND if by_demand else self._brake_torque.topic
+        self._inputs: InputWatch | None = None
+        if not parameters.shadow and parameters.real_time:
+            self._inputs = InputWatch(vehicle, wheel, self._demand, self._slope)
         self.sensors: Mapping[str, type] = {} if by_demand else {self._demand: FluidPressure}
-        self.estimates: Mapping[str, type] = {self._slope: FrictionSlope}
+        if self._inputs is not None:
+            self.sensors = self._inputs.sensors
+        self.estimates: Mapping[str, type] = {self._slope: FrictionSlope, f"{wheel}/slip": WheelSlip}
         if by_demand:
             self.estimates = {**self.estimates, self._demand: BrakeDemand}
         self.outputs: Mapping[str, type] = {f"{wheel}/abs_supervisor": SupervisorState}
         if not parameters.shadow:
             self.outputs = {**self.outputs, f"{wheel}/brake_command": BrakeCommand}
+        in_real_time = not parameters.shadow and parameters.real_time
+        self.commands: Mapping[str, float] = {f"{wheel}/brake_command": parameters.valid_for} if in_real_time else {}
         primary = Primary(self._slope, wheel, report, silent_after=parameters.stale_after)
         super().__init__(wheel, primary, [AlignedInput(self._demand)], parameters.deadline)
         self._supervisor = Supervisor(parameters.thresholds, parameters.tolerance)
         self._log = BrakingLog(wheel, report)
         self._hysteresis = TorqueWithHysteresis(parameters.braking_torque, parameters.pressure)
+        self._counter = 0
+        self._commanded = False
         self._forget()
 
-    def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
-        """Fail safe when friction_slope has fallen silent; a silent demand is seen in message time."""
-        super().watch(ages)
-        silence = self._primary.silence
-        if self._stamp == 0 or not silence:
+    def process(self, topic: str, message: Any) -> Sequence[Output]:
+        """Take one message; return the resulting outputs."""
+        if self._inputs is not None:
+            self._inputs.note(topic, message)
+        return super().process(topic, message)
+
+    def watch(self, ages: Mapping[str, float], now: float) -> Sequence[Output]:
+        """Fail safe when an input is lost, and repeat the command where the node commands in real time.
+
+        Elsewhere only a silent friction_slope is seen by the clock, a silent demand in message time.
+        """
+        super().watch(ages, now)
+        if self._inputs is None:
+            silence = self._primary.silence
+            return self._fail((Reason.NO_SLOPE, f"{self._slope}: silent"), silence) if silence else []
+        loss = self._inputs.poll(ages, now)
+        outputs = self._fail(loss, loss[1]) if loss is not None else []
+        if not outputs and self._stamp != 0 and self._inputs.wants_heartbeat(ages, self._commanded):
+            outputs = [self._command()]
+        self._commanded = False
+        return outputs
+
+    def _fail(self, loss: Loss, said: str) -> list[Output]:
+        """Go to S0 because of a loss; return the outputs if that is a transition."""
+        self._reason, self._text = loss
+        if self._stamp == 0 or not self._supervisor.fail(self._stamp):
             return []
-        self._reason, self._text = Reason.NO_SLOPE, f"{self._slope}: silent"
-        if self._supervisor.fail(self._stamp):
-            self._log.note(self._supervisor, self._stamp, silence)
-            return self._outputs()
-        return []
+        self._log.note(self._supervisor, self._stamp, said)
+        return self._outputs()
 
     def _payload(self, message: FrictionSlope) -> FrictionSlope:
         return message
 
     def _take(self, topic: str, message: Any) -> str | None:
+        if topic != self._demand:
+            return None  # the watch of the inputs has noted it
         return self._offer_demand(topic, to_nanoseconds(message.header.stamp), message)
 
     def _forget(self) -> None:
@@ -125,10 +156,15 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
 
     def _fire(self, sample: AlignedSample[FrictionSlope]) -> list[Output]:
         slope = sample.payload
+        loss = None if self._inputs is None else self._inputs.loss
+        if loss is not None and self._inputs is not None and self._inputs.is_old(sample.stamp):
+            return []
         self._stamp, self._indicator = sample.stamp, slope.indicator
         torque = self._torque_at(sample)
         self._reason, self._text = self._judge(sample, torque)
         self._torque = nan if torque is None else torque
+        if loss is not None:
+            return self._fail(loss, loss[1]) or self._outputs()
         usable = self._reason in _QUIET
         evidence = Evidence(
             h=slope.h,
@@ -168,7 +204,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
     def _outputs(self) -> list[Output]:
         machine, counts = self._supervisor, self._supervisor.counts
         header = header_at(self._stamp, self._wheel)
-        state = new_message(SupervisorState)
+        state = SupervisorState()
         state.header = header
         state.wheel = self._wheel
         state.state = int(machine.state)
@@ -178,6 +214,12 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         state.indicator = self._indicator
         state.demand_torque = self._torque
         state.shadow = self._p.shadow
+        state.command = int(COMMANDS[machine.state])
+        state.release = SupervisorState.RELEASE_NOT_WANTED
+        state.cap = SupervisorState.CAP_NONE
+        state.slip = state.release_slip = state.wheel_deceleration = state.release_deceleration = nan
+        state.unchecked = ""
+        state.refused_releases = state.caps = 0
         state.transitions = counts.transitions
         state.instabilities = counts.instabilities
         state.recoveries = counts.recoveries
@@ -186,12 +228,20 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         set_reason(state, self._wheel, self._reason, self._text)
         outputs: list[Output] = [(f"{self._wheel}/abs_supervisor", state)]
         if not self._p.shadow:
-            command = new_message(BrakeCommand)
-            command.header = header
-            command.wheel = self._wheel
-            command.command = int(COMMANDS[machine.state])
-            outputs.append((f"{self._wheel}/brake_command", command))
+            outputs.append(self._command())
         return outputs
+
+    def _command(self) -> Output:
+        """Return the command that is in force, once more: a heartbeat."""
+        self._commanded = True
+        self._counter = (self._counter + 1) % _COUNTER_END
+        command = new_message(BrakeCommand)
+        command.header = header_at(self._stamp, self._wheel)
+        command.wheel = self._wheel
+        command.command = int(COMMANDS[self._supervisor.state])
+        command.counter = self._counter
+        command.valid_for = self._p.valid_for
+        return f"{self._wheel}/brake_command", command
 
 
 def build(parameters: SupervisorParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:

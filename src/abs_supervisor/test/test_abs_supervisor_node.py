@@ -22,7 +22,7 @@ def test_node_commands_a_release_and_falls_back_when_the_slope_goes_silent() -> 
     arrived: list[float] = []
     stale_after = 3.0  # longer than a busy machine lets this process wait between two samples
     with dds_client() as client:
-        arguments = (*CAR, "-p", "shadow:=false", "-p", f"stale_after:={stale_after}")
+        arguments = (*CAR, "-p", "shadow:=false", "-p", "real_time:=false", "-p", f"stale_after:={stale_after}")
         process = client.start("-m", "abs_supervisor", "--ros-args", *arguments)
         demands = qos.publish(client.node, BrakeDemand, "brake_demand")
         slopes = qos.publish(client.node, FrictionSlope, "front_left/friction_slope")

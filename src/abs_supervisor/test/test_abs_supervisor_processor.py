@@ -1,6 +1,7 @@
 """The supervisor behind its messages: message time, fail-safe, shadow mode, counts, hostile input."""
 
 from dataclasses import replace
+from itertools import pairwise
 from math import inf, nan
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from friction_parameters.values import changed, from_mapping, ignored
 from friction_runtime.processor import Level
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from friction_slope.parameters import FrictionSlopeParameters
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -33,6 +34,7 @@ P = SupervisorParameters(
     shadow=False,
     thresholds=Thresholds(h_instability=-100.0, h_stability=1000.0, wait=0.04, release_timeout=0.08),
     tolerance=0.02,
+    real_time=False,
 )
 BY_PRESSURE = replace(P, braking_source="pressure")
 K = 1e-4
@@ -66,6 +68,7 @@ class Bench:
         self.stamp = 0
         self.state = SupervisorState()
         self.command: int | None = None
+        self.counter = 0
 
     def take(self, outputs: Any) -> None:
         self.command = None
@@ -76,6 +79,8 @@ class Bench:
             else:
                 self.command = message.command
                 assert message.header.stamp == self.state.header.stamp
+                assert (message.counter, message.valid_for) == (self.counter + 1, 0.1)
+                self.counter = message.counter
 
     def sample(self, indicator: float, torque: float = 500.0, growing: int = 1, reason: int = FrictionSlope.OK) -> str:
         self.stamp += STEP
@@ -182,12 +187,12 @@ def test_silence_brings_the_fail_safe_by_the_clock_of_the_node() -> None:
     bench = Bench()
     bench.brake_into_s22()
     ages = {SLOPE: 0.02, "brake_demand": 0.02}
-    assert bench.processor.watch(ages) == []
-    bench.take(bench.processor.watch(ages | {SLOPE: P.stale_after + 0.01}))
+    assert bench.processor.watch(ages, 0.0) == []
+    bench.take(bench.processor.watch(ages | {SLOPE: P.stale_after + 0.01}, 0.0))
     assert bench.name == "S0"
     assert bench.command == BrakeCommand.NONE
     assert bench.state.reason == SupervisorState.NO_SLOPE
-    assert bench.processor.watch(ages | {SLOPE: 1.0}) == []
+    assert bench.processor.watch(ages | {SLOPE: 1.0}, 0.0) == []
     assert bench.processor.health().level is Level.ERROR
     bench.sample(500.0)
     assert bench.name == "S1"
@@ -197,15 +202,15 @@ def test_silent_demand_is_held_for_a_while_and_then_fails_safe() -> None:
     bench = Bench()
     bench.sample(500.0)
     last = bench.stamp
-    outputs: list[Any] = []
     while bench.name != "S0":
         bench.stamp += STEP
-        outputs = list(bench.processor.process(SLOPE, slope(bench.stamp, 500.0)))
-        if outputs:
-            bench.take(outputs)
-    answered = bench.state.header.stamp.sec * 10**9 + bench.state.header.stamp.nanosec
+        for state, command in pairwise([*bench.processor.process(SLOPE, slope(bench.stamp, 500.0)), None]):
+            if bench.name != "S0" and state is not None and command is not None and state[0].endswith("supervisor"):
+                bench.take([state, command])
     assert bench.state.reason == SupervisorState.NO_DEMAND
+    answered = to_nanoseconds(bench.state.header.stamp)
     assert (answered - last) * 1e-9 == pytest.approx(P.demand_timeout + P.tolerance, abs=0.0051)
+    assert bench.stamp - answered <= P.deadline * 1e9, "what the answers wait for"
 
 
 def test_every_slope_message_is_answered_once_with_its_stamp() -> None:

@@ -1,6 +1,7 @@
 """Inputs of the plant: brake commands of the supervisor and the driver's demand by topic."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
@@ -11,52 +12,91 @@ from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.brake_actuator import Command
 from vehicle_models.nanoseconds import NANOSECONDS
 
+LONGEST_VALIDITY = 1.0
+"""A command that claims to hold for longer [s] is refused: its supervisor could be dead all that time."""
+_COUNTER_RANGE = 2**32
+"""Values of the counter of a command: it wraps around."""
+
+
+@dataclass(frozen=True)
+class _Taken:
+    """A command that was taken."""
+
+    command: Command
+    stamp: int
+    """Stamp of the sample it answers [ns]."""
+    expires: int
+    """It is in force up to this stamp of the plant [ns]."""
+    counter: int
+
 
 class CommandInbox:
-    """The last brake_command of each wheel."""
+    """The newest brake_command of each wheel, as an ABS core would take it: nothing old, nothing that has expired."""
 
-    def __init__(self, wheels: Sequence[str], timeout: float) -> None:
-        """Start without commands.
-
-        Args:
-            wheels: names of the wheels.
-            timeout: a command older than this [s of message time] counts as NONE, > 0.
-        """
+    def __init__(self, wheels: Sequence[str]) -> None:
+        """Start without commands for these wheels."""
         self._wheels = tuple(wheels)
-        self._timeout_ns = round(timeout * NANOSECONDS)
-        self._last: dict[str, tuple[int, Command]] = {}
+        self._newest: dict[str, _Taken] = {}
+        self.lost = 0
+        """Commands that the counters show to be missing."""
+        self.new_senders = 0
+        """How often a counter began again: the supervisor was started again, or there are two of them."""
 
-    def take(self, wheel: str, message: BrakeCommand) -> str | None:
-        """Take a message from `wheel`'s topic; return why it is refused."""
+    def take(self, wheel: str, message: BrakeCommand, now: int) -> str | None:
+        """Take a message from `wheel`'s topic at the plant's stamp `now` [ns]; return why it is refused.
+
+        A refused message changes nothing: what was in force stays so until it expires.
+        """
         topic = f"{wheel}/brake_command"
         if message.wheel != wheel:
             return f"{topic}: message is for wheel '{message.wheel}', refused"
         if message.command not in tuple(Command):
             return f"{topic}: unknown command {message.command}, refused"
+        valid_for = message.valid_for
+        if not (isfinite(valid_for) and 0.0 < valid_for <= LONGEST_VALIDITY):
+            return f"{topic}: valid_for {valid_for} s must be above 0 and at most {LONGEST_VALIDITY} s, refused"
         stamp = to_nanoseconds(message.header.stamp)
         if stamp <= 0:
             return f"{topic}: stamp is zero, refused"
-        self._last[wheel] = (stamp, Command(message.command))
+        if stamp > now:
+            return f"{topic}: answers a sample {_seconds(stamp - now)} s ahead of the plant, refused"
+        expires = stamp + round(valid_for * NANOSECONDS)
+        if now > expires:
+            return f"{topic}: answers a sample {_seconds(now - stamp)} s old and is valid for {valid_for} s, refused"
+        newest = self._newest.get(wheel)
+        if newest is not None:
+            step = (message.counter - newest.counter) % _COUNTER_RANGE
+            if step == 0:
+                return f"{topic}: counter {message.counter} is repeated, refused"
+            goes_back = step > _COUNTER_RANGE // 2
+            # A supervisor that was started again counts from the beginning, but answers newer samples. An old message
+            # does neither.
+            if stamp < newest.stamp or (goes_back and stamp == newest.stamp):
+                return f"{topic}: counter {message.counter} is older than the newest, {newest.counter}; refused"
+            self.new_senders += goes_back
+            self.lost += 0 if goes_back else step - 1
+        self._newest[wheel] = _Taken(Command(message.command), stamp, expires, message.counter)
         return None
 
-    def unanswered(self, stamp_ns: int) -> list[str]:
-        """Return the wheels whose last command is not stamped `stamp_ns`."""
-        return [wheel for wheel in self._wheels if self._last.get(wheel, (0,))[0] != stamp_ns]
+    def unanswered(self, now: int) -> list[str]:
+        """Return the wheels whose newest command does not answer the sample at the plant's stamp `now` [ns]."""
+        return [wheel for wheel in self._wheels if wheel not in self._newest or self._newest[wheel].stamp != now]
 
-    def stale(self, stamp_ns: int) -> list[str]:
-        """Return the wheels that once had a command and now have none younger than the time-out."""
-        return [wheel for wheel, (stamp, _) in self._last.items() if stamp_ns - stamp > self._timeout_ns]
+    def expired(self, now: int) -> list[str]:
+        """Return the wheels that once had a command and have none in force at the plant's stamp `now` [ns]."""
+        return [wheel for wheel, newest in self._newest.items() if now > newest.expires]
 
-    def commands(self, stamp_ns: int) -> NDArray[np.int64]:
-        """Return the command in force for each wheel at `stamp_ns`; NONE where there is none or it is stale."""
-        stale = self.stale(stamp_ns)
-        return np.array(
-            [
-                int(Command.NONE) if wheel not in self._last or wheel in stale else int(self._last[wheel][1])
-                for wheel in self._wheels
-            ],
-            dtype=np.int64,
-        )
+    def commands(self, now: int) -> NDArray[np.int64]:
+        """Return the command in force for each wheel at the plant's stamp `now` [ns]; NONE where there is none."""
+        return np.array([int(self._in_force(wheel, now)) for wheel in self._wheels], dtype=np.int64)
+
+    def _in_force(self, wheel: str, now: int) -> Command:
+        newest = self._newest.get(wheel)
+        return Command.NONE if newest is None or now > newest.expires else newest.command
+
+
+def _seconds(nanoseconds: int) -> str:
+    return f"{nanoseconds / NANOSECONDS:.3f}"
 
 
 class DemandInbox:

@@ -16,6 +16,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from std_srvs.srv import Trigger
 
 from corner_sim import messages
+from corner_sim.command_watch import CommandWatch
 from corner_sim.pace import Pace
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME
@@ -80,9 +81,12 @@ class CornerSimNode(Node):
         self._outputs = {topic: qos.publish(self, kind, topic) for topic, kind in given.items()}
         self._clock_output = qos.publish(self, ClockMessage, "/clock") if p.publish_clock else None
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        # In lock-step the plant waits for the command as long as it takes.
+        profile = qos.ESTIMATE if p.lock_step else qos.COMMAND
+        self._command_watches = {topic: CommandWatch(topic) for topic in (f"{wheel}/brake_command" for wheel in wheels)}
         self._command_inputs = {
-            topic: qos.subscribe(self, BrakeCommand, topic, partial(self._on_command, wheel), qos.ESTIMATE)
-            for wheel, topic in ((wheel, f"{wheel}/brake_command") for wheel in wheels)
+            topic: qos.subscribe(self, BrakeCommand, topic, partial(self._on_command, wheel), profile, watch.callbacks)
+            for wheel, (topic, watch) in zip(wheels, self._command_watches.items(), strict=True)
         }
         if p.demand_source == "topic":
             qos.subscribe(self, BrakeDemand, "brake_demand", self._on_demand, qos.ESTIMATE)
@@ -212,11 +216,21 @@ class CornerSimNode(Node):
         self.get_logger().info(f"reset: {response.message}")
         return response
 
+    def _sender_findings(self) -> list[str]:
+        """Return what is wrong with the senders of commands."""
+        found: list[str] = []
+        for topic, watch in self._command_watches.items():
+            found += watch.findings(self._command_inputs[topic].get_publisher_count())
+        return found
+
     def _on_diagnostics(self) -> None:
         simulation, pace = self._simulation, self._pace
         level, text = Level.OK, self._phase.value
-        if self._phase is Phase.RUNNING and simulation.stale and not self._in_force.lock_step:
-            level, text = Level.WARN, f"brake_command silent, taken as NONE: {', '.join(simulation.stale)}"
+        senders = self._sender_findings()
+        expired = [] if self._in_force.lock_step else simulation.expired
+        if self._phase is Phase.RUNNING and (expired or senders):
+            silent = [f"brake_command silent, taken as NONE: {', '.join(expired)}"] if expired else []
+            level, text = Level.WARN, "; ".join(silent + senders)
         elif pace.shifted > self._shift_reported:
             level, text = Level.WARN, f"{text}; the machine is too slow: {pace.shifted:.3f} s behind the wall clock"
         self._shift_reported = pace.shifted
@@ -231,6 +245,9 @@ class CornerSimNode(Node):
             "worst lateness [s]": f"{pace.worst_lateness:.4f}",
             "schedule shifted [s]": f"{pace.shifted:.3f}",
             "messages refused": str(self._refused),
+            "commands lost": str(simulation.commands_lost),
+            "new senders of commands": str(simulation.new_senders),
+            "command deadlines missed": str(sum(watch.missed for watch in self._command_watches.values())),
         }
         array = DiagnosticArray()
         array.header.stamp = Clock().now().to_msg()

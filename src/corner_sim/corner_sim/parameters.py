@@ -47,9 +47,6 @@ class SimParameters:
     demand_release: float = parameter(0.0, "time back to none, 0: a step", unit="s", minimum=0.0, maximum=1e5)
 
     actuator: ActuatorParameters = group(ActuatorParameters())
-    command_timeout: float = parameter(
-        0.1, "a brake_command older than this (message time) counts as NONE", unit="s", minimum=0.005, maximum=10.0
-    )
 
     noise: str = parameter("chapter", "sensor noise: of section 8.3.2, or none", choices=("chapter", "none"))
     acceleration_variance: float = parameter(
@@ -122,6 +119,7 @@ class SimParameters:
         "actuator_delay": "it is 'actuator.delay'",
         "apply_rate": "it is 'actuator.apply_rate'",
         "release_rate": "it is 'actuator.release_rate'",
+        "command_timeout": "each brake_command says in 'valid_for' how long it holds; abs_supervisor sets it",
     }
 
     def __post_init__(self) -> None:

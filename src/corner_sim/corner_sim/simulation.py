@@ -59,7 +59,7 @@ class Simulation:
             self._noise, parameters.acceleration_variance, parameters.acceleration_offset, vehicle, parameters.seed
         )
         self._demand = DemandInbox(wheels)
-        self._commands = CommandInbox(wheels, parameters.command_timeout)
+        self._commands = CommandInbox(wheels)
         self._crossings = SlopeCrossings(len(wheels))
         self._profile_in_force = parameters.demand_source == "profile"
         self._tyre_sensors = _tyre_sensors(parameters, vehicle)
@@ -98,9 +98,19 @@ class Simulation:
         return self._commands.unanswered(self.stamp)
 
     @property
-    def stale(self) -> list[str]:
-        """Wheels whose brake_command has fallen silent: it counts as NONE."""
-        return self._commands.stale(self.stamp)
+    def expired(self) -> list[str]:
+        """Wheels whose newest brake_command holds no longer: it counts as NONE."""
+        return self._commands.expired(self.stamp)
+
+    @property
+    def commands_lost(self) -> int:
+        """Commands that their counters show to be missing."""
+        return self._commands.lost
+
+    @property
+    def new_senders(self) -> int:
+        """How often the counter of the commands began again."""
+        return self._commands.new_senders
 
     @property
     def end(self) -> str | None:
@@ -128,7 +138,7 @@ class Simulation:
 
     def take_command(self, wheel: str, message: BrakeCommand) -> str | None:
         """Take a brake_command of `wheel`; return why it is refused."""
-        return self._commands.take(wheel, message)
+        return self._commands.take(wheel, message, self.stamp)
 
     def take_demand(self, message: BrakeDemand) -> str | None:
         """Take a brake_demand; return why it is refused."""

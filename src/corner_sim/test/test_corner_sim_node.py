@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from friction_msgs.msg import BrakeCommand, WheelSlip
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue, SetParametersResult
 from rcl_interfaces.srv import SetParameters
@@ -72,7 +72,9 @@ def supervise(client: DdsClient) -> list[JointState]:
     def answer(message: JointState) -> None:
         seen.append(message)
         order = BrakeCommand.DECREASE if message.velocity[0] < 60.0 else BrakeCommand.INCREASE
-        publisher.publish(BrakeCommand(header=message.header, wheel="front_left", command=order))
+        publisher.publish(
+            BrakeCommand(header=message.header, wheel="front_left", command=order, counter=len(seen), valid_for=0.1)
+        )
 
     qos.subscribe(client.node, JointState, "wheel_states", answer, qos.SENSOR)
     return seen
@@ -271,18 +273,51 @@ def test_a_signal_ends_the_process_cleanly_and_soon(client: DdsClient, how: sign
     assert "Traceback" not in output
 
 
+def plant_status(health: Sequence[DiagnosticArray]) -> DiagnosticStatus:
+    """Newest status of the plant; an empty one before the first."""
+    return health[-1].status[0] if health else DiagnosticStatus()
+
+
 def test_diagnostics_say_when_a_supervisor_falls_silent(client: DdsClient) -> None:
     health: list[DiagnosticArray] = []
     client.node.create_subscription(DiagnosticArray, "/diagnostics", health.append, 10)
-    record(client, ["wheel_states"])
-    publisher = qos.publish(client.node, BrakeCommand, "front_left/brake_command")
+    publisher = qos.publish(client.node, BrakeCommand, "front_left/brake_command", qos.command(1.0))
+    answered: list[JointState] = []
+
+    def answer(message: JointState) -> None:
+        if len(answered) < 100:
+            answered.append(message)
+            command = BrakeCommand.DECREASE
+            publisher.publish(
+                BrakeCommand(
+                    header=message.header, wheel="front_left", command=command, counter=len(answered), valid_for=1.0
+                )
+            )
+
+    qos.subscribe(client.node, JointState, "wheel_states", answer, qos.SENSOR)
     start(client, end_speed=-1.0)
-    client.until(lambda: publisher.get_subscription_count() == 1)
-    client.until_known_to("corner_sim")
-    command = BrakeCommand(wheel="front_left", command=BrakeCommand.DECREASE)
-    command.header.stamp.sec = 1
-    publisher.publish(command)
-    client.until(lambda: any("front_left" in status.message for array in health for status in array.status))
-    status = health[-1].status[0]
-    assert status.level == b"\x01"
-    assert status.name == "/corner_sim: plant"
+    client.until(lambda: "silent, taken as NONE: front_left" in plant_status(health).message)
+    assert len(answered) == 100
+    client.until(lambda: "front_left/brake_command: deadline of 0.05 s missed" in plant_status(health).message)
+    assert plant_status(health).level == DiagnosticStatus.WARN
+    assert plant_status(health).name == "/corner_sim: plant"
+    client.node.destroy_publisher(publisher)
+    client.until(lambda: "front_left/brake_command: its supervisor has left" in plant_status(health).message)
+
+
+def test_a_sender_that_promises_neither_deadline_nor_liveliness_is_not_obeyed_and_is_named(client: DdsClient) -> None:
+    health: list[DiagnosticArray] = []
+    client.node.create_subscription(DiagnosticArray, "/diagnostics", health.append, 10)
+    publisher = qos.publish(client.node, BrakeCommand, "front_left/brake_command")
+    start(client, end_speed=-1.0, wait_for_subscribers=0)
+    client.until(lambda: "a publisher is not obeyed, it does not offer" in plant_status(health).message)
+    assert publisher.get_subscription_count() == 0
+
+
+def test_two_supervisors_of_one_wheel_are_named(client: DdsClient) -> None:
+    health: list[DiagnosticArray] = []
+    client.node.create_subscription(DiagnosticArray, "/diagnostics", health.append, 10)
+    for _ in range(2):
+        qos.publish(client.node, BrakeCommand, "front_left/brake_command", qos.command(0.1))
+    start(client, end_speed=-1.0, wait_for_subscribers=0)
+    client.until(lambda: "front_left/brake_command: 2 supervisors command" in plant_status(health).message)

@@ -41,7 +41,7 @@ def run(
         if supervisor is not None:
             header = Header(stamp=from_nanoseconds(simulation.stamp))
             for wheel in vehicle.wheel_names:
-                order = BrakeCommand(header=header, wheel=wheel, command=supervisor(k))
+                order = BrakeCommand(header=header, wheel=wheel, command=supervisor(k), counter=k, valid_for=0.1)
                 assert simulation.take_command(wheel, order) is None
         simulation.advance()
     return found
@@ -234,9 +234,9 @@ def test_tyres_and_air_slow_the_car_by_their_sum() -> None:
 
 def test_each_brake_line_of_a_car_obeys_its_own_command() -> None:
     simulation = Simulation(BRAKING, CAR, START)
-    for _ in range(40):
+    for k in range(40):
         header = Header(stamp=from_nanoseconds(simulation.stamp))
-        order = BrakeCommand(header=header, wheel="rear_left", command=BrakeCommand.DECREASE)
+        order = BrakeCommand(header=header, wheel="rear_left", command=BrakeCommand.DECREASE, counter=k, valid_for=0.1)
         assert simulation.take_command("rear_left", order) is None
         simulation.advance()
     found = dict(simulation.messages())

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from friction_msgs.msg import FrictionCurve
+from friction_msgs.msg import FrictionCurve, WheelSlip
 
 from friction_curve_id.curve_messages import CurveMessages
 from friction_curve_id.inputs import CurveInputs
@@ -17,6 +17,7 @@ from friction_runtime.aligner import AlignedSample
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, level_of, silent
 from friction_runtime.reason_text import without_wheel
+from friction_runtime.slip_fault import slip_fault
 from vehicle_models.vehicle import Vehicle
 
 _QUIET = (Reason.OK, Reason.TOO_FEW_SAMPLES, Reason.PEAK_NOT_PASSED, Reason.LOW_SPEED, Reason.NO_EXCITATION)
@@ -43,6 +44,7 @@ class CurveProcessor(AlignedProcessor[Any]):
         self._messages = CurveMessages(name, frame_id, parameters.method, parameters.abs_activation_slip)
         self._cause = RestartCause.NONE
         self._last: FrictionCurve | None = None
+        self._slip_faults: dict[str, str] = {}
         self.sensors = inputs.sensors
         self.estimates = inputs.estimates
         self.outputs: Mapping[str, type] = {self._topic: FrictionCurve}
@@ -51,6 +53,8 @@ class CurveProcessor(AlignedProcessor[Any]):
         return self._inputs.read_primary(message)
 
     def _take(self, topic: str, message: Any) -> str | None:
+        if isinstance(message, WheelSlip):
+            self._slip_faults[topic] = slip_fault(topic, message)
         reading = self._inputs.read(topic, message)
         return reading if isinstance(reading, str) else self._aligner.offer(topic, reading[0], reading[1])
 
@@ -61,6 +65,7 @@ class CurveProcessor(AlignedProcessor[Any]):
 
     def _forget(self) -> None:
         self._last = None
+        self._slip_faults = {}
         self._restart(RestartCause.REQUEST)
 
     def _start_again(self, stamp: int) -> None:
@@ -70,7 +75,12 @@ class CurveProcessor(AlignedProcessor[Any]):
         last = self._last
         if last is None:
             return Level.OK, ""
-        return level_of(last.reason, _QUIET, _BROKEN), without_wheel(self._name, last.reason_text)
+        level, text = level_of(last.reason, _QUIET, _BROKEN), without_wheel(self._name, last.reason_text)
+        # A method may go on without the slip for a while, or with the speed of before.
+        faults = [fault for topic, fault in self._slip_faults.items() if fault and topic not in text]
+        if not faults:
+            return level, text
+        return max(level, Level.WARN), "; ".join([text, *faults] if text else faults)
 
     def _values(self) -> dict[str, str]:
         last = self._last

@@ -34,6 +34,7 @@ PACKAGE = Path(__file__).parents[1]
 CORNER, CAR = load_vehicle("chapter_corner"), load_vehicle("chapter_car")
 GAIN = CORNER.wheels[0].brake_gain
 START = 1_000 * NANOSECONDS
+SLIP = "front_left/slip"
 
 
 def header(time: float, start: int = START) -> Header:
@@ -405,9 +406,43 @@ def test_silence_is_an_error_in_the_diagnostics(clean: Brake) -> None:
     assert made.health().level is Level.ERROR
     drive(made, braking(clean))
     assert made.health().level is Level.OK
-    made.watch({"wheel_states": 1.0})
+    made.watch({"wheel_states": 1.0}, 0.0)
     assert made.health().level is Level.ERROR
     assert "wheel_states" in made.health().message
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_dead_wheel_slip_is_named_in_the_diagnostics_and_delays_no_answer_for_ever(clean: Brake, method: str) -> None:
+    made = processor(method=method)
+    stream = braking(clean, count=150)
+    ends = message_time(stream[len(stream) // 2][1])
+    delays = []
+    for topic, message in stream:
+        if topic in {**made.sensors, **made.estimates} and (topic != SLIP or message_time(message) < ends):
+            delays += [message_time(message) - message_time(answer) for _, answer in made.process(topic, message)]
+    assert max(delays) == pytest.approx(FrictionCurveParameters().deadline)
+    assert delays[-1] == 0.0
+    assert made.health().level >= Level.WARN
+    assert f"{SLIP}: silent" in made.health().message
+    silent_slip = {topic: 0.0 for topic in made.sensors} | {SLIP: 0.3}
+    made.watch(silent_slip, 0.0)
+    assert made.health().message.count(SLIP) == 1
+
+
+def test_a_slip_that_is_not_valid_is_named_in_the_diagnostics_with_its_reason(clean: Brake) -> None:
+    made = processor()
+    stream = braking(clean)
+    for topic, message in stream[len(stream) // 2 :]:
+        if topic == SLIP:
+            message.valid, message.reason, message.reason_text = (
+                False,
+                WheelSlip.NO_SPEED,
+                "front_left: no vehicle speed",
+            )
+            message.slip = message.vehicle_speed = math.nan
+    drive(made, stream)
+    assert made.health().level >= Level.WARN
+    assert f"{SLIP}: no vehicle speed" in made.health().message
 
 
 def test_a_changed_parameter_makes_processors_on_the_same_topics() -> None:

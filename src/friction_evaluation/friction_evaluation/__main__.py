@@ -14,8 +14,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from friction_evaluation.markdown_page import page
-from friction_evaluation.parts import PARTS, JudgingPart, part
-from friction_evaluation.rows import Row, as_text, columns, plain
+from friction_evaluation.parts import PARTS, part
+from friction_evaluation.rows import Row, as_text, columns, failures, plain
 from friction_parameters.parameter import ParameterError
 
 _PROGRAM = "python -m friction_evaluation"
@@ -25,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one part, print its table and write its rows.
 
     Returns:
-        Exit code: 1 where the part judges its rows and they fail, 2 where a parameter or a vehicle file is bad, else 0.
+        Exit code: 1 where a row fails, 2 where a parameter or a vehicle file is bad, else 0.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
     parser = argparse.ArgumentParser(prog=_PROGRAM, description=__doc__)
@@ -44,15 +44,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 2
     print_rows(PARTS[name], rows)
-    judge = chosen if isinstance(chosen, JudgingPart) else None
     if options.json is not None:
-        written = [plain(row) for row in rows]
-        _write(options.json, json.dumps({"rows": written} if judge is not None else written, indent=1) + "\n")
+        _write(options.json, json.dumps({"rows": [plain(row) for row in rows]}, indent=1) + "\n")
     if options.page is not None:
         # The paths of the results are no part of the command that repeats them.
         _, repeated = files.parse_known_args(given[1:])
         _write(options.page, page(f"Results: {name}", PARTS[name], f"{_PROGRAM} {shlex.join([name, *repeated])}", rows))
-    return int(judge is not None and judge.failed(rows))
+    failed = failures(rows)
+    for row in failed:
+        print(f"failed: {', '.join(f'{name} {as_text(value)}' for name, value in row.items())}", file=sys.stderr)
+    return int(bool(failed))
 
 
 def _write(file: Path, text: str) -> None:

@@ -13,7 +13,6 @@ _UNITS = {"ms": "ms", "s": "s", "seconds": "s", "m": "m", "mb": "MB", "pct": "%"
 """Units by their word in a column's name."""
 _UNIT_OF = {
     "speed_rms": "m/s",
-    "speed_rms_limit": "m/s",
     "worst_run_speed_rms": "m/s",
     "sigma_at_onset": "m/s",
     "sigma_at_end": "m/s",

@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from importlib import import_module
-from typing import Protocol, cast, runtime_checkable
+from typing import Protocol, cast
 
 from friction_evaluation.rows import Row
 
@@ -37,15 +37,7 @@ class Part(Protocol):
         """Add its own options."""
 
     def run(self, options: argparse.Namespace) -> Sequence[Row]:
-        """Do it, with a progress bar, and return flat rows."""
-
-
-@runtime_checkable
-class JudgingPart(Part, Protocol):
-    """A part whose rows are right or wrong. Its JSON file holds them as `rows`."""
-
-    def failed(self, rows: Sequence[Row]) -> bool:
-        """Are they wrong?"""
+        """Do it, with a progress bar, and return flat rows; what has to hold is in their `passed` (rows.py)."""
 
 
 def part(name: str) -> Part:

@@ -1,4 +1,8 @@
-"""Flat rows of a result: their columns, and their values as text and as JSON."""
+"""Flat rows of a result: their columns, their values as text and as JSON, and what has to hold of them.
+
+A row that states what has to hold has `value`, `limit` and `passed`. Where `passed` is None or absent, the row is for
+information.
+"""
 
 from collections.abc import Sequence
 from math import isfinite, isnan
@@ -20,6 +24,26 @@ def as_text(value: Any) -> str:
     if isinstance(value, float):
         return "–" if isnan(value) else f"{value:.4g}"
     return str(value)
+
+
+def at_most(value: float, limit: float) -> Row:
+    """Columns of a row whose value may not be above the limit; NaN does not pass."""
+    return {"value": value, "limit": limit, "passed": bool(value <= limit)}
+
+
+def at_least(value: float, limit: float) -> Row:
+    """Columns of a row whose value may not be below the limit; NaN does not pass."""
+    return {"value": value, "limit": limit, "passed": bool(value >= limit)}
+
+
+def not_judged(value: float) -> Row:
+    """Columns of a row for information among rows that have a limit."""
+    return {"value": value, "limit": None, "passed": None}
+
+
+def failures(rows: Sequence[Row]) -> list[Row]:
+    """Return the rows that do not hold."""
+    return [row for row in rows if row.get("passed") not in (None, True)]
 
 
 def plain(row: Row) -> Row:

@@ -79,7 +79,12 @@ def test_every_run_that_ends_is_reported_once(parameters: Parameters) -> None:
     assert sum(ended) == 3
 
 
-def test_part_gives_a_flat_row_for_each_surface() -> None:
+def test_part_gives_a_flat_row_for_each_surface_and_says_what_has_to_hold() -> None:
     rows = part("abs").run(Namespace(seeds=1, vehicle=VEHICLE))
-    assert [r["surface"] for r in rows] == list(TABLE_8_1)
+    assert [r["surface"] for r in rows if "passed" not in r] == list(TABLE_8_1)
+    judged = [(r["surface"], r["quantity"]) for r in rows if "passed" in r]
+    assert judged == [(name, quantity) for name in TABLE_8_1 for quantity in ("utilisation", "runs with lock")]
+    for row in (r for r in rows if "passed" not in r):
+        values = {r["quantity"]: r["value"] for r in rows if r["surface"] == row["surface"] and "passed" in r}
+        assert values == {"utilisation": row["utilisation"], "runs with lock": row["runs_with_lock"]}
     assert all(isinstance(value, int | float | str) for r in rows for value in r.values())

@@ -11,7 +11,7 @@ import pytest
 
 from friction_evaluation import __main__ as command_line
 from friction_evaluation.parts import PARTS, part
-from friction_evaluation.rows import Row
+from friction_evaluation.rows import Row, at_least, at_most, not_judged
 
 
 def test_rows_are_printed_and_written_as_strict_json(
@@ -29,11 +29,33 @@ def test_rows_are_printed_and_written_as_strict_json(
     monkeypatch.setattr(command_line, "part", lambda _name: SimpleNamespace(add_arguments=add_arguments, run=run))
     file = tmp_path / "new" / "slope.json"
     assert command_line.main(["slope", "--seeds", "3", "--json", str(file)]) == 0
-    assert json.loads(file.read_text(), parse_constant=pytest.fail) == [
-        {"surface": "dry", "runs": 3, "delay_ms": 75.0},
-        {"surface": "snow", "delay_ms": "inf", "bias": None},
-    ]
+    assert json.loads(file.read_text(), parse_constant=pytest.fail) == {
+        "rows": [
+            {"surface": "dry", "runs": 3, "delay_ms": 75.0},
+            {"surface": "snow", "delay_ms": "inf", "bias": None},
+        ]
+    }
     assert "delay_ms" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("utilisation", "lock", "code"), [(0.81, 0, 0), (0.79, 0, 1), (0.81, 1, 1), (float("nan"), 0, 1)]
+)
+def test_a_row_that_does_not_hold_is_named_and_gives_exit_code_1(
+    utilisation: float, lock: int, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def run(_options: argparse.Namespace) -> Sequence[Row]:
+        return [
+            {"surface": "dry", "distance_m": 45.0},
+            {"quantity": "angle", **not_judged(3.0)},
+            {"quantity": "utilisation", **at_least(utilisation, 0.798)},
+            {"quantity": "lock", **at_most(lock, 0)},
+        ]
+
+    chosen = SimpleNamespace(add_arguments=lambda _parser: None, run=run)
+    monkeypatch.setattr(command_line, "part", lambda _name: chosen)
+    assert command_line.main(["abs"]) == code
+    assert ("failed: quantity" in capsys.readouterr().err) == bool(code)
 
 
 def test_the_page_names_the_command_that_repeats_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -213,12 +213,13 @@ def test_cramer_rao_bound_lies_below_noise_over_slope(speed: float) -> None:
     assert bounds[0] == pytest.approx(bounds[1], rel=0.2)
 
 
-def test_rows_name_case_axle_quantity_value_and_limit(known: Calibration, ideal: Calibration) -> None:
+def test_rows_name_case_axle_quantity_value_limit_and_whether_it_holds(known: Calibration, ideal: Calibration) -> None:
     with Progress(disable=True) as progress:
         rows = list(smart_tyre.evaluate(range(1), known, ideal, progress))
-    assert all(set(row) == {"case", "axle", "quantity", "value", "limit"} for row in rows)
+    assert all(set(row) == {"case", "axle", "quantity", "value", "limit", "passed"} for row in rows)
     limited = {(row["case"], limit) for row in rows for limit in [row["limit"]] if limit is not None}
     assert len(limited) == len({(case, limit) for (case, _), limit in smart_tyre.LIMITS.items() if case != "cost"})
+    assert all((row["passed"] is None) == (row["limit"] is None) for row in rows)
     assert {row["axle"] for row in rows} == {"front", "rear"}
     assert all(np.isfinite(row["value"]) for row in rows)
 

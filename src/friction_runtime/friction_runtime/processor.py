@@ -6,7 +6,7 @@ A node and the offline bag runner drive processors in the same way, so that thei
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, runtime_checkable
 
 Output = tuple[str, Any]
 """A relative topic and the message to publish on it."""
@@ -75,10 +75,14 @@ class Processor(Protocol):
     def process(self, topic: str, message: Any) -> Sequence[Output]:
         """Take one message; return the resulting outputs. Never raises for the content of a message: it is reported."""
 
-    def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
-        """Act on silence. `ages` holds the age of each input by the node's clock [s], inf before the first message.
+    def watch(self, ages: Mapping[str, float], now: float) -> Sequence[Output]:
+        """Act on silence; called by a live node only, so its outputs are not part of an offline run.
 
-        Called by a live node only, every 20 ms: its outputs are not part of an offline run.
+        A node calls it every 10 ms, and after a stall before it hands on the messages that have waited.
+
+        Args:
+            ages: age of each input by the steady clock [s], inf before the first message.
+            now: time of the steady clock [s].
         """
 
     def reset(self) -> None:
@@ -86,3 +90,15 @@ class Processor(Protocol):
 
     def health(self) -> Health:
         """State for diagnostics."""
+
+
+@runtime_checkable
+class CommandingProcessor(Processor, Protocol):
+    """A processor with outputs that somebody else obeys at once."""
+
+    @property
+    def commands(self) -> Mapping[str, float]:
+        """Outputs that are commands, and how long each holds after its publication [s]: never sent later than that.
+
+        Empty where nothing follows the clock of the machine: a command then waits for as long as it takes.
+        """

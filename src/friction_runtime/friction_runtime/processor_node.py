@@ -11,13 +11,14 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 from std_srvs.srv import Trigger
 
 from friction_parameters.parameter import ParameterError
 from friction_parameters.values import ignored
 from friction_runtime import qos
 from friction_runtime.node_parameters import declare
-from friction_runtime.processor import Health, Level, Output, Processor, Report, Severity
+from friction_runtime.processor import CommandingProcessor, Health, Level, Output, Processor, Report, Severity
 from friction_runtime.report_kind import ReportLimit
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
@@ -33,7 +34,10 @@ class NodeParameters(Protocol):
 
 Parameters = TypeVar("Parameters", bound=NodeParameters)
 
-_WATCH_PERIOD = 0.02
+_WATCH_PERIOD = 0.01
+"""The supervisor must have told its brakes of a lost input 50 ms after it was due."""
+_STALL = 2.0 * _WATCH_PERIOD
+"""Time without a watch after which messages that wait are old until the processors have looked at the clock [s]."""
 _DIAGNOSTICS_PERIOD = 1.0
 
 
@@ -68,6 +72,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         self._arrivals: dict[str, float] = {}
         self._counts: dict[str, int] = {}
         self._readers: dict[str, list[Processor]] = {}
+        self._watched = monotonic()
         self._ignored: set[str] = set()
         parameters = declare(self, parameter_class, self._apply)
         self._vehicle = load_vehicle(parameters.vehicle_file)
@@ -93,7 +98,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         for processor in processors:
             for topic, kind in processor.outputs.items():
                 if topic not in self._publishers_by_topic:
-                    self._publishers_by_topic[topic] = qos.publish(self, kind, topic)
+                    self._publishers_by_topic[topic] = qos.publish(self, kind, topic, _offered(processor, topic))
             for inputs, profile in ((processor.sensors, qos.SENSOR), (processor.estimates, qos.ESTIMATE)):
                 for topic, kind in inputs.items():
                     if topic not in self._counts:
@@ -115,7 +120,10 @@ class ProcessorNode(Node, Generic[Parameters]):
                 logger.error(text)
 
     def _on_message(self, topic: str, message: Any) -> None:
-        self._arrivals[topic] = monotonic()
+        now = monotonic()
+        if now - self._watched > _STALL:
+            self._on_watch()
+        self._arrivals[topic] = now
         self._counts[topic] += 1
         for processor in self._readers.get(topic, ()):
             self._send(processor.process(topic, message))
@@ -125,12 +133,12 @@ class ProcessorNode(Node, Generic[Parameters]):
             self._publishers_by_topic[topic].publish(message)
 
     def _on_watch(self) -> None:
-        ages = self._ages()
+        self._watched = now = monotonic()
+        ages = self._ages(now)
         for processor in self._processors:
-            self._send(processor.watch(ages))
+            self._send(processor.watch(ages, now))
 
-    def _ages(self) -> dict[str, float]:
-        now = monotonic()
+    def _ages(self, now: float) -> dict[str, float]:
         return {topic: now - self._arrivals.get(topic, -inf) for topic in self._readers}
 
     def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -149,13 +157,14 @@ class ProcessorNode(Node, Generic[Parameters]):
         self._diagnostics.publish(message)
 
     def _inputs_status(self) -> DiagnosticStatus:
+        ages = self._ages(monotonic())
         silent_topics = [
             topic
-            for topic, age in self._ages().items()
+            for topic, age in ages.items()
             if age > _DIAGNOSTICS_PERIOD and not (age == inf and self._may_never_come(topic))
         ]
         values: dict[str, str] = {}
-        for topic, age in self._ages().items():
+        for topic, age in ages.items():
             values[f"{topic} rate [1/s]"] = f"{self._counts[topic] / _DIAGNOSTICS_PERIOD:.0f}"
             values[f"{topic} age [s]"] = f"{age:.3f}"
             self._counts[topic] = 0
@@ -173,3 +182,9 @@ class ProcessorNode(Node, Generic[Parameters]):
             hardware_id=health.name,
             values=[KeyValue(key=key, value=value) for key, value in health.values.items()],
         )
+
+
+def _offered(processor: Processor, topic: str) -> QoSProfile:
+    """Return the QoS with which an output is published."""
+    commands = processor.commands if isinstance(processor, CommandingProcessor) else {}
+    return qos.command(commands[topic]) if topic in commands else qos.ESTIMATE

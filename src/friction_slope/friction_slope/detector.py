@@ -1,4 +1,8 @@
-"""Sign of the slope of the friction curve of one wheel, methods slip (8.4) and no_slip (8.5)."""
+"""Sign of the slope of the friction curve of one wheel, methods slip (8.4) and no_slip (8.5).
+
+Where the slip is lost, the method slip answers by (8.5), which needs wheel speed and brake torque only. H is the same,
+and its window is full; the sign is known again when an indicator of the other equation has passed a threshold.
+"""
 
 from dataclasses import dataclass
 from math import isfinite, isnan, nan
@@ -67,7 +71,7 @@ class DetectorParameters:
 
 @dataclass(frozen=True)
 class NoSlipParameters:
-    """Parameters of the method no_slip alone."""
+    """Parameters of (8.5): the method no_slip, and the method slip where the slip is lost."""
 
     slip_at_crossing: bool = parameter(
         True, "wait for <wheel>/slip too, to publish the slip at a crossing (method slip always does)"
@@ -93,7 +97,7 @@ class SlopeDetector:
             corner: radius, inertia and vertical load of the wheel.
             method: where the sign of the slip rate comes from.
             parameters: parameters of both methods.
-            no_slip: parameters of the method no_slip; ignored by the method slip.
+            no_slip: parameters of (8.5).
         """
         self._method = method
         self._p = p = parameters
@@ -109,6 +113,7 @@ class SlopeDetector:
         self._crossing.reset()
         self._last: SlopeSample | None = None
         self._braked: int | None = None
+        self._by = self._method
         self._reference.reset()
         self._forget_samples()
         self._had_gap = False
@@ -146,6 +151,8 @@ class SlopeDetector:
 
     def _judge(self, sample: SlopeSample) -> SlopeEstimate:
         p, signals = self._p, self._signals
+        slip_rate = signals.slip_rate() if self._method is Method.SLIP else nan
+        self._answer_by(Method.NO_SLIP if isnan(slip_rate) else Method.SLIP)
         speed = self._reference.speed
         if self._method is Method.SLIP and isfinite(sample.vehicle_speed):
             speed = sample.vehicle_speed
@@ -154,9 +161,6 @@ class SlopeDetector:
         h, delay = signals.h(), signals.delay
         if self._braked is None or sample.stamp - self._braked > p.braking_hold * NANOSECONDS:
             return self._unknown(Reason.NOT_BRAKING, f"brake torque is below {p.minimum_torque} N m", h, delay)
-        slip_rate = signals.slip_rate() if self._method is Method.SLIP else 0.0
-        if isnan(slip_rate):
-            return self._unknown(Reason.NO_SLIP, "slip was not valid throughout the window", h, delay)
         read_at = sample.stamp - round(delay * NANOSECONDS)
         if sample.wheel_speed * self._radius < (1.0 - LOCKED_SLIP) * speed:
             self._crossing.update(LOCKED_INDICATOR, 1, signals.slip, read_at)
@@ -165,16 +169,22 @@ class SlopeDetector:
         indicator = slope_indicator(h, growing)
         self._crossing.update(indicator, growing, signals.slip, read_at)
         if growing == 0:
-            rate = "slip rate" if self._method is Method.SLIP else "eta"
+            rate = "slip rate" if self._by is Method.SLIP else "eta"
             return self._estimate(Reason.NO_EXCITATION, f"{rate} in its dead zone, sign is held", h, delay, indicator)
         if self._crossing.sign == 0:
             return self._estimate(Reason.NOT_READY, "indicator has not passed a threshold yet", h, delay, indicator)
         return self._estimate(Reason.OK, "", h, delay, indicator)
 
+    def _answer_by(self, method: Method) -> None:
+        """Choose the equation; a sign that another one has told is not held."""
+        if method is not self._by:
+            self._by = method
+            self._crossing.forget_sign()
+
     def _growing(self, slip_rate: float) -> int:
-        """Return the sign of the slip rate, 0 in the dead zone; only the method slip uses `slip_rate` [1/s]."""
+        """Return the sign of the slip rate, 0 in the dead zone; only (8.4) uses `slip_rate` [1/s]."""
         p = self._p
-        if self._method is Method.SLIP:
+        if self._by is Method.SLIP:
             return slip_rate_sign(slip_rate, p.slip_rate_dead_zone)
         friction = self._signals.friction_moment() / (self._radius * self._vertical_load)
         eta = normalised_deceleration(self._signals.wheel_acceleration(), self._radius)
@@ -208,6 +218,7 @@ class SlopeDetector:
             crossing_sign=crossing.crossing_sign,
             slip_at_crossing=crossing.slip,
             crossing_stamp=crossing.stamp,
+            method=self._by,
             reason=reason,
             text=text,
         )

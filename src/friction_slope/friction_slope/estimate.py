@@ -68,6 +68,8 @@ class SlopeEstimate:
     """Slip at the last crossing [-], compensated for the delay; NaN if unknown."""
     crossing_stamp: int = 0
     """Time of the last crossing [ns], compensated for the delay; 0 before the first."""
+    method: Method = Method.SLIP
+    """Equation of the indicator."""
     reason: Reason = Reason.OK
     text: str = ""
     """The reason in words, empty where it is OK."""

@@ -18,11 +18,13 @@ class FrictionSlopeParameters:
 
     vehicle_file: str = vehicle_file_parameter()
     method: str = parameter(
-        "slip", "sign of the slip rate: measured (8.4), or that of eta (8.5)", choices=tuple(METHODS)
+        "slip",
+        "sign of the slip rate: measured (8.4), and where the slip is lost as with no_slip; or that of eta (8.5)",
+        choices=tuple(METHODS),
     )
     detector: DetectorParameters = group(DetectorParameters())
-    no_slip: NoSlipParameters = group(NoSlipParameters(), selector="method", methods=("no_slip",))
-    deadline: float = shared.deadline()
+    no_slip: NoSlipParameters = group(NoSlipParameters())
+    deadline: float = shared.deadline(0.03)
 
     MOVED: ClassVar[Mapping[str, str]] = {
         "wheels": moved("wheels"),

@@ -13,7 +13,8 @@ from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, level_of, silent
-from friction_runtime.reason_text import of_topic, set_reason
+from friction_runtime.reason_text import set_reason
+from friction_runtime.slip_fault import slip_fault
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from friction_slope.detector import SlopeDetector
@@ -23,7 +24,7 @@ from vehicle_models.vehicle import Vehicle
 
 _QUIET = (Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING, Reason.NO_EXCITATION)
 """Reasons that belong to ordinary driving."""
-_BROKEN = (Reason.NO_TORQUE, Reason.NO_SLIP)
+_BROKEN = (Reason.NO_TORQUE,)
 """Reasons that do not go away by waiting."""
 _UNKNOWN_SLIP = (nan, nan, 0.0, nan, 0.0)
 """Slip, slip rate, 1 if they are valid, vehicle speed, 1 if it is known."""
@@ -46,7 +47,6 @@ class WheelProcessor(AlignedProcessor[float]):
         super().__init__(wheel, Primary(WHEEL_STATES, wheel, report), inputs, parameters.deadline)
         self._wheel_speeds = WheelSpeeds(vehicle, (wheel,), report)
         method = METHODS[parameters.method]
-        self._method = int(method)
         self._detector = SlopeDetector(vehicle.corner(wheel), method, parameters.detector, parameters.no_slip)
         self._forget()
 
@@ -61,13 +61,16 @@ class WheelProcessor(AlignedProcessor[float]):
         self._detector.reset()
         self._last: SlopeEstimate | None = None
         self._text = ""
-        self._slip_reason = ""
+        self._slip_fault = ""
 
     def _start_again(self, stamp: int) -> None:
         self._detector.reset()
 
     def _state(self) -> tuple[Level, str]:
-        return Level.OK if self._last is None else level_of(self._last.reason, _QUIET, _BROKEN), self._text
+        level = Level.OK if self._last is None else level_of(self._last.reason, _QUIET, _BROKEN)
+        if not self._slip_fault:
+            return level, self._text
+        return max(level, Level.WARN), f"{self._text}; {self._slip_fault}" if self._text else self._slip_fault
 
     def _values(self) -> dict[str, str]:
         last = self._last
@@ -77,6 +80,7 @@ class WheelProcessor(AlignedProcessor[float]):
             "sign": str(last.sign),
             "H [rad/s^3]": f"{last.h:.1f}",
             "indicator [rad/s^3]": f"{last.indicator:.1f}",
+            "method": last.method.name.lower(),
             "crossings": str(last.crossings),
             "slip at the last crossing": f"{last.slip_at_crossing:.4f}",
         }
@@ -93,7 +97,7 @@ class WheelProcessor(AlignedProcessor[float]):
         slip, slip_rate, valid = message.slip, message.slip_rate, 1.0
         if not (message.valid and isfinite(slip) and isfinite(slip_rate)):
             slip, slip_rate, valid = 0.0, 0.0, 0.0
-            self._slip_reason = message.reason_text
+        self._slip_fault = slip_fault(self._slip, message)
         speed, known = message.vehicle_speed, 1.0
         if not isfinite(speed):
             speed, known = 0.0, 0.0
@@ -122,15 +126,13 @@ class WheelProcessor(AlignedProcessor[float]):
         text = estimate.text
         if estimate.reason is Reason.NO_TORQUE:
             return sample.missing.get(self._pressure, text)
-        if estimate.reason is Reason.NO_SLIP:
-            return sample.missing.get(self._slip) or of_topic(self._slip, self._slip_reason or text)
         return text
 
     def _message(self, stamp: int, estimate: SlopeEstimate) -> FrictionSlope:
         message = new_message(FrictionSlope)
         message.header = header_at(stamp, self._wheel)
         message.wheel = self._wheel
-        message.method = self._method
+        message.method = int(estimate.method)
         message.sign = estimate.sign
         message.h = estimate.h
         message.indicator = estimate.indicator

@@ -111,13 +111,25 @@ def test_method_slip_stops_below_the_minimum_vehicle_speed() -> None:
     assert np.isnan(estimate.h)
 
 
-def test_method_slip_without_slip_says_so_and_no_slip_goes_on() -> None:
+def test_method_slip_without_slip_answers_as_no_slip_and_says_so() -> None:
     samples, _ = through_the_peak("wet")
-    blind = [replace(sample, slip=nan, slip_rate=nan) for sample in samples]
-    assert {estimate.reason for estimate in run(exact(), blind)[30:]} == {Reason.NO_SLIP}
+    blind = [replace(sample, slip=nan, slip_rate=nan, vehicle_speed=nan) for sample in samples]
     found = run(exact(Method.NO_SLIP), blind)
+    assert repr(run(exact(), blind)[2:]) == repr(found[2:])
+    assert {estimate.method for estimate in found} == {Method.NO_SLIP}
     assert found[-1].crossings == 2
     assert np.isnan(found[-1].slip_at_crossing)
+
+
+def test_a_sign_told_by_one_equation_is_not_held_by_the_other() -> None:
+    # The slip rate has a sign, eta of a wheel at constant speed has none.
+    detector = SlopeDetector(CORNER, Method.SLIP, EXACT)
+    known = [SlopeSample((k + 1) * STEP, 90.0, 400.0 + k, 0.05, 0.5, 30.0) for k in range(20)]
+    assert run(detector, known)[-1].sign == 1
+    lost = [replace(known[-1], stamp=(k + 21) * STEP, slip=nan, slip_rate=nan, vehicle_speed=nan) for k in range(5)]
+    found = run(detector, lost)
+    assert {estimate.method for estimate in found} == {Method.NO_SLIP}
+    assert {(estimate.sign, estimate.reason) for estimate in found} == {(0, Reason.NO_EXCITATION)}
 
 
 def test_slip_rate_in_the_dead_zone_holds_the_sign() -> None:

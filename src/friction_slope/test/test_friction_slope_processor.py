@@ -109,16 +109,73 @@ def test_pressure_that_never_arrives_is_named_after_the_deadline() -> None:
     assert all(np.isnan(message.indicator) for message in found)
 
 
-def test_slip_that_is_not_valid_is_named_with_its_own_reason() -> None:
-    fed: list[Fed] = []
-    for topic, message in stream(30):
+def blind(fed: list[Fed], begin: int, end: int) -> list[Fed]:
+    """Make the slip of some samples not valid."""
+    for topic, message in fed:
+        if topic == SLIP and begin * STEP <= to_nanoseconds(message.header.stamp) < end * STEP:
+            message.valid, message.slip, message.reason = False, nan, WheelSlip.NO_SPEED
+            message.reason_text = "front_left: no vehicle speed"
+    return fed
+
+
+def test_slip_that_is_not_valid_gives_way_to_the_method_without_slip_and_is_named() -> None:
+    processor = WheelProcessor("front_left", VEHICLE, P)
+    last = run(processor, blind(stream(40), 0, 41))[-1]
+    assert last.method == FrictionSlope.METHOD_NO_SLIP
+    alone = run(WheelProcessor("front_left", VEHICLE, ALONE), [item for item in stream(40) if item[0] != SLIP])[-1]
+    assert (last.h, last.indicator, last.reason) == (alone.h, alone.indicator, alone.reason)
+    assert processor.health().level is Level.WARN
+    assert f"{SLIP}: no vehicle speed" in processor.health().message
+
+
+def test_the_measured_slip_rate_counts_again_when_slip_is_back() -> None:
+    processor = WheelProcessor("front_left", VEHICLE, P)
+    found = run(processor, blind(stream(60), 20, 40))
+    methods = [message.method for message in found]
+    back = 40 + P.detector.rate_window - 1
+    assert methods[:19] == [
+        FrictionSlope.METHOD_SLIP if k >= 4 else message.method for k, message in enumerate(found[:19])
+    ]
+    assert set(methods[19 : back - 1]) == {FrictionSlope.METHOD_NO_SLIP}
+    assert set(methods[back - 1 :]) == {FrictionSlope.METHOD_SLIP}
+    assert found[-1].valid
+    assert processor.health().level is Level.OK
+
+
+def test_a_dead_wheel_slip_costs_its_method_but_no_answer_and_no_time_for_ever() -> None:
+    processor = WheelProcessor("front_left", VEHICLE, P)
+    delays: list[float] = []
+    for topic, fed in stream(100):
+        stamp = to_nanoseconds(fed.header.stamp)
+        if topic == SLIP and stamp > 40 * STEP:
+            continue
+        for _, message in processor.process(topic, fed):
+            delays.append((stamp - to_nanoseconds(message.header.stamp)) / STEP)
+    assert len(delays) == 100
+    assert max(delays) == round(P.deadline / 0.005)
+    assert set(delays[60:]) == {0.0}
+    assert message.method == FrictionSlope.METHOD_NO_SLIP
+    health = processor.health()
+    assert health.level is Level.WARN
+    assert f"{SLIP}: silent" in health.message
+    assert health.values["method"] == "no_slip"
+
+
+@pytest.mark.parametrize("parameters", [P, NO_SLIP])
+def test_a_slip_that_was_never_heard_of_is_named_in_diagnostics(parameters: FrictionSlopeParameters) -> None:
+    processor = WheelProcessor("front_left", VEHICLE, parameters)
+    run(processor, [item for item in stream(80) if item[0] != SLIP])
+    assert (processor.health().level, SLIP in processor.health().message) == (Level.WARN, True)
+
+
+def test_slip_at_low_speed_is_no_fault() -> None:
+    processor = WheelProcessor("front_left", VEHICLE, P)
+    fed = blind(stream(40), 0, 41)
+    for topic, message in fed:
         if topic == SLIP:
-            message.valid, message.slip, message.reason_text = False, nan, "front_left: no vehicle speed"
-        fed.append((topic, message))
-    last = run(WheelProcessor("front_left", VEHICLE, P), fed)[-1]
-    assert last.reason == FrictionSlope.NO_SLIP
-    assert SLIP in last.reason_text
-    assert "no vehicle speed" in last.reason_text
+            message.reason, message.vehicle_speed = WheelSlip.LOW_SPEED, 1.0
+    assert run(processor, fed)[-1].reason == FrictionSlope.LOW_SPEED
+    assert processor.health().level is Level.OK
 
 
 def test_method_no_slip_does_not_wait_for_slip_unless_it_is_to_tell_the_slip_at_a_crossing() -> None:
@@ -193,7 +250,7 @@ def test_health_tells_what_is_wrong() -> None:
     assert processor.health().level is Level.ERROR
     run(processor, stream(30))
     assert processor.health().level is Level.OK
-    processor.watch({"wheel_states": 1.0})
+    processor.watch({"wheel_states": 1.0}, 0.0)
     assert "wheel_states" in processor.health().message
 
 
@@ -263,10 +320,8 @@ def test_old_name_of_a_parameter_is_refused_with_its_new_place(name: str, place:
         from_mapping(FrictionSlopeParameters, {name: 1.0})
 
 
-def test_parameters_of_no_slip_set_for_slip_are_said_to_be_ignored() -> None:
-    beside = changed(FrictionSlopeParameters(), {"no_slip.eta_margin": 0.3})
-    assert ignored(beside) == ["no_slip.eta_margin: ignored, as 'method' is 'slip', not no_slip"]
-    assert ignored(replace(beside, method="no_slip")) == []
+def test_parameters_of_no_slip_serve_both_methods() -> None:
+    assert ignored(changed(FrictionSlopeParameters(), {"no_slip.eta_margin": 0.3})) == []
 
 
 def test_defaults_are_those_of_the_monitor_file() -> None:

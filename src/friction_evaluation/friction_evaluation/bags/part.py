@@ -32,7 +32,7 @@ from friction_bags.bag_io.message_definition import message_class
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_evaluation.bags.libraries import library_seconds
-from friction_evaluation.rows import Row
+from friction_evaluation.rows import Row, at_most, not_judged
 from friction_parameters.values import from_mapping
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -41,6 +41,8 @@ _START = 10**12
 _CYCLE_NS = 20 * 10**9
 _SURFACES = ("dry", "wet", "snow")
 _MINUTE_NS = len(_SURFACES) * _CYCLE_NS
+_LARGEST_RATIO = 8.0
+"""Of the time of one process for a bag to that of rosbags to read and decode it (docs/friction_bags.md)."""
 _STAMP = struct.Struct("<iI")
 _STAMP_AT = 4
 _ESTIMATORS = ("wheel_slip", "friction_slope", "abs_supervisor", "friction_curve_id")
@@ -171,12 +173,14 @@ def _process(bag: Path, out: Path, processes: int, reading: float) -> Row:
     cpu_seconds, memory = map(float, measured.stdout.split())
     with BagReader(bag) as reader:
         duration = (reader.end - reader.start) * 1e-9
+    ratio = seconds / reading
     return {
         "processes": processes,
         "seconds": seconds,
         "cpu_seconds": cpu_seconds,
         "real_time_factor": duration / seconds,
         "reading_and_decoding_seconds": reading,
-        "ratio_to_reading_and_decoding": seconds / reading,
         "largest_memory_mb": memory / 1024.0,
+        "quantity": "ratio to reading and decoding",
+        **(at_most(ratio, _LARGEST_RATIO) if processes == 1 else not_judged(ratio)),
     }

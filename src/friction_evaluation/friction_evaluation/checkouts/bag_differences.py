@@ -9,7 +9,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
 
 from friction_evaluation.checkouts.message_differences import difference, flat
-from friction_evaluation.rows import Row
+from friction_evaluation.rows import Row, at_most
 
 _Key = tuple[int, int]
 """Header stamp of a message [ns] (recording stamp where it has no header), and its number among those of this stamp."""
@@ -40,13 +40,8 @@ class TopicDifference:
     missing: list[str] = field(default_factory=list)
     """Topics that one of the bags lacks."""
 
-    @property
-    def differs(self) -> bool:
-        """Does something differ that is not only a text?"""
-        return bool(self.unpaired or self.fields or self.missing)
-
     def row(self) -> Row:
-        """Flat row."""
+        """Flat row: it fails where something differs that is not only a text."""
         return {
             "messages_before": self.before,
             "messages_after": self.after,
@@ -58,7 +53,8 @@ class TopicDifference:
             "texts_that_differ": _counted(self.texts),
             "fields_in_one_only": ", ".join(sorted(self.in_one)),
             "missing_topics": ", ".join(self.missing),
-            "differs": self.differs,
+            "quantity": "differences",
+            **at_most(self.unpaired + self.fields.total() + len(self.missing), 0),
         }
 
 

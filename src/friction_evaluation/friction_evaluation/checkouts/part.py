@@ -6,12 +6,11 @@ be the same. Texts that differ, and fields that only one definition has, are lis
 commands in both unless a parameter file changes that, so that commands are compared too. The topic "none" stands
 for a bag without estimates from either checkout.
 
-The exit code is 1 where something differs, 2 where a checkout could not process a bag.
+The exit code is 1 where something differs, as of every part, and 2 where a checkout could not process a bag.
 """
 
 import argparse
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -72,11 +71,6 @@ def bags_of(directory: Path) -> list[Path]:
     if not found:
         _give_up(f"{directory} holds no bags")
     return found
-
-
-def failed(rows: Sequence[Row]) -> bool:
-    """Does anything but a text differ?"""
-    return any(row["differs"] for row in rows)
 
 
 def _give_up(text: str) -> None:

@@ -12,7 +12,7 @@ from rich.progress import Progress
 from friction_evaluation.closed_loop.controller import shipped
 from friction_evaluation.closed_loop.stops import END_SPEED, Stops, stops
 from friction_evaluation.protocol import SPEED, VEHICLE
-from friction_evaluation.rows import Row
+from friction_evaluation.rows import Row, at_least, at_most
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.surfaces import TABLE_8_1, surface
@@ -21,6 +21,8 @@ from vehicle_models.vehicle_file import load_vehicle
 
 _LOCK_TIME = 0.05
 """[s]"""
+_UTILISATION = {"dry": 0.798, "wet": 0.850, "cobblestone": 0.742, "snow": 0.777}
+"""Smallest mean utilisation of the chapter's corner."""
 _FIRST_SEED = 20_000
 """Far from the seeds of the tuning."""
 
@@ -34,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> list[Row]:
-    """Make all runs; return a row per surface."""
+    """Make all runs; return a row per surface, and with the chapter's corner what has to hold there."""
     rows: list[Row] = []
     vehicle = load_vehicle(options.vehicle)
     with Progress() as progress:
@@ -43,7 +45,17 @@ def run(options: argparse.Namespace) -> list[Row]:
             seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
             found = stops(name, seeds, CHAPTER_NOISE, shipped(), lambda n: progress.advance(task, n), vehicle)
             rows.append(_row(name, found, vehicle))
+            if options.vehicle == VEHICLE:
+                rows += _judged(name, found)
     return rows
+
+
+def _judged(name: str, found: Stops) -> list[Row]:
+    locked = int((found.longest_lock >= _LOCK_TIME).sum())
+    return [
+        {"surface": name, "quantity": "utilisation", **at_least(float(found.utilisation.mean()), _UTILISATION[name])},
+        {"surface": name, "quantity": "runs with lock", **at_most(locked, 0)},
+    ]
 
 
 def _row(name: str, found: Stops, vehicle: Vehicle) -> Row:

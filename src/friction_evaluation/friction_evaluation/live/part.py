@@ -26,7 +26,7 @@ from friction_bringup import graph
 from friction_evaluation.live.graph import Observation, run_graph
 from friction_evaluation.live.offline_loop import run_offline
 from friction_evaluation.protocol import CAR, VEHICLE, WHEEL
-from friction_evaluation.rows import Row
+from friction_evaluation.rows import Row, at_most
 from friction_parameters.values import from_mapping
 from friction_runtime.processor import silent
 from vehicle_models.surfaces import TABLE_8_1
@@ -111,7 +111,8 @@ def agreement_rows(surface: str, seed: int) -> list[Row]:
                 "topic": topic,
                 "samples": len(offline[topic]),
                 "received": len(live),
-                "differing": max(len(live), len(offline[topic])) - alike,
+                "quantity": "differing",
+                **at_most(max(len(live), len(offline[topic])) - alike, 0),
             }
         )
     return rows
@@ -130,7 +131,11 @@ def _run(plant: Mapping[str, graph.ParameterValue], seconds: float) -> dict[str,
         node: {"vehicle_file": VEHICLE} for node in (graph.PLANT, *LOOP)
     }
     overrides[graph.PLANT] |= plant
-    overrides[graph.SUPERVISOR] |= {"shadow": False, "stale_after": _PATIENCE if plant["lock_step"] else 0.1}
+    overrides[graph.SUPERVISOR] |= {
+        "shadow": False,
+        "real_time": not plant["lock_step"],
+        "stale_after": _PATIENCE,  # counts in lock-step only
+    }
     with Progress() as progress:
         what, total = ("lock-step", None) if plant["lock_step"] else ("real time", seconds / SAMPLE_TIME)
         task = progress.add_task(f"live, {what}, {plant['surfaces']}", total=total)
@@ -152,7 +157,8 @@ def real_time_row(topic: str, found: Observation, source: Observation, expected:
         "topic": topic,
         "samples": expected,
         "received": len(stamps),
-        "lost": expected - len(set(found.stamps)),
+        "quantity": "lost",
+        **at_most(expected - len(set(found.stamps)), 0),
         "irregular_steps": int(np.count_nonzero(steps != SAMPLE_TIME_NS)),
         "delay_median_ms": float(np.median(delay)),
         "delay_p99_ms": float(np.percentile(delay, 99.0)),

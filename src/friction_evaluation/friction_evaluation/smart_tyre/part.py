@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.progress import Progress
 
-from friction_evaluation.rows import Row
+from friction_evaluation.rows import Row, at_most, not_judged
 from friction_evaluation.smart_tyre import cost, figures
 from friction_evaluation.smart_tyre.fronts import Waveform, scatter
 from friction_evaluation.smart_tyre.runs import (
@@ -58,7 +58,7 @@ LIMITS = {
     ("1.6 bar, re-zeroed", "Fz RMSE against reference [%]"): 3.5,
     ("cost", "four wheels, 10 ms blocks, algorithm [% of a core]"): 5.0,
 }
-"""Upper limits of the project by case and quantity. Rows without a limit are for information."""
+"""Upper limits of the project by case and quantity, of a bias for its size. Rows without one are for information."""
 _FRONT_SPEEDS = (8.0, 15.0, 22.0)
 """Speeds of the runs for the fronts [m/s]."""
 
@@ -74,7 +74,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> list[Row]:
-    """Evaluate; return flat rows of case, axle, quantity, value, limit."""
+    """Evaluate; return flat rows of case, axle, quantity, value, limit, passed."""
     if args.plant_calibration is not None:
         calibration_runs(NOISY, PLANT_WHEELS).calibrate().save(args.plant_calibration)
         return []
@@ -192,4 +192,5 @@ def _percent(force: float) -> float:
 
 def _row(case: str, axle: str, quantity: str, value: float, where: str = "") -> Row:
     limit = LIMITS.get((case, quantity))
-    return {"case": case, "axle": axle, "quantity": quantity + where, "value": value, "limit": limit}
+    judged = not_judged(value) if limit is None else at_most(abs(value), limit) | {"value": value}
+    return {"case": case, "axle": axle, "quantity": quantity + where, **judged}

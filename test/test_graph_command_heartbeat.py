@@ -1,0 +1,177 @@
+"""What the consumer of brake_command sees of a supervisor that is killed, stopped, or started again."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from collections.abc import Iterator, Sequence
+from math import sqrt
+from typing import Any
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from friction_msgs.msg import BrakeCommand, BrakeDemand
+from rclpy.qos import LivelinessPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import FluidPressure
+
+from dds_client import DdsClient, dds_client
+from friction_bringup import graph
+from friction_runtime import qos
+from friction_runtime.shipped_files import shipped_file
+from friction_runtime.stamps import to_nanoseconds
+from vehicle_models.nanoseconds import NANOSECONDS
+
+WHEEL = "front_left"
+EVERYTHING = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
+HYDRAULICS = 0.5
+"""Message time [s] in which the brake line comes from nothing to the driver's pressure, generously."""
+SPEED = 120.0
+"""[m/s]. From there a stop on snow takes longer than the test."""
+SLOWEST = 3.0
+"""[m/s^2]. No car brakes harder on snow: a wheel that stays locked without supervisor is long known to be no stop."""
+
+
+@pytest.fixture
+def client() -> Iterator[DdsClient]:
+    with dds_client() as made:
+        yield made
+
+
+class Loop:
+    """The graph in real time in an endless panic stop on snow, and what it publishes."""
+
+    def __init__(self, client: DdsClient) -> None:
+        self._client = client
+        self.commands: list[BrakeCommand] = []
+        self.pressures: list[FluidPressure] = []
+        self._demands: list[BrakeDemand] = []
+        self._health: list[DiagnosticArray] = []
+        for topic, kind, received in (
+            (f"{WHEEL}/brake_command", BrakeCommand, self.commands),
+            (f"{WHEEL}/brake_pressure", FluidPressure, self.pressures),
+            ("brake_demand", BrakeDemand, self._demands),
+            ("/diagnostics", DiagnosticArray, self._health),
+        ):
+            qos.subscribe(client.node, kind, topic, received.append, EVERYTHING)
+        self._start("wheel_slip")
+        self._start("friction_slope", **{"detector.max_deceleration": SLOWEST})
+        self.supervisor = self.start_supervisor()
+        self._start(
+            graph.PLANT,
+            surfaces=["snow"],
+            initial_speed=SPEED,
+            demand_start=1.0,
+            end_speed=-1.0,
+            wait_for_subscribers=2,
+        )
+
+    def start_supervisor(self) -> subprocess.Popen[str]:
+        self.supervisor = self._start(graph.SUPERVISOR, shadow=False)
+        return self.supervisor
+
+    def _start(self, node: str, **parameters: graph.ParameterValue) -> subprocess.Popen[str]:
+        command = graph.command(node, [shipped_file(node)], {"vehicle_file": graph.DEMO_VEHICLE, **parameters})
+        return self._client.start(*command[1:])
+
+    @property
+    def now(self) -> int:
+        """Newest stamp of the plant [ns]."""
+        return stamp_of(self.pressures[-1])
+
+    @property
+    def driver(self) -> float:
+        """Pressure that the driver demands [Pa]."""
+        return self._demands[-1].pressure
+
+    def until_abs_works(self) -> None:
+        """Wait for a release that the plant obeys, from now on."""
+        seen = len(self.commands)
+
+        def released() -> bool:
+            orders = [message.command for message in self.commands[seen:]]
+            return BrakeCommand.DECREASE in orders and self.pressures[-1].fluid_pressure < 0.7 * self.driver
+
+        self._client.until(released)
+
+    def until_driver_brakes(self) -> int:
+        """Wait until the plant has long been at the driver's pressure; return from which stamp on it must be [ns]."""
+        self._client.until(lambda: self.now > stamp_of(self.commands[-1]) + 3 * NANOSECONDS)
+        newest = self.commands[-1]
+        return stamp_of(newest) + round((newest.valid_for + HYDRAULICS) * NANOSECONDS)
+
+    def assert_driver_brakes(self, begin: int, end: int) -> None:
+        """At every stamp from `begin` to `end` [ns] the pressure is what the driver demands."""
+        between = [message for message in self.pressures if begin <= stamp_of(message) <= end]
+        assert len(between) > 100
+        for message in between:
+            assert message.fluid_pressure == pytest.approx(self.driver, abs=6.0 * sqrt(message.variance))
+
+    def until_plant_says(self, *texts: str) -> None:
+        """Wait for a status of the plant, from now on, with these texts."""
+        seen = len(self._health)
+
+        def said() -> bool:
+            found = [status for array in self._health[seen:] for status in array.status]
+            return any(
+                status.name == "/corner_sim: plant" and all(text in status.message for text in texts)
+                for status in found
+            )
+
+        self._client.until(said)
+
+    def plant_value(self, key: str) -> str:
+        """Newest value in the plant's diagnostics."""
+        plants = [s for array in self._health for s in array.status if s.name == "/corner_sim: plant"]
+        return {value.key: value.value for value in plants[-1].values}[key]
+
+
+def stamp_of(message: Any) -> int:
+    return to_nanoseconds(message.header.stamp)
+
+
+def counters(commands: Sequence[BrakeCommand]) -> list[int]:
+    return [message.counter for message in commands]
+
+
+def test_commands_are_offered_with_deadline_lifespan_and_liveliness(client: DdsClient) -> None:
+    loop = Loop(client)
+    client.until(lambda: bool(loop.commands))
+    (offered,) = [info.qos_profile for info in client.node.get_publishers_info_by_topic(f"{WHEEL}/brake_command")]
+    assert offered.reliability == ReliabilityPolicy.RELIABLE
+    assert offered.deadline.nanoseconds == qos.COMMAND_DEADLINE * NANOSECONDS
+    assert 0 < offered.lifespan.nanoseconds <= loop.commands[-1].valid_for * NANOSECONDS
+    assert offered.liveliness == LivelinessPolicy.AUTOMATIC
+    assert offered.liveliness_lease_duration.nanoseconds == qos.COMMAND_LEASE * NANOSECONDS
+
+
+def test_after_a_killed_supervisor_the_driver_brakes_and_a_new_one_is_obeyed(client: DdsClient) -> None:
+    loop = Loop(client)
+    loop.until_abs_works()
+    loop.supervisor.send_signal(signal.SIGKILL)
+    begin = loop.until_driver_brakes()
+    loop.assert_driver_brakes(begin, loop.now)
+    loop.until_plant_says(f"silent, taken as NONE: {WHEEL}", f"{WHEEL}/brake_command: its supervisor")
+    before = len(loop.commands)
+    loop.start_supervisor()
+    loop.until_abs_works()
+    assert counters(loop.commands[before:])[0] < counters(loop.commands[:before])[-1]
+    client.until(lambda: loop.plant_value("new senders of commands") == "1")
+
+
+def test_after_a_stopped_supervisor_the_driver_brakes_and_nothing_old_is_obeyed_when_it_goes_on(
+    client: DdsClient,
+) -> None:
+    loop = Loop(client)
+    loop.until_abs_works()
+    loop.supervisor.send_signal(signal.SIGSTOP)
+    begin = loop.until_driver_brakes()
+    loop.until_plant_says(f"silent, taken as NONE: {WHEEL}", "no sign of life")
+    before = len(loop.commands)
+    woken_at = loop.now
+    loop.supervisor.send_signal(signal.SIGCONT)
+    loop.until_abs_works()
+    # Whatever it answers first, the plant obeys nothing that answers a sample older than the command is valid.
+    obeyed = [stamp_of(each) for each in loop.commands[before:]]
+    fresh = next(stamp for stamp in obeyed if stamp > woken_at - loop.commands[-1].valid_for * NANOSECONDS)
+    loop.assert_driver_brakes(begin, fresh)
+    assert loop.plant_value("new senders of commands") == "0"
