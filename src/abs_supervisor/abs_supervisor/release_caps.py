@@ -52,6 +52,8 @@ _SAME_RELEASE = 0.02
 """Releases with less between them count as one [s]."""
 _AGAIN = 0.8
 """Share of `most_in_window` below which a wheel may be released again: not for a sample now and then."""
+_TIGHT = 0.5
+"""Share of `most_in_window` above which the pressure comes back as slowly as after a cap."""
 _REACHED = 0.98
 """Share of the demand at which the pressure has returned."""
 
@@ -100,7 +102,9 @@ class ReleaseCaps:
             self._returning = None
         self.cap = Cap.NONE
         if not release:
-            return Command.INCREASE
+            # A slow rise needs fewer releases: so the cap is not reached by a law that works.
+            tight = self._in_window > _TIGHT * self._p.most_in_window and torque < _REACHED * demand
+            return self._pulse() if tight else Command.INCREASE
         self.cap = self._exceeded(stamp, dt, recovering)
         if self.cap is not Cap.NONE:
             self.count += 1

@@ -34,7 +34,7 @@ _STANDS = 0.5
 _MOVES = 3.0
 """[m/s] from here the car moves."""
 _REPEATS = 0.05
-"""[s] a turning wheel whose reading is the same to the last bit for so long is stuck: encoders have noise."""
+"""[s] a braked wheel that turns and whose reading is the same to the last bit for so long is stuck: encoders have noise."""
 _FASTER, _FASTER_FOR = 0.08, 0.06
 """A braked wheel cannot be faster than the car by this share, [s] for so long."""
 _APART, _APART_FOR = 0.25, 0.5
@@ -87,7 +87,7 @@ class WheelCheck:
     def update(self, stamp: int, wheel_speed: float, around: Surroundings) -> str:
         """Take the wheel speed [rad/s] at a stamp [ns]; return why it must not be used, or nothing."""
         found = self._jump(stamp, wheel_speed, self._torque(stamp, around.torque))
-        found = self._stuck(stamp, wheel_speed) or found
+        found = self._stuck(stamp, wheel_speed, around.torque) or found
         found = self._against_car(stamp, wheel_speed * self._radius, around) or found
         if found:
             self.text, self._contradicted = found, stamp
@@ -116,9 +116,11 @@ class WheelCheck:
             self._good = (stamp, speed)
             return ""
         dt = (stamp - good[0]) / NANOSECONDS
-        lowest = min(good[1], 0.0) if torque == float("inf") else good[1] - dt * (
-            _TORQUE_MARGIN * torque + _SPARE_TORQUE
-        ) / self._inertia
+        lowest = (
+            min(good[1], 0.0)
+            if torque == float("inf")
+            else good[1] - dt * (_TORQUE_MARGIN * torque + _SPARE_TORQUE) / self._inertia
+        )
         highest = good[1] + dt * self._grip / self._inertia
         if lowest - _JITTER <= speed <= highest + _JITTER and not self._dead:
             self._good = (stamp, speed)
@@ -143,8 +145,10 @@ class WheelCheck:
             return f"{text}, not for the first time: flickers"
         return f"{text}, which no brake or road can cause" if away >= _EXCURSION else ""
 
-    def _stuck(self, stamp: int, speed: float) -> str:
-        if self._same is None or self._same[1] != speed or abs(speed) * self._radius < _STANDS:
+    def _stuck(self, stamp: int, speed: float, torque: float) -> str:
+        # Only a braked wheel must change: one that rolls freely over a simulated road without noise does not.
+        turns = abs(speed) * self._radius >= _STANDS and torque >= _BRAKED
+        if self._same is None or self._same[1] != speed or not turns:
             self._same = (stamp, speed)
             return ""
         for_time = (stamp - self._same[0]) / NANOSECONDS
@@ -153,7 +157,9 @@ class WheelCheck:
     def _against_car(self, stamp: int, rim: float, around: Surroundings) -> str:
         others = [speed for speed in around.others if isfinite(speed)]
         car = around.car_speed
-        supported = isfinite(car) and (around.car_is_measured or any(abs(each - car) < _FASTER * car for each in others))
+        supported = isfinite(car) and (
+            around.car_is_measured or any(abs(each - car) < _FASTER * car for each in others)
+        )
         if not around.torque < _BRAKED or self._braked is None:
             self._braked = stamp
         braked = around.torque >= _BRAKED
