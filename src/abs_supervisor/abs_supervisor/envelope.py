@@ -75,4 +75,4 @@ class Envelope:
         self.release = self.evidence.verdict if wanted else Release.NOT_WANTED
         self.refused += begins and self.release is Release.REFUSED
         release = wanted and self.release is not Release.REFUSED
-        return self.caps.command(stamp, release, self.evidence.recovering, torque, demand)
+        return self.caps.command(stamp, release, self.evidence.recovering, self.evidence.deep, torque, demand)

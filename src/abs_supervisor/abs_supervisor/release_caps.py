@@ -81,13 +81,16 @@ class ReleaseCaps:
         self._why = Cap.NONE
         self._allowed = 0.0
 
-    def command(self, stamp: int, release: bool, recovering: bool, torque: float, demand: float) -> Command:
+    def command(
+        self, stamp: int, release: bool, recovering: bool, deep: bool, torque: float, demand: float
+    ) -> Command:
         """Return DECREASE, or what takes its place.
 
         Args:
             stamp: [ns], later than the last.
             release: whether a release is asked for, and there is evidence for it.
             recovering: whether the wheel is seen to recover with a slip above the threshold.
+            deep: whether the slip is beyond the peak by far.
             torque: of the brake [N m].
             demand: of the driver [N m].
         """
@@ -102,9 +105,10 @@ class ReleaseCaps:
             self._returning = None
         self.cap = Cap.NONE
         if not release:
-            # A slow rise needs fewer releases: so the cap is not reached by a law that works.
-            tight = self._in_window > _TIGHT * self._p.most_in_window and torque < _REACHED * demand
-            return self._pulse() if tight else Command.INCREASE
+            # A slow rise needs fewer releases, so that a law that works does not reach the cap; and a law that returns
+            # beyond the peak leaves it.
+            slow = deep or self._in_window > _TIGHT * self._p.most_in_window
+            return self._pulse() if slow and torque < _REACHED * demand else Command.INCREASE
         self.cap = self._exceeded(stamp, dt, recovering)
         if self.cap is not Cap.NONE:
             self.count += 1

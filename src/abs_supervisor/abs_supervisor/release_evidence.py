@@ -76,6 +76,10 @@ class Wheel:
 
 _HARDEST_BRAKING = 12.0
 """[m/s^2] of any car; bounds an unknown speed of the car from above, so that the lag of a wheel behind it is real."""
+_PEAK_PER_SLIP = 30.0
+"""Error of lambda_max over an error of slip that the curve does not know of: a peak is flat."""
+_DEEP = 2.0
+"""A slip above its threshold by this factor is deep."""
 _RECOVERING = 2.0
 """[m/s^2] of the circumference of a wheel that recovers."""
 
@@ -96,6 +100,7 @@ class ReleaseEvidence:
         self._motion.reset()
         self._scatter.reset()
         self._last: int | None = None
+        self._slip = nan
         self._reference = nan
         self._slip_since: int | None = None
         self._dive_since: int | None = None
@@ -112,6 +117,11 @@ class ReleaseEvidence:
         """Whether the slip is above the threshold and the wheel is seen to gain speed."""
 
     @property
+    def deep(self) -> bool:
+        """Whether the slip speaks for a release by far: the wheel is beyond the peak."""
+        return self.verdict is Release.BY_SLIP and self._slip > _DEEP * self.release_slip
+
+    @property
     def scatter_is_learned(self) -> bool:
         """Whether the errors of the wheel's sensor were seen while it rolled freely."""
         return self._scatter.learned
@@ -120,7 +130,8 @@ class ReleaseEvidence:
         """Take what is known at a stamp [ns], later than the last."""
         p, motion = self._p, self._motion
         motion.update(stamp, wheel.speed)
-        self._scatter.update(stamp, wheel.braked, wheel.speed, motion.rate, wheel.slip)
+        stated = wheel.slip_stddev**2 if isfinite(wheel.slip_stddev) else 0.0
+        self._scatter.update(stamp, wheel.braked, wheel.speed, motion.rate, wheel.slip, stated)
         lag = self._lag(stamp, wheel)
         self.deceleration = -self._radius * motion.rate
         rate_error = sqrt(motion.rate_stddev**2 + self._scatter.rate(max(wheel.speed, 0.0)) ** 2)
@@ -129,6 +140,7 @@ class ReleaseEvidence:
         self.release_deceleration = max(p.deceleration * GRAVITY, own + p.deceleration_margin * GRAVITY) + error
         base, doubt = self._slip_threshold(wheel)
         self.release_slip = base + p.sigmas * doubt
+        self._slip = wheel.slip
         slip_shows = wheel.slip > self.release_slip
         self._slip_since = _since(self._slip_since, stamp, slip_shows)
         # A deceleration alone proves no lock: brakes are applied with several g of the wheel, at small slips.
@@ -152,7 +164,8 @@ class ReleaseEvidence:
         p = self._p
         base = p.slip_without_curve
         if isfinite(wheel.lambda_max):
-            doubt = wheel.lambda_max_stddev if isfinite(wheel.lambda_max_stddev) else 0.0
+            stated = wheel.lambda_max_stddev if isfinite(wheel.lambda_max_stddev) else 0.0
+            doubt = sqrt(stated**2 + (_PEAK_PER_SLIP * self._scatter.slip_of_curve) ** 2)
             known = p.lambda_max_share * wheel.lambda_max
             base = max(p.least_slip, known, min(base, known + p.lambda_max_share * doubt))
         stddev = wheel.slip_stddev if isfinite(wheel.slip_stddev) else 0.0

@@ -18,6 +18,8 @@ _MEMORY = 200.0
 """Samples over which errors are averaged: several revolutions."""
 _ENOUGH = 20
 """Samples from which something counts as learned."""
+_ORDINARY_SLIP = 0.005
+"""Error of slip with the sensors that friction_curve_id is tuned for."""
 _MOST_SLIP = 0.05
 """A larger mean error of slip is a wrong speed or a driven wheel, not scatter."""
 
@@ -31,14 +33,19 @@ class RollingScatter:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._slip = self._rate = 0.0
+        self._slip = self._stated = self._rate = 0.0
         self._slips = self._rates = 0
         self._braked: int | None = None
 
     @property
     def slip(self) -> float:
-        """Root mean square error of slip [-]; 0 where nothing was learned."""
-        return min(sqrt(self._slip), _MOST_SLIP)
+        """Root mean square error of slip beyond what its own variance says [-]; 0 where nothing was learned."""
+        return min(sqrt(max(self._slip - self._stated, 0.0)), _MOST_SLIP)
+
+    @property
+    def slip_of_curve(self) -> float:
+        """Root mean square error of slip beyond what a curve takes into account [-]; 0 where nothing was learned."""
+        return sqrt(max(self._slip - _ORDINARY_SLIP**2, 0.0))
 
     @property
     def learned(self) -> bool:
@@ -49,7 +56,7 @@ class RollingScatter:
         """Root mean square error of a deceleration [rad/s^2] at a wheel speed [rad/s]; 0 where nothing was learned."""
         return sqrt(self._rate) * wheel_speed**2
 
-    def update(self, stamp: int, braked: bool, wheel_speed: float, rate: float, slip: float) -> None:
+    def update(self, stamp: int, braked: bool, wheel_speed: float, rate: float, slip: float, variance: float) -> None:
         """Take what is known at a stamp [ns].
 
         Args:
@@ -58,6 +65,7 @@ class RollingScatter:
             wheel_speed: [rad/s].
             rate: of the wheel speed [rad/s^2], NaN where unknown.
             slip: [-], NaN where unknown.
+            variance: of slip as stated [-].
         """
         if braked or self._braked is None:
             self._braked = stamp if braked else stamp - round(_FREE_FOR * NANOSECONDS)
@@ -68,4 +76,6 @@ class RollingScatter:
             self._rate += ((rate / wheel_speed**2) ** 2 - self._rate) / min(self._rates, _MEMORY)
         if isfinite(slip):
             self._slips += 1
-            self._slip += (slip**2 - self._slip) / min(self._slips, _MEMORY)
+            share = 1.0 / min(self._slips, _MEMORY)
+            self._slip += share * (slip**2 - self._slip)
+            self._stated += share * (variance - self._stated)
