@@ -1,0 +1,116 @@
+"""What is kept of a run: the truth, the commands in force and what the graph said."""
+
+from dataclasses import dataclass
+from math import inf, nan
+from typing import Any
+
+import numpy as np
+from friction_msgs.msg import BrakeCommand, SupervisorState
+from numpy.typing import NDArray
+
+from friction_evaluation.faults.manoeuvre import Manoeuvre
+
+Array = NDArray[np.float64]
+
+_COMMAND_TIMEOUT = 0.1
+"""After so long without a command [s, steady clock] the wheel counts as one without ABS."""
+_QUIET = (SupervisorState.OK, SupervisorState.LOW_SPEED)
+
+
+@dataclass(frozen=True)
+class Record:
+    """One run, k samples of n wheels."""
+
+    stopped: bool
+    """Came to standstill."""
+    time: Array
+    """Since the start of the run [s], shape (k,)."""
+    speed: Array
+    """Of the car [m/s], shape (k,)."""
+    distance: Array
+    """[m], shape (k,)."""
+    slip: Array
+    """True slip [-], shape (k, n); NaN at standstill."""
+    command: NDArray[np.int64]
+    """In force after the sample, constants of BrakeCommand, shape (k, n)."""
+    able: NDArray[np.bool_]
+    """The supervisor says that it can act, or is at low speed, shape (k, n)."""
+    named: float
+    """Time of the first new reason or diagnostics above OK since the begin of the fault [s]; inf where there is none."""
+    said: str
+    """The first of these texts."""
+
+
+class Recorder:
+    """Collects a Record sample by sample."""
+
+    def __init__(self, manoeuvre: Manoeuvre, begin: float) -> None:
+        """Texts from `begin` on [s since the start of the run] count, where they were not there before."""
+        self._wheels = manoeuvre.vehicle.wheel_names
+        self._begin = begin
+        n = len(self._wheels)
+        self._slip, self._command, self._able = [nan] * n, [int(BrakeCommand.NONE)] * n, [True] * n
+        self._commanded = [-inf] * n
+        self._speed = nan
+        self._rows: list[tuple[float, ...]] = []
+        self._slips: list[list[float]] = []
+        self._commands: list[list[int]] = []
+        self._ables: list[list[bool]] = []
+        self._before: set[str] = set()
+        self._named, self._said = inf, ""
+
+    def truth(self, topic: str, message: Any) -> None:
+        """Take a message of the plant's truth."""
+        _, _, rest = topic.partition("/")
+        if rest == "vehicle_velocity":
+            self._speed = message.twist.twist.linear.x
+        elif rest.endswith("/slip"):
+            self._slip[self._wheels.index(message.wheel)] = message.slip
+
+    def command(self, now: float, message: BrakeCommand) -> None:
+        """Take a command that has reached the plant."""
+        wheel = self._wheels.index(message.wheel)
+        self._command[wheel], self._commanded[wheel] = int(message.command), now
+
+    def state(self, now: float, message: SupervisorState) -> None:
+        """Take a state of the supervisor."""
+        quiet = message.reason in _QUIET
+        self._able[self._wheels.index(message.wheel)] = quiet
+        if not quiet:
+            self.diagnosis(now, f"{message.wheel}/abs_supervisor: {message.reason_text}")
+
+    def diagnosis(self, now: float, text: str) -> None:
+        """Take what diagnostics or a state say above OK."""
+        if now < self._begin - 1e-9:
+            self._before.add(_kind(text))
+        elif self._named == inf and _kind(text) not in self._before:
+            self._named, self._said = now, text
+
+    def sample(self, now: float, distance: float) -> None:
+        """End a sample."""
+        self._rows.append((now, self._speed, distance))
+        self._slips.append(list(self._slip))
+        in_force = [now - at <= _COMMAND_TIMEOUT for at in self._commanded]
+        none = int(BrakeCommand.NONE)
+        self._commands.append([each if on else none for each, on in zip(self._command, in_force, strict=True)])
+        self._ables.append([each and on for each, on in zip(self._able, in_force, strict=True)])
+
+    def record(self, stopped: bool) -> Record:
+        """Return what was collected."""
+        time, speed, distance = np.array(self._rows).T
+        return Record(
+            stopped,
+            time,
+            speed,
+            distance,
+            np.array(self._slips),
+            np.array(self._commands),
+            np.array(self._ables),
+            self._named,
+            self._said,
+        )
+
+
+def _kind(text: str) -> str:
+    """Text without its numbers: they change while the cause stays."""
+    return "".join(each for each in text if not each.isdigit())
