@@ -24,7 +24,7 @@ _SHARE = 0.05
 _LATE = {"share": 0.01, "delay": 0.007}
 
 FIRST, ALL = Hit.FIRST_WHEEL, Hit.ALL_WHEELS
-NO_FAULT = Case("none", lambda site: at_once)
+NO_FAULT = Case("none", lambda site: at_once, begin=BEFORE_BRAKING)
 
 
 def _sensors(site: Site) -> tuple[str, ...]:

@@ -1,8 +1,8 @@
 """Campaign of faults in closed loop: ordinary braking must stay ordinary, and no fault may release a healthy brake.
 
-Plant, fault, shipped processors (wheel_slip, friction_slope, friction_curve_id, abs_supervisor) and plant again, without
-middleware, from 30 m/s to standstill. `value` is the distance over that without ABS, `failures` names every limit that
-does not hold. The numbers are the worst over the seeds.
+Plant, fault, shipped processors (wheel_slip, friction_slope, friction_curve_id, abs_supervisor) and plant again,
+without middleware, from 30 m/s to standstill. `value` is the distance over that without ABS, `failures` names every
+limit that does not hold. The numbers are the worst over the seeds.
 """
 
 import argparse

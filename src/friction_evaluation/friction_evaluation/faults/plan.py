@@ -25,12 +25,12 @@ _ORDINARY = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 
 
 def whole() -> Plan:
-    """Return every car, surface and demand; faults at 0.6 and 1.5, ordinary braking at 0.1 to 0.9."""
+    """Return every car and surface: all faults at 0.6 and 1.5, ordinary and noisy braking at 0.1 to 0.9."""
     found: list[tuple[Manoeuvre, Sequence[Case]]] = []
     for car in (CORNER, FOUR_WHEELS):
         for surface in TABLE_8_1:
             for demand in sorted({*_ORDINARY, *_FAULT_DEMANDS}):
-                cases = (NO_FAULT, *FAULTS) if demand in _FAULT_DEMANDS else (NO_FAULT,)
+                cases = (NO_FAULT, *FAULTS) if demand in _FAULT_DEMANDS else (NO_FAULT, *NOISE)
                 found.append((Manoeuvre(car, surface, demand), cases))
         found.append((Manoeuvre(car, "snow", 1.5), (LOCKED_START,)))
     return found

@@ -36,7 +36,7 @@ class Record:
     able: NDArray[np.bool_]
     """The supervisor says that it can act, or is at low speed, shape (k, n)."""
     named: float
-    """Time of the first new reason or diagnostics above OK since the begin of the fault [s]; inf where there is none."""
+    """Time [s] of the first new reason or diagnostics above OK since the begin of the fault; inf: there is none."""
     said: str
     """The first of these texts."""
 

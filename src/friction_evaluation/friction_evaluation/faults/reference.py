@@ -1,7 +1,7 @@
 """The stop without ABS: the plant alone, which no command reaches."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 
 from friction_evaluation.faults.manoeuvre import ONSET, Manoeuvre
 
@@ -19,7 +19,7 @@ class Reference:
     """[m]"""
 
 
-@lru_cache(maxsize=None)
+@cache
 def without_abs(manoeuvre: Manoeuvre) -> Reference:
     """Brake without commands. Without them no sensor reaches the plant, so it is the same for every seed and fault."""
     simulation = manoeuvre.simulation(0)

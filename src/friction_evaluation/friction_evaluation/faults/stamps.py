@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
 from friction_evaluation.faults.fault import Arrival, Fault, Site, at_once
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_runtime.stamps import header_at, to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _CRAWL = 1_000
@@ -18,7 +18,8 @@ def _restamped(topics: Collection[str], stamp: Callable[[int, int], int]) -> Fau
     def pass_on(topic: str, message: Any) -> Sequence[Arrival]:
         if topic in topics:
             now = to_nanoseconds(message.header.stamp)
-            message.header.stamp = from_nanoseconds(stamp(first.setdefault(topic, now), now))
+            # a header of its own: messages of one sender share theirs
+            message.header = header_at(stamp(first.setdefault(topic, now), now), message.header.frame_id)
         return at_once(topic, message)
 
     return pass_on
