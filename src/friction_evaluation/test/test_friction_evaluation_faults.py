@@ -161,9 +161,9 @@ def test_the_stop_without_abs_is_that_of_the_momentum() -> None:
 def record(command: Sequence[int], slip: Sequence[float], able: Sequence[bool]) -> Record:
     """Return a run of one wheel, whose first sample is the onset."""
     k = len(command)
-    time = ONSET + DT * np.arange(k)
+    time = np.array([ONSET + DT * i for i in range(k)])
     return Record(
-        True, time, np.full(k, 20.0), 20.0 * (time - ONSET), np.array(slip)[:, np.newaxis],
+        True, time, np.full(k, 20.0), np.array([20.0 * DT * i for i in range(k)]), np.array(slip)[:, np.newaxis],
         np.array(command)[:, np.newaxis], np.array(able)[:, np.newaxis], inf, "",
     )  # fmt: skip
 
@@ -219,7 +219,7 @@ def test_the_part_judges_its_rows() -> None:
 
 def rows(fault: str, car: str, surface: str, demand: float) -> list[dict[str, object]]:
     options = Namespace(
-        seeds=1, law="slope_sign", quick=False, car=[car], surface=[surface], fault=[fault], demand=[demand]
+        seeds=1, law="slope_sign", quick=False, live=None, car=[car], surface=[surface], fault=[fault], demand=[demand]
     )
     return list(part("faults").run(options))
 

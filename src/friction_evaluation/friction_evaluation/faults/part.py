@@ -24,6 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--quick", action="store_true", help="the fixed subset of docs/faults.md: at most 8 CPU minutes"
     )
+    parser.add_argument(
+        "--live", type=int, metavar="TRIALS", help="instead: fail-safe times over DDS, trials per input"
+    )
     for name in ("car", "surface", "fault"):
         parser.add_argument(f"--{name}", action="append", help="only these rows; repeatable")
     parser.add_argument("--demand", type=float, action="append", help="only these rows; repeatable")
@@ -31,6 +34,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> list[Row]:
     """Make all stops; return a row per car, surface, demand and fault."""
+    if options.live is not None:
+        return _live(options.live)
     begun = process_time()
     rows: list[Row] = []
     with Progress() as progress:
@@ -45,6 +50,15 @@ def run(options: argparse.Namespace) -> list[Row]:
 def failed(rows: Sequence[Row]) -> bool:
     """Does a row fail?"""
     return not all(row["passed"] for row in rows)
+
+
+def _live(trials: int) -> list[Row]:
+    # here, because the campaign itself needs no middleware
+    from friction_evaluation.faults.live import LIVE_ROWS, fail_safe_rows
+
+    with Progress() as progress:
+        task = progress.add_task("fail-safe times", total=LIVE_ROWS * trials)
+        return fail_safe_rows(trials, lambda: progress.advance(task))
 
 
 def _chosen(options: argparse.Namespace) -> Plan:
