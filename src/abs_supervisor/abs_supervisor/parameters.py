@@ -5,10 +5,12 @@ from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from abs_supervisor.braking import PressureParameters
+from abs_supervisor.envelope import EnvelopeParameters
 from abs_supervisor.fsm import Thresholds
 from friction_parameters import shared
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import group, parameter
+from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.vehicle_file import moved, vehicle_file_parameter
 
 
@@ -28,6 +30,8 @@ class SupervisorParameters:
     )
     pressure: PressureParameters = group(PressureParameters(), selector="braking_source", methods=("pressure",))
     thresholds: Thresholds = group(Thresholds())
+    envelope: EnvelopeParameters = group(EnvelopeParameters())
+    actuator: ActuatorParameters = group(ActuatorParameters())
     tolerance: float = parameter(
         0.02, "message time of invalid input after which the fail-safe acts", unit="s", minimum=0.0, maximum=1.0
     )
@@ -38,6 +42,9 @@ class SupervisorParameters:
         0.2, "demand or pressure is held this long where no newer one comes", unit="s", minimum=0.0, maximum=5.0
     )
     deadline: float = shared.deadline()
+    valid_for: float = parameter(
+        0.1, "a command is in force for so long after its stamp", unit="s", minimum=0.02, maximum=1.0
+    )
 
     MOVED: ClassVar[Mapping[str, str]] = {
         "wheels": moved("wheels"),

@@ -1,37 +1,43 @@
-"""<wheel>/friction_slope and the driver's demand in, <wheel>/abs_supervisor and <wheel>/brake_command out."""
+"""<wheel>/friction_slope, the driver's demand and what the envelope needs in, state and brake_command out."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite, nan
 from typing import Any
 
 from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
-from sensor_msgs.msg import FluidPressure
 
 from abs_supervisor.braking import TorqueWithHysteresis
 from abs_supervisor.braking_log import BrakingLog
-from abs_supervisor.fsm import COMMANDS
+from abs_supervisor.fsm import COMMANDS, Command
+from abs_supervisor.guard import Guard, Seen
 from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.supervisor import Evidence, Reason, Supervisor
+from abs_supervisor.wheel_inputs import WheelInputs
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, level_of, silent
 from friction_runtime.reason_text import of_topic, set_reason, without_wheel
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
+from friction_runtime.wheel_speeds import WHEEL_STATES
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 
 BRAKE_DEMAND = "brake_demand"
 _QUIET = (Reason.OK, Reason.LOW_SPEED)
 """Reasons that belong to ordinary driving."""
-_BROKEN = (Reason.NO_SLOPE, Reason.NO_DEMAND, Reason.INVALID_SLOPE)
-"""Reasons that bring the fail-safe."""
-_SLOPE_LOW_SPEED = int(FrictionSlope.LOW_SPEED)
-"""Copy of a message constant: a message class looks its constants up in Python, here at every sample."""
-_ALIVE = (FrictionSlope.OK, FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION, FrictionSlope.LOW_SPEED)
-"""Reasons of friction_slope with which the machine can go on."""
+_MISMATCH = Reason.PRESSURE_MISMATCH
+"""The law goes on: no evidence for a release comes from the pressure, so that a wrong one releases no healthy wheel."""
+_USABLE = (*_QUIET, _MISMATCH)
+"""Reasons with which the law goes on; the others bring the fail-safe."""
+_BROKEN = tuple(set(Reason) - set(_USABLE))
+_SLOPE_OK, _SLOPE_LOW_SPEED = int(FrictionSlope.OK), int(FrictionSlope.LOW_SPEED)
+"""Copies of message constants: a message class looks its constants up in Python, here at every sample."""
+_UNMEASURED = tuple(int(each) for each in (FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION))
+"""Reasons of friction_slope with which the machine goes on although there is no indicator."""
+_SLOPE_NOT_READY = int(FrictionSlope.NOT_READY)
+"""With an indicator: it has not passed a threshold yet. Without: the window is not full."""
 
 
 class WheelProcessor(AlignedProcessor[FrictionSlope]):
@@ -40,22 +46,27 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
     def __init__(self, wheel: str, vehicle: Vehicle, parameters: SupervisorParameters, report: Report = silent) -> None:
         """Build for one wheel of a car; `report` is the log function."""
         self._wheel, self._p = wheel, parameters
-        self._brake_torque = BrakeTorque(vehicle, wheel)
+        self._inputs = inputs = WheelInputs(wheel, vehicle, report)
         self._slope = f"{wheel}/friction_slope"
         by_demand = parameters.braking_source == "demand"
-        self._demand = BRAKE_DEMAND if by_demand else self._brake_torque.topic
-        self.sensors: Mapping[str, type] = {} if by_demand else {self._demand: FluidPressure}
-        self.estimates: Mapping[str, type] = {self._slope: FrictionSlope}
+        self._demand = BRAKE_DEMAND if by_demand else inputs.pressure
+        self.sensors: Mapping[str, type] = inputs.sensors
+        self.estimates: Mapping[str, type] = {self._slope: FrictionSlope, **inputs.estimates}
         if by_demand:
             self.estimates = {**self.estimates, self._demand: BrakeDemand}
         self.outputs: Mapping[str, type] = {f"{wheel}/abs_supervisor": SupervisorState}
         if not parameters.shadow:
             self.outputs = {**self.outputs, f"{wheel}/brake_command": BrakeCommand}
         primary = Primary(self._slope, wheel, report, silent_after=parameters.stale_after)
-        super().__init__(wheel, primary, [AlignedInput(self._demand)], parameters.deadline)
+        topics = dict.fromkeys((self._demand, inputs.pressure, WHEEL_STATES, inputs.slip))
+        aligned = [AlignedInput(topic) for topic in topics]
+        super().__init__(wheel, primary, aligned, parameters.deadline, optional=(inputs.curve,))
         self._supervisor = Supervisor(parameters.thresholds, parameters.tolerance)
         self._log = BrakingLog(wheel, report)
         self._hysteresis = TorqueWithHysteresis(parameters.braking_torque, parameters.pressure)
+        obeyed = by_demand and not parameters.shadow
+        self._guard = Guard(vehicle.corner(wheel), parameters.envelope, parameters.actuator, obeyed)
+        self._counter = 0
         self._forget()
 
     def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
@@ -67,6 +78,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._reason, self._text = Reason.NO_SLOPE, f"{self._slope}: silent"
         if self._supervisor.fail(self._stamp):
             self._log.note(self._supervisor, self._stamp, silence)
+            self._command = Command.NONE
             return self._outputs()
         return []
 
@@ -74,19 +86,31 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         return message
 
     def _take(self, topic: str, message: Any) -> str | None:
-        return self._offer_demand(topic, to_nanoseconds(message.header.stamp), message)
+        if topic == BRAKE_DEMAND:
+            return self._offer_demand(to_nanoseconds(message.header.stamp), message)
+        if topic == self._inputs.curve:
+            self._inputs.take_curve(message)
+            return None
+        read = self._inputs.read(topic, message)
+        return read if isinstance(read, str) else self._offer(topic, *read)
 
     def _forget(self) -> None:
         self._supervisor.reset()
+        self._guard.reset()
+        self._inputs.reset()
         self._log.reset()
         self._hysteresis.reset()
         self._held: tuple[int, float] | None = None
         self._stamp = 0
         self._reason, self._text = Reason.NO_SLOPE, f"{self._slope}: no message yet"
         self._indicator = self._torque = nan
+        self._seen = Seen(nan, nan, nan)
+        self._command = Command.NONE
 
     def _start_again(self, stamp: int) -> None:
         self._hysteresis.reset()
+        self._guard.restart()
+        self._inputs.reset()
         if self._supervisor.restart(stamp):
             self._log.note(self._supervisor, self._stamp, "")
 
@@ -103,42 +127,46 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             "recoveries": str(counts.recoveries),
             "release time-outs": str(counts.release_timeouts),
             "fail-safes": str(counts.fail_safes),
+            "refused releases": str(self._guard.envelope.refused),
+            "caps": str(self._guard.envelope.caps.count),
+            "unchecked": self._guard.unchecked,
             "shadow": str(self._p.shadow).lower(),
         }
 
-    def _offer_demand(self, topic: str, stamp: int, message: Any) -> str | None:
-        if topic == BRAKE_DEMAND:
-            if message.wheel not in ("", self._wheel):
-                return None
-            torque = self._brake_torque.torque(topic, message.pressure)
-            if isinstance(torque, str):
-                return torque
-        else:
-            read = self._brake_torque.read(message)
-            if isinstance(read, str):
-                return read
-            stamp, torque = read
-        refusal = self._aligner.offer(topic, stamp, (torque,))
-        if refusal is None:
-            self._held = (stamp, torque)
+    def _offer_demand(self, stamp: int, message: BrakeDemand) -> str | None:
+        if message.wheel not in ("", self._wheel):
+            return None
+        torque = self._inputs.brake.torque(BRAKE_DEMAND, message.pressure)
+        return torque if isinstance(torque, str) else self._offer(BRAKE_DEMAND, stamp, (torque,))
+
+    def _offer(self, topic: str, stamp: int, values: tuple[float, ...]) -> str | None:
+        refusal = self._aligner.offer(topic, stamp, values)
+        if refusal is None and topic == self._demand:
+            self._held = (stamp, values[0])
         return refusal
 
     def _fire(self, sample: AlignedSample[FrictionSlope]) -> list[Output]:
         slope = sample.payload
         self._stamp, self._indicator = sample.stamp, slope.indicator
         torque = self._torque_at(sample)
-        self._reason, self._text = self._judge(sample, torque)
         self._torque = nan if torque is None else torque
-        usable = self._reason in _QUIET
+        seen = self._inputs.observe(sample, self._torque if self._demand == BRAKE_DEMAND else nan)
+        if isfinite(seen.wheel_speed):
+            self._guard.look(sample.stamp, seen)
+        self._seen = seen
+        self._reason, self._text = self._judge(sample, torque)
+        measured = slope.valid and slope.reason == _SLOPE_OK
         evidence = Evidence(
             h=slope.h,
-            indicator=slope.indicator,
-            usable=usable,
+            indicator=slope.indicator if measured else nan,
+            usable=self._reason in _USABLE,
             slow=self._reason is Reason.LOW_SPEED,
             braking=torque is not None and self._brakes(sample.stamp, torque),
         )
         if self._supervisor.update(sample.stamp, evidence):
             self._log.note(self._supervisor, sample.stamp, self._text)
+        law = COMMANDS[self._supervisor.state]
+        self._command = self._guard.command(sample.stamp, law) if isfinite(seen.wheel_speed) else Command.NONE
         return self._outputs()
 
     def _torque_at(self, sample: AlignedSample[FrictionSlope]) -> float | None:
@@ -156,13 +184,22 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
 
     def _judge(self, sample: AlignedSample[FrictionSlope], torque: float | None) -> tuple[Reason, str]:
         """Return the reason why the machine may not act on this sample, or OK, and its text."""
-        slope = sample.payload
+        slope, guard, seen = sample.payload, self._guard, self._seen
         if torque is None:
             return Reason.NO_DEMAND, sample.missing[self._demand]
+        if not isfinite(seen.wheel_speed):
+            return Reason.NO_WHEEL_SPEED, sample.missing.get(WHEEL_STATES, f"{WHEEL_STATES}: no speed of this wheel")
+        if not isfinite(seen.torque):
+            return Reason.NO_PRESSURE, sample.missing[self._inputs.pressure]
+        if guard.wheel_text:
+            return Reason.WHEEL_SENSOR, guard.wheel_text
         if slope.reason == _SLOPE_LOW_SPEED:
             return Reason.LOW_SPEED, without_wheel(self._wheel, slope.reason_text)
-        if slope.reason not in _ALIVE and not isfinite(slope.indicator):
+        alive = slope.reason in _UNMEASURED or (slope.reason == _SLOPE_OK and slope.valid)
+        if not alive and not (slope.reason == _SLOPE_NOT_READY and isfinite(slope.indicator)):
             return Reason.INVALID_SLOPE, of_topic(self._slope, slope.reason_text)
+        if guard.pressure_text:
+            return _MISMATCH, f"{self._inputs.pressure}: {guard.pressure_text}"
         return Reason.OK, ""
 
     def _outputs(self) -> list[Output]:
@@ -178,18 +215,33 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         state.indicator = self._indicator
         state.demand_torque = self._torque
         state.shadow = self._p.shadow
+        envelope, seen = self._guard.envelope, self._seen
+        known = envelope.evidence
+        state.command = int(self._command)
+        state.release = int(envelope.release)
+        state.cap = int(envelope.caps.cap)
+        state.slip = seen.slip
+        state.release_slip = known.release_slip
+        state.wheel_deceleration = known.deceleration
+        state.release_deceleration = known.release_deceleration
+        state.unchecked = self._guard.unchecked
         state.transitions = counts.transitions
         state.instabilities = counts.instabilities
         state.recoveries = counts.recoveries
         state.release_timeouts = counts.release_timeouts
         state.fail_safes = counts.fail_safes
+        state.refused_releases = envelope.refused
+        state.caps = envelope.caps.count
         set_reason(state, self._wheel, self._reason, self._text)
         outputs: list[Output] = [(f"{self._wheel}/abs_supervisor", state)]
         if not self._p.shadow:
             command = new_message(BrakeCommand)
             command.header = header
             command.wheel = self._wheel
-            command.command = int(COMMANDS[machine.state])
+            command.command = int(self._command)
+            self._counter = (self._counter + 1) % 2**32
+            command.counter = self._counter
+            command.valid_for = self._p.valid_for
             outputs.append((f"{self._wheel}/brake_command", command))
         return outputs
 

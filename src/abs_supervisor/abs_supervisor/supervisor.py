@@ -17,6 +17,10 @@ class Reason(IntEnum):
     NO_DEMAND = 3
     BAD_INPUT = 4
     LOW_SPEED = 5
+    NO_WHEEL_SPEED = 6
+    NO_PRESSURE = 7
+    WHEEL_SENSOR = 8
+    PRESSURE_MISMATCH = 9
 
 
 @dataclass

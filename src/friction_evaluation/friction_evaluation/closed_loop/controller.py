@@ -1,11 +1,7 @@
-"""The shipped friction_slope (no_slip) and abs_supervisor in the loop.
-
-`slip_at_crossing` is off: it does not enter the indicator, and without it the loop needs no wheel_slip.
-"""
+"""The shipped estimators and abs_supervisor in the loop, connected as the nodes of the graph are."""
 
 from dataclasses import replace
 
-import numpy as np
 from friction_msgs.msg import BrakeCommand
 
 from abs_supervisor.parameters import SHIPPED as SHIPPED_SUPERVISOR
@@ -13,41 +9,60 @@ from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.processor import WheelProcessor as SupervisorProcessor
 from corner_sim import messages
 from corner_sim.sensors import Measurement
-from friction_parameters.values import changed
-from friction_runtime.stamps import from_nanoseconds
-from friction_runtime.wheel_speeds import WHEEL_STATES
-from friction_slope.parameters import SHIPPED, FrictionSlopeParameters
+from friction_bags.offline.graph import OfflineGraph
+from friction_curve_id.parameters import SHIPPED as SHIPPED_CURVE
+from friction_curve_id.processor import build as curve_processors
+from friction_slope.parameters import SHIPPED as SHIPPED_SLOPE
+from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.processor import WheelProcessor as SlopeProcessor
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.sensor_noise import SensorNoise
+from vehicle_models.vehicle import FRONT, Vehicle
+from wheel_slip.parameters import SHIPPED as SHIPPED_SLIP
+from wheel_slip.processor import CarProcessor
 
 Parameters = tuple[FrictionSlopeParameters, SupervisorParameters]
 
 
 def shipped() -> Parameters:
     """Return the shipped parameters of the supervisor's loop, in which it commands."""
-    slope = changed(SHIPPED["friction_slope"].parameters, {"no_slip.slip_at_crossing": False})
-    return slope, replace(SHIPPED_SUPERVISOR["abs_supervisor"].parameters, shadow=False)
+    supervisor = SHIPPED_SUPERVISOR["abs_supervisor"].parameters
+    return SHIPPED_SLOPE["friction_slope"].parameters, replace(supervisor, shadow=False)
+
+
+def one_wheel(vehicle: Vehicle) -> Vehicle:
+    """Return the first wheel of a car as a car of its own, with the mass that rests on it."""
+    first = replace(vehicle.wheels[0], axle=FRONT)
+    return replace(vehicle, wheels=(first,), mass=vehicle.corner(first.name).mass, front_load_share=1.0)
 
 
 class Controller:
-    """The shipped processors of one run, from its sensors to the command."""
+    """The shipped processors of one run, from its sensors to the command. The car has one wheel."""
 
-    def __init__(self, vehicle: Vehicle, slope: FrictionSlopeParameters, supervisor: SupervisorParameters) -> None:
-        """Build both for the first wheel of a car."""
-        self._wheel, self._joint = vehicle.wheels[0].name, vehicle.wheels[0].joint
-        self._slope = SlopeProcessor(self._wheel, vehicle, slope)
-        self.supervisor = SupervisorProcessor(self._wheel, vehicle, supervisor)
+    def __init__(
+        self, vehicle: Vehicle, noise: SensorNoise, slope: FrictionSlopeParameters, supervisor: SupervisorParameters
+    ) -> None:
+        """Build all of them for the first wheel of a car, whose sensors state the variances of `noise`."""
+        wheel = vehicle.wheels[0].name
+        alone = one_wheel(vehicle)
+        self._vehicle, self._noise = alone, noise
+        self.supervisor = SupervisorProcessor(wheel, alone, supervisor)
+        self._graph = OfflineGraph(
+            [
+                CarProcessor(alone, SHIPPED_SLIP["wheel_slip"].parameters),
+                SlopeProcessor(wheel, alone, slope),
+                *curve_processors(SHIPPED_CURVE["friction_curve_id"].parameters, alone),
+                self.supervisor,
+            ]
+        )
 
-    def command(self, stamp: int, wheel_speed: float, pressure: float, demand: float) -> int:
-        """Pass one sample through; return the command for it."""
-        time = from_nanoseconds(stamp)
-        measured = Measurement(np.array([wheel_speed]), np.array([pressure]), 0.0, 0.0)
-        self.supervisor.process("brake_demand", messages.brake_demand(stamp, demand))
-        braked = messages.brake_pressure(time, self._wheel, pressure, 0.0)
-        self._slope.process(f"{self._wheel}/brake_pressure", braked)
-        turning = messages.wheel_states(time, [self._joint], measured)
-        for topic, estimate in self._slope.process(WHEEL_STATES, turning):
-            for _, answer in self.supervisor.process(topic, estimate):
+    def command(self, stamp: int, measured: Measurement, demand: float) -> int:
+        """Pass the sensors' readings at a stamp [ns] and the demand [Pa] through; return the command for them."""
+        found: int | None = None
+        sensors = messages.sensors(stamp, self._vehicle, measured, self._noise, 0.0)
+        for topic, message in (("brake_demand", messages.brake_demand(stamp, demand)), *sensors):
+            for _, answer in self._graph.feed(topic, message):
                 if isinstance(answer, BrakeCommand):
-                    return int(answer.command)
-        raise RuntimeError(f"no brake_command at stamp {stamp} ns")
+                    found = int(answer.command)
+        if found is None:
+            raise RuntimeError(f"no brake_command at stamp {stamp} ns")
+        return found

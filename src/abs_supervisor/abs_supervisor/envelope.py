@@ -1,0 +1,78 @@
+"""The envelope around any law: a release needs evidence that is independent of the law, and has its caps.
+
+No healthy brake is released, whatever asks for it: a fault of the law, of its inputs, or of a message.
+"""
+
+from dataclasses import dataclass
+
+from abs_supervisor.fsm import Command
+from abs_supervisor.release_caps import CapParameters, ReleaseCaps
+from abs_supervisor.release_evidence import EvidenceParameters, Release, ReleaseEvidence, Wheel
+from friction_parameters.parameter import group
+
+
+@dataclass(frozen=True)
+class EnvelopeParameters:
+    """What is evidence for a release, and how long one may last."""
+
+    evidence: EvidenceParameters = group(EvidenceParameters())
+    caps: CapParameters = group(CapParameters())
+
+
+class Envelope:
+    """Judges the law of one wheel."""
+
+    def __init__(self, radius: float, parameters: EnvelopeParameters, apply_rate: float) -> None:
+        """Choose a wheel.
+
+        Args:
+            radius: effective rolling radius [m].
+            parameters: of the evidence and the caps.
+            apply_rate: fastest rise of its brake torque [N m/s].
+        """
+        self.evidence = ReleaseEvidence(radius, parameters.evidence)
+        self.caps = ReleaseCaps(parameters.caps, apply_rate)
+        self._driver_below = parameters.caps.driver_below
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.evidence.reset()
+        self.caps.reset()
+        self._wanted = False
+        self.release = Release.NOT_WANTED
+        """Verdict on the release that the law asked for."""
+        self.refused = 0
+        """Releases that the law began and that were refused at their first sample."""
+
+    def restart(self) -> None:
+        """Forget what lies before a jump back in time, and keep the counts."""
+        refused, capped = self.refused, self.caps.count
+        self.reset()
+        self.refused, self.caps.count = refused, capped
+
+    def look(self, stamp: int, wheel: Wheel) -> None:
+        """Take what is known of the wheel at a stamp [ns], later than the last. Comes before `judge`."""
+        self.evidence.update(stamp, wheel)
+
+    def judge(self, stamp: int, law: Command, car_speed: float, torque: float, demand: float) -> Command:
+        """Return the command that may be given.
+
+        Args:
+            stamp: [ns], later than the last.
+            law: what the law asks for.
+            car_speed: [m/s], NaN where unknown.
+            torque: of the brake [N m].
+            demand: of the driver [N m].
+        """
+        slow = car_speed < self._driver_below
+        wanted = law is Command.DECREASE
+        begins, self._wanted = wanted and not self._wanted, wanted
+        if law is Command.NONE or slow:
+            self.release = Release.REFUSED if wanted else Release.NOT_WANTED
+            self.caps.driver(stamp, slow)
+            return Command.NONE
+        self.release = self.evidence.verdict if wanted else Release.NOT_WANTED
+        self.refused += begins and self.release is Release.REFUSED
+        release = wanted and self.release is not Release.REFUSED
+        return self.caps.command(stamp, release, self.evidence.recovering, torque, demand)

@@ -1,0 +1,144 @@
+"""All that stands between the law of one wheel and its brake: envelope, check of the wheel's sensor and of the pressure.
+
+Pure: no messages.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite, nan
+
+from abs_supervisor.envelope import Envelope, EnvelopeParameters
+from abs_supervisor.fsm import Command
+from abs_supervisor.pressure_check import PressureCheck
+from abs_supervisor.release_evidence import Wheel
+from abs_supervisor.speed_trend import SpeedTrend
+from abs_supervisor.wheel_check import Surroundings, WheelCheck
+from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.single_corner import CornerParameters
+
+_BRAKED = 20.0
+"""[N m] below this, measured and demanded, a wheel rolls freely."""
+
+
+@dataclass
+class Seen:
+    """What is known at one stamp; NaN where something is not."""
+
+    wheel_speed: float
+    """[rad/s]"""
+    torque: float
+    """Of the brake, measured [N m]."""
+    demand: float
+    """Of the driver [N m]."""
+    others: Sequence[float] = ()
+    """Circumferential speeds of the other wheels [m/s]."""
+    slip: float = nan
+    slip_stddev: float = nan
+    car_speed: float = nan
+    """[m/s]"""
+    car_is_measured: bool = False
+    """Whether that speed comes from a speed sensor."""
+    lambda_max: float = nan
+    lambda_max_stddev: float = nan
+    slip_text: str = "slip is not known"
+    """Why the slip is not known."""
+
+
+class Guard:
+    """Watches one wheel: `look` at every sample, then `command`."""
+
+    def __init__(
+        self, corner: CornerParameters, envelope: EnvelopeParameters, actuator: ActuatorParameters, commands: bool
+    ) -> None:
+        """Choose a wheel.
+
+        Args:
+            corner: radius, inertia and load of the wheel.
+            envelope: parameters of evidence and caps.
+            actuator: the hydraulics.
+            commands: whether the brake obeys what `command` returns; else the pressure cannot be judged.
+        """
+        self.envelope = Envelope(corner.radius, envelope, actuator.apply_rate)
+        self._wheel = WheelCheck(corner)
+        self._pressure = PressureCheck(actuator)
+        self._commands = commands
+        self._trend = SpeedTrend()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.envelope.reset()
+        self._start()
+
+    def restart(self) -> None:
+        """Forget what lies before a jump back in time, and keep the counts."""
+        self.envelope.restart()
+        self._start()
+
+    def _start(self) -> None:
+        self._wheel.reset()
+        self._pressure.reset()
+        self._trend.reset()
+        self._car_speed = nan
+        self._seen: Seen | None = None
+        self.wheel_text = self.pressure_text = ""
+        """What contradicts the wheel speed; what is wrong with the pressure. Empty where nothing is."""
+        self.unchecked = ""
+        """What could not be compared with anything independent."""
+
+    def look(self, stamp: int, seen: Seen) -> None:
+        """Take what is known at a stamp [ns], later than the last. The wheel speed is finite."""
+        self._seen = seen
+        others = [speed for speed in seen.others if isfinite(speed)]
+        fastest = max(others) if others else nan
+        self._car_speed = seen.car_speed if isfinite(seen.car_speed) else fastest
+        self._trend.update(stamp, self._car_speed)
+        strongest = max((each for each in (seen.torque, seen.demand) if isfinite(each)), default=nan)
+        around = Surroundings(strongest, seen.others, seen.car_speed, seen.car_is_measured)
+        self.wheel_text = self._wheel.update(stamp, seen.wheel_speed, around)
+        self.pressure_text = ""
+        if self._commands and isfinite(seen.torque) and isfinite(seen.demand):
+            self.pressure_text = self._pressure.update(stamp, seen.torque, seen.demand)
+        self.envelope.look(
+            stamp,
+            Wheel(
+                speed=seen.wheel_speed,
+                slip=seen.slip,
+                slip_stddev=seen.slip_stddev,
+                lambda_max=seen.lambda_max,
+                lambda_max_stddev=seen.lambda_max_stddev,
+                car_deceleration=self._trend.deceleration,
+                braked=not strongest < _BRAKED,
+            ),
+        )
+        self.unchecked = self._what_is_unchecked(seen, bool(others))
+
+    def command(self, stamp: int, law: Command) -> Command:
+        """Return the command that may be given for what the law asks at the stamp [ns] of the last `look`."""
+        seen = self._seen
+        if seen is None:
+            return Command.NONE
+        asked = Command.NONE if self.wheel_text else law
+        torque = seen.torque if isfinite(seen.torque) else 0.0
+        demand = seen.demand if isfinite(seen.demand) else 0.0
+        command = self.envelope.judge(stamp, asked, self._car_speed, torque, demand)
+        self._pressure.commanded(stamp, demand, command)
+        return command
+
+    def _what_is_unchecked(self, seen: Seen, has_others: bool) -> str:
+        missing = []
+        if not isfinite(seen.slip):
+            missing.append(f"release by deceleration alone ({seen.slip_text})")
+        elif not isfinite(seen.lambda_max):
+            missing.append("no friction curve")
+        if not has_others:
+            missing.append("no other wheel")
+        if not isfinite(self._trend.deceleration):
+            missing.append("deceleration of the car")
+        if not self.envelope.evidence.scatter_is_learned:
+            missing.append("scatter of the wheel rolling freely")
+        if not self._commands:
+            missing.append("pressure (the brake does not obey this node)")
+        elif not (isfinite(seen.torque) and isfinite(seen.demand)):
+            missing.append("pressure")
+        return ", ".join(missing)

@@ -1,0 +1,87 @@
+"""Brake pressure against demand and commands: what the hydraulics would do with them.
+
+The pressure may be late by the delay of the hydraulics and some more, so it is compared with a band: the least and the
+largest torque that the model has had of late.
+"""
+
+from collections import deque
+from math import nan
+
+from abs_supervisor.fsm import Command
+from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.nanoseconds import NANOSECONDS
+
+_LATE = 0.025
+"""[s] by which a pressure may be later than the delay of the hydraulics."""
+_SHARE = 0.2
+"""Of the demand, by which the torque may be wrong."""
+_LEAST = 30.0
+"""[N m] by which the torque may be wrong in any case; a weaker braking cannot be judged."""
+_LASTS = 0.025
+"""[s] a deviation that lasts so long is one."""
+_CLEAN = 1.0
+"""[s] without deviation after which the pressure counts as right again."""
+_GAP = 0.1
+"""[s] after a longer gap the model starts again from the pressure that is measured."""
+
+
+class PressureCheck:
+    """Follows one wheel's brake. `update` returns what is wrong with its pressure, empty where nothing is."""
+
+    def __init__(self, actuator: ActuatorParameters) -> None:
+        """Choose the hydraulics."""
+        self._p = actuator
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._line: deque[tuple[int, float, Command]] = deque()
+        self._order: tuple[float, Command] = (0.0, Command.NONE)
+        self._band: deque[tuple[int, float]] = deque()
+        self._model = nan
+        self._last: int | None = None
+        self._wrong_since: int | None = None
+        self._named: int | None = None
+        self.text = ""
+        """What is wrong, empty where nothing is."""
+
+    def update(self, stamp: int, torque: float, demand: float) -> str:
+        """Compare the measured torque [N m] at a stamp [ns] with the demand [N m]; both are finite."""
+        self._advance(stamp, torque)
+        self._band.append((stamp, self._model))
+        while self._band[0][0] < stamp - _LATE * NANOSECONDS:
+            self._band.popleft()
+        low, high = min(each for _, each in self._band), max(each for _, each in self._band)
+        allowed = _LEAST + _SHARE * max(demand, high, 0.0)
+        below, above = torque < low - allowed, torque > high + allowed
+        if not (below or above):
+            self._wrong_since = None
+        elif self._wrong_since is None:
+            self._wrong_since = stamp
+        if self._wrong_since is not None and stamp - self._wrong_since >= _LASTS * NANOSECONDS:
+            self._named = stamp
+            self.text = f"{torque:.0f} N m, where demand and commands give {low:.0f} to {high:.0f} N m"
+        elif self._named is not None and stamp - self._named > _CLEAN * NANOSECONDS:
+            self._named, self.text = None, ""
+        return self.text
+
+    def commanded(self, stamp: int, demand: float, command: Command) -> None:
+        """Take the command that was given for a stamp [ns], and the demand [N m] it came with. Comes after `update`."""
+        self._line.append((stamp + round(self._p.delay * NANOSECONDS), demand, command))
+
+    def _advance(self, stamp: int, torque: float) -> None:
+        if self._last is None or stamp - self._last > _GAP * NANOSECONDS:
+            self._model = max(torque, 0.0)
+            self._line.clear()
+            self._band.clear()
+            self._last = stamp
+            return
+        dt = (stamp - self._last) / NANOSECONDS
+        self._last = stamp
+        while self._line and self._line[0][0] < stamp:
+            _, demand, command = self._line.popleft()
+            self._order = (demand, command)
+        demand, command = self._order
+        target = {Command.DECREASE: 0.0, Command.HOLD: self._model}.get(command, max(demand, 0.0))
+        rise, fall = self._p.apply_rate * dt, self._p.release_rate * dt
+        self._model += min(max(target - self._model, -fall), rise)

@@ -1,0 +1,156 @@
+"""How long a wheel may be released, and how its pressure comes back when it was released for that long."""
+
+from collections import deque
+from dataclasses import dataclass
+from enum import IntEnum
+
+from abs_supervisor.fsm import Command
+from friction_parameters.parameter import parameter
+from vehicle_models.nanoseconds import NANOSECONDS
+
+
+class Cap(IntEnum):
+    """Cap in force; the values are those of friction_msgs/SupervisorState."""
+
+    NONE = 0
+    CONTINUOUS = 1
+    SHARE = 2
+    RETURN = 3
+    LOW_SPEED = 4
+
+
+@dataclass(frozen=True)
+class CapParameters:
+    """Limits of a release."""
+
+    longest: float = parameter(
+        0.3,
+        "longest release at a time, unless the slip is above its threshold and the wheel is seen to recover",
+        unit="s",
+        minimum=0.05,
+        maximum=2.0,
+    )
+    window: float = parameter(2.0, "window over which releases are added up", unit="s", minimum=0.5, maximum=10.0)
+    most_in_window: float = parameter(1.0, "most time released in it", unit="s", minimum=0.1, maximum=5.0)
+    return_rate: float = parameter(
+        2000.0, "fastest rise of brake torque after a cap", unit="N m/s", minimum=10.0, maximum=1e6
+    )
+    return_time: float = parameter(
+        0.1, "least time after a cap before the next release", unit="s", minimum=0.0, maximum=2.0
+    )
+    driver_below: float = parameter(
+        1.5, "below this speed of the car the driver has the brake", unit="m/s", minimum=0.5, maximum=10.0
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse a cap that cannot act."""
+        if not self.most_in_window < self.window:
+            raise ValueError(f"most_in_window ({self.most_in_window}) must be below window ({self.window})")
+
+
+_SAME_RELEASE = 0.02
+"""Releases with less between them count as one [s]."""
+_AGAIN = 0.8
+"""Share of `most_in_window` below which a wheel may be released again: not for a sample now and then."""
+_TIGHT = 0.5
+"""Share of `most_in_window` above which the pressure comes back as slowly as after a cap."""
+_REACHED = 0.98
+"""Share of the demand at which the pressure has returned."""
+
+
+class ReleaseCaps:
+    """Follows the releases of one wheel."""
+
+    def __init__(self, parameters: CapParameters, apply_rate: float) -> None:
+        """Start without releases; `apply_rate` is the fastest rise of the brake torque [N m/s]."""
+        self._p = parameters
+        self._share = min(parameters.return_rate / apply_rate, 1.0)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.cap = Cap.NONE
+        self.count = 0
+        """Releases that a cap has ended."""
+        self._released: deque[tuple[int, float]] = deque()
+        self._in_window = 0.0
+        self._last: int | None = None
+        self._released_for = 0.0
+        self._released_at: int | None = None
+        self._returning: int | None = None
+        self._why = Cap.NONE
+        self._allowed = 0.0
+
+    def command(self, stamp: int, release: bool, recovering: bool, torque: float, demand: float) -> Command:
+        """Return DECREASE, or what takes its place.
+
+        Args:
+            stamp: [ns], later than the last.
+            release: whether a release is asked for, and there is evidence for it.
+            recovering: whether the wheel is seen to recover with a slip above the threshold.
+            torque: of the brake [N m].
+            demand: of the driver [N m].
+        """
+        dt = self._advance(stamp)
+        if self._returning is not None:
+            back = (stamp - self._returning) / NANOSECONDS
+            again = back >= self._p.return_time and self._in_window <= _AGAIN * self._p.most_in_window
+            returned = torque >= _REACHED * demand or back * self._p.return_rate >= demand
+            if not (again and (release or returned)):
+                self.cap = self._why if back < self._p.return_time or returned else Cap.RETURN
+                return Command.INCREASE if returned else self._pulse()
+            self._returning = None
+        self.cap = Cap.NONE
+        if not release:
+            # A slow rise needs fewer releases: so the cap is not reached by a law that works.
+            tight = self._in_window > _TIGHT * self._p.most_in_window and torque < _REACHED * demand
+            return self._pulse() if tight else Command.INCREASE
+        self.cap = self._exceeded(stamp, dt, recovering)
+        if self.cap is not Cap.NONE:
+            self.count += 1
+            self._why, self._returning, self._allowed = self.cap, stamp, 0.0
+            return self._pulse()
+        self._released_for = self._released_for + dt if self._goes_on(stamp, dt) else dt
+        self._released_at = stamp
+        self._released.append((stamp, dt))
+        self._in_window += dt
+        return Command.DECREASE
+
+    def driver(self, stamp: int, slow: bool) -> None:
+        """Note that the driver has the brake at a stamp [ns], at once: by fail-safe, or as braking is over or `slow`.
+
+        What was released before counts on.
+        """
+        self._advance(stamp)
+        self._returning = None
+        self.cap = Cap.LOW_SPEED if slow else Cap.NONE
+
+    def _advance(self, stamp: int) -> float:
+        """Return the time since the last sample [s], and drop what has left the window."""
+        dt = 0.0 if self._last is None else (stamp - self._last) / NANOSECONDS
+        self._last = stamp
+        oldest = stamp - round(self._p.window * NANOSECONDS)
+        while self._released and self._released[0][0] < oldest:
+            self._in_window -= self._released.popleft()[1]
+        if not self._released:
+            self._in_window = 0.0
+        return dt
+
+    def _goes_on(self, stamp: int, dt: float) -> bool:
+        """Whether a release at this stamp belongs to the one before."""
+        return self._released_at is not None and stamp - self._released_at <= (_SAME_RELEASE + dt) * NANOSECONDS
+
+    def _exceeded(self, stamp: int, dt: float, recovering: bool) -> Cap:
+        if self._in_window + dt > self._p.most_in_window:
+            return Cap.SHARE
+        if self._goes_on(stamp, dt) and self._released_for + dt > self._p.longest and not recovering:
+            return Cap.CONTINUOUS
+        return Cap.NONE
+
+    def _pulse(self) -> Command:
+        """INCREASE for a share of the samples and HOLD for the others, so that the mean rate is that of the return."""
+        self._allowed += self._share
+        if self._allowed >= 1.0:
+            self._allowed -= 1.0
+            return Command.INCREASE
+        return Command.HOLD

@@ -1,0 +1,192 @@
+"""Evidence for a release that is independent of the law: the wheel's slip, or its deceleration."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from math import isfinite, nan, sqrt
+
+from abs_supervisor.rolling_scatter import RollingScatter
+from abs_supervisor.wheel_motion import WheelMotion
+from friction_parameters.parameter import parameter
+from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.single_corner import GRAVITY
+
+
+class Release(IntEnum):
+    """Verdict on a release; the values are those of friction_msgs/SupervisorState."""
+
+    NOT_WANTED = 0
+    BY_SLIP = 1
+    BY_DECELERATION = 2
+    REFUSED = 3
+
+
+@dataclass(frozen=True)
+class EvidenceParameters:
+    """What counts as evidence."""
+
+    least_slip: float = parameter(0.03, "no release below this slip", minimum=0.01, maximum=0.5)
+    lambda_max_share: float = parameter(
+        0.5, "a release needs a slip above this share of the curve's lambda_max", minimum=0.1, maximum=1.0
+    )
+    slip_without_curve: float = parameter(
+        0.2, "a release needs this slip where no curve is known", minimum=0.05, maximum=0.9
+    )
+    deceleration: float = parameter(
+        1.3, "or a deceleration of the wheel above this", unit="g", minimum=1.0, maximum=20.0
+    )
+    deceleration_margin: float = parameter(
+        0.3, "and above the car's own deceleration by this", unit="g", minimum=0.0, maximum=5.0
+    )
+    evidence_time: float = parameter(
+        0.01, "time for which slip or deceleration must be above", unit="s", minimum=0.0, maximum=0.2
+    )
+    sigmas: float = parameter(
+        3.0, "both must be above by this many standard deviations of their errors", minimum=0.0, maximum=10.0
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse thresholds in the wrong order."""
+        if not self.least_slip <= self.slip_without_curve:
+            raise ValueError(
+                f"least_slip ({self.least_slip}) must not be above slip_without_curve ({self.slip_without_curve})"
+            )
+
+
+@dataclass
+class Wheel:
+    """What is known of the wheel at one stamp."""
+
+    speed: float
+    """[rad/s]"""
+    slip: float = nan
+    """[-], NaN where unknown."""
+    slip_stddev: float = nan
+    """[-], NaN where unknown."""
+    lambda_max: float = nan
+    """[-] of the curve, NaN where none is known."""
+    lambda_max_stddev: float = nan
+    """[-], NaN where unknown."""
+    car_speed: float = nan
+    """[m/s], NaN where unknown."""
+    car_deceleration: float = nan
+    """[m/s^2], NaN where unknown."""
+    braked: bool = False
+    """Whether the brake acts, or the driver demands it."""
+
+
+_HARDEST_BRAKING = 12.0
+"""[m/s^2] of any car; bounds an unknown speed of the car from above, so that the lag of a wheel behind it is real."""
+_WITHOUT_CURVE = 0.5
+"""Share of the slip that a release needs alone, from which a deceleration counts: ordinary braking is applied with
+decelerations of the wheel of several g, at slips below this."""
+_RECOVERING = 2.0
+"""[m/s^2] of the circumference of a wheel that recovers."""
+
+
+class ReleaseEvidence:
+    """Judges one wheel at one sample after the other."""
+
+    def __init__(self, radius: float, parameters: EvidenceParameters) -> None:
+        """Choose a wheel of effective radius `radius` [m]."""
+        self._radius, self._p = radius, parameters
+        self._time_ns = round(parameters.evidence_time * NANOSECONDS)
+        self._motion = WheelMotion()
+        self._scatter = RollingScatter()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._motion.reset()
+        self._scatter.reset()
+        self._last: int | None = None
+        self._reference = nan
+        self._slip_since: int | None = None
+        self._dive_since: int | None = None
+        self._dived = False
+        self.release_slip = nan
+        """[-] slip above which a release is allowed."""
+        self.deceleration = nan
+        """[m/s^2] of the wheel's circumference, NaN where unknown."""
+        self.release_deceleration = nan
+        """[m/s^2] above which a release is allowed."""
+        self.verdict = Release.REFUSED
+        """What speaks for a release at the last sample: BY_SLIP, BY_DECELERATION, or REFUSED."""
+        self.recovering = False
+        """Whether the slip is above the threshold and the wheel is seen to gain speed."""
+
+    @property
+    def scatter_is_learned(self) -> bool:
+        """Whether the errors of the wheel's sensor were seen while it rolled freely."""
+        return self._scatter.learned
+
+    def update(self, stamp: int, wheel: Wheel) -> None:
+        """Take what is known at a stamp [ns], later than the last."""
+        p, motion = self._p, self._motion
+        motion.update(stamp, wheel.speed)
+        self._scatter.update(stamp, wheel.braked, wheel.speed, motion.rate, wheel.slip)
+        lag = self._lag(stamp, wheel)
+        self.deceleration = -self._radius * motion.rate
+        rate_error = sqrt(motion.rate_stddev**2 + self._scatter.rate(max(wheel.speed, 0.0)) ** 2)
+        error = p.sigmas * self._radius * rate_error
+        own = wheel.car_deceleration if isfinite(wheel.car_deceleration) else 0.0
+        self.release_deceleration = max(p.deceleration * GRAVITY, own + p.deceleration_margin * GRAVITY) + error
+        self.release_slip = self._release_slip(wheel)
+        slip_shows = wheel.slip > self.release_slip
+        self._slip_since = _since(self._slip_since, stamp, slip_shows)
+        dives = self.deceleration > self.release_deceleration and self._may_dive(wheel, lag)
+        self._dive_since = _since(self._dive_since, stamp, dives)
+        if self._lasts(self._dive_since, stamp):
+            self._dived = True
+        elif self._dived and not self._still_below(wheel, lag):
+            self._dived = False
+        if self._lasts(self._slip_since, stamp):
+            self.verdict = Release.BY_SLIP
+        else:
+            self.verdict = Release.BY_DECELERATION if self._dived else Release.REFUSED
+        gains = -self.deceleration > _RECOVERING + error
+        self.recovering = gains and (slip_shows if isfinite(wheel.slip) else lag > p.least_slip)
+
+    def _release_slip(self, wheel: Wheel) -> float:
+        p = self._p
+        base = p.slip_without_curve
+        if isfinite(wheel.lambda_max):
+            doubt = wheel.lambda_max_stddev if isfinite(wheel.lambda_max_stddev) else 0.0
+            known = p.lambda_max_share * wheel.lambda_max
+            base = max(p.least_slip, known, min(base, known + p.lambda_max_share * doubt))
+        stddev = wheel.slip_stddev if isfinite(wheel.slip_stddev) else 0.0
+        return base + p.sigmas * sqrt(stddev**2 + self._scatter.slip**2)
+
+    def _may_dive(self, wheel: Wheel, lag: float) -> bool:
+        """Whether the slip lets a deceleration count as the begin of a lock."""
+        if isfinite(wheel.slip):
+            # A known slip below that of a known curve contradicts a lock: there the slip alone decides.
+            return not isfinite(wheel.lambda_max) and wheel.slip > _WITHOUT_CURVE * self.release_slip
+        return lag > self._p.least_slip + self._p.sigmas * self._scatter.slip
+
+    def _still_below(self, wheel: Wheel, lag: float) -> bool:
+        """Whether a wheel that has dived has not come back yet."""
+        if isfinite(wheel.slip):
+            return wheel.slip > _WITHOUT_CURVE * self.release_slip
+        return lag > self._p.least_slip
+
+    def _lag(self, stamp: int, wheel: Wheel) -> float:
+        """Return the least slip [-] that is possible: behind the wheel's own fastest speed, braked as hard as can be."""
+        rim = self._radius * wheel.speed
+        dt = 0.0 if self._last is None else (stamp - self._last) / NANOSECONDS
+        self._last = stamp
+        reference = self._reference
+        if not isfinite(reference) or reference <= rim:
+            self._reference = rim
+            return 0.0
+        self._reference = reference = max(reference - _HARDEST_BRAKING * dt, rim, 0.0)
+        return (reference - rim) / reference if reference > 0.0 else 0.0
+
+    def _lasts(self, since: int | None, stamp: int) -> bool:
+        return since is not None and stamp - since >= self._time_ns
+
+
+def _since(since: int | None, stamp: int, holds: bool) -> int | None:
+    """Return since when something holds."""
+    if not holds:
+        return None
+    return stamp if since is None else since

@@ -1,0 +1,71 @@
+"""How far slip and deceleration of a wheel that rolls freely stray from 0 and from the car's.
+
+A wheel that is not braked has no slip, and no deceleration of its own: what is measured then is error (ripple of the
+encoder, a radius that is not right, noise of the speed) and will be there under braking too. An eccentric encoder wheel
+errs by a share of the wheel speed, once per revolution: in slip that is the same at all speeds, in deceleration it goes
+with the square of the wheel speed. So both are learned in these units.
+"""
+
+from math import isfinite, sqrt
+
+from vehicle_models.nanoseconds import NANOSECONDS
+
+_SLOWEST = 10.0
+"""[rad/s] slower wheels tell too little."""
+_FREE_FOR = 0.1
+"""[s] after the brake until a wheel counts as rolling freely."""
+_MEMORY = 200.0
+"""Samples over which errors are averaged: several revolutions."""
+_ENOUGH = 20
+"""Samples from which something counts as learned."""
+_MOST_SLIP = 0.05
+"""A larger mean error of slip is a wrong speed or a driven wheel, not scatter."""
+
+
+class RollingScatter:
+    """Root mean squares of the errors of one wheel."""
+
+    def __init__(self) -> None:
+        """Start with nothing learned."""
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._slip = self._rate = 0.0
+        self._slips = self._rates = 0
+        self._braked: int | None = None
+
+    @property
+    def slip(self) -> float:
+        """Root mean square error of slip [-]; 0 where nothing was learned."""
+        return min(sqrt(self._slip), _MOST_SLIP)
+
+    @property
+    def learned(self) -> bool:
+        """Whether the wheel has been seen to roll freely for long enough."""
+        return self._rates >= _ENOUGH
+
+    def rate(self, wheel_speed: float) -> float:
+        """Root mean square error of a deceleration [rad/s^2] at a wheel speed [rad/s]; 0 where nothing was learned."""
+        return sqrt(self._rate) * wheel_speed**2
+
+    def update(self, stamp: int, braked: bool, wheel_speed: float, rate: float, slip: float) -> None:
+        """Take what is known at a stamp [ns].
+
+        Args:
+            stamp: [ns].
+            braked: whether the wheel is braked, or a demand is there.
+            wheel_speed: [rad/s].
+            rate: of the wheel speed [rad/s^2], NaN where unknown.
+            slip: [-], NaN where unknown.
+        """
+        if braked or self._braked is None:
+            self._braked = stamp if braked else stamp - round(_FREE_FOR * NANOSECONDS)
+        if stamp - self._braked < _FREE_FOR * NANOSECONDS or wheel_speed < _SLOWEST:
+            return
+        if isfinite(rate):
+            self._rates += 1
+            self._rate += ((rate / wheel_speed**2) ** 2 - self._rate) / min(self._rates, _MEMORY)
+        if isfinite(slip):
+            self._slips += 1
+            self._slip += (slip**2 - self._slip) / min(self._slips, _MEMORY)

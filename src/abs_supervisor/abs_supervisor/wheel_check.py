@@ -1,0 +1,183 @@
+"""Contradictions between a wheel speed and mechanics, the other wheels, and the car.
+
+A wheel that fell to zero through a deceleration that brake and road can give is locked; one that jumped there is dead.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite, nan
+
+from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.single_corner import CornerParameters
+
+_HIGHEST_FRICTION = 1.5
+"""Of any road."""
+_LOAD_TRANSFER = 2.0
+"""Largest load of a wheel over that at rest."""
+_JITTER = 2.0
+"""Error of a wheel speed that is not a jump [rad/s]: noise and ripple."""
+_SPARE_TORQUE = 50.0
+"""[N m] engine drag and rolling resistance, and noise of the pressure."""
+_TORQUE_MARGIN = 1.2
+"""The brake may be stronger than its gain says."""
+_TORQUE_MEMORY = 0.1
+"""[s] for which a torque counts as possible: the pressure may be late."""
+_EXCURSION = 0.015
+"""[s] a jump that lasts so long is one; a shorter one is a spike, which the law refuses itself."""
+_EXCURSIONS = 0.1
+"""[s] two spikes within this time are a sensor that flickers."""
+_ADOPTED = 0.1
+"""[s] after which readings beyond a jump become the ones that others are compared with."""
+_STANDS = 0.5
+"""[m/s] slower circumferences count as standing."""
+_MOVES = 3.0
+"""[m/s] from here the car moves."""
+_REPEATS = 0.05
+"""[s] a braked wheel that turns and whose reading is the same to the last bit for so long is stuck: encoders have noise."""
+_FASTER, _FASTER_FOR = 0.08, 0.06
+"""A braked wheel cannot be faster than the car by this share, [s] for so long."""
+_APART, _APART_FOR = 0.25, 0.5
+"""A wheel that rolls freely differs from the car by less than this share, [s] after at most so long."""
+_FREE_FOR = 1.0
+"""[s] after the brake; on ice a locked wheel takes 0.8 s to turn again."""
+_BRAKED = 50.0
+"""[N m]"""
+_CLEAN = 1.0
+"""[s] without contradiction until the sensor is trusted again."""
+
+
+@dataclass
+class Surroundings:
+    """What a wheel speed is compared with, at one stamp."""
+
+    torque: float = nan
+    """Brake torque [N m] that may act: the larger of measured and demanded; NaN where unknown."""
+    others: Sequence[float] = ()
+    """Circumferential speeds of the other wheels [m/s], NaN where unknown."""
+    car_speed: float = nan
+    """[m/s], NaN where unknown."""
+    car_is_measured: bool = False
+    """Whether that speed comes from a speed sensor, not from wheels and accelerometer."""
+
+
+class WheelCheck:
+    """Follows one wheel. `update` returns why its reading must not be used, empty where it may."""
+
+    def __init__(self, corner: CornerParameters) -> None:
+        """Choose a wheel with the load that rests on it."""
+        self._radius, self._inertia = corner.radius, corner.inertia
+        self._grip = _HIGHEST_FRICTION * _LOAD_TRANSFER * corner.radius * corner.vertical_load
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._good: tuple[int, float] | None = None
+        self._away_since: int | None = None
+        self._spikes: deque[int] = deque()
+        self._torques: deque[tuple[int, float]] = deque()
+        self._dead = False
+        self._same: tuple[int, float] | None = None
+        self._since: dict[str, int] = {}
+        self._braked: int | None = None
+        self._contradicted: int | None = None
+        self.text = ""
+        """The last contradiction in words, empty where there is none."""
+
+    def update(self, stamp: int, wheel_speed: float, around: Surroundings) -> str:
+        """Take the wheel speed [rad/s] at a stamp [ns]; return why it must not be used, or nothing."""
+        found = self._jump(stamp, wheel_speed, self._torque(stamp, around.torque))
+        found = self._stuck(stamp, wheel_speed, around.torque) or found
+        found = self._against_car(stamp, wheel_speed * self._radius, around) or found
+        if found:
+            self.text, self._contradicted = found, stamp
+        elif self._contradicted is not None and stamp - self._contradicted > _CLEAN * NANOSECONDS:
+            self.text, self._contradicted = "", None
+        return self.text
+
+    def _torque(self, stamp: int, torque: float) -> float:
+        """Return the largest torque that may have acted of late [N m], inf where it is unknown."""
+        torques = self._torques
+        if not isfinite(torque):
+            torque = float("inf")
+        while torques and torques[-1][1] <= torque:
+            torques.pop()
+        torques.append((stamp, torque))
+        while torques[0][0] < stamp - _TORQUE_MEMORY * NANOSECONDS:
+            torques.popleft()
+        return max(torques[0][1], 0.0)
+
+    def _jump(self, stamp: int, speed: float, torque: float) -> str:
+        stands = abs(speed) * self._radius < _STANDS
+        if self._dead and not stands:
+            self._dead = False
+        good = self._good
+        if good is None:
+            self._good = (stamp, speed)
+            return ""
+        dt = (stamp - good[0]) / NANOSECONDS
+        lowest = (
+            min(good[1], 0.0)
+            if torque == float("inf")
+            else good[1] - dt * (_TORQUE_MARGIN * torque + _SPARE_TORQUE) / self._inertia
+        )
+        highest = good[1] + dt * self._grip / self._inertia
+        if lowest - _JITTER <= speed <= highest + _JITTER and not self._dead:
+            self._good = (stamp, speed)
+            if self._away_since is not None:
+                self._away_since = None
+            return ""
+        if self._dead:
+            return "reads 0 after a jump that no brake can cause: dead"
+        if self._away_since is None:
+            self._away_since = stamp
+            self._spikes.append(stamp)
+        while self._spikes and self._spikes[0] < stamp - _EXCURSIONS * NANOSECONDS:
+            self._spikes.popleft()
+        away = (stamp - self._away_since) / NANOSECONDS
+        text = f"jumps from {good[1]:.1f} to {speed:.1f} rad/s"
+        if stands and away >= _EXCURSION:
+            self._dead, self._good, self._away_since = True, (stamp, speed), None
+            return f"{text}: dead"
+        if away >= _ADOPTED:
+            self._good, self._away_since = (stamp, speed), None
+        if len(self._spikes) > 1:
+            return f"{text}, not for the first time: flickers"
+        return f"{text}, which no brake or road can cause" if away >= _EXCURSION else ""
+
+    def _stuck(self, stamp: int, speed: float, torque: float) -> str:
+        # Only a braked wheel must change: one that rolls freely over a simulated road without noise does not.
+        turns = abs(speed) * self._radius >= _STANDS and torque >= _BRAKED
+        if self._same is None or self._same[1] != speed or not turns:
+            self._same = (stamp, speed)
+            return ""
+        for_time = (stamp - self._same[0]) / NANOSECONDS
+        return f"repeats {speed:.3f} rad/s: stuck" if for_time >= _REPEATS else ""
+
+    def _against_car(self, stamp: int, rim: float, around: Surroundings) -> str:
+        others = [speed for speed in around.others if isfinite(speed)]
+        car = around.car_speed
+        supported = isfinite(car) and (
+            around.car_is_measured or any(abs(each - car) < _FASTER * car for each in others)
+        )
+        if not around.torque < _BRAKED or self._braked is None:
+            self._braked = stamp
+        braked = around.torque >= _BRAKED
+        free = stamp - self._braked > _FREE_FOR * NANOSECONDS
+        # Wheels that agree with this one against the car speak for a wrong speed of the car.
+        backed = any(each > (1.0 - _FASTER) * rim for each in others)
+        faster = braked and supported and not backed and rim > (1.0 + _FASTER) * car + _STANDS
+        if self._lasts(stamp, "faster", faster, _FASTER_FOR):
+            return f"turns with {rim:.1f} m/s, braked, where the car has {car:.1f} m/s"
+        against = max(others) if others else car if around.car_is_measured else nan
+        apart = free and against > _MOVES and abs(rim - against) > _APART * against
+        apart = apart and not any(abs(rim - each) < _APART * rim for each in others)
+        if self._lasts(stamp, "apart", apart, _APART_FOR if abs(rim) > _STANDS else _FASTER_FOR):
+            return f"turns with {rim:.1f} m/s, rolling freely, where the car has {against:.1f} m/s"
+        return ""
+
+    def _lasts(self, stamp: int, what: str, holds: bool, time: float) -> bool:
+        if not holds:
+            self._since.pop(what, None)
+            return False
+        return stamp - self._since.setdefault(what, stamp) >= time * NANOSECONDS

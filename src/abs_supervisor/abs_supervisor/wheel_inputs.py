@@ -1,0 +1,101 @@
+"""What the envelope and the checks need beside the law's inputs: wheel speeds, slip, pressure and curve of one wheel."""
+
+from collections.abc import Mapping
+from math import isfinite, nan, sqrt
+from typing import Any
+
+from friction_msgs.msg import FrictionCurve, FrictionSlope, WheelSlip
+from sensor_msgs.msg import FluidPressure, JointState
+
+from abs_supervisor.guard import Seen
+from abs_supervisor.known_curve import KnownCurve
+from friction_runtime.aligner import AlignedSample
+from friction_runtime.brake_torque import BrakeTorque
+from friction_runtime.processor import Report
+from friction_runtime.reason_text import of_topic
+from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from vehicle_models.vehicle import Vehicle
+
+_SPEED_SENSOR = int(WheelSlip.SPEED_SENSOR)
+Reading = tuple[int, tuple[float, ...]]
+
+
+class WheelInputs:
+    """Reads the messages of one wheel."""
+
+    def __init__(self, wheel: str, vehicle: Vehicle, report: Report) -> None:
+        """Choose a wheel of the car; messages without its speed go to `report`."""
+        self.brake = BrakeTorque(vehicle, wheel)
+        self.slip, self.curve = f"{wheel}/slip", f"{wheel}/friction_curve"
+        self.pressure = self.brake.topic
+        self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, self.pressure: FluidPressure}
+        self.estimates: Mapping[str, type] = {self.slip: WheelSlip, self.curve: FrictionCurve}
+        self._index = vehicle.wheel_names.index(wheel)
+        self._radii = vehicle.radii
+        # Reports on the other wheels are left to the processors of these.
+        self._own = WheelSpeeds(vehicle, (wheel,), report)
+        self._all = WheelSpeeds(vehicle, vehicle.wheel_names, lambda severity, text: None)
+        self._curve = KnownCurve()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._curve.reset()
+        self._slip_text = ""
+
+    def take_curve(self, message: FrictionCurve) -> None:
+        """Take a curve; nothing waits for it."""
+        self._curve.take(message)
+
+    def read(self, topic: str, message: Any) -> Reading | str:
+        """Return stamp [ns] and values of a message for the aligner, or why it is refused.
+
+        Validity travels as a number, so that an interpolation between a known and an unknown value is unknown.
+        """
+        if topic == self.pressure:
+            read = self.brake.read(message)
+            return read if isinstance(read, str) else (read[0], (read[1],))
+        stamp = to_nanoseconds(message.header.stamp)
+        if topic == WHEEL_STATES:
+            self._own.read(message)
+            speeds = self._all.read(message)
+            return stamp, tuple(part for speed in speeds for part in _flagged(speed))
+        known = message.valid and isfinite(message.slip_variance)
+        if not message.valid:
+            self._slip_text = message.reason_text
+        measured = float(message.speed_source == _SPEED_SENSOR)
+        slip = _flagged(message.slip if known else nan)
+        return stamp, (*slip, message.slip_variance if known else 0.0, *_flagged(message.vehicle_speed), measured)
+
+    def observe(self, sample: AlignedSample[FrictionSlope], demand: float) -> Seen:
+        """Return what is known at the stamp of a sample, with the driver's demand [N m], NaN where unknown."""
+        speeds = _values(sample.values.get(WHEEL_STATES, (0.0, 0.0) * len(self._radii)))
+        rims = tuple(speed * radius for speed, radius in zip(speeds, self._radii, strict=True))
+        slip, known, variance, car, car_known, measured = sample.values.get(self.slip, (0.0,) * 6)
+        text = ""
+        if known != 1.0:
+            slip, text = nan, sample.missing.get(self.slip) or of_topic(self.slip, self._slip_text or "not valid")
+        lambda_max, doubt = self._curve.at(sample.stamp)
+        return Seen(
+            wheel_speed=speeds[self._index],
+            demand=demand,
+            others=rims[: self._index] + rims[self._index + 1 :],
+            torque=sample.values.get(self.pressure, (nan,))[0],
+            slip=slip,
+            slip_stddev=sqrt(max(variance, 0.0)) if known == 1.0 else nan,
+            car_speed=car if car_known == 1.0 else nan,
+            car_is_measured=measured == 1.0,
+            lambda_max=lambda_max,
+            lambda_max_stddev=doubt,
+            slip_text=text,
+        )
+
+
+def _flagged(value: float) -> tuple[float, float]:
+    """Return a value and whether it is known, for the aligner."""
+    return (value, 1.0) if isfinite(value) else (0.0, 0.0)
+
+
+def _values(flagged: tuple[float, ...]) -> tuple[float, ...]:
+    return tuple(value if known == 1.0 else nan for value, known in zip(flagged[::2], flagged[1::2], strict=True))

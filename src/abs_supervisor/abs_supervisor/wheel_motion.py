@@ -1,0 +1,84 @@
+"""Deceleration of one wheel from its newest samples, with its standard deviation.
+
+A straight line through the last few samples of the wheel speed. The noise of a sample is estimated from third
+differences, which a parabola does not enter: for white noise of variance s^2 the mean of their square is 20 s^2.
+"""
+
+from collections import deque
+from math import nan, sqrt
+
+from vehicle_models.nanoseconds import NANOSECONDS
+
+WINDOW = 0.035
+"""[s] long enough for the noise of a sample, short against a dive of a wheel, which takes 0.1 s."""
+_FEWEST = 4
+_INITIAL_STDDEV = 0.07
+"""[rad/s] before anything is learned: the wheel speed of section 8.3.2."""
+_LEAST_STDDEV = 0.02
+"""[rad/s] no encoder is better."""
+_MEMORY = 100.0
+"""Samples over which the noise is averaged."""
+_OUTLIER = 16.0
+"""A squared third difference counts for at most so many times its mean: it is a jump of the brake, not noise."""
+_UNEVEN = 0.2
+"""Sample times that differ by more than this share do not give a third difference."""
+
+
+class WheelMotion:
+    """Follows one wheel. `update` takes its speed at one stamp after the other."""
+
+    def __init__(self) -> None:
+        """Start without samples."""
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._samples: deque[tuple[float, float]] = deque()
+        self._variance = _INITIAL_STDDEV**2
+        self._origin: int | None = None
+        self.rate = nan
+        """[rad/s^2] of the wheel speed over the window; NaN until it is full."""
+        self.rate_stddev = nan
+        """[rad/s^2]"""
+
+    @property
+    def stddev(self) -> float:
+        """Standard deviation of a sample [rad/s]."""
+        return sqrt(self._variance)
+
+    def update(self, stamp: int, wheel_speed: float) -> None:
+        """Take the wheel speed [rad/s] at a stamp [ns], later than the last."""
+        if self._origin is None:
+            self._origin = stamp
+        time = (stamp - self._origin) / NANOSECONDS
+        samples = self._samples
+        if samples and time - samples[-1][0] > WINDOW:
+            samples.clear()
+        samples.append((time, wheel_speed))
+        while samples[0][0] < time - WINDOW - 1e-6:
+            samples.popleft()
+        self._learn_noise()
+        self._fit()
+
+    def _learn_noise(self) -> None:
+        samples = self._samples
+        if len(samples) < _FEWEST:
+            return
+        (ta, a), (tb, b), (tc, c), (td, d) = samples[-4], samples[-3], samples[-2], samples[-1]
+        longest, shortest = max(tb - ta, tc - tb, td - tc), min(tb - ta, tc - tb, td - tc)
+        if longest - shortest > _UNEVEN * longest:
+            return
+        squared = (d - 3.0 * c + 3.0 * b - a) ** 2 / 20.0
+        self._variance += (min(squared, _OUTLIER * self._variance) - self._variance) / _MEMORY
+        self._variance = max(self._variance, _LEAST_STDDEV**2)
+
+    def _fit(self) -> None:
+        samples = self._samples
+        count = len(samples)
+        if count < _FEWEST or samples[-1][0] - samples[0][0] < 0.5 * WINDOW:
+            self.rate = self.rate_stddev = nan
+            return
+        mean_time = sum(time for time, _ in samples) / count
+        spread = sum((time - mean_time) ** 2 for time, _ in samples)
+        self.rate = sum((time - mean_time) * speed for time, speed in samples) / spread
+        self.rate_stddev = sqrt(self._variance / spread)
