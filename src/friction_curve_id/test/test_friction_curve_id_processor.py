@@ -405,7 +405,7 @@ def test_silence_is_an_error_in_the_diagnostics(clean: Brake) -> None:
     assert made.health().level is Level.ERROR
     drive(made, braking(clean))
     assert made.health().level is Level.OK
-    made.watch({"wheel_states": 1.0})
+    made.watch({"wheel_states": 1.0}, 0.0)
     assert made.health().level is Level.ERROR
     assert "wheel_states" in made.health().message
 

@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Generic, TypeVar
 
 from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
-from friction_runtime.primary import Primary
+from friction_runtime.primary import SILENT_AFTER, Primary, silence
 from friction_runtime.processor import Health, Level, Output
 from friction_runtime.stamps import to_nanoseconds
 
@@ -18,6 +18,11 @@ class AlignedProcessor(ABC, Generic[Payload]):
     A subclass defines how messages are read (`_payload`, `_take`), what is estimated for a sample (`_fire`), what is
     forgotten (`_forget`, `_start_again`), and what diagnostics show (`_state`, `_values`).
     """
+
+    sensors: Mapping[str, type]
+    """Relative topics and types of the inputs with sensor QoS; set by the subclass, as are the estimates."""
+    estimates: Mapping[str, type]
+    """Relative topics and types of the inputs with reliable QoS."""
 
     def __init__(
         self,
@@ -41,6 +46,7 @@ class AlignedProcessor(ABC, Generic[Payload]):
         self._primary = primary
         self._aligner: Aligner[Payload] = Aligner(primary.topic, aligned, deadline)
         self._fired = False
+        self._silent: dict[str, float] = {}
 
     def process(self, topic: str, message: Any) -> Sequence[Output]:
         """Take one message; return the resulting outputs."""
@@ -59,9 +65,15 @@ class AlignedProcessor(ABC, Generic[Payload]):
             outputs += self._fire(sample)
         return outputs
 
-    def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
-        """Note silence of the primary for diagnostics. Nothing is published: without a sample there is no stamp."""
+    def watch(self, ages: Mapping[str, float], now: float) -> Sequence[Output]:
+        """Note silence of the inputs for diagnostics. Nothing is published: without a sample there is no stamp."""
         self._primary.watch(ages)
+        self._silent = {
+            topic: ages[topic]
+            for inputs in (self.sensors, self.estimates)
+            for topic in inputs
+            if ages.get(topic, 0.0) > SILENT_AFTER and topic not in self.optional
+        }
         return []
 
     def reset(self) -> None:
@@ -72,11 +84,18 @@ class AlignedProcessor(ABC, Generic[Payload]):
 
     def health(self) -> Health:
         """State for diagnostics."""
+        values = self._values()
+        for topic, count in self._aligner.late().items():
+            values[f"{topic} late samples"] = str(count)
         if self._primary.silence or not self._fired:
             text = self._primary.silence or f"{self._primary.topic}: no sample yet"
-            return Health(self._name, Level.ERROR, text, self._values())
+            return Health(self._name, Level.ERROR, text, values)
         level, text = self._state()
-        return Health(self._name, level, text or "ok", self._values())
+        # What the estimator can do without is degraded all the same; a state that names the topic has said so.
+        unnamed = [silence(topic, age) for topic, age in self._silent.items() if topic not in text]
+        if unnamed:
+            level, text = max(level, Level.WARN), "; ".join([text, *unnamed] if text else unnamed)
+        return Health(self._name, level, text or "ok", values)
 
     @abstractmethod
     def _payload(self, message: Any) -> Payload:

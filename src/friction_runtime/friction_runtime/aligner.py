@@ -2,10 +2,14 @@
 
 A primary sample is ready once every other input has a sample at or past its stamp; the others are then interpolated to
 it. An input that has not come when the primary is a deadline further (in message time) is missing for that sample, with
-the reason. What comes out depends on the stamps only, as long as no stream arrives later than the deadline.
+the reason. An input that has been silent for longer than its `max_gap` is not waited for until it comes back: no
+interpolation reaches across, and so the loss of one input does not delay the answers for ever. What comes out depends on
+the stamps only, as long as no stream arrives later than the deadline; but where an input comes back from a silence, the
+first sample that uses it is that at which it has arrived.
 
-A jump back in time (a looped bag, a reset plant) starts a new epoch of a stream. Samples compare by (epoch, stamp), so
-that nothing from before a jump is ever mixed with what follows, in whichever order the streams jump.
+A stamp that steps back a little is that of a late sample: it is refused and counted. A jump back in time (a looped bag,
+a reset plant) starts a new epoch of a stream. Samples compare by (epoch, stamp), so that nothing from before a jump is
+ever mixed with what follows, in whichever order the streams jump.
 """
 
 from collections import deque
@@ -15,7 +19,7 @@ from math import isfinite
 from typing import Generic, TypeVar
 
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.plausible import LATEST_STAMP
+from vehicle_models.plausible import LATEST_STAMP, NEW_RUN
 
 Payload = TypeVar("Payload")
 Key = tuple[int, int]
@@ -65,7 +69,7 @@ class AlignedSample(Generic[Payload]):
 class _Stream:
     """One aligned input: its samples from the newest one at or before the primary onwards."""
 
-    __slots__ = ("apart_since", "epoch", "last_stamp", "max_gap_ns", "newest", "samples", "topic")
+    __slots__ = ("apart_since", "epoch", "last_stamp", "late", "max_gap_ns", "newest", "samples", "topic")
 
     def __init__(self, declared: AlignedInput) -> None:
         self.topic = declared.topic
@@ -75,6 +79,7 @@ class _Stream:
         self.epoch = 0
         self.last_stamp = 0
         self.apart_since: int | None = None
+        self.late = 0
 
     def take(self, stamp: int, values: tuple[float, ...]) -> None:
         self.last_stamp = stamp
@@ -109,6 +114,11 @@ class _Stream:
         weight = (key[1] - stamp) / (next_stamp - stamp)
         return tuple(a + weight * (b - a) for a, b in zip(before, after, strict=True))
 
+    def settled(self, key: Key) -> bool:
+        """Whether there is nothing to wait for at `key`: samples reach it, or have ended further before it than a gap."""
+        newest = self.newest
+        return newest >= key or (newest[0] == key[0] and key[1] - newest[1] > self.max_gap_ns)
+
 
 class Aligner(Generic[Payload]):
     """Aligns inputs to the stamps of a primary stream.
@@ -126,6 +136,7 @@ class Aligner(Generic[Payload]):
             deadline: message time [s] a primary sample waits for the others, > 0.
         """
         self._primary = primary
+        self._primary_late = 0
         self._streams = {declared.topic: _Stream(declared) for declared in inputs}
         self._all_streams = tuple(self._streams.values())
         self._deadline_ns = round(deadline * NANOSECONDS)
@@ -140,6 +151,9 @@ class Aligner(Generic[Payload]):
         if not 0 < stamp <= LATEST_STAMP or stamp == newest:
             return _refusal(self._primary, stamp)
         rewound = stamp < newest
+        if rewound and newest - stamp < NEW_RUN:
+            self._primary_late += 1
+            return _late(self._primary, newest - stamp)
         if rewound:
             self._epoch += 1
             self._epoch_start = stamp
@@ -162,6 +176,9 @@ class Aligner(Generic[Payload]):
             if not isfinite(value):
                 return f"{topic}: value is not finite"
         if stamp < stream.last_stamp:
+            if stream.last_stamp - stamp < NEW_RUN:
+                stream.late += 1
+                return _late(topic, stream.last_stamp - stamp)
             stream.epoch += 1
             stream.apart_since = (self._newest or None) if stream.epoch != self._epoch else None
         stream.take(stamp, values)
@@ -189,21 +206,32 @@ class Aligner(Generic[Payload]):
             complete.append(AlignedSample(key[1], payload, values, missing, rewound))
         return complete
 
+    def late(self) -> dict[str, int]:
+        """Return the number of late samples since start or reset, by topic, where there were any."""
+        counts = {self._primary: self._primary_late, **{stream.topic: stream.late for stream in self._all_streams}}
+        return {topic: count for topic, count in counts.items() if count}
+
     def reset(self) -> None:
         """Forget every sample and every stamp."""
+        self._primary_late = 0
         self._pending.clear()
         self._newest = 0
         self._epoch = 0
         for stream in self._all_streams:
             stream.forget(0)
+            stream.late = 0
 
     def _reached(self, key: Key) -> bool:
-        return all(stream.newest >= key for stream in self._all_streams)
+        return all(stream.settled(key) for stream in self._all_streams)
 
     def _overdue(self, key: Key) -> bool:
         epoch, stamp = key
         waiting_since = stamp if epoch == self._epoch else self._epoch_start
         return self._newest - waiting_since >= self._deadline_ns
+
+
+def _late(topic: str, by: int) -> str:
+    return f"{topic}: late sample, {by / NANOSECONDS:.4f} s before the newest"
 
 
 def _refusal(topic: str, stamp: int) -> str:

@@ -5,8 +5,13 @@ from math import inf
 
 from friction_runtime.processor import Report
 
-_SILENT_AFTER = 0.25
+SILENT_AFTER = 0.25
 """Age of the last message from which a topic counts as silent [s]."""
+
+
+def silence(topic: str, age: float) -> str:
+    """Return the report of a topic whose last message is `age` old [s], inf before the first."""
+    return f"{topic}: no message yet" if age == inf else f"{topic}: no message for {age:.2f} s"
 
 
 class Primary:
@@ -17,7 +22,7 @@ class Primary:
         topic: str,
         name: str,
         report: Report,
-        silent_after: float = _SILENT_AFTER,
+        silent_after: float = SILENT_AFTER,
         optional: bool = False,
     ) -> None:
         """Choose the topic.
@@ -40,10 +45,8 @@ class Primary:
     def watch(self, ages: Mapping[str, float]) -> None:
         """Note silence for diagnostics; `ages` of the topics [s], inf before the first message."""
         age = ages.get(self.topic, 0.0)
-        if age == inf:
-            self.silence = "" if self._optional else f"{self.topic}: no message yet"
-        else:
-            self.silence = f"{self.topic}: no message for {age:.2f} s" if age > self._silent_after else ""
+        heard_of = age < inf or not self._optional
+        self.silence = silence(self.topic, age) if heard_of and age > self._silent_after else ""
 
     def refuse(self, reason: str) -> None:
         """Report a refused message of this topic or of another input; `reason` names the topic."""

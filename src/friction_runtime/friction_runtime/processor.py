@@ -75,10 +75,14 @@ class Processor(Protocol):
     def process(self, topic: str, message: Any) -> Sequence[Output]:
         """Take one message; return the resulting outputs. Never raises for the content of a message: it is reported."""
 
-    def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
-        """Act on silence. `ages` holds the age of each input by the node's clock [s], inf before the first message.
+    def watch(self, ages: Mapping[str, float], now: float) -> Sequence[Output]:
+        """Act on silence; called by a live node only, so its outputs are not part of an offline run.
 
-        Called by a live node only, every 20 ms: its outputs are not part of an offline run.
+        A node calls it every 10 ms, and after a stall before it hands on the messages that have waited.
+
+        Args:
+            ages: age of each input by the steady clock [s], inf before the first message.
+            now: time of the steady clock [s].
         """
 
     def reset(self) -> None:

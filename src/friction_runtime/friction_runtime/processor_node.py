@@ -33,7 +33,10 @@ class NodeParameters(Protocol):
 
 Parameters = TypeVar("Parameters", bound=NodeParameters)
 
-_WATCH_PERIOD = 0.02
+_WATCH_PERIOD = 0.01
+"""The supervisor must have told its brakes of a lost input 50 ms after it was due."""
+_STALL = 2.0 * _WATCH_PERIOD
+"""Time without a watch after which messages that wait are old until the processors have looked at the clock [s]."""
 _DIAGNOSTICS_PERIOD = 1.0
 
 
@@ -68,6 +71,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         self._arrivals: dict[str, float] = {}
         self._counts: dict[str, int] = {}
         self._readers: dict[str, list[Processor]] = {}
+        self._watched = monotonic()
         self._ignored: set[str] = set()
         parameters = declare(self, parameter_class, self._apply)
         self._vehicle = load_vehicle(parameters.vehicle_file)
@@ -115,7 +119,10 @@ class ProcessorNode(Node, Generic[Parameters]):
                 logger.error(text)
 
     def _on_message(self, topic: str, message: Any) -> None:
-        self._arrivals[topic] = monotonic()
+        now = monotonic()
+        if now - self._watched > _STALL:
+            self._on_watch()
+        self._arrivals[topic] = now
         self._counts[topic] += 1
         for processor in self._readers.get(topic, ()):
             self._send(processor.process(topic, message))
@@ -125,12 +132,12 @@ class ProcessorNode(Node, Generic[Parameters]):
             self._publishers_by_topic[topic].publish(message)
 
     def _on_watch(self) -> None:
-        ages = self._ages()
+        self._watched = now = monotonic()
+        ages = self._ages(now)
         for processor in self._processors:
-            self._send(processor.watch(ages))
+            self._send(processor.watch(ages, now))
 
-    def _ages(self) -> dict[str, float]:
-        now = monotonic()
+    def _ages(self, now: float) -> dict[str, float]:
         return {topic: now - self._arrivals.get(topic, -inf) for topic in self._readers}
 
     def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -149,13 +156,14 @@ class ProcessorNode(Node, Generic[Parameters]):
         self._diagnostics.publish(message)
 
     def _inputs_status(self) -> DiagnosticStatus:
+        ages = self._ages(monotonic())
         silent_topics = [
             topic
-            for topic, age in self._ages().items()
+            for topic, age in ages.items()
             if age > _DIAGNOSTICS_PERIOD and not (age == inf and self._may_never_come(topic))
         ]
         values: dict[str, str] = {}
-        for topic, age in self._ages().items():
+        for topic, age in ages.items():
             values[f"{topic} rate [1/s]"] = f"{self._counts[topic] / _DIAGNOSTICS_PERIOD:.0f}"
             values[f"{topic} age [s]"] = f"{age:.3f}"
             self._counts[topic] = 0

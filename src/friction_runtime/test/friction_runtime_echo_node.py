@@ -72,7 +72,7 @@ class Echo:
         output, factor = self._answers[topic]
         return [(output, WheelSlip(header=message.header, slip=factor * message.pressure + self._offset))]
 
-    def watch(self, ages: Mapping[str, float]) -> list[Output]:
+    def watch(self, ages: Mapping[str, float], now: float) -> list[Output]:
         """Do nothing."""
         return []
 

@@ -26,6 +26,7 @@ from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Severity, level_of
 from friction_runtime.reason_text import of_topic, of_wheel, set_reason, without_wheel
 from friction_runtime.stamps import to_nanoseconds
+from vehicle_models.plausible import NEW_RUN
 
 if TYPE_CHECKING:
     from friction_runtime.aligned_processor import AlignedProcessor
@@ -43,6 +44,8 @@ class Adder(AlignedProcessor[float]):
     def __init__(self) -> None:
         """Start empty."""
         self.said: list[tuple[str, str]] = []
+        self.sensors = {"FL/a": BrakeDemand, "FL/b": BrakeDemand}
+        self.estimates = {}
         super().__init__("FL", Primary("FL/a", "FL", self._say), [AlignedInput("FL/b")], deadline=0.05)
         self.restarts: list[int] = []
         self.resets = 0
@@ -102,7 +105,7 @@ def test_refusals_are_warnings_that_name_the_topic() -> None:
 
 def test_a_jump_back_is_information_and_starts_the_estimator_again_before_it_fires() -> None:
     adder = Adder()
-    for stamp in (1000, 10):
+    for stamp in (10 + NEW_RUN, 10):
         adder.process("FL/b", at(stamp))
         adder.process("FL/a", at(stamp))
     assert adder.restarts == [10]
@@ -112,19 +115,47 @@ def test_a_jump_back_is_information_and_starts_the_estimator_again_before_it_fir
 def test_health_tells_silence_a_first_sample_that_is_missing_and_the_state() -> None:
     adder = Adder()
     assert (adder.health().level, adder.health().message) == (Level.ERROR, "FL/a: no sample yet")
-    adder.watch({"FL/a": inf})
+    adder.watch({"FL/a": inf}, 0.0)
     assert (adder.health().level, adder.health().message) == (Level.ERROR, "FL/a: no message yet")
-    adder.watch({"FL/a": 0.0})
+    adder.watch({"FL/a": 0.0}, 0.0)
     adder.process("FL/a", at(10))
     adder.process("FL/b", at(10))
     assert (adder.health().level, adder.health().message) == (Level.OK, "ok")
-    adder.watch({"FL/a": 0.26})
+    adder.watch({"FL/a": 0.26}, 0.0)
     assert (adder.health().level, adder.health().message) == (Level.ERROR, "FL/a: no message for 0.26 s")
     assert adder.health().values == {"resets": "0"}
-    adder.watch({"FL/a": 0.0})
+    adder.watch({"FL/a": 0.0}, 0.0)
     adder.reset()
     assert adder.health().message == "FL/a: no sample yet"
     assert adder.health().values == {"resets": "1"}
+
+
+def test_late_samples_are_refused_and_counted_in_diagnostics() -> None:
+    adder = Adder()
+    for stamp in (10_000_000, 3_000_000):
+        adder.process("FL/b", at(stamp))
+        adder.process("FL/a", at(stamp))
+    assert adder.restarts == []
+    assert adder.said == [
+        ("warning", "FL/b: late sample, 0.0070 s before the newest: refused"),
+        ("warning", "FL/a: late sample, 0.0070 s before the newest: refused"),
+    ]
+    assert adder.health().values == {"resets": "0", "FL/a late samples": "1", "FL/b late samples": "1"}
+
+
+def test_health_names_another_input_that_is_silent_though_the_estimator_goes_on() -> None:
+    adder = Adder()
+    for topic in ("FL/a", "FL/b"):
+        adder.process(topic, at(10))
+    adder.watch({"FL/a": 0.0, "FL/b": 0.2}, 0.0)
+    assert adder.health().level is Level.OK
+    adder.watch({"FL/a": 0.0, "FL/b": 0.3}, 0.0)
+    assert (adder.health().level, adder.health().message) == (Level.WARN, "FL/b: no message for 0.30 s")
+    adder.watch({"FL/a": 0.0, "FL/b": inf}, 0.0)
+    assert (adder.health().level, adder.health().message) == (Level.WARN, "FL/b: no message yet")
+    adder.optional = ("FL/b",)
+    adder.watch({"FL/a": 0.0, "FL/b": inf}, 0.0)
+    assert adder.health().level is Level.OK
 
 
 def test_an_optional_primary_that_never_came_is_not_silent() -> None:

@@ -193,7 +193,7 @@ def test_health_tells_what_is_wrong() -> None:
     assert processor.health().level is Level.ERROR
     run(processor, stream(30))
     assert processor.health().level is Level.OK
-    processor.watch({"wheel_states": 1.0})
+    processor.watch({"wheel_states": 1.0}, 0.0)
     assert "wheel_states" in processor.health().message
 
 

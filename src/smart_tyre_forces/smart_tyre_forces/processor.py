@@ -21,7 +21,7 @@ from smart_tyre_forces.patch_tracker import Passage, PatchTracker
 from smart_tyre_forces.reasons import ForceReason, PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.plausible import LATEST_STAMP
+from vehicle_models.plausible import LATEST_STAMP, NEW_RUN
 from vehicle_models.vehicle import Vehicle
 
 _QUIET = (PatchReason.OK, PatchReason.NOT_READY, PatchReason.SPEED_RANGE, PatchReason.REVERSAL)
@@ -125,6 +125,8 @@ class TyreProcessor:
             return "stamp is zero" if stamp <= 0 else "stamp is out of range"
         if stamp == self._last_stamp:
             return "stamp repeats"
+        if self._last_stamp is not None and 0 < self._last_stamp - stamp < NEW_RUN:
+            return "late block"
         if voltages == 0 or voltages != accelerations:
             return f"{voltages} encoder and {accelerations} acceleration samples"
         rate = self._p.tracker.sample_rate
@@ -155,7 +157,7 @@ class TyreProcessor:
             outputs.append((f"{wheel}/tyre_wrench", messages.tyre_wrench(header, self._forces)))
         return outputs
 
-    def watch(self, ages: Mapping[str, float]) -> Sequence[Output]:
+    def watch(self, ages: Mapping[str, float], now: float) -> Sequence[Output]:
         """Note silence for diagnostics, once signals have been received."""
         self._primary.watch(ages)
         return []

@@ -231,9 +231,9 @@ def test_health_says_what_is_missing(simulate: Any, calibration_file: str) -> No
     assert (processor.health().level, processor.health().message) == (Level.OK, "no revolution seen yet")
     feed(processor, blocks(simulate(8.0, seconds=7.0)))
     assert processor.health().level is Level.OK
-    processor.watch({TOPIC: 1.0})
+    processor.watch({TOPIC: 1.0}, 0.0)
     assert processor.health().level is Level.ERROR
-    processor.watch({TOPIC: 0.0})
+    processor.watch({TOPIC: 0.0}, 0.0)
     processor.request_length_zero()
     feed(processor, blocks(simulate(8.0, seconds=3.0), start=20_000_000_000))
     assert (processor.health().level, processor.health().message[:11]) == (Level.OK, "no zero yet")
@@ -248,14 +248,14 @@ def test_health_warns_of_a_wheel_that_nobody_calibrated(simulate: Any) -> None:
 def test_wheel_without_signals_is_no_fault_but_one_whose_signals_end_is(simulate: Any) -> None:
     said: list[str] = []
     processor = build(SmartTyreParameters(), CAR, lambda _severity, text: said.append(text))[0]
-    processor.watch({TOPIC: inf})
+    processor.watch({TOPIC: inf}, 0.0)
     assert (processor.health().level, processor.health().message) == (Level.OK, "no tyre signals")
     assert said == []
     feed(processor, list(blocks(simulate(8.0, seconds=7.0)))[:3])
-    processor.watch({TOPIC: 1.0})
+    processor.watch({TOPIC: 1.0}, 0.0)
     assert processor.health().level is Level.ERROR
     processor.reset()
-    processor.watch({TOPIC: 2.0})
+    processor.watch({TOPIC: 2.0}, 0.0)
     assert processor.health().level is Level.ERROR
 
 

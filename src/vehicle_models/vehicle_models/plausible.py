@@ -14,3 +14,5 @@ HIGHEST_PRESSURE = 1e9
 """Highest pressure of a brake line [Pa]."""
 LATEST_STAMP = (2**31 - 2) * NANOSECONDS
 """Latest plausible stamp [ns]. A message stamp can hold one second more."""
+NEW_RUN = 50_000_000
+"""A stamp that goes back by this or more [ns] begins a new run (a looped bag, a reset plant); less: a late sample."""

@@ -182,6 +182,8 @@ def test_queue_refuses_repeats_and_zero_and_starts_again_after_a_jump_back() -> 
     assert queue.offer(0, "zero") == "stamp is zero"
     assert queue.offer(1000 * MS, "old") is None
     assert queue.offer(1000 * MS, "again") == "stamp repeats"
+    assert queue.offer(951 * MS, "late") == "late sample"
+    assert queue.late == 1
     assert list(queue.due(1010 * MS, False)) == []
     assert queue.offer(100 * MS, "new") is None
     assert list(queue.due(130 * MS, True)) == [(100 * MS, "new")]

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Generic, TypeVar
 
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.plausible import LATEST_STAMP
+from vehicle_models.plausible import LATEST_STAMP, NEW_RUN
 
 Payload = TypeVar("Payload")
 
@@ -36,7 +36,7 @@ class SpeedQueue(Generic[Payload]):
         self._apart_since: int | None = None
         self._output: int | None = None
         self.late = 0
-        """Samples that came after the output they were due in."""
+        """Samples that came after the output they were due in, or after a newer one."""
 
     def offer(self, stamp: int, payload: Payload) -> str | None:
         """Take a sample with its stamp [ns]; return the reason if it is refused."""
@@ -47,6 +47,9 @@ class SpeedQueue(Generic[Payload]):
         if stamp == self._newest:
             return "stamp repeats"
         if self._newest is not None and stamp < self._newest:
+            if self._newest - stamp < NEW_RUN:
+                self.late += 1
+                return "late sample"
             self._epoch += 1
             self._apart_since = None
         self._newest = stamp

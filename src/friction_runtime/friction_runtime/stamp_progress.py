@@ -1,0 +1,104 @@
+"""Progress of the stamps of one input against the steady clock: whether the input is lost.
+
+The age of the newest stamp by the steady clock is constant but for the delay of transport, whatever the offset of the two
+clocks is. So the least age seen is the reference, and the input is lost where its stamps lag behind it by more than
+`LAG` and its own period: when it is silent, when its stamps repeat, crawl or have gone back. The reference follows a
+slow drift of the clocks. A leap ahead is a loss as well, until the stamps are seen to progress with the clock again.
+
+After a loss the input is back when it has kept up with the reference for `_KEEPS_UP` (what waited in a queue has been
+read), or with a new reference for `_NEW_REFERENCE` (its clock has been set). A crawl keeps up with neither.
+"""
+
+from vehicle_models.nanoseconds import NANOSECOND
+from vehicle_models.plausible import NEW_RUN
+
+LAG = 0.035
+"""Lag of the stamps, beyond the input's period, with which it is lost [s]: 50 ms less a period of the watch, and slack."""
+_KEEPS_UP = 0.1
+_NEW_REFERENCE = 0.5
+_LEAP = 0.05
+"""Stamps that are ahead of the reference by more have been set, not delayed less [s]."""
+_DRIFT = 1e-3
+"""Highest drift of two clocks against each other [-]."""
+_FIRST_PERIOD = 0.005
+_LONGEST_PERIOD = 0.1
+_PERIOD_GAIN = 0.125
+"""Weight of the newest step in the mean of the steps of the stamps, which is the period."""
+
+
+class StampProgress:
+    """Follows one input: `note` its stamps as they are accepted, and `poll` with the clock every 10 ms or so."""
+
+    def __init__(self) -> None:
+        """Start without a message: lost."""
+        self.period = _FIRST_PERIOD
+        """Mean step between stamps [s], at most 0.1."""
+        self.lost = True
+        """Whether the input may not be relied upon, at the last poll."""
+        self.lag = 0.0
+        """Age of the newest stamp beyond the reference at the last poll [s]; 0 before the first message."""
+        self._now = 0.0
+        self._newest = 0
+        self._reference: float | None = None
+        self._keeps_up_since: float | None = None
+        self._candidate = 0.0
+        self._candidate_since: float | None = None
+
+    @property
+    def came(self) -> bool:
+        """Whether there ever was a message."""
+        return self._newest > 0
+
+    def note(self, stamp: int) -> None:
+        """Take the stamp [ns] of a message whose content is good; zero, repeated and late ones are no progress."""
+        step = stamp - self._newest
+        if stamp <= 0 or -NEW_RUN < step <= 0:
+            return
+        if 0 < self._newest and 0 < step * NANOSECOND <= 2.0 * _LONGEST_PERIOD:
+            period = self.period + _PERIOD_GAIN * (step * NANOSECOND - self.period)
+            self.period = min(period, _LONGEST_PERIOD)
+        self._newest = stamp
+
+    def poll(self, now: float) -> bool:
+        """Judge at a time [s] of the steady clock, not before that of the last poll; return whether it is lost."""
+        passed, self._now = now - self._now, now
+        if not self.came:
+            return True
+        age = now - self._newest * NANOSECOND
+        limit = LAG + self.period
+        self._follow_candidate(age, limit)
+        if self._reference is None:
+            self.lag = 0.0
+            self.lost = self._candidate_steady_for() < _KEEPS_UP
+            if not self.lost:
+                self._reference = self._candidate
+            return self.lost
+        self._reference += _DRIFT * min(passed, 1.0)
+        self.lag = age - self._reference
+        if not -_LEAP <= self.lag <= limit:
+            self.lost, self._keeps_up_since = True, None
+        else:
+            self._reference = min(self._reference, age)
+            if self._keeps_up_since is None:
+                self._keeps_up_since = now
+            self.lost = self.lost and now - self._keeps_up_since < _KEEPS_UP
+        if self.lost and self._candidate_steady_for() >= _NEW_REFERENCE:
+            self._reference, self.lost, self.lag = self._candidate, False, age - self._candidate
+        return self.lost
+
+    def is_old(self, stamp: int) -> bool:
+        """Whether a stamp [ns] lay too far back at the last poll for an answer to it to be of use."""
+        if self._reference is None:
+            return False
+        return self._now - stamp * NANOSECOND - self._reference > LAG + self.period
+
+    def _follow_candidate(self, age: float, limit: float) -> None:
+        """Look for stamps that progress with the clock: their least age stays within the limits of an input."""
+        since = self._candidate_since
+        if since is None or not -_LEAP <= age - self._candidate <= limit:
+            self._candidate, self._candidate_since = age, self._now
+        else:
+            self._candidate = min(self._candidate, age)
+
+    def _candidate_steady_for(self) -> float:
+        return 0.0 if self._candidate_since is None else self._now - self._candidate_since
