@@ -81,8 +81,8 @@ class Loop:
         while waiting:
             _, topic, message = waiting.popleft()
             if isinstance(message, BrakeCommand):
-                self._simulation.take_command(message.wheel, message)
-                self._recorder.command(self._simulation.time, message)
+                if self._simulation.take_command(message.wheel, message) is None:
+                    self._recorder.command(self._simulation.time, message)
             elif isinstance(message, SupervisorState):
                 self._recorder.state(self._simulation.time, message)
             if topic in self._arrived:

@@ -7,7 +7,7 @@ from friction_bags.offline.estimators import make_processors, read_parameters
 from friction_runtime.processor import Output, Processor, silent
 from vehicle_models.vehicle import Vehicle
 
-WATCH_PERIOD = 0.02
+WATCH_PERIOD = 0.01
 """Time between two looks of a node at the age of its inputs [s]."""
 LAWS = ("slope_sign",)
 """What may ask for a release: the sign of the slope, section 8.2.2."""
@@ -23,4 +23,4 @@ def shipped_processors(vehicle: Vehicle) -> list[Processor]:
 
 def watch(processor: Processor, ages: Mapping[str, float], now: float) -> Sequence[Output]:
     """Let a processor act on silence; `ages` of its inputs and `now` by the steady clock [s]."""
-    return processor.watch(ages)
+    return processor.watch(ages, now)

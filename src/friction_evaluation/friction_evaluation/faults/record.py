@@ -12,8 +12,6 @@ from friction_evaluation.faults.manoeuvre import Manoeuvre
 
 Array = NDArray[np.float64]
 
-_COMMAND_TIMEOUT = 0.1
-"""After so long without a command [s, steady clock] the wheel counts as one without ABS."""
 _QUIET = (SupervisorState.OK, SupervisorState.LOW_SPEED)
 
 
@@ -50,7 +48,7 @@ class Recorder:
         self._begin = begin
         n = len(self._wheels)
         self._slip, self._command, self._able = [nan] * n, [int(BrakeCommand.NONE)] * n, [True] * n
-        self._commanded = [-inf] * n
+        self._expires = [-inf] * n
         self._speed = nan
         self._rows: list[tuple[float, ...]] = []
         self._slips: list[list[float]] = []
@@ -68,9 +66,9 @@ class Recorder:
             self._slip[self._wheels.index(message.wheel)] = message.slip
 
     def command(self, now: float, message: BrakeCommand) -> None:
-        """Take a command that has reached the plant."""
+        """Take a command that the plant has taken."""
         wheel = self._wheels.index(message.wheel)
-        self._command[wheel], self._commanded[wheel] = int(message.command), now
+        self._command[wheel], self._expires[wheel] = int(message.command), now + message.valid_for
 
     def state(self, now: float, message: SupervisorState) -> None:
         """Take a state of the supervisor."""
@@ -90,7 +88,7 @@ class Recorder:
         """End a sample."""
         self._rows.append((now, self._speed, distance))
         self._slips.append(list(self._slip))
-        in_force = [now - at <= _COMMAND_TIMEOUT for at in self._commanded]
+        in_force = [now <= at + 1e-9 for at in self._expires]
         none = int(BrakeCommand.NONE)
         self._commands.append([each if on else none for each, on in zip(self._command, in_force, strict=True)])
         self._ables.append([each and on for each, on in zip(self._able, in_force, strict=True)])
