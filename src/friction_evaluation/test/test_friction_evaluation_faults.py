@@ -158,13 +158,13 @@ def test_the_stop_without_abs_is_that_of_the_momentum() -> None:
     assert found.distance == pytest.approx(0.5 * SPEED * found.duration, rel=0.03)
 
 
-def record(command: Sequence[int], slip: Sequence[float], able: Sequence[bool]) -> Record:
+def record(command: Sequence[int], slip: Sequence[float], acting: Sequence[bool]) -> Record:
     """Return a run of one wheel, whose first sample is the onset."""
     k = len(command)
     time = np.array([ONSET + DT * i for i in range(k)])
     return Record(
         True, time, np.full(k, 20.0), np.array([20.0 * DT * i for i in range(k)]), np.array(slip)[:, np.newaxis],
-        np.array(command)[:, np.newaxis], np.array(able)[:, np.newaxis], inf, "",
+        np.array(command)[:, np.newaxis], np.array(acting)[:, np.newaxis], inf, "",
     )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ _ABS_END = 5.0
 """Utilisation and locks count above this speed [m/s], as in the part abs."""
 _LOCK_SLIP = 0.95
 _LOST = 0.1
-"""A healthy wheel whose supervisor cannot act for longer [s] has lost its ABS."""
+"""A healthy wheel whose supervisor does not act for longer [s] has lost its ABS."""
 
 Flags = NDArray[np.bool_]
 
@@ -88,7 +88,7 @@ def measure(record: Record, case: Case, manoeuvre: Manoeuvre, reference: Referen
         longest_lock=_longest((slip > _LOCK_SLIP) & late[:, np.newaxis]),
         named=record.named - ONSET - max(case.begin, 0.0) if record.named < inf else inf,
         none=float(record.time[none[0]] - before) if none.size and case.begin >= 0.0 else 0.0 if none.size else inf,
-        healthy_lost=_longest(~record.able[:, ~hit] & fast & begun[:, np.newaxis]) > _LOST,
+        healthy_lost=_longest(~record.acting[:, ~hit] & fast & begun[:, np.newaxis]) > _LOST,
         utilisation=float(used.mean() / mu_max),
     )
 

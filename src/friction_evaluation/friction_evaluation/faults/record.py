@@ -12,6 +12,7 @@ from friction_evaluation.faults.manoeuvre import Manoeuvre
 
 Array = NDArray[np.float64]
 
+_S0 = int(SupervisorState.S0)
 _QUIET = (SupervisorState.OK, SupervisorState.LOW_SPEED)
 
 
@@ -31,8 +32,8 @@ class Record:
     """True slip [-], shape (k, n); NaN at standstill."""
     command: NDArray[np.int64]
     """In force after the sample, constants of BrakeCommand, shape (k, n)."""
-    able: NDArray[np.bool_]
-    """The supervisor says that it can act, or is at low speed, shape (k, n)."""
+    acting: NDArray[np.bool_]
+    """The supervisor is in a state other than S0, and its commands are in force, shape (k, n)."""
     named: float
     """Time [s] of the first new reason or diagnostics above OK since the begin of the fault; inf: there is none."""
     said: str
@@ -47,13 +48,13 @@ class Recorder:
         self._wheels = manoeuvre.vehicle.wheel_names
         self._begin = begin
         n = len(self._wheels)
-        self._slip, self._command, self._able = [nan] * n, [int(BrakeCommand.NONE)] * n, [True] * n
+        self._slip, self._command, self._acting = [nan] * n, [int(BrakeCommand.NONE)] * n, [False] * n
         self._expires = [-inf] * n
         self._speed = nan
         self._rows: list[tuple[float, ...]] = []
         self._slips: list[list[float]] = []
         self._commands: list[list[int]] = []
-        self._ables: list[list[bool]] = []
+        self._actings: list[list[bool]] = []
         self._before: set[str] = set()
         self._named, self._said = inf, ""
 
@@ -72,9 +73,8 @@ class Recorder:
 
     def state(self, now: float, message: SupervisorState) -> None:
         """Take a state of the supervisor."""
-        quiet = message.reason in _QUIET
-        self._able[self._wheels.index(message.wheel)] = quiet
-        if not quiet:
+        self._acting[self._wheels.index(message.wheel)] = message.state != _S0
+        if message.reason not in _QUIET:
             self.diagnosis(now, f"{message.wheel}/abs_supervisor: {message.reason_text}")
 
     def diagnosis(self, now: float, text: str) -> None:
@@ -91,7 +91,7 @@ class Recorder:
         in_force = [now <= at + 1e-9 for at in self._expires]
         none = int(BrakeCommand.NONE)
         self._commands.append([each if on else none for each, on in zip(self._command, in_force, strict=True)])
-        self._ables.append([each and on for each, on in zip(self._able, in_force, strict=True)])
+        self._actings.append([each and on for each, on in zip(self._acting, in_force, strict=True)])
 
     def record(self, stopped: bool) -> Record:
         """Return what was collected."""
@@ -103,7 +103,7 @@ class Recorder:
             distance,
             np.array(self._slips),
             np.array(self._commands),
-            np.array(self._ables),
+            np.array(self._actings),
             self._named,
             self._said,
         )
