@@ -52,7 +52,7 @@ _SAME_RELEASE = 0.02
 """Releases with less between them count as one [s]."""
 _AGAIN = 0.8
 """Share of `most_in_window` below which a wheel may be released again: not for a sample now and then."""
-_TIGHT = 0.5
+_TIGHT = 0.6
 """Share of `most_in_window` above which the pressure comes back as slowly as after a cap."""
 _REACHED = 0.98
 """Share of the demand at which the pressure has returned."""

@@ -76,9 +76,6 @@ class Wheel:
 
 _HARDEST_BRAKING = 12.0
 """[m/s^2] of any car; bounds an unknown speed of the car from above, so that the lag of a wheel behind it is real."""
-_WITHOUT_CURVE = 0.5
-"""Share of the slip that a release needs alone, from which a deceleration counts: ordinary braking is applied with
-decelerations of the wheel of several g, at slips below this."""
 _RECOVERING = 2.0
 """[m/s^2] of the circumference of a wheel that recovers."""
 
@@ -130,14 +127,18 @@ class ReleaseEvidence:
         error = p.sigmas * self._radius * rate_error
         own = wheel.car_deceleration if isfinite(wheel.car_deceleration) else 0.0
         self.release_deceleration = max(p.deceleration * GRAVITY, own + p.deceleration_margin * GRAVITY) + error
-        self.release_slip = self._release_slip(wheel)
+        base, doubt = self._slip_threshold(wheel)
+        self.release_slip = base + p.sigmas * doubt
         slip_shows = wheel.slip > self.release_slip
         self._slip_since = _since(self._slip_since, stamp, slip_shows)
-        dives = self.deceleration > self.release_deceleration and self._may_dive(wheel, lag)
+        # A deceleration alone proves no lock: brakes are applied with several g of the wheel, at small slips.
+        slips = wheel.slip > base + doubt if isfinite(wheel.slip) else lag > p.least_slip + p.sigmas * self._scatter.slip
+        dives = slips and self.deceleration > self.release_deceleration
         self._dive_since = _since(self._dive_since, stamp, dives)
         if self._lasts(self._dive_since, stamp):
             self._dived = True
-        elif self._dived and not self._still_below(wheel, lag):
+        elif self.deceleration <= 0.0 if isfinite(wheel.slip) else lag <= p.least_slip:
+            # The wheel gains speed again: from here a known slip alone decides. Without it the wheel must have come back.
             self._dived = False
         if self._lasts(self._slip_since, stamp):
             self.verdict = Release.BY_SLIP
@@ -146,7 +147,8 @@ class ReleaseEvidence:
         gains = -self.deceleration > _RECOVERING + error
         self.recovering = gains and (slip_shows if isfinite(wheel.slip) else lag > p.least_slip)
 
-    def _release_slip(self, wheel: Wheel) -> float:
+    def _slip_threshold(self, wheel: Wheel) -> tuple[float, float]:
+        """Return the slip that a release needs, and the standard deviation of the slip's error."""
         p = self._p
         base = p.slip_without_curve
         if isfinite(wheel.lambda_max):
@@ -154,20 +156,7 @@ class ReleaseEvidence:
             known = p.lambda_max_share * wheel.lambda_max
             base = max(p.least_slip, known, min(base, known + p.lambda_max_share * doubt))
         stddev = wheel.slip_stddev if isfinite(wheel.slip_stddev) else 0.0
-        return base + p.sigmas * sqrt(stddev**2 + self._scatter.slip**2)
-
-    def _may_dive(self, wheel: Wheel, lag: float) -> bool:
-        """Whether the slip lets a deceleration count as the begin of a lock."""
-        if isfinite(wheel.slip):
-            # A known slip below that of a known curve contradicts a lock: there the slip alone decides.
-            return not isfinite(wheel.lambda_max) and wheel.slip > _WITHOUT_CURVE * self.release_slip
-        return lag > self._p.least_slip + self._p.sigmas * self._scatter.slip
-
-    def _still_below(self, wheel: Wheel, lag: float) -> bool:
-        """Whether a wheel that has dived has not come back yet."""
-        if isfinite(wheel.slip):
-            return wheel.slip > _WITHOUT_CURVE * self.release_slip
-        return lag > self._p.least_slip
+        return base, sqrt(stddev**2 + self._scatter.slip**2)
 
     def _lag(self, stamp: int, wheel: Wheel) -> float:
         """Return the least slip [-] that is possible: behind the wheel's own fastest speed, braked as hard as can be."""
