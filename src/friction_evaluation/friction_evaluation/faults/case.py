@@ -35,6 +35,8 @@ class Case:
     """[s] from the last good message to NONE at every wheel that is hit."""
     named_within: float = inf
     """[s] from the begin, or from the onset where that is later, to a reason or diagnostics above OK."""
+    named: str = ""
+    """What the text must contain in which the fault is named."""
     stretch: float = inf
     """Longest distance over that of the same stop without fault."""
     wrong_release: float = inf

@@ -36,10 +36,21 @@ NOISE = (
     Case("wheel_ripple", wheel_sensor.rippled, ALL, BEFORE_BRAKING, wrong_release=_WRONG_RELEASE),
 )
 WHEEL_SENSOR = (
-    Case("wheel_dead", wheel_sensor.dead, FIRST, none_within=_CONTRADICTION, named_within=_CONTRADICTION),
-    Case("wheel_dead_before", wheel_sensor.dead, FIRST, BEFORE_BRAKING, named_within=_CONTRADICTION),
+    Case(
+        "wheel_dead",
+        wheel_sensor.dead,
+        FIRST,
+        none_within=_CONTRADICTION,
+        named_within=_CONTRADICTION,
+        named="front_left",
+    ),
+    Case(
+        "wheel_dead_before", wheel_sensor.dead, FIRST, BEFORE_BRAKING, named_within=_CONTRADICTION, named="front_left"
+    ),
     Case("wheel_stuck", wheel_sensor.stuck, FIRST),
-    Case("wheel_flicker", wheel_sensor.flickering, FIRST, BEFORE_BRAKING, named_within=_CONTRADICTION),
+    Case(
+        "wheel_flicker", wheel_sensor.flickering, FIRST, BEFORE_BRAKING, named_within=_CONTRADICTION, named="front_left"
+    ),
     Case("wheel_+5%", partial(wheel_sensor.biased, factor=1.05), FIRST, BEFORE_BRAKING),
     Case("wheel_-5%", partial(wheel_sensor.biased, factor=0.95), FIRST, BEFORE_BRAKING),
     Case("wheel_nan", wheel_sensor.not_a_number, FIRST, none_within=_FAIL_SAFE),
@@ -55,6 +66,7 @@ PRESSURE = (
         FIRST,
         BEFORE_BRAKING,
         named_within=_MISMATCH,
+        named="brake_pressure",
     ),
     Case(
         "pressure_half",
@@ -62,6 +74,7 @@ PRESSURE = (
         FIRST,
         BEFORE_BRAKING,
         named_within=_MISMATCH,
+        named="brake_pressure",
     ),
     Case(
         "pressure_60ms",
@@ -69,6 +82,7 @@ PRESSURE = (
         FIRST,
         BEFORE_BRAKING,
         named_within=_MISMATCH,
+        named="brake_pressure",
     ),
     Case("pressure_nan", lambda site: constant(site.pressures[:1], _FIELD, _NAN), FIRST, none_within=_FAIL_SAFE),
     Case("pressure_silent", lambda site: silent(site.pressures[:1]), FIRST, none_within=_FAIL_SAFE),

@@ -43,8 +43,7 @@ class Loop:
         self._arrived = dict.fromkeys(self._readers, -inf)
         self._late: list[tuple[float, int, Arrival]] = []
         self._numbers = count()
-        self._recorder = Recorder(manoeuvre, ONSET + case.begin)
-        self._known: set[tuple[str, str]] = set()
+        self._recorder = Recorder(manoeuvre, ONSET + case.begin, case.named)
 
     def run(self, longest: float) -> Record:
         """Drive to standstill, or for so long [s] after the onset of braking."""

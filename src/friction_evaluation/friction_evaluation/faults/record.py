@@ -43,10 +43,10 @@ class Record:
 class Recorder:
     """Collects a Record sample by sample."""
 
-    def __init__(self, manoeuvre: Manoeuvre, begin: float) -> None:
-        """Texts from `begin` on [s since the start of the run] count, where they were not there before."""
+    def __init__(self, manoeuvre: Manoeuvre, begin: float, named: str) -> None:
+        """Texts from `begin` on [s since the start of the run] count, with `named` in them and not there before."""
         self._wheels = manoeuvre.vehicle.wheel_names
-        self._begin = begin
+        self._begin, self._name = begin, named
         n = len(self._wheels)
         self._slip, self._command, self._acting = [nan] * n, [int(BrakeCommand.NONE)] * n, [False] * n
         self._expires = [-inf] * n
@@ -81,7 +81,7 @@ class Recorder:
         """Take what diagnostics or a state say above OK."""
         if now < self._begin - 1e-9:
             self._before.add(_kind(text))
-        elif self._named == inf and _kind(text) not in self._before:
+        elif self._named == inf and self._name in text and _kind(text) not in self._before:
             self._named, self._said = now, text
 
     def sample(self, now: float, distance: float) -> None:
