@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from copy import deepcopy
 from math import inf
 from typing import Any
 
@@ -14,22 +15,30 @@ from rclpy.publisher import Publisher
 
 from corner_sim.messages import topics
 from corner_sim.parameters import SimParameters
-from corner_sim.plant import SAMPLE_TIME
+from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS
 from corner_sim.simulation import Simulation
 from friction_evaluation.faults.fault import Fault, at_once
 from friction_evaluation.protocol import ACCELERATION_STDDEV, CAR, WHEEL
 from friction_runtime import qos
+from friction_runtime.processor import Output
+from friction_runtime.stamps import header_at
 
 _PARAMETERS = SimParameters(
-    surfaces=("dry",), demand_level=0.1, initial_speed=60.0, acceleration_variance=ACCELERATION_STDDEV**2
+    surfaces=("dry",),
+    demand_level=0.1,
+    initial_speed=60.0,
+    acceleration_variance=ACCELERATION_STDDEV**2,
+    end_time=25.0,
 )
-"""A stop of one corner that takes 50 s, so that many trials go into one."""
-SLOWEST = 10.0
-"""[m/s] Below this speed a trial does not begin: the brake is the driver's near standstill."""
+"""A gentle stop of one corner, so that many trials go into one; it ends far from standstill."""
 
 
 class LiveCar:
-    """Publishes a sample every 5 ms of the steady clock, and notes when each message and each command was sent."""
+    """Publishes a sample every 5 ms of the steady clock, and notes when each message and each command was sent.
+
+    The samples are made beforehand, so that a busy machine can keep up. One that is missed all the same is left out, as
+    it would be by a sensor; then stamps still go with the clock. At the end of its stop the car rolls at 60 m/s again.
+    """
 
     def __init__(self, node: Node, executor: SingleThreadedExecutor) -> None:
         """Connect; nothing is published yet."""
@@ -47,7 +56,13 @@ class LiveCar:
             if not topic.startswith("truth/")
         }
         self._subscription = node.create_subscription(BrakeCommand, f"{WHEEL}/brake_command", self._take, qos.ESTIMATE)
-        self.start_again()
+        simulation = Simulation(_PARAMETERS, CAR, 1)
+        self._samples: list[list[Output]] = []
+        while simulation.end is None:
+            self._samples.append([each for each in simulation.messages() if each[0] in self._publishers])
+            simulation.advance()
+        self._start = time.time_ns(), time.monotonic()
+        self._count = 0
 
     @property
     def connected(self) -> bool:
@@ -55,37 +70,29 @@ class LiveCar:
         readers = all(publisher.get_subscription_count() for publisher in self._publishers.values())
         return readers and self._subscription.get_publisher_count() > 0
 
-    @property
-    def speed(self) -> float:
-        """Of the car [m/s]."""
-        return self._simulation.speed
-
-    def start_again(self) -> None:
-        """Roll at 60 m/s again; stamps go on with the wall clock."""
-        self._simulation = Simulation(_PARAMETERS, CAR, time.time_ns())
-        self._next = time.monotonic()
-
     def drive_until(self, condition: Callable[[], bool], limit: float) -> bool:
         """Drive on until a condition holds; return whether it did within a limit [s, wall clock]."""
         until = time.monotonic() + limit
         while not condition():
             if time.monotonic() > until:
                 return False
-            self._publish()
-            self._simulation.advance()
-            self._next += SAMPLE_TIME
-            while (left := self._next - time.monotonic()) > 0.0:
+            self._publish(self._count)
+            self._count = max(self._count + 1, int((time.monotonic() - self._start[1]) / SAMPLE_TIME))
+            due = self._start[1] + self._count * SAMPLE_TIME
+            while (left := due - time.monotonic()) > 0.0:
                 self._executor.spin_once(timeout_sec=left)
             self._executor.spin_once(timeout_sec=0.0)
         return True
 
-    def _publish(self) -> None:
-        for topic, message in self._simulation.messages():
-            if topic not in self._publishers:
-                continue
+    def _publish(self, count: int) -> None:
+        stamp = self._start[0] + count * SAMPLE_TIME_NS
+        for topic, made in self._samples[count % len(self._samples)]:
+            untouched = self.fault is at_once
+            message = made if untouched else deepcopy(made)
+            message.header = header_at(stamp, made.header.frame_id)
             for arrival in self.fault(topic, message):
                 self._publishers[topic].publish(arrival.message)
-            if self.fault is at_once:
+            if untouched:
                 self.sent[topic] = time.time()
 
     def _take(self, message: BrakeCommand, info: dict[str, Any]) -> None:
