@@ -54,6 +54,10 @@ class ProcessGroup:
         codes = {name: process.poll() for name, process in self._processes.items()}
         return {name: code for name, code in codes.items() if code is not None}
 
+    def send(self, name: str, number: signal.Signals) -> None:
+        """Send a signal to a process: SIGSTOP and SIGCONT make it stand and go on, SIGKILL ends it."""
+        self._processes[name].send_signal(number)
+
     def stop(self, grace: float = AT_ONCE) -> list[str]:
         """Interrupt the processes that still run, kill those that do not end in time, return the names of those killed.
 

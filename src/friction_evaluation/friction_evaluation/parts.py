@@ -15,6 +15,7 @@ from friction_evaluation.rows import Row
 PARTS = {
     "slope": "delay, false alarms and slip at detection of the slope sign, both methods, all surfaces",
     "abs": "closed loop with the supervisor: adhesion utilisation, stopping distance, wheel lock",
+    "faults": "campaign of faults in closed loop: what each does to the stop, and whether the limits hold",
     "identification": "Monte Carlo of lambda_max: the chapter's methods and the default, beside the Cramer-Rao bound",
     "measured": "whole-vehicle fit on measured data: BMW stop, Putnam laps, tyre rig",
     "slip": "vehicle speed and slip without a speed sensor, simulated stops and the measured one",

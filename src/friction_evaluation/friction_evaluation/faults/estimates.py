@@ -1,0 +1,26 @@
+"""Faults inside the graph: a node that is gone, and one whose answers are invalid."""
+
+from typing import Any
+
+from friction_msgs.msg import FrictionSlope
+
+from friction_evaluation.faults.fault import Fault, Site
+from friction_evaluation.faults.signals import changed, silent
+
+_WORST_INDICATOR = -1e5
+"""[rad/s^3] Calls for a release wherever validity is not looked at."""
+
+
+def lost(site: Site, name: str) -> Fault:
+    """The topic `name` of every wheel does not come."""
+    return silent([f"{wheel}/{name}" for wheel in site.vehicle.wheel_names])
+
+
+def invalid_slope(site: Site) -> Fault:
+    """friction_slope of the first wheel says that it is not valid, beside an indicator that calls for a release."""
+
+    def change(message: Any) -> None:
+        message.valid, message.reason, message.reason_text = False, FrictionSlope.BAD_INPUT, "injected"
+        message.indicator = _WORST_INDICATOR
+
+    return changed((f"{site.wheel}/friction_slope",), change)

@@ -1,0 +1,75 @@
+"""Campaign of faults in closed loop: ordinary braking must stay ordinary, and no fault may release a healthy brake.
+
+Plant, fault, shipped processors (wheel_slip, friction_slope, friction_curve_id, abs_supervisor) and plant again,
+without middleware, from 30 m/s to standstill. `value` is the distance over that without ABS, `failures` names every
+limit that does not hold. The numbers are the worst over the seeds.
+"""
+
+import argparse
+from collections.abc import Sequence
+from time import process_time
+
+from rich.progress import Progress
+
+from friction_evaluation.faults.plan import Plan, quick, whole
+from friction_evaluation.faults.processors import LAWS
+from friction_evaluation.faults.rows import rows_of
+from friction_evaluation.rows import Row
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of this part."""
+    parser.add_argument("--seeds", type=int, default=1, help="seeds of sensor noise and fault for each row")
+    parser.add_argument("--law", choices=LAWS, default=LAWS[0], help="what asks for the release")
+    parser.add_argument(
+        "--quick", action="store_true", help="the fixed subset of docs/faults.md: at most 8 CPU minutes"
+    )
+    parser.add_argument(
+        "--live", type=int, metavar="TRIALS", help="instead: fail-safe times over DDS, trials per input"
+    )
+    for name in ("car", "surface", "fault"):
+        parser.add_argument(f"--{name}", action="append", help="only these rows; repeatable")
+    parser.add_argument("--demand", type=float, action="append", help="only these rows; repeatable")
+
+
+def run(options: argparse.Namespace) -> list[Row]:
+    """Make all stops; return a row per car, surface, demand and fault."""
+    if options.live is not None:
+        return _live(options.live)
+    begun = process_time()
+    rows: list[Row] = []
+    with Progress() as progress:
+        plan = _chosen(options)
+        task = progress.add_task("faults", total=sum(len(cases) for _, cases in plan))
+        for manoeuvre, cases in plan:
+            rows += rows_of(manoeuvre, cases, options.seeds, lambda: progress.advance(task))
+    print(f"{len(rows)} rows, {process_time() - begun:.0f} s of CPU")
+    return rows
+
+
+def failed(rows: Sequence[Row]) -> bool:
+    """Does a row fail?"""
+    return not all(row["passed"] for row in rows)
+
+
+def _live(trials: int) -> list[Row]:
+    # here, because the campaign itself needs no middleware
+    from friction_evaluation.faults.live import LIVE_ROWS, fail_safe_rows
+
+    with Progress() as progress:
+        task = progress.add_task("fail-safe times", total=LIVE_ROWS * trials)
+        return fail_safe_rows(trials, lambda: progress.advance(task))
+
+
+def _chosen(options: argparse.Namespace) -> Plan:
+    plan = []
+    for manoeuvre, cases in quick() if options.quick else whole():
+        chosen = [case for case in cases if not options.fault or case.name in options.fault]
+        if (
+            (not options.car or manoeuvre.car in options.car)
+            and (not options.surface or manoeuvre.surface in options.surface)
+            and (not options.demand or manoeuvre.demand in options.demand)
+            and chosen
+        ):
+            plan.append((manoeuvre, chosen))
+    return plan
