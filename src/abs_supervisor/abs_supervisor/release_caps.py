@@ -105,10 +105,14 @@ class ReleaseCaps:
             self._returning = None
         self.cap = Cap.NONE
         if not release:
-            # A slow rise needs fewer releases, so that a law that works does not reach the cap; and a law that returns
-            # beyond the peak leaves it.
+            if torque >= _REACHED * demand:
+                return Command.INCREASE
+            # A wheel that comes back from far beyond the peak is let come. A slow rise needs fewer releases, so that a
+            # law that works does not reach the cap.
+            if deep and recovering:
+                return Command.HOLD
             slow = deep or self._in_window > _TIGHT * self._p.most_in_window
-            return self._pulse() if slow and torque < _REACHED * demand else Command.INCREASE
+            return self._pulse() if slow else Command.INCREASE
         self.cap = self._exceeded(stamp, dt, recovering)
         if self.cap is not Cap.NONE:
             self.count += 1
