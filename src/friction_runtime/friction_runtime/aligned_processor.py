@@ -49,7 +49,7 @@ class AlignedProcessor(ABC, Generic[Payload]):
         self._fired = False
         self._silent: dict[str, float] = {}
         self._stamp_fired = 0
-        self._missing: dict[str, tuple[int, str]] = {}
+        self._missing_since: dict[str, tuple[int, str]] = {}
         """Inputs that were missing at the last sample: since when [ns], and why."""
 
     def process(self, topic: str, message: Any) -> Sequence[Output]:
@@ -67,7 +67,7 @@ class AlignedProcessor(ABC, Generic[Payload]):
                 self._start_again(sample.stamp)
             self._fired = True
             self._stamp_fired = sample.stamp
-            if sample.missing or self._missing:
+            if sample.missing or self._missing_since:
                 self._note_missing(sample)
             outputs += self._fire(sample)
         return outputs
@@ -87,7 +87,7 @@ class AlignedProcessor(ABC, Generic[Payload]):
         """Start again, as after construction."""
         self._aligner.reset()
         self._fired = False
-        self._missing = {}
+        self._missing_since = {}
         self._forget()
 
     def health(self) -> Health:
@@ -101,7 +101,7 @@ class AlignedProcessor(ABC, Generic[Payload]):
         level, text = self._state()
         # What the estimator can do without is degraded all the same; a state that names the topic has said so.
         lost = {topic: silence(topic, age) for topic, age in self._silent.items()}
-        for topic, (since, why) in self._missing.items():
+        for topic, (since, why) in self._missing_since.items():
             if abs(self._stamp_fired - since) >= SILENT_AFTER * NANOSECONDS and topic not in self.optional:
                 lost[topic] = why
         unnamed = [why for topic, why in lost.items() if topic not in text]
@@ -110,8 +110,8 @@ class AlignedProcessor(ABC, Generic[Payload]):
         return Health(self._name, level, text or "ok", values)
 
     def _note_missing(self, sample: AlignedSample[Payload]) -> None:
-        before = self._missing
-        self._missing = {
+        before = self._missing_since
+        self._missing_since = {
             topic: (before[topic][0] if topic in before else sample.stamp, why) for topic, why in sample.missing.items()
         }
 

@@ -14,7 +14,7 @@ from vehicle_models.plausible import NEW_RUN
 
 LAG = 0.035
 """Lag of the stamps, beyond the input's period, with which it is lost [s]: 50 ms, less a period of the watch."""
-_KEEPS_UP = 0.1
+_KEEPS_UP = 0.05
 _NEW_REFERENCE = 0.5
 _LEAP = 0.05
 """Stamps that are ahead of the reference by more have been set, not delayed less [s]."""
