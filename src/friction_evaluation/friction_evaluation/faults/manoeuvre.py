@@ -11,7 +11,7 @@ from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
 ONSET = 1.0
-"""The driver brakes after so long of free rolling [s]: by then every node has seen that its inputs can be relied upon."""
+"""The driver brakes after so long of free rolling [s]: by then every node knows that its inputs can be relied upon."""
 CORNER, FOUR_WHEELS = "corner", "four_wheels"
 _VEHICLES = {CORNER: "chapter_corner", FOUR_WHEELS: "compact_car"}
 _MODELS = {CORNER: "single_corner", FOUR_WHEELS: "two_axle"}
