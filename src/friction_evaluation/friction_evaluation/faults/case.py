@@ -33,6 +33,8 @@ class Case:
     end: float = inf
     none_within: float = inf
     """[s] from the last good message to NONE at every wheel that is hit."""
+    none_later: float = 0.0
+    """[s] more for that at a demand above the peak torque, where the ABS must first see what a release does."""
     named_within: float = inf
     """[s] from the begin, or from the onset where that is later, to a reason or diagnostics above OK."""
     named: str = ""

@@ -15,6 +15,8 @@ _FAIL_SAFE = 0.05 + DT
 """[s] The fail-safe's 50 ms and the period of the inputs."""
 _CONTRADICTION = 0.1
 """[s] From a contradiction between wheels to NONE."""
+_RELEASE = 0.3
+"""[s] The longest release: a wheel that was about to lock is seen to be dead when it does not make it turn."""
 _MISMATCH = 0.5
 """[s] of braking, after which a pressure that does not follow the demand is named."""
 _WRONG_RELEASE = 0.02
@@ -41,6 +43,7 @@ WHEEL_SENSOR = (
         wheel_sensor.dead,
         FIRST,
         none_within=_CONTRADICTION,
+        none_later=_RELEASE,
         named_within=_CONTRADICTION,
         named="front_left",
     ),

@@ -61,7 +61,7 @@ def _all(case: Case, manoeuvre: Manoeuvre, found: Measures, no_fault: Measures) 
         yield Limit("lock [s]", found.longest_lock, _RECOVERY)
     if not panic:
         yield Limit("release below half of lambda_max [s]", found.wrong_release, case.wrong_release)
-    yield Limit("NONE after [s]", found.none, case.none_within)
+    yield Limit("NONE after [s]", found.none, case.none_within + (case.none_later if panic else 0.0))
     yield Limit("named after [s]", found.named, case.named_within)
     yield Limit("over no fault", found.distance / no_fault.distance, case.stretch)
     yield Limit("healthy wheels without ABS", float(found.healthy_lost), 0.0)

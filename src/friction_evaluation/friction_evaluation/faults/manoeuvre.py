@@ -10,8 +10,8 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
-ONSET = 0.5
-"""The driver brakes after so long of free rolling [s]."""
+ONSET = 1.0
+"""The driver brakes after so long of free rolling [s]: by then every node knows that its inputs can be relied upon."""
 CORNER, FOUR_WHEELS = "corner", "four_wheels"
 _VEHICLES = {CORNER: "chapter_corner", FOUR_WHEELS: "compact_car"}
 _MODELS = {CORNER: "single_corner", FOUR_WHEELS: "two_axle"}
