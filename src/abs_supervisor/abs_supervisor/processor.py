@@ -46,12 +46,12 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._slope = f"{wheel}/friction_slope"
         by_demand = parameters.braking_source == "demand"
         self._demand = BRAKE_DEMAND if by_demand else self._brake_torque.topic
-        self._inputs: InputWatch | None = None
+        self._input_watch: InputWatch | None = None
         if not parameters.shadow and parameters.real_time:
-            self._inputs = InputWatch(vehicle, wheel, self._demand, self._slope)
+            self._input_watch = InputWatch(vehicle, wheel, self._demand, self._slope)
         self.sensors: Mapping[str, type] = {} if by_demand else {self._demand: FluidPressure}
-        if self._inputs is not None:
-            self.sensors = self._inputs.sensors
+        if self._input_watch is not None:
+            self.sensors = self._input_watch.sensors
         self.estimates: Mapping[str, type] = {self._slope: FrictionSlope, f"{wheel}/slip": WheelSlip}
         if by_demand:
             self.estimates = {**self.estimates, self._demand: BrakeDemand}
@@ -69,8 +69,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
 
     def process(self, topic: str, message: Any) -> Sequence[Output]:
         """Take one message; return the resulting outputs."""
-        if self._inputs is not None:
-            self._inputs.note(topic, message)
+        if self._input_watch is not None:
+            self._input_watch.note(topic, message)
         return super().process(topic, message)
 
     def watch(self, ages: Mapping[str, float], now: float) -> Sequence[Output]:
@@ -79,13 +79,13 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         Elsewhere only a silent friction_slope is seen by the clock, a silent demand in message time.
         """
         super().watch(ages, now)
-        if self._inputs is None:
+        if self._input_watch is None:
             silence = self._primary.silence
             return self._fail((Reason.NO_SLOPE, f"{self._slope}: silent"), silence) if silence else []
-        loss = self._inputs.poll(ages, now)
+        loss = self._input_watch.poll(ages, now)
         outputs = self._fail(loss, loss[1]) if loss is not None else []
-        if not outputs and self._stamp != 0 and self._inputs.wants_heartbeat(ages, self._commanded):
-            outputs = [self._command()]
+        if not outputs and self._stamp != 0 and self._input_watch.wants_heartbeat(ages, self._commanded):
+            outputs = [self._command_message()]
         self._commanded = False
         return outputs
 
@@ -154,8 +154,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
 
     def _fire(self, sample: AlignedSample[FrictionSlope]) -> list[Output]:
         slope = sample.payload
-        loss = None if self._inputs is None else self._inputs.loss
-        if loss is not None and self._inputs is not None and self._inputs.is_old(sample.stamp):
+        loss = None if self._input_watch is None else self._input_watch.loss
+        if loss is not None and self._input_watch is not None and self._input_watch.is_old(sample.stamp):
             return []
         self._stamp, self._indicator = sample.stamp, slope.indicator
         torque = self._torque_at(sample)
@@ -226,10 +226,10 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         set_reason(state, self._wheel, self._reason, self._text)
         outputs: list[Output] = [(f"{self._wheel}/abs_supervisor", state)]
         if not self._p.shadow:
-            outputs.append(self._command())
+            outputs.append(self._command_message())
         return outputs
 
-    def _command(self) -> Output:
+    def _command_message(self) -> Output:
         """Return the command that is in force, once more: a heartbeat."""
         self._commanded = True
         self._counter = (self._counter + 1) % _COUNTER_END
