@@ -199,6 +199,7 @@ class PacedInputs:
         client.until(lambda: all(publisher.get_subscription_count() > 0 for publisher in self.publishers.values()))
         client.until(lambda: node.count_publishers(f"{WHEEL}/brake_command") == 1)
         self.fault, self.lost = "", ""
+        self._sent = 0
         self._frozen = Header()
         self._due = time.monotonic()
 
@@ -218,7 +219,8 @@ class PacedInputs:
 
     def _message(self, topic: str, header: Header) -> Any:
         if topic == "wheel_states":
-            return JointState(header=header, name=[WHEEL], velocity=[60.0])
+            self._sent += 1
+            return JointState(header=header, name=[WHEEL], velocity=[60.0 + 0.01 * (self._sent % 7)])
         if topic == "brake_demand":
             return BrakeDemand(header=header, pressure=4e6)
         if topic.endswith("brake_pressure"):

@@ -59,7 +59,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         by_demand = parameters.braking_source == "demand"
         self._demand = BRAKE_DEMAND if by_demand else inputs.pressure
         in_real_time = not parameters.shadow and parameters.real_time
-        self._watch = InputWatch(vehicle, wheel, self._demand, self._slope) if in_real_time else None
+        self._input_watch = InputWatch(vehicle, wheel, self._demand, self._slope) if in_real_time else None
         self.sensors: Mapping[str, type] = inputs.sensors
         self.estimates: Mapping[str, type] = {self._slope: FrictionSlope, **inputs.estimates}
         if by_demand:
@@ -83,8 +83,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
 
     def process(self, topic: str, message: Any) -> Sequence[Output]:
         """Take one message; return the resulting outputs."""
-        if self._watch is not None:
-            self._watch.note(topic, message)
+        if self._input_watch is not None:
+            self._input_watch.note(topic, message)
         return super().process(topic, message)
 
     def watch(self, ages: Mapping[str, float], now: float) -> Sequence[Output]:
@@ -93,12 +93,12 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         Elsewhere only a silent friction_slope is seen by the clock, a silent demand in message time.
         """
         super().watch(ages, now)
-        if self._watch is None:
+        if self._input_watch is None:
             silence = self._primary.silence
             return self._fail((Reason.NO_SLOPE, f"{self._slope}: silent"), silence) if silence else []
-        loss = self._watch.poll(ages, now)
+        loss = self._input_watch.poll(ages, now)
         outputs = self._fail(loss, loss[1]) if loss is not None else []
-        if not outputs and self._stamp != 0 and self._watch.wants_heartbeat(ages, self._commanded):
+        if not outputs and self._stamp != 0 and self._input_watch.wants_heartbeat(ages, self._commanded):
             outputs = [self._heartbeat()]
         self._commanded = False
         return outputs
@@ -177,8 +177,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
 
     def _fire(self, sample: AlignedSample[FrictionSlope]) -> list[Output]:
         slope = sample.payload
-        loss = None if self._watch is None else self._watch.loss
-        if loss is not None and self._watch is not None and self._watch.is_old(sample.stamp):
+        loss = None if self._input_watch is None else self._input_watch.loss
+        if loss is not None and self._input_watch is not None and self._input_watch.is_old(sample.stamp):
             return []
         self._stamp, self._indicator = sample.stamp, slope.indicator
         torque = self._torque_at(sample)

@@ -7,7 +7,7 @@ from math import inf, nan
 from typing import Any
 
 import pytest
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
+from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState, WheelSlip
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
@@ -27,7 +27,8 @@ LOST = {
     DEMAND: SupervisorState.NO_DEMAND,
     SLOPE: SupervisorState.NO_SLOPE,
 }
-PERIODS = {WHEEL_STATES: 5, PRESSURE: 5, DEMAND: 20, SLOPE: 5}
+SLIP = f"{WHEEL}/slip"
+PERIODS = {WHEEL_STATES: 5, PRESSURE: 5, DEMAND: 20, SLIP: 5, SLOPE: 5}
 """Of the messages [ms]."""
 VEHICLE = load_vehicle("chapter_corner")
 P = SupervisorParameters(
@@ -37,7 +38,9 @@ BOOT, START = 777.0, 5_000_000_000_000
 """The steady clock [s] and the stamps [ns] when a test begins."""
 
 
-def message(topic: str, stamp: int, wheel_speed: float = 80.0) -> Any:
+def message(topic: str, stamp: int, wheel_speed: float | None = None) -> Any:
+    if wheel_speed is None:  # a sensor that turns does not repeat itself
+        wheel_speed = 80.0 + 0.01 * (stamp // 5_000_000 % 7)
     header = Header(stamp=from_nanoseconds(max(stamp, 0)))
     if topic == WHEEL_STATES:
         return JointState(header=header, name=[WHEEL], velocity=[wheel_speed])
@@ -45,7 +48,9 @@ def message(topic: str, stamp: int, wheel_speed: float = 80.0) -> Any:
         return FluidPressure(header=header, fluid_pressure=4e6)
     if topic == DEMAND:
         return BrakeDemand(header=header, pressure=5e6)
-    return FrictionSlope(header=header, h=-500.0, indicator=-500.0, valid=True)
+    if topic == SLIP:
+        return WheelSlip(header=header, slip=0.04, vehicle_speed=25.0, wheel_speed=wheel_speed, valid=True)
+    return FrictionSlope(header=header, h=500.0, indicator=500.0, sign=1, valid=True)
 
 
 Fault = Callable[[str, int, int], Any]
@@ -54,7 +59,7 @@ Fault = Callable[[str, int, int], Any]
 
 @dataclass
 class Bench:
-    """A supervisor of one wheel, its four inputs and a node's clock, in steps of 1 ms; it always wants to release."""
+    """A supervisor of one wheel, its four inputs and a node's clock, in steps of 1 ms; it always brakes."""
 
     parameters: SupervisorParameters = P
     now: int = 0
@@ -66,7 +71,7 @@ class Bench:
     def __post_init__(self) -> None:
         self.said: list[str] = []
         self.processor = WheelProcessor(WHEEL, VEHICLE, self.parameters, lambda _severity, text: self.said.append(text))
-        self._came = dict.fromkeys(LOST, -inf)
+        self._came = dict.fromkeys(PERIODS, -inf)
 
     def take(self, outputs: Any) -> None:
         for topic, answer in outputs:
@@ -124,7 +129,7 @@ def crawls(topic: str, now: int, begin: int) -> Any:
 def test_a_lost_input_brings_none_within_50_ms_and_its_period(lost: str, fault: Fault | None, poll_phase: int) -> None:
     bench = Bench()
     bench.run(1000, poll_phase=poll_phase)
-    assert bench.newest == BrakeCommand.DECREASE
+    assert bench.newest == BrakeCommand.INCREASE
     bench.run(1300, fault, lost, poll_phase)
     found = [k for k, (at, command) in enumerate(bench.commands) if at > 1000 and command.command == BrakeCommand.NONE]
     assert bench.commands[found[0]][0] - 1000 <= 50 + PERIODS[lost]
@@ -136,7 +141,7 @@ def test_a_lost_input_brings_none_within_50_ms_and_its_period(lost: str, fault: 
     assert lost in bench.processor.health().message
     assert [text for text in bench.said if text.endswith("fail-safe")]
     bench.run(2100, poll_phase=poll_phase)
-    assert bench.newest == BrakeCommand.DECREASE, "the input is back"
+    assert bench.newest == BrakeCommand.INCREASE, "the input is back"
 
 
 def test_garbage_is_no_progress() -> None:
@@ -161,8 +166,7 @@ def test_a_wheel_that_stands_with_new_stamps_is_not_lost() -> None:
     bench = Bench()
     bench.run(1000)
     bench.run(2000, lambda topic, now, _: message(topic, START + now * 1_000_000, 0.0), WHEEL_STATES)
-    assert bench.newest == BrakeCommand.DECREASE
-    assert bench.state.valid
+    assert bench.state.reason != SupervisorState.NO_WHEEL_SPEED
 
 
 def test_the_demand_of_another_wheel_is_none_for_this_one() -> None:
@@ -203,7 +207,7 @@ def test_after_a_stop_nothing_old_is_answered_and_abs_is_back_within_a_fifth_of_
     assert all(to_nanoseconds(command.header.stamp) >= START + 2_950_000_000 for command in old)
     assert {command.command for _, command in bench.commands[before:]} == {BrakeCommand.NONE}
     bench.run(3200)
-    assert bench.newest == BrakeCommand.DECREASE
+    assert bench.newest == BrakeCommand.INCREASE
 
 
 @pytest.mark.parametrize("by", [1000, 3_600_000])
@@ -219,7 +223,7 @@ def test_a_clock_that_leaps_ahead_everywhere_costs_half_a_second_at_most(by: int
             bench.watch()
     none = [at for at, command in bench.commands if at > 1000 and command.command == BrakeCommand.NONE]
     assert max(none, default=0) < 1600
-    assert bench.newest == BrakeCommand.DECREASE
+    assert bench.newest == BrakeCommand.INCREASE
 
 
 @pytest.mark.parametrize("parameters", [replace(P, shadow=True), replace(P, real_time=False)])
@@ -232,8 +236,7 @@ def test_where_stamps_need_not_follow_the_clock_only_silence_counts(parameters: 
                 bench.give(topic, message(topic, START + at * 500_000))
         if at % 10 == 3:
             bench.watch()
-    assert bench.state.state == SupervisorState.S22
-    assert set(bench.processor.sensors) == set()
+    assert bench.state.state == SupervisorState.S1
     assert len(bench.commands) == (0 if parameters.shadow else 40), "no heartbeat but an answer to each sample"
 
 

@@ -14,6 +14,8 @@ from vehicle_models.plausible import NEW_RUN
 
 LAG = 0.035
 """Lag of the stamps, beyond the input's period, with which it is lost [s]: 50 ms, less a period of the watch."""
+_FIRST_REFERENCE = 0.2
+"""Time at the start in which the period is learned [s]."""
 _KEEPS_UP = 0.05
 _NEW_REFERENCE = 0.5
 _LEAP = 0.05
@@ -76,7 +78,7 @@ class StampProgress:
         self._follow_candidate(age, on_arrival, limit)
         if self._reference is None:
             self.lag = 0.0
-            self.lost = self._candidate_steady_for() < _KEEPS_UP
+            self.lost = self._candidate_steady_for() < _FIRST_REFERENCE
             if not self.lost:
                 self._reference = self._candidate
             return self.lost
