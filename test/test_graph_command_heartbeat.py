@@ -25,9 +25,9 @@ WHEEL = "front_left"
 EVERYTHING = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
 HYDRAULICS = 0.5
 """Message time [s] in which the brake line comes from nothing to the driver's pressure, generously."""
-SPEED = 120.0
+SPEED = 150.0
 """[m/s]. From there a stop on snow takes longer than the test."""
-SLOWEST = 3.0
+SLOWEST = 2.2
 """[m/s^2]. No car brakes harder on snow: a wheel that stays locked without supervisor is long known to be no stop."""
 
 
