@@ -87,12 +87,15 @@ class Loop:
         return self._demands[-1].pressure
 
     def until_abs_works(self) -> None:
-        """Wait for a release that the plant obeys, from now on."""
-        seen = len(self.commands)
+        """Wait for a release that the plant obeys, from now on. On a busy machine it may be a short one."""
+        commands, pressures = len(self.commands), len(self.pressures)
 
         def released() -> bool:
-            orders = [message.command for message in self.commands[seen:]]
-            return BrakeCommand.DECREASE in orders and self.pressures[-1].fluid_pressure < 0.7 * self.driver
+            releases = [each for each in self.commands[commands:] if each.command == BrakeCommand.DECREASE]
+            return bool(releases) and any(
+                stamp_of(each) > stamp_of(releases[0]) and each.fluid_pressure < 0.7 * self.driver
+                for each in self.pressures[pressures:]
+            )
 
         self._client.until(released)
 
