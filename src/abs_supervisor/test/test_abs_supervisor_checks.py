@@ -40,7 +40,7 @@ def test_healthy_wheel_is_not_blamed() -> None:
         (lambda k, true: 0.0 if k >= 100 else true, "dead"),
         (lambda k, true: 72.5 if k >= 100 else true, "stuck"),
         (lambda k, true: 0.0 if k >= 100 and k % 4 < 2 else true, "flickers"),
-        (lambda k, true: 1.4 * true if k >= 100 else true, "jumps"),
+        (lambda k, true: 1.4 * true if k >= 100 else true, "where the car"),
     ],
 )
 @pytest.mark.parametrize("others", [0, 3])
