@@ -80,6 +80,8 @@ _PEAK_PER_SLIP = 30.0
 """Error of lambda_max over an error of slip that the curve does not know of: a peak is flat."""
 _DEEP = 2.0
 """A slip above its threshold by this factor is deep."""
+_SUSPICIOUS = 0.5
+"""Share of the slip that a release needs."""
 _RECOVERING = 2.0
 """[m/s^2] of the circumference of a wheel that recovers."""
 
@@ -105,6 +107,8 @@ class ReleaseEvidence:
         self._slip_since: int | None = None
         self._dive_since: int | None = None
         self._dived = False
+        self.dives = False
+        """Whether the wheel decelerates as for a release, with at least half of the slip that a release needs."""
         self.release_slip = nan
         """[-] slip above which a release is allowed."""
         self.deceleration = nan
@@ -147,7 +151,9 @@ class ReleaseEvidence:
         slips = (
             wheel.slip > base + doubt if isfinite(wheel.slip) else lag > p.least_slip + p.sigmas * self._scatter.slip
         )
-        dives = slips and self.deceleration > self.release_deceleration
+        hard = self.deceleration > self.release_deceleration
+        self.dives = hard and wheel.slip > _SUSPICIOUS * base
+        dives = slips and hard
         self._dive_since = _since(self._dive_since, stamp, dives)
         if self._lasts(self._dive_since, stamp):
             self._dived = True

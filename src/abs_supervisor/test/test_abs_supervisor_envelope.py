@@ -73,6 +73,14 @@ def test_known_small_slip_contradicts_a_dive() -> None:
     assert set(commands) == {Command.INCREASE}
 
 
+def test_dive_at_half_of_the_slip_for_a_release_stops_the_rise_of_the_pressure() -> None:
+    bench = Bench()
+    commands = [bench.sample(SPEED - 60.0 * DT * k, slip=0.15) for k in range(40)]
+    assert commands[-1] is Command.HOLD
+    assert Command.DECREASE not in commands
+    assert bench.sample(SPEED - 60.0 * DT * 40, slip=0.15, torque=DEMAND) is Command.INCREASE
+
+
 @pytest.mark.parametrize("noise", [0.07, 0.21])
 def test_ripple_of_the_encoder_that_was_learned_is_no_evidence(noise: float) -> None:
     evidence, random = ReleaseEvidence(RADIUS, EvidenceParameters()), np.random.default_rng(3)
