@@ -75,4 +75,8 @@ class Envelope:
         self.release = self.evidence.verdict if wanted else Release.NOT_WANTED
         self.refused += begins and self.release is Release.REFUSED
         release = wanted and self.release is not Release.REFUSED
-        return self.caps.command(stamp, release, self.evidence.recovering, self.evidence.deep, torque, demand)
+        command = self.caps.command(stamp, release, self.evidence.recovering, self.evidence.deep, torque, demand)
+        if wanted and not release and self.evidence.dives and command is Command.INCREASE and torque < demand:
+            # Not yet a lock, perhaps the brake's own rise: that is stopped, which a slow brake needs in time.
+            return Command.HOLD
+        return command

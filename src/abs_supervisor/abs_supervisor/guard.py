@@ -1,4 +1,4 @@
-"""All that stands between the law of one wheel and its brake: envelope, check of the wheel's sensor and of the pressure.
+"""What stands between the law of one wheel and its brake: envelope, checks of the wheel's sensor and of the pressure.
 
 Pure: no messages.
 """

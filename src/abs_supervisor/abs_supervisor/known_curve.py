@@ -9,8 +9,8 @@ from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _OLDER = round(0.05 * NANOSECONDS)
-"""[ns] a curve counts for samples at least this much later: by then it has come, so that the answer to a sample does not
-depend on which of the two came first."""
+"""[ns] a curve counts for samples at least this much later: by then it has come, so that the answer to a sample does
+not depend on which of the two came first."""
 _KEPT = round(0.5 * NANOSECONDS)
 """[ns] after which a curve that is not renewed is forgotten."""
 _FEWEST = 20

@@ -14,7 +14,7 @@ from vehicle_models.nanoseconds import NANOSECONDS
 _LATE = 0.025
 """[s] by which a pressure may be later than the delay of the hydraulics."""
 _SHARE = 0.2
-"""Of the demand, by which the torque may be wrong."""
+"""Of the torque that is expected, by which it may be wrong."""
 _LEAST = 30.0
 """[N m] by which the torque may be wrong in any case; a weaker braking cannot be judged."""
 _LASTS = 0.025
@@ -52,7 +52,7 @@ class PressureCheck:
         while self._band[0][0] < stamp - _LATE * NANOSECONDS:
             self._band.popleft()
         low, high = min(each for _, each in self._band), max(each for _, each in self._band)
-        allowed = _LEAST + _SHARE * max(demand, high, 0.0)
+        allowed = _LEAST + _SHARE * max(high, 0.0)
         below, above = torque < low - allowed, torque > high + allowed
         if not (below or above):
             self._wrong_since = None

@@ -240,7 +240,11 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             return Reason.WHEEL_SENSOR, guard.wheel_text
         if slope.reason == _SLOPE_LOW_SPEED and not self._stands_locked(slope):
             return Reason.LOW_SPEED, without_wheel(self._wheel, slope.reason_text)
-        alive = slope.reason in _UNMEASURED or slope.reason == _SLOPE_LOW_SPEED or (slope.reason == _SLOPE_OK and slope.valid)
+        alive = (
+            slope.reason in _UNMEASURED
+            or slope.reason == _SLOPE_LOW_SPEED
+            or (slope.reason == _SLOPE_OK and slope.valid)
+        )
         if not alive and not (slope.reason == _SLOPE_NOT_READY and isfinite(slope.indicator)):
             return Reason.INVALID_SLOPE, of_topic(self._slope, slope.reason_text)
         if guard.pressure_text:

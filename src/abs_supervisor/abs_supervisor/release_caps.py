@@ -81,9 +81,7 @@ class ReleaseCaps:
         self._why = Cap.NONE
         self._allowed = 0.0
 
-    def command(
-        self, stamp: int, release: bool, recovering: bool, deep: bool, torque: float, demand: float
-    ) -> Command:
+    def command(self, stamp: int, release: bool, recovering: bool, deep: bool, torque: float, demand: float) -> Command:
         """Return DECREASE, or what takes its place.
 
         Args:

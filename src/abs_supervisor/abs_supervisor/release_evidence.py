@@ -80,6 +80,8 @@ _PEAK_PER_SLIP = 30.0
 """Error of lambda_max over an error of slip that the curve does not know of: a peak is flat."""
 _DEEP = 2.0
 """A slip above its threshold by this factor is deep."""
+_SUSPICIOUS = 0.5
+"""Share of the slip that a release needs."""
 _RECOVERING = 2.0
 """[m/s^2] of the circumference of a wheel that recovers."""
 
@@ -105,6 +107,8 @@ class ReleaseEvidence:
         self._slip_since: int | None = None
         self._dive_since: int | None = None
         self._dived = False
+        self.dives = False
+        """Whether the wheel decelerates as for a release, with at least half of the slip that a release needs."""
         self.release_slip = nan
         """[-] slip above which a release is allowed."""
         self.deceleration = nan
@@ -144,13 +148,17 @@ class ReleaseEvidence:
         slip_shows = wheel.slip > self.release_slip
         self._slip_since = _since(self._slip_since, stamp, slip_shows)
         # A deceleration alone proves no lock: brakes are applied with several g of the wheel, at small slips.
-        slips = wheel.slip > base + doubt if isfinite(wheel.slip) else lag > p.least_slip + p.sigmas * self._scatter.slip
-        dives = slips and self.deceleration > self.release_deceleration
+        slips = (
+            wheel.slip > base + doubt if isfinite(wheel.slip) else lag > p.least_slip + p.sigmas * self._scatter.slip
+        )
+        hard = self.deceleration > self.release_deceleration
+        self.dives = hard and wheel.slip > _SUSPICIOUS * base
+        dives = slips and hard
         self._dive_since = _since(self._dive_since, stamp, dives)
         if self._lasts(self._dive_since, stamp):
             self._dived = True
         elif self.deceleration <= 0.0 if isfinite(wheel.slip) else lag <= p.least_slip:
-            # The wheel gains speed again: from here a known slip alone decides. Without it the wheel must have come back.
+            # The wheel gains speed: from here a known slip alone decides. Without it the wheel must have come back.
             self._dived = False
         if self._lasts(self._slip_since, stamp):
             self.verdict = Release.BY_SLIP
@@ -172,7 +180,10 @@ class ReleaseEvidence:
         return base, sqrt(stddev**2 + self._scatter.slip**2)
 
     def _lag(self, stamp: int, wheel: Wheel) -> float:
-        """Return the least slip [-] that is possible: behind the wheel's own fastest speed, braked as hard as can be."""
+        """Return the least slip [-] that is possible: behind the wheel's own fastest speed, braked as hard as can be.
+
+        A car that brakes less hard has a larger one.
+        """
         rim = self._radius * wheel.speed
         dt = 0.0 if self._last is None else (stamp - self._last) / NANOSECONDS
         self._last = stamp

@@ -45,7 +45,7 @@ class RollingScatter:
     @property
     def slip_of_curve(self) -> float:
         """Root mean square error of slip beyond what a curve takes into account [-]; 0 where nothing was learned."""
-        return sqrt(max(self._slip - _ORDINARY_SLIP**2, 0.0))
+        return min(sqrt(max(self._slip - _ORDINARY_SLIP**2, 0.0)), _MOST_SLIP)
 
     @property
     def learned(self) -> bool:
@@ -68,7 +68,7 @@ class RollingScatter:
             variance: of slip as stated [-].
         """
         if braked or self._braked is None:
-            self._braked = stamp if braked else stamp - round(_FREE_FOR * NANOSECONDS)
+            self._braked = stamp
         if stamp - self._braked < _FREE_FOR * NANOSECONDS or wheel_speed < _SLOWEST:
             return
         if isfinite(rate):

@@ -34,7 +34,7 @@ _STANDS = 0.5
 _MOVES = 3.0
 """[m/s] from here the car moves."""
 _REPEATS = 0.05
-"""[s] a braked wheel that turns and whose reading is the same to the last bit for so long is stuck: encoders have noise."""
+"""[s] a braked wheel that turns and reads the same to the last bit for so long is stuck: encoders have noise."""
 _FASTER, _FASTER_FOR = 0.08, 0.06
 """A braked wheel cannot be faster than the car by this share, [s] for so long."""
 _APART, _APART_FOR = 0.25, 0.5
@@ -87,8 +87,8 @@ class WheelCheck:
     def update(self, stamp: int, wheel_speed: float, around: Surroundings) -> str:
         """Take the wheel speed [rad/s] at a stamp [ns]; return why it must not be used, or nothing."""
         found = self._jump(stamp, wheel_speed, self._torque(stamp, around.torque))
-        found = self._stuck(stamp, wheel_speed, around.torque) or found
-        found = self._against_car(stamp, wheel_speed * self._radius, around) or found
+        stuck = self._stuck(stamp, wheel_speed, around.torque)
+        found = found or stuck or self._against_car(stamp, wheel_speed * self._radius, around)
         if found:
             self.text, self._contradicted = found, stamp
         elif self._contradicted is not None and stamp - self._contradicted > _CLEAN * NANOSECONDS:

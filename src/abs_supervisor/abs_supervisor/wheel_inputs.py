@@ -1,4 +1,4 @@
-"""What the envelope and the checks need beside the law's inputs: wheel speeds, slip, pressure and curve of one wheel."""
+"""What envelope and checks need beside the law's inputs: wheel speeds, slip, pressure and curve of one wheel."""
 
 from collections.abc import Mapping
 from math import isfinite, nan, sqrt

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
+from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionCurve, FrictionSlope, SupervisorState, WheelSlip
 from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import serialize_message
-from sensor_msgs.msg import FluidPressure
+from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
 from abs_supervisor.braking import PressureParameters
@@ -24,6 +24,7 @@ from friction_parameters.values import changed, from_mapping, ignored
 from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from friction_slope.parameters import FrictionSlopeParameters
+from vehicle_models.brake_actuator import BrakeActuator
 from vehicle_models.vehicle_file import load_vehicle
 
 CONFIG = Path(__file__).parents[1] / "config" / "abs_supervisor.yaml"
@@ -38,6 +39,8 @@ P = SupervisorParameters(
 )
 BY_PRESSURE = replace(P, braking_source="pressure")
 K = 1e-4
+SPEED, SLIP = 20.0, 0.4
+"""Of the car [m/s], and of the wheel where a test says nothing else: beyond every peak."""
 
 
 def demand(stamp: int, torque: float, wheel: str = "") -> BrakeDemand:
@@ -57,8 +60,27 @@ def slope(stamp: int, indicator: float, growing: int = 1, reason: int = Friction
     )
 
 
+def turning(stamp: int, slip: float = SLIP) -> list[tuple[str, Any]]:
+    """Messages of a wheel with a slip; its speed is never the same twice, as that of a sensor that works."""
+    header = Header(stamp=from_nanoseconds(stamp))
+    speed = SPEED * (1.0 - slip) / 0.3 + 1e-3 * (stamp // STEP % 2)
+    source = WheelSlip.SPEED_SENSOR
+    message = WheelSlip(
+        header=header, slip=slip, slip_variance=1e-5, vehicle_speed=SPEED, speed_source=source, valid=True
+    )
+    return [
+        ("wheel_states", JointState(header=header, name=["front_left"], velocity=[speed])),
+        ("front_left/slip", message),
+    ]
+
+
+def pressure(stamp: int, torque: float) -> tuple[str, Any]:
+    header = Header(stamp=from_nanoseconds(stamp))
+    return "front_left/brake_pressure", FluidPressure(header=header, fluid_pressure=torque / K)
+
+
 class Bench:
-    """A processor, fed sample by sample; keeps its outputs and reports."""
+    """A processor with a brake that obeys it, fed sample by sample; keeps its outputs and reports."""
 
     def __init__(self, parameters: SupervisorParameters = P) -> None:
         self.said: list[tuple[str, str]] = []
@@ -69,6 +91,17 @@ class Bench:
         self.state = SupervisorState()
         self.command: int | None = None
         self.counter = 0
+        self.slip = SLIP
+        self.brake = BrakeActuator(1, STEP * 1e-9)
+        for _ in range(4):  # slip is evidence after a time
+            self.sample(0.0, torque=0.0)
+
+    def sense(self, torque: float) -> None:
+        """All inputs but the slope, at the present stamp."""
+        self.processor.process("brake_demand", demand(self.stamp, torque))
+        felt = float(self.brake.step(torque, self.command or 0)[0])
+        for topic, message in (*turning(self.stamp, self.slip), pressure(self.stamp, felt)):
+            assert self.processor.process(topic, message) == []
 
     def take(self, outputs: Any) -> None:
         self.command = None
@@ -84,7 +117,7 @@ class Bench:
 
     def sample(self, indicator: float, torque: float = 500.0, growing: int = 1, reason: int = FrictionSlope.OK) -> str:
         self.stamp += STEP
-        assert self.processor.process("brake_demand", demand(self.stamp, torque)) == []
+        self.sense(torque)
         self.take(self.processor.process(SLOPE, slope(self.stamp, indicator, growing, reason)))
         return self.name
 
@@ -119,7 +152,7 @@ def test_a_cycle_is_commanded_counted_and_logged_with_its_causes() -> None:
     transitions = [text for severity, text in bench.said if severity == "debug"]
     causes = [text.split("cause ")[1] for text in transitions]
     assert causes == ["braking", "instability", "wait_over", "stability", "braking_over"]
-    lasted = f"{(bench.stamp - 2 * STEP) / 1e9:.2f} s"
+    lasted = f"{(bench.stamp - 6 * STEP) / 1e9:.2f} s"
     told = [each for each in bench.said if each[0] != "debug"]
     assert told == [("info", f"front_left: braked for {lasted}, releases: 1, last cause: braking_over")]
     values = bench.processor.health().values
@@ -204,9 +237,10 @@ def test_silent_demand_is_held_for_a_while_and_then_fails_safe() -> None:
     last = bench.stamp
     while bench.name != "S0":
         bench.stamp += STEP
-        for state, command in pairwise([*bench.processor.process(SLOPE, slope(bench.stamp, 500.0)), None]):
-            if bench.name != "S0" and state is not None and command is not None and state[0].endswith("supervisor"):
-                bench.take([state, command])
+        for topic, message in (*turning(bench.stamp), pressure(bench.stamp, 500.0), (SLOPE, slope(bench.stamp, 500.0))):
+            for state, command in pairwise([*bench.processor.process(topic, message), None]):
+                if bench.name != "S0" and state is not None and command is not None and state[0].endswith("supervisor"):
+                    bench.take([state, command])
     assert bench.state.reason == SupervisorState.NO_DEMAND
     answered = to_nanoseconds(bench.state.header.stamp)
     assert (answered - last) * 1e-9 == pytest.approx(P.demand_timeout + P.tolerance, abs=0.0051)
@@ -234,7 +268,7 @@ def test_jump_back_in_time_returns_to_s0_and_goes_on() -> None:
     for _ in range(40):
         bench.sample(500.0)
     bench.brake_into_s22()
-    lasted = f"{(bench.stamp - STEP) / 1e9:.2f} s"
+    lasted = f"{(bench.stamp - 5 * STEP) / 1e9:.2f} s"
     bench.stamp = 0
     bench.sample(500.0, torque=0.0)
     assert bench.name == "S0"
@@ -249,16 +283,19 @@ def test_jump_back_in_time_returns_to_s0_and_goes_on() -> None:
 
 def test_demand_of_another_wheel_does_not_count() -> None:
     bench = Bench()
-    for k in range(1, 40):
+    for k in range(5, 80):
         bench.processor.process("brake_demand", demand(k * STEP, 500.0, wheel="rear_left"))
-        bench.take(bench.processor.process(SLOPE, slope(k * STEP, 500.0)))
+        for topic, message in (*turning(k * STEP), pressure(k * STEP, 0.0), (SLOPE, slope(k * STEP, 500.0))):
+            outputs = bench.processor.process(topic, message)
+            if outputs:
+                bench.take(outputs)
     assert bench.name == "S0"
     assert bench.state.reason == SupervisorState.NO_DEMAND
 
 
 def pressed(processor: WheelProcessor, stamp: int, torque: float) -> str:
-    pressure = FluidPressure(header=Header(stamp=from_nanoseconds(stamp)), fluid_pressure=torque / K)
-    processor.process("front_left/brake_pressure", pressure)
+    for topic, message in (*turning(stamp), pressure(stamp, torque)):
+        processor.process(topic, message)
     outputs = processor.process(SLOPE, slope(stamp, nan, reason=FrictionSlope.NO_EXCITATION))
     return ("S0", "S1", "S21", "S22")[outputs[0][1].state]
 
@@ -293,9 +330,8 @@ def test_pressure_is_taken_for_the_time_at_which_it_acted() -> None:
     processor = WheelProcessor("front_left", replace(VEHICLE, brake_pressure_delay=0.01), BY_PRESSURE)
     torques = [0.0] * 9 + [500.0] * 9
     for k, torque in enumerate(torques, 1):
-        stamp = from_nanoseconds((k + 2) * STEP)
-        pressure = FluidPressure(header=Header(stamp=stamp), fluid_pressure=torque / K)
-        processor.process("front_left/brake_pressure", pressure)
+        for topic, message in (*turning(k * STEP), pressure((k + 2) * STEP, torque)):
+            processor.process(topic, message)
         ((_, state), _) = processor.process(SLOPE, slope(k * STEP, nan, reason=FrictionSlope.NO_EXCITATION))
         assert state.demand_torque == pytest.approx(torque)
 
@@ -305,6 +341,8 @@ def test_brake_gain_is_that_of_the_wheel() -> None:
     strong = replace(VEHICLE, wheels=(replace(wheel, brake_gain=2.0 * K),))
     processor = WheelProcessor("front_left", strong, P)
     processor.process("brake_demand", demand(STEP, 300.0))
+    for topic, message in (*turning(STEP), pressure(STEP, 0.0)):
+        processor.process(topic, message)
     assert processor.process(SLOPE, slope(STEP, 0.0))[0][1].demand_torque == pytest.approx(600.0)
 
 
@@ -318,25 +356,43 @@ def test_reset_starts_again() -> None:
 
 
 NUMBERS = st.one_of(st.floats(allow_nan=True, allow_infinity=True), st.sampled_from([0.0, nan, inf, -inf, 1e300]))
-MESSAGES = st.tuples(st.booleans(), st.integers(-2, 20), NUMBERS, NUMBERS, st.integers(0, 20))
+TOPICS = (
+    SLOPE,
+    "brake_demand",
+    "wheel_states",
+    "front_left/slip",
+    "front_left/brake_pressure",
+    "front_left/friction_curve",
+)
+MESSAGES = st.tuples(st.sampled_from(TOPICS), st.integers(-2, 20), NUMBERS, NUMBERS, st.integers(0, 20))
+
+
+def hostile(topic: str, stamp: int, a: float, b: float, reason: int) -> Any:
+    header = Header(stamp=from_nanoseconds(stamp))
+    known = reason % 2 == 0
+    return {
+        SLOPE: lambda: FrictionSlope(header=header, h=a, indicator=b, reason=reason, valid=known),
+        "brake_demand": lambda: BrakeDemand(header=header, pressure=a),
+        "wheel_states": lambda: JointState(header=header, name=["front_left"], velocity=[a]),
+        "front_left/slip": lambda: WheelSlip(header=header, slip=a, slip_variance=b, vehicle_speed=b, valid=known),
+        "front_left/brake_pressure": lambda: FluidPressure(header=header, fluid_pressure=a),
+        "front_left/friction_curve": lambda: FrictionCurve(
+            header=header, lambda_max=a, lambda_max_stddev=b, samples=100, reason=reason
+        ),
+    }[topic]()
 
 
 @given(st.lists(MESSAGES, max_size=60))
 def test_hostile_streams_give_known_states_and_commands_and_no_exception(stream: list[Any]) -> None:
     processor = WheelProcessor("front_left", VEHICLE, P)
-    for is_slope, step, a, b, reason in stream:
-        stamp = from_nanoseconds(max(step, 0) * STEP)
-        if is_slope:
-            message: Any = FrictionSlope(header=Header(stamp=stamp), h=a, indicator=b, reason=reason)
-            outputs = processor.process(SLOPE, message)
-        else:
-            outputs = processor.process("brake_demand", BrakeDemand(header=Header(stamp=stamp), pressure=a))
-        for topic, answer in outputs:
-            if topic.endswith("brake_command"):
-                assert answer.command in (BrakeCommand.NONE, BrakeCommand.INCREASE, BrakeCommand.DECREASE)
+    for topic, step, a, b, reason in stream:
+        for name, answer in processor.process(topic, hostile(topic, max(step, 0) * STEP, a, b, reason)):
+            if name.endswith("brake_command"):
+                assert answer.command in list(range(4))
             else:
                 assert answer.state in range(4)
                 assert answer.valid == (answer.reason == SupervisorState.OK)
+                assert serialize_message(answer)
 
 
 def test_shipped_parameter_file_holds_the_defaults_and_commands_no_brake() -> None:
@@ -410,8 +466,93 @@ def test_locked_wheel_whose_h_is_unknown_is_released() -> None:
     bench = Bench()
     bench.sample(500.0)
     bench.stamp += STEP
-    bench.processor.process("brake_demand", demand(bench.stamp, 500.0))
+    bench.sense(500.0)
     locked = slope(bench.stamp, -1e5)
     locked.h = nan
     bench.take(bench.processor.process(SLOPE, locked))
     assert bench.name == "S21"
+
+
+@pytest.mark.parametrize("reason", [FrictionSlope.BAD_INPUT, FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION])
+def test_indicator_of_a_slope_that_is_not_valid_releases_nothing(reason: int) -> None:
+    bench = Bench()
+    bench.sample(500.0)
+    for _ in range(300):
+        bench.sample(-1e5, reason=reason)
+        assert bench.command != BrakeCommand.DECREASE
+
+
+def test_law_alone_releases_nothing() -> None:
+    bench = Bench()
+    bench.slip = 0.05
+    bench.sample(500.0, torque=0.0)
+    for _ in range(60):
+        bench.sample(-1e5)
+        assert bench.command == BrakeCommand.INCREASE
+    assert bench.state.release == SupervisorState.RELEASE_REFUSED
+    assert bench.state.refused_releases >= 1
+    assert bench.state.slip == pytest.approx(0.05)
+    assert bench.state.release_slip > 0.2
+
+
+def test_curve_lowers_the_slip_that_a_release_needs_once_it_is_50_ms_old() -> None:
+    bench = Bench()
+    bench.slip = 0.15
+    came = 0
+    for k in range(40):
+        bench.sample(-1e5)
+        if k == 10:
+            header = Header(stamp=from_nanoseconds(bench.stamp))
+            curve = FrictionCurve(header=header, lambda_max=0.12, lambda_max_stddev=0.01, samples=30, valid=True)
+            assert bench.processor.process("front_left/friction_curve", curve) == []
+            came = bench.stamp
+        expected = BrakeCommand.DECREASE if came and bench.stamp >= came + 60_000_000 else BrakeCommand.INCREASE
+        if not came or bench.stamp - came not in range(50_000_000, 60_000_000):
+            assert bench.command == expected or bench.name == "S1"
+    assert bench.state.release == SupervisorState.RELEASE_BY_SLIP
+
+
+def test_dead_wheel_sensor_gives_the_brake_to_the_driver_and_says_so() -> None:
+    bench = Bench()
+    bench.slip = 0.05
+    for _ in range(30):
+        bench.sample(500.0)
+    died = bench.stamp
+    bench.slip = 1.0
+    while bench.state.reason != SupervisorState.WHEEL_SENSOR:
+        bench.sample(-1e5)
+    assert bench.stamp - died <= 50_000_000
+    assert bench.command == BrakeCommand.NONE
+    assert "dead" in bench.state.reason_text
+    health = bench.processor.health()
+    assert health.level is Level.ERROR
+    assert "dead" in health.message
+
+
+def test_missing_inputs_are_named_and_fail_safe() -> None:
+    for missing, reason in (
+        ("wheel_states", SupervisorState.NO_WHEEL_SPEED),
+        ("front_left/brake_pressure", SupervisorState.NO_PRESSURE),
+    ):
+        bench = Bench()
+        bench.brake_into_s22()
+        for _ in range(40):
+            bench.stamp += STEP
+            given = [*turning(bench.stamp), pressure(bench.stamp, 500.0), ("brake_demand", demand(bench.stamp, 500.0))]
+            for topic, message in (*given, (SLOPE, slope(bench.stamp, -200.0))):
+                outputs = bench.processor.process(topic, message) if topic != missing else []
+                if outputs:
+                    bench.take(outputs)
+        assert bench.name == "S0"
+        assert bench.command == BrakeCommand.NONE
+        assert bench.state.reason == reason
+        assert missing in bench.state.reason_text
+
+
+def test_state_says_what_was_not_checked() -> None:
+    bench = Bench()
+    bench.sample(500.0)
+    assert "no friction curve" in bench.state.unchecked
+    assert "no other wheel" in bench.state.unchecked
+    shadow = Bench(replace(P, shadow=True))
+    assert "pressure" in shadow.state.unchecked

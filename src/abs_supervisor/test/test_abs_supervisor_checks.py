@@ -1,0 +1,131 @@
+"""The checks of a wheel's sensor and of its pressure: faults are found in time, and healthy ones are not blamed."""
+
+from collections.abc import Callable
+from math import nan
+
+import numpy as np
+import pytest
+
+from abs_supervisor.fsm import Command
+from abs_supervisor.pressure_check import PressureCheck
+from abs_supervisor.wheel_check import Surroundings, WheelCheck
+from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
+from vehicle_models.vehicle_file import load_vehicle
+
+STEP, DT = 5_000_000, 0.005
+CORNER = load_vehicle("chapter_corner").corner("front_left")
+Reading = Callable[[int, float], float]
+
+
+def first_text(reading: Reading, others: int = 3, samples: int = 400, torque: float = 500.0) -> tuple[int | None, str]:
+    """Brake with 6 m/s^2 from 25 m/s; return the sample of the first contradiction, and its text."""
+    check, random = WheelCheck(CORNER), np.random.default_rng(5)
+    for k in range(samples):
+        car = max(25.0 - 6.0 * DT * k, 0.0)
+        true = car * 0.95 / CORNER.radius + 0.07 * float(random.standard_normal())
+        around = Surroundings(torque, [car * 0.95] * others, car, True)
+        text = check.update((k + 1) * STEP, reading(k, true), around)
+        if text:
+            return k, text
+    return None, ""
+
+
+def test_healthy_wheel_is_not_blamed() -> None:
+    assert first_text(lambda k, true: true) == (None, "")
+
+
+@pytest.mark.parametrize(
+    ("reading", "named"),
+    [
+        (lambda k, true: 0.0 if k >= 100 else true, "dead"),
+        (lambda k, true: 72.5 if k >= 100 else true, "stuck"),
+        (lambda k, true: 0.0 if k >= 100 and k % 4 < 2 else true, "flickers"),
+        (lambda k, true: 1.4 * true if k >= 100 else true, "where the car"),
+    ],
+)
+@pytest.mark.parametrize("others", [0, 3])
+def test_faulty_sensor_is_named_within_100_ms(reading: Reading, named: str, others: int) -> None:
+    at, text = first_text(reading, others)
+    assert at is not None
+    assert (at - 100) * DT <= 0.1
+    assert named in text
+
+
+def test_spike_is_left_to_the_law() -> None:
+    assert first_text(lambda k, true: 0.0 if k == 100 else true) == (None, "")
+
+
+def test_wheel_that_fell_to_zero_as_a_brake_can_make_it_is_locked_not_dead() -> None:
+    assert first_text(lambda k, true: max(true - 1.5 * max(k - 100, 0), 0.0)) == (None, "")
+
+
+def test_wheel_that_reads_zero_although_it_is_not_braked_is_dead() -> None:
+    at, text = first_text(lambda k, true: 0.0, torque=0.0)
+    assert at is not None
+    assert "rolling freely" in text
+
+
+def test_wheel_that_spins_up_as_a_road_can_make_it_is_healthy() -> None:
+    assert first_text(lambda k, true: min(true, max(k - 50, 0) * 2.0)) == (None, "")
+
+
+def test_wrong_speed_of_the_car_does_not_blame_wheels_that_agree() -> None:
+    check, random = WheelCheck(CORNER), np.random.default_rng(1)
+    for k in range(400):
+        rim = 25.0 - 6.0 * DT * k
+        around = Surroundings(500.0, [rim, rim, rim], 0.5 * rim, False)
+        assert check.update((k + 1) * STEP, rim / 0.3 + 0.07 * float(random.standard_normal()), around) == ""
+
+
+def test_sensor_is_trusted_again_a_second_after_the_last_contradiction() -> None:
+    check, random, texts = WheelCheck(CORNER), np.random.default_rng(1), []
+    for k in range(600):
+        rim = 25.0 - 3.0 * DT * k
+        speed = 0.0 if 100 <= k < 160 else rim / 0.3 + 0.07 * float(random.standard_normal())
+        texts.append(check.update((k + 1) * STEP, speed, Surroundings(400.0, [rim] * 3, rim, True)))
+    assert all(texts[110:350])
+    assert not any(texts[400:])
+
+
+def pressures(
+    demand: Callable[[int], float], command: Callable[[int], Command], change: Callable[[list[float]], float]
+) -> list[str]:
+    check, brake, random = PressureCheck(ActuatorParameters()), BrakeActuator(1, DT), np.random.default_rng(2)
+    true, texts = [0.0] * 40, []
+    for k in range(400):
+        felt = change(true) + 3.2 * float(random.standard_normal())
+        texts.append(check.update((k + 1) * STEP, felt, demand(k)))
+        check.commanded((k + 1) * STEP, demand(k), command(k))
+        true.append(float(brake.step(demand(k), command(k))[0]))
+    return texts
+
+
+def cycling(k: int) -> Command:
+    return (
+        (Command.INCREASE, Command.DECREASE, Command.HOLD, Command.INCREASE)[k // 13 % 4] if k > 120 else Command.NONE
+    )
+
+
+@pytest.mark.parametrize("level", [150.0, 500.0, 1200.0])
+@pytest.mark.parametrize("command", [lambda k: Command.NONE, cycling])
+def test_pressure_that_follows_is_not_blamed(level: float, command: Callable[[int], Command]) -> None:
+    texts = pressures(lambda k: level if k >= 100 else 0.0, command, lambda true: true[-1])
+    assert not any(texts)
+
+
+@pytest.mark.parametrize("level", [150.0, 500.0, 1200.0])
+@pytest.mark.parametrize(
+    "change", [lambda true: 0.0, lambda true: 0.5 * true[-1], lambda true: true[-13]], ids=["stuck", "half", "late"]
+)
+def test_pressure_that_does_not_follow_is_named_within_half_a_second(
+    level: float, change: Callable[[list[float]], float]
+) -> None:
+    texts = pressures(lambda k: level if k >= 100 else 0.0, lambda k: Command.NONE, change)
+    named = next(k for k, text in enumerate(texts) if text)
+    assert 0.0 < (named - 100) * DT <= 0.5
+
+
+def test_unknown_torque_makes_no_jump_of_a_wheel_that_stops() -> None:
+    check = WheelCheck(CORNER)
+    for k in range(100):
+        assert check.update((k + 1) * STEP, max(80.0 - 2.0 * k, 0.0), Surroundings(nan)) == ""

@@ -1,0 +1,199 @@
+"""The envelope: what is evidence for a release, and how long one may last, whatever the law wants."""
+
+from math import nan, pi, sin
+
+import numpy as np
+import pytest
+
+from abs_supervisor.envelope import Envelope, EnvelopeParameters
+from abs_supervisor.fsm import Command
+from abs_supervisor.release_caps import Cap
+from abs_supervisor.release_evidence import EvidenceParameters, Release, ReleaseEvidence, Wheel
+
+STEP = 5_000_000
+DT = 0.005
+RADIUS = 0.3
+SPEED = 20.0
+DEMAND = 800.0
+
+
+class Bench:
+    """An envelope whose law always wants a release; the wheel's sensor has the noise of section 8.3.2."""
+
+    def __init__(self, law: Command = Command.DECREASE) -> None:
+        self.envelope = Envelope(RADIUS, EnvelopeParameters(), apply_rate=5000.0)
+        self.law = law
+        self.stamp = 0
+        self.random = np.random.default_rng(7)
+
+    def sample(self, speed: float, car: float = SPEED, torque: float = 300.0, **known: float) -> Command:
+        self.stamp += STEP
+        noise = 0.07 * float(self.random.standard_normal())
+        wheel = Wheel(speed=speed / RADIUS + noise, braked=True, slip_stddev=0.003, car_deceleration=5.0)
+        for name, value in known.items():
+            setattr(wheel, name, value)
+        self.envelope.look(self.stamp, wheel)
+        return self.envelope.judge(self.stamp, self.law, car, torque, DEMAND)
+
+    def slipping(self, slip: float, count: int, **known: float) -> list[Command]:
+        return [self.sample(SPEED * (1.0 - slip), slip=slip, **known) for _ in range(count)]
+
+
+@pytest.mark.parametrize(
+    ("slip", "lambda_max", "released"),
+    [(0.15, nan, False), (0.25, nan, True), (0.07, 0.17, False), (0.11, 0.17, True), (0.03, 0.02, False)],
+)
+def test_slip_is_evidence_above_half_of_the_peak_or_a_fifth_without_a_curve(
+    slip: float, lambda_max: float, released: bool
+) -> None:
+    commands = Bench().slipping(slip, 40, lambda_max=lambda_max)
+    assert (Command.DECREASE in commands) == released
+    assert commands[0] is Command.INCREASE, "one sample is no evidence"
+
+
+def test_uncertain_curve_and_slip_need_more_slip() -> None:
+    assert Command.DECREASE not in Bench().slipping(0.11, 40, lambda_max=0.1, lambda_max_stddev=0.15)
+    assert Command.DECREASE not in Bench().slipping(0.11, 40, lambda_max=0.1, slip_stddev=0.05)
+    assert Command.DECREASE in Bench().slipping(0.11, 40, lambda_max=0.1)
+
+
+def test_without_slip_a_dive_of_the_wheel_is_evidence_and_ordinary_braking_is_not() -> None:
+    braked, diving = Bench(), Bench()
+    ordinary = [braked.sample(SPEED - 9.0 * DT * k) for k in range(200)]
+    assert set(ordinary) == {Command.INCREASE}
+    assert braked.envelope.release is Release.REFUSED
+    dive = [diving.sample(SPEED - 60.0 * DT * k) for k in range(40)]
+    assert Command.DECREASE in dive
+    assert diving.envelope.release is Release.BY_DECELERATION
+
+
+def test_known_small_slip_contradicts_a_dive() -> None:
+    bench = Bench()
+    commands = [bench.sample(SPEED - 60.0 * DT * k, slip=0.05) for k in range(40)]
+    assert set(commands) == {Command.INCREASE}
+
+
+def test_dive_at_half_of_the_slip_for_a_release_stops_the_rise_of_the_pressure() -> None:
+    bench = Bench()
+    commands = [bench.sample(SPEED - 60.0 * DT * k, slip=0.15) for k in range(40)]
+    assert commands[-1] is Command.HOLD
+    assert Command.DECREASE not in commands
+    assert bench.sample(SPEED - 60.0 * DT * 40, slip=0.15, torque=DEMAND) is Command.INCREASE
+
+
+@pytest.mark.parametrize("noise", [0.07, 0.21])
+def test_ripple_of_the_encoder_that_was_learned_is_no_evidence(noise: float) -> None:
+    evidence, random = ReleaseEvidence(RADIUS, EvidenceParameters()), np.random.default_rng(3)
+    speed, angle, verdicts = 30.0, 0.0, []
+    for k in range(600):
+        braked = k >= 100
+        speed -= 7.0 * DT * braked
+        angle += speed / RADIUS * DT
+        ripple = 0.02 * sin(angle)
+        measured = speed / RADIUS * (1.0 + ripple) + noise * float(random.standard_normal())
+        evidence.update(k * STEP + STEP, Wheel(speed=measured, slip=-ripple, slip_stddev=0.004, braked=braked))
+        verdicts.append(evidence.verdict)
+    assert evidence.scatter_is_learned
+    assert set(verdicts) == {Release.REFUSED}
+
+
+def test_deceleration_has_the_standard_deviation_that_it_says() -> None:
+    evidence, random = ReleaseEvidence(RADIUS, EvidenceParameters()), np.random.default_rng(3)
+    errors, stated = [], []
+    for k in range(4000):
+        speed = 80.0 + 10.0 * sin(0.2 * pi * k * DT)
+        rate = 2.0 * pi * float(np.cos(0.2 * pi * k * DT))
+        evidence.update(k * STEP + STEP, Wheel(speed=speed + 0.07 * float(random.standard_normal()), braked=True))
+        if k > 300:
+            errors.append(-evidence.deceleration - RADIUS * rate)
+            stated.append((evidence.release_deceleration - 1.3 * 9.81) / 3.0)
+    assert np.mean(stated) == pytest.approx(np.std(errors), rel=0.15)
+
+
+def test_release_ends_with_the_evidence() -> None:
+    bench = Bench()
+    assert bench.slipping(0.4, 10)[-1] is Command.DECREASE
+    assert bench.slipping(0.1, 3)[-1] is Command.INCREASE
+
+
+def longest(commands: list[Command]) -> float:
+    most = now = 0
+    for each in commands:
+        now = now + 1 if each is Command.DECREASE else 0
+        most = max(most, now)
+    return most * DT
+
+
+def test_wheel_that_does_not_recover_is_released_for_300_ms_and_its_pressure_returns_slowly() -> None:
+    bench = Bench()
+    commands = bench.slipping(1.0, 90)
+    assert longest(commands) == pytest.approx(0.3, abs=1.5 * DT)
+    assert bench.envelope.caps.count == 1
+    capped = commands[commands.index(Command.DECREASE) + 60 :]
+    returning = capped[: capped.index(Command.DECREASE)] if Command.DECREASE in capped else capped
+    assert len(returning) * DT >= 0.1 - DT
+    share = returning.count(Command.INCREASE) / len(returning)
+    assert share * 5000.0 <= 2000.0 + 1e-9 + 5000.0 / len(returning)
+    assert set(returning) == {Command.INCREASE, Command.HOLD}
+
+
+def test_wheel_that_is_seen_to_recover_may_be_released_for_longer_but_not_for_more_than_a_second_in_two() -> None:
+    bench = Bench()
+    bench.slipping(1.0, 6)
+    speeds = [18.0 * min(k / 240, 1.0) for k in range(240)]
+    commands = [bench.sample(v, slip=1.0 - v / SPEED) for v in speeds]
+    assert longest(commands) > 0.5
+    assert bench.envelope.caps.cap in (Cap.SHARE, Cap.RETURN)
+    flags = np.array([each is Command.DECREASE for each in commands + bench.slipping(1.0, 1200)])
+    in_two_seconds = np.convolve(flags, np.ones(400)) * DT
+    assert in_two_seconds.max() <= 1.0 + 1e-9
+    assert in_two_seconds.max() > 0.5
+
+
+def test_cap_is_named_while_it_holds() -> None:
+    bench = Bench()
+    seen = []
+    for _ in range(400):
+        bench.slipping(1.0, 1)
+        seen.append(bench.envelope.caps.cap)
+    assert set(seen) == {Cap.NONE, Cap.CONTINUOUS, Cap.RETURN}
+
+
+def test_fail_safe_after_a_cap_is_immediate_and_what_was_released_counts_on() -> None:
+    bench = Bench()
+    bench.slipping(1.0, 190)
+    bench.law = Command.NONE
+    assert bench.slipping(1.0, 1) == [Command.NONE]
+    bench.law = Command.DECREASE
+    flags = [each is Command.DECREASE for each in bench.slipping(1.0, 200)]
+    assert sum(flags) * DT < 0.6
+
+
+def test_pressure_that_has_returned_to_the_demand_is_not_held() -> None:
+    bench = Bench()
+    bench.slipping(1.0, 70)
+    assert bench.envelope.caps.cap is Cap.CONTINUOUS
+    assert bench.sample(0.0, slip=1.0, torque=DEMAND) is Command.INCREASE
+
+
+@pytest.mark.parametrize("law", list(Command))
+def test_near_standstill_the_driver_has_the_brake(law: Command) -> None:
+    bench = Bench(law)
+    for _ in range(20):
+        assert bench.sample(0.0, car=1.4, slip=1.0) is Command.NONE
+    assert bench.envelope.caps.cap is Cap.LOW_SPEED
+
+
+def test_jump_back_in_time_keeps_the_counts() -> None:
+    bench = Bench()
+    bench.slipping(0.1, 5)
+    bench.slipping(1.0, 90)
+    counts = (bench.envelope.refused, bench.envelope.caps.count)
+    assert min(counts) > 0
+    bench.envelope.restart()
+    assert (bench.envelope.refused, bench.envelope.caps.count) == counts
+
+
+def test_parameters_in_the_wrong_order_are_refused() -> None:
+    with pytest.raises(ValueError, match="least_slip"):
+        EvidenceParameters(least_slip=0.3, slip_without_curve=0.2)
