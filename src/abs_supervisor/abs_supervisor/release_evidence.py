@@ -76,7 +76,7 @@ class Wheel:
 
 _HARDEST_BRAKING = 12.0
 """[m/s^2] of any car; bounds an unknown speed of the car from above, so that the lag of a wheel behind it is real."""
-_PEAK_PER_SLIP = 30.0
+_PEAK_PER_SLIP = 60.0
 """Error of lambda_max over an error of slip that the curve does not know of: a peak is flat."""
 _DEEP = 2.0
 """A slip above its threshold by this factor is deep."""
