@@ -32,6 +32,8 @@ HYDRAULICS = 0.5
 LIFESPAN = 0.1
 """Of a command in real time [s]: the default of abs_supervisor."""
 SCRIPTED = Path(__file__).with_name("scripted_supervisor.py")
+LONG_AGO = 1_000_000
+"""Commands of a supervisor that was started long ago: more than any is ahead before all have found it."""
 SPEED = 150.0
 """[m/s]. From there a stop on snow takes longer than the test."""
 SLOWEST = 2.2
@@ -73,9 +75,10 @@ class Loop:
             wait_for_subscribers=1 if scripted else len(LOOP),
         )
 
-    def start_supervisor(self, scripted: bool) -> None:
+    def start_supervisor(self, scripted: bool, counted: int = LONG_AGO) -> None:
+        """Start one; a scripted one has commanded `counted` times before."""
         if scripted:
-            self.supervisor = self._client.start(str(SCRIPTED))
+            self.supervisor = self._client.start(str(SCRIPTED), str(counted))
         else:
             self.supervisor = self._start(graph.SUPERVISOR, shadow=False)
 
@@ -90,11 +93,12 @@ class Loop:
 
     @property
     def driver(self) -> float:
-        """Pressure that the driver demands [Pa]."""
-        return self._demands[-1].pressure
+        """Pressure that the driver demands [Pa], 0 before the first message."""
+        return self._demands[-1].pressure if self._demands else 0.0
 
     def until_obeyed(self) -> None:
-        """Wait for a release that the plant obeys, from now on."""
+        """Wait for a release that the plant obeys, from now on: of a brake that is applied."""
+        self._client.until(lambda: bool(self.pressures) and self.pressures[-1].fluid_pressure > 0.9 * self.driver > 0.0)
         commands, pressures = len(self.commands), len(self.pressures)
 
         def released() -> bool:
@@ -165,7 +169,7 @@ def test_after_a_killed_supervisor_the_driver_brakes_and_a_new_one_is_obeyed(cli
     loop.assert_driver_brakes(begin, loop.now)
     loop.until_plant_says(f"silent, taken as NONE: {WHEEL}", f"{WHEEL}/brake_command: its supervisor")
     before = len(loop.commands)
-    loop.start_supervisor(scripted=True)
+    loop.start_supervisor(scripted=True, counted=0)
     loop.until_obeyed()
     assert counters(loop.commands[before:])[0] < counters(loop.commands[:before])[-1]
     client.until(lambda: loop.plant_value("new senders of commands") == "1")

@@ -131,7 +131,8 @@ def test_a_dead_pressure_topic_is_named_and_nothing_is_commanded(client: DdsClie
     assert {message.command for message in commands} == {BrakeCommand.NONE}
     assert {message.state for message in states} == {SupervisorState.S0}
     assert not states[-1].valid
-    assert states[-1].reason == SupervisorState.INVALID_SLOPE
+    assert states[-1].reason == SupervisorState.NO_PRESSURE
+    assert f"{WHEEL}/brake_pressure" in states[-1].reason_text
     assert all(process.poll() is None for process in processes)
 
 
