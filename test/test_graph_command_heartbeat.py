@@ -220,7 +220,12 @@ def test_in_lock_step_no_stall_of_the_plant_costs_it_a_command(client: DdsClient
     samples: list[JointState] = []
     qos.subscribe(client.node, JointState, "wheel_states", samples.append, EVERYTHING)
     plant = start(
-        graph.PLANT, lock_step=True, end_time=3.0, exit_when_done=True, wait_for_subscribers=len(LOOP) + 1, lock_step_timeout=60.0
+        graph.PLANT,
+        lock_step=True,
+        end_time=3.0,
+        exit_when_done=True,
+        wait_for_subscribers=len(LOOP) + 1,
+        lock_step_timeout=60.0,
     )
     for reached in (50, 150, 250, 350, 450):
         client.until(lambda reached=reached: len(samples) > reached)  # type: ignore[misc]
