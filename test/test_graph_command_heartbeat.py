@@ -6,7 +6,9 @@ import signal
 import subprocess
 import time
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from math import sqrt
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,6 +19,7 @@ from sensor_msgs.msg import FluidPressure, JointState
 
 from dds_client import DdsClient, dds_client
 from friction_bringup import graph
+from friction_evaluation.live.part import LOOP
 from friction_runtime import qos
 from friction_runtime.shipped_files import shipped_file
 from friction_runtime.stamps import to_nanoseconds
@@ -28,6 +31,9 @@ HYDRAULICS = 0.5
 """Message time [s] in which the brake line comes from nothing to the driver's pressure, generously."""
 LIFESPAN = 0.1
 """Of a command in real time [s]: the default of abs_supervisor."""
+SCRIPTED = Path(__file__).with_name("scripted_supervisor.py")
+LONG_AGO = 1_000_000
+"""Commands of a supervisor that was started long ago: more than any is ahead before all have found it."""
 SPEED = 150.0
 """[m/s]. From there a stop on snow takes longer than the test."""
 SLOWEST = 2.2
@@ -41,9 +47,9 @@ def client() -> Iterator[DdsClient]:
 
 
 class Loop:
-    """The graph in real time in an endless panic stop on snow, and what it publishes."""
+    """The plant in real time in an endless panic stop on snow, a supervisor, and what both publish."""
 
-    def __init__(self, client: DdsClient) -> None:
+    def __init__(self, client: DdsClient, scripted: bool) -> None:
         self._client = client
         self.commands: list[BrakeCommand] = []
         self.pressures: list[FluidPressure] = []
@@ -56,21 +62,25 @@ class Loop:
             ("/diagnostics", DiagnosticArray, self._health),
         ):
             qos.subscribe(client.node, kind, topic, received.append, EVERYTHING)
-        self._start("wheel_slip")
-        self._start("friction_slope", **{"detector.max_deceleration": SLOWEST})
-        self.supervisor = self.start_supervisor()
+        if not scripted:
+            self._start("wheel_slip")
+            self._start("friction_slope", **{"detector.max_deceleration": SLOWEST})
+        self.start_supervisor(scripted)
         self._start(
             graph.PLANT,
             surfaces=["snow"],
             initial_speed=SPEED,
             demand_start=1.0,
             end_speed=-1.0,
-            wait_for_subscribers=2,
+            wait_for_subscribers=1 if scripted else len(LOOP),
         )
 
-    def start_supervisor(self) -> subprocess.Popen[str]:
-        self.supervisor = self._start(graph.SUPERVISOR, shadow=False)
-        return self.supervisor
+    def start_supervisor(self, scripted: bool, counted: int = LONG_AGO) -> None:
+        """Start one; a scripted one has commanded `counted` times before."""
+        if scripted:
+            self.supervisor = self._client.start(str(SCRIPTED), str(counted))
+        else:
+            self.supervisor = self._start(graph.SUPERVISOR, shadow=False)
 
     def _start(self, node: str, **parameters: graph.ParameterValue) -> subprocess.Popen[str]:
         command = graph.command(node, [shipped_file(node)], {"vehicle_file": graph.DEMO_VEHICLE, **parameters})
@@ -83,11 +93,12 @@ class Loop:
 
     @property
     def driver(self) -> float:
-        """Pressure that the driver demands [Pa]."""
-        return self._demands[-1].pressure
+        """Pressure that the driver demands [Pa], 0 before the first message."""
+        return self._demands[-1].pressure if self._demands else 0.0
 
-    def until_abs_works(self) -> None:
-        """Wait for a release that the plant obeys, from now on. On a busy machine it may be a short one."""
+    def until_obeyed(self) -> None:
+        """Wait for a release that the plant obeys, from now on: of a brake that is applied."""
+        self._client.until(lambda: bool(self.pressures) and self.pressures[-1].fluid_pressure > 0.9 * self.driver > 0.0)
         commands, pressures = len(self.commands), len(self.pressures)
 
         def released() -> bool:
@@ -140,7 +151,7 @@ def counters(commands: Sequence[BrakeCommand]) -> list[int]:
 
 
 def test_commands_are_offered_with_deadline_lifespan_and_liveliness(client: DdsClient) -> None:
-    loop = Loop(client)
+    loop = Loop(client, scripted=False)
     client.until(lambda: bool(loop.commands))
     (offered,) = [info.qos_profile for info in client.node.get_publishers_info_by_topic(f"{WHEEL}/brake_command")]
     assert offered.reliability == ReliabilityPolicy.RELIABLE
@@ -151,15 +162,15 @@ def test_commands_are_offered_with_deadline_lifespan_and_liveliness(client: DdsC
 
 
 def test_after_a_killed_supervisor_the_driver_brakes_and_a_new_one_is_obeyed(client: DdsClient) -> None:
-    loop = Loop(client)
-    loop.until_abs_works()
+    loop = Loop(client, scripted=True)
+    loop.until_obeyed()
     loop.supervisor.send_signal(signal.SIGKILL)
     begin = loop.until_driver_brakes()
     loop.assert_driver_brakes(begin, loop.now)
     loop.until_plant_says(f"silent, taken as NONE: {WHEEL}", f"{WHEEL}/brake_command: its supervisor")
     before = len(loop.commands)
-    loop.start_supervisor()
-    loop.until_abs_works()
+    loop.start_supervisor(scripted=True, counted=0)
+    loop.until_obeyed()
     assert counters(loop.commands[before:])[0] < counters(loop.commands[:before])[-1]
     client.until(lambda: loop.plant_value("new senders of commands") == "1")
 
@@ -167,20 +178,35 @@ def test_after_a_killed_supervisor_the_driver_brakes_and_a_new_one_is_obeyed(cli
 def test_after_a_stopped_supervisor_the_driver_brakes_and_nothing_old_is_obeyed_when_it_goes_on(
     client: DdsClient,
 ) -> None:
-    loop = Loop(client)
-    loop.until_abs_works()
+    loop = Loop(client, scripted=True)
+    loop.until_obeyed()
     loop.supervisor.send_signal(signal.SIGSTOP)
     begin = loop.until_driver_brakes()
     loop.until_plant_says(f"silent, taken as NONE: {WHEEL}", "no sign of life")
     before = len(loop.commands)
     woken_at = loop.now
     loop.supervisor.send_signal(signal.SIGCONT)
-    loop.until_abs_works()
+    loop.until_obeyed()
     # Whatever it answers first, the plant obeys nothing that answers a sample older than the command is valid.
     obeyed = [stamp_of(each) for each in loop.commands[before:]]
     fresh = next(stamp for stamp in obeyed if stamp > woken_at - loop.commands[-1].valid_for * NANOSECONDS)
     loop.assert_driver_brakes(begin, fresh)
     assert loop.plant_value("new senders of commands") == "0"
+
+
+def test_a_supervisor_that_was_stopped_commands_nothing_for_what_is_old_when_it_goes_on(client: DdsClient) -> None:
+    loop = Loop(client, scripted=False)
+    client.until(lambda: len(loop.commands) > 200)
+    loop.supervisor.send_signal(signal.SIGSTOP)
+    loop.until_driver_brakes()
+    before = len(loop.commands)
+    woken_at = loop.now
+    loop.supervisor.send_signal(signal.SIGCONT)
+    client.until(lambda: stamp_of(loop.commands[-1]) > woken_at)
+    said = loop.commands[before:]
+    old = [each for each in said if stamp_of(each) < woken_at - LIFESPAN * NANOSECONDS]
+    assert {each.command for each in old} <= {BrakeCommand.NONE}
+    assert all(a < b for a, b in pairwise(counters(loop.commands)))
 
 
 def test_in_lock_step_no_stall_of_the_plant_costs_it_a_command(client: DdsClient) -> None:
@@ -194,7 +220,12 @@ def test_in_lock_step_no_stall_of_the_plant_costs_it_a_command(client: DdsClient
     samples: list[JointState] = []
     qos.subscribe(client.node, JointState, "wheel_states", samples.append, EVERYTHING)
     plant = start(
-        graph.PLANT, lock_step=True, end_time=3.0, exit_when_done=True, wait_for_subscribers=3, lock_step_timeout=60.0
+        graph.PLANT,
+        lock_step=True,
+        end_time=3.0,
+        exit_when_done=True,
+        wait_for_subscribers=len(LOOP) + 1,
+        lock_step_timeout=60.0,
     )
     for reached in (50, 150, 250, 350, 450):
         client.until(lambda reached=reached: len(samples) > reached)  # type: ignore[misc]

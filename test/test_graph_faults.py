@@ -80,7 +80,7 @@ class Car:
         self._imu = qos.publish(node, Imu, "imu/data")
         self._demand = qos.publish(node, BrakeDemand, "brake_demand")
         self.sample = 0
-        client.until(lambda: node.count_subscribers("wheel_states") >= 2)
+        client.until(lambda: node.count_subscribers("wheel_states") >= len(LOOP))
         client.until(lambda: self._pressure.get_subscription_count() >= 1)
         client.until(lambda: all(node.count_publishers(topic) == 1 for topic in OUTPUTS))
 
@@ -118,7 +118,7 @@ def test_a_dead_pressure_topic_is_named_and_nothing_is_commanded(client: DdsClie
     found = record(client)
     start(
         client, "corner_sim", "-r", f"{WHEEL}/brake_pressure:=nowhere",
-        wait_for_subscribers=2, demand_start=0.0, end_speed=-1.0,
+        wait_for_subscribers=len(LOOP), demand_start=0.0, end_speed=-1.0,
     )  # fmt: skip
     slopes, states, commands = (
         found[f"{WHEEL}/{name}"] for name in ("friction_slope", "abs_supervisor", "brake_command")
@@ -131,7 +131,8 @@ def test_a_dead_pressure_topic_is_named_and_nothing_is_commanded(client: DdsClie
     assert {message.command for message in commands} == {BrakeCommand.NONE}
     assert {message.state for message in states} == {SupervisorState.S0}
     assert not states[-1].valid
-    assert states[-1].reason == SupervisorState.INVALID_SLOPE
+    assert states[-1].reason == SupervisorState.NO_PRESSURE
+    assert f"{WHEEL}/brake_pressure" in states[-1].reason_text
     assert all(process.poll() is None for process in processes)
 
 
@@ -189,6 +190,7 @@ class PacedInputs:
             "wheel_states": JointState,
             f"{WHEEL}/brake_pressure": FluidPressure,
             "brake_demand": BrakeDemand,
+            f"{WHEEL}/slip": WheelSlip,
             f"{WHEEL}/friction_slope": FrictionSlope,
         }
         self.publishers = {topic: qos.publish(node, kind, topic) for topic, kind in kinds.items()}
@@ -225,6 +227,8 @@ class PacedInputs:
             return BrakeDemand(header=header, pressure=4e6)
         if topic.endswith("brake_pressure"):
             return FluidPressure(header=header, fluid_pressure=4e6)
+        if topic.endswith("slip"):
+            return WheelSlip(header=header, slip=0.05, slip_variance=1e-5, vehicle_speed=19.0, valid=True)
         return FrictionSlope(header=header, h=500.0, indicator=500.0, sign=1, valid=True)
 
     def until(self, condition: Callable[[], bool]) -> None:
@@ -262,7 +266,7 @@ def test_a_lost_input_brings_none_by_the_clock_with_its_reason_and_abs_comes_bac
             assert {command.command for command in inputs.commands[before:]} == {BrakeCommand.NONE}
             inputs.lost = ""
     counters = [command.counter for command in inputs.commands]
-    assert counters == list(range(counters[0], counters[0] + len(counters)))
+    assert all(a < b for a, b in pairwise(counters)), "a client that stalls may miss some, whose lifespan has ended"
     assert process.poll() is None
 
 
@@ -270,7 +274,7 @@ def test_resetting_the_plant_resets_the_whole_graph(client: DdsClient) -> None:
     start_estimators(client, stale_after=5.0)  # a stall of the machine is no silence in lock-step
     found = record(client)
     start(
-        client, "corner_sim", lock_step=True, real_time_factor=0.0, start_stamp=START, wait_for_subscribers=2,
+        client, "corner_sim", lock_step=True, real_time_factor=0.0, start_stamp=START, wait_for_subscribers=len(LOOP),
         demand_start=0.1, lock_step_timeout=60.0,
     )  # fmt: skip
     commands = found[f"{WHEEL}/brake_command"]

@@ -34,10 +34,11 @@ def test_delays_are_from_the_sample_to_its_answer() -> None:
     assert row["duration_s"] == pytest.approx(0.5)
 
 
-def test_lost_samples_are_counted_and_a_repeated_one_does_not_hide_them() -> None:
+def test_lost_samples_are_counted_and_a_heartbeat_neither_hides_them_nor_counts_as_a_late_answer() -> None:
     source = observed(list(range(11)), [0.0] * 11)
-    answers = observed([0, 1, 2, 2, 5, 6, 7, 8, 9, 10], [1.0] * 10)
+    answers = observed([0, 1, 2, 2, 2, 5, 6, 7, 8, 9, 10], [1.0] * 3 + [9.0, 14.0] + [1.0] * 6)
     row = real_time_row("front_left/brake_command", answers, source, 11, "dry")
-    assert row["received"] == 10
+    assert row["received"] == 9
     assert (row["quantity"], row["value"], row["limit"], row["passed"]) == ("lost", 2, 0, False)
-    assert row["irregular_steps"] == 2
+    assert row["irregular_steps"] == 1
+    assert row["delay_max_ms"] == pytest.approx(1.0)

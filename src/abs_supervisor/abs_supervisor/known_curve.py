@@ -33,9 +33,14 @@ class KnownCurve:
         """Forget everything."""
         self._curves: deque[tuple[int, Peak]] = deque()
 
-    def take(self, message: FrictionCurve) -> None:
-        """Take a curve, in whichever order they come."""
+    def take(self, message: FrictionCurve) -> int:
+        """Take a curve, in whichever order they come; return from which stamp on it counts [ns].
+
+        One without a stamp is not taken.
+        """
         stamp = to_nanoseconds(message.header.stamp)
+        if stamp <= 0:
+            return stamp
         known = message.reason in _USED and message.samples >= _FEWEST and 0.0 < message.lambda_max < 1.0
         doubt = message.lambda_max_stddev
         peak = (message.lambda_max, doubt if isfinite(doubt) else 0.0) if known else _UNKNOWN
@@ -44,6 +49,7 @@ class KnownCurve:
             self._curves.pop()
         self._curves.append((stamp, peak))
         self._curves.extend(later)
+        return stamp + _OLDER
 
     def at(self, stamp: int) -> Peak:
         """Return lambda_max and its standard deviation for a sample at a stamp [ns], NaN where it is not known."""

@@ -43,6 +43,8 @@ LOCKED_INDICATOR = -1e5
 """Indicator of a locked wheel [rad/s^3], as friction_slope gives it; below every threshold."""
 _GOES_ON = 3.0
 """[m/s] above this a car does not come to rest within a sample or two."""
+_CURVE_GAP = 0.02
+"""[s] curves of a tyre's blocks are further apart; nothing waits for these, as nobody knows when the next one comes."""
 _SLOPE_NOT_READY = int(FrictionSlope.NOT_READY)
 """With an indicator: it has not passed a threshold yet. Without: the window is not full."""
 _COUNTER_END = 2**32
@@ -71,6 +73,10 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         primary = Primary(self._slope, wheel, report, silent_after=parameters.stale_after)
         topics = dict.fromkeys((self._demand, inputs.pressure, WHEEL_STATES, inputs.slip))
         aligned = [AlignedInput(topic) for topic in topics]
+        self._waits_for_curve = not in_real_time
+        if self._waits_for_curve:
+            # Only the clock tells that the curve a sample speaks of has come: without it, it is waited for.
+            aligned.append(AlignedInput(inputs.curve, max_gap=_CURVE_GAP, optional=True))
         super().__init__(wheel, primary, aligned, parameters.deadline, optional=(inputs.curve,))
         self._supervisor = Supervisor(parameters.thresholds, parameters.tolerance)
         self._log = BrakingLog(wheel, report)
@@ -119,8 +125,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         if topic == BRAKE_DEMAND:
             return self._offer_demand(to_nanoseconds(message.header.stamp), message)
         if topic == self._inputs.curve:
-            self._inputs.take_curve(message)
-            return None
+            counts_from = self._inputs.take_curve(message)
+            return self._aligner.offer(topic, counts_from, ()) if self._waits_for_curve else None
         read = self._inputs.read(topic, message)
         return read if isinstance(read, str) else self._offer(topic, *read)
 

@@ -44,9 +44,9 @@ class WheelInputs:
         self._curve.reset()
         self._slip_text = ""
 
-    def take_curve(self, message: FrictionCurve) -> None:
-        """Take a curve; nothing waits for it."""
-        self._curve.take(message)
+    def take_curve(self, message: FrictionCurve) -> int:
+        """Take a curve; return from which stamp on it counts [ns]."""
+        return self._curve.take(message)
 
     def read(self, topic: str, message: Any) -> Reading | str:
         """Return stamp [ns] and values of a message for the aligner, or why it is refused.

@@ -2,18 +2,53 @@
 
 import time
 
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
+from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState, WheelSlip
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
+from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
-from dds_client import dds_client, output_of, stop
+from dds_client import DdsClient, dds_client, output_of, stop
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.vehicle_file import shipped_vehicles
 
 CAR = ("-p", "vehicle_file:=chapter_corner")
 STEP = 5_000_000
+PRESSURE = 5e6
+SPEED, SLIP = 20.0, 0.4
+"""Of the car [m/s], and of its braked wheel: beyond every peak."""
+
+
+class Inputs:
+    """Publishers of what the supervisor of a wheel beyond the peak takes."""
+
+    def __init__(self, client: DdsClient) -> None:
+        kinds = {
+            "wheel_states": JointState,
+            "brake_demand": BrakeDemand,
+            "front_left/brake_pressure": FluidPressure,
+            "front_left/slip": WheelSlip,
+            "front_left/friction_slope": FrictionSlope,
+        }
+        self._publishers = {topic: qos.publish(client.node, kind, topic) for topic, kind in kinds.items()}
+        client.until(lambda: all(each.get_subscription_count() == 1 for each in self._publishers.values()))
+
+    def send(self, sample: int, indicator: float) -> None:
+        header = Header(stamp=from_nanoseconds(sample * STEP))
+        rolling = SPEED * (1.0 - SLIP) / 0.3
+        slip = WheelSlip(header=header, slip=SLIP, slip_variance=1e-5, vehicle_speed=SPEED, valid=True)
+        for topic, message in {
+            # A sensor that works never reads the same twice.
+            "wheel_states": JointState(header=header, name=["front_left"], velocity=[rolling + 1e-3 * (sample % 2)]),
+            "brake_demand": BrakeDemand(header=header, pressure=PRESSURE),
+            "front_left/brake_pressure": FluidPressure(header=header, fluid_pressure=PRESSURE),
+            "front_left/slip": slip,
+            "front_left/friction_slope": FrictionSlope(
+                header=header, h=indicator, indicator=indicator, sign=1, valid=True
+            ),
+        }.items():
+            self._publishers[topic].publish(message)
 
 
 def test_node_commands_a_release_and_falls_back_when_the_slope_goes_silent() -> None:
@@ -24,8 +59,6 @@ def test_node_commands_a_release_and_falls_back_when_the_slope_goes_silent() -> 
     with dds_client() as client:
         arguments = (*CAR, "-p", "shadow:=false", "-p", "real_time:=false", "-p", f"stale_after:={stale_after}")
         process = client.start("-m", "abs_supervisor", "--ros-args", *arguments)
-        demands = qos.publish(client.node, BrakeDemand, "brake_demand")
-        slopes = qos.publish(client.node, FrictionSlope, "front_left/friction_slope")
         qos.subscribe(client.node, SupervisorState, "front_left/abs_supervisor", states.append, qos.ESTIMATE)
 
         def on_command(message: BrakeCommand) -> None:
@@ -33,15 +66,12 @@ def test_node_commands_a_release_and_falls_back_when_the_slope_goes_silent() -> 
             arrived.append(time.monotonic())
 
         qos.subscribe(client.node, BrakeCommand, "front_left/brake_command", on_command, qos.ESTIMATE)
-        client.until(lambda: demands.get_subscription_count() == 1 and slopes.get_subscription_count() == 1)
+        inputs = Inputs(client)
         client.until(lambda: client.node.count_publishers("front_left/brake_command") == 1)
         client.until_known_to("abs_supervisor")
         for k in range(1, 11):
-            header = Header(stamp=from_nanoseconds(k * STEP))
-            indicator = 500.0 if k < 6 else -5000.0
             last = time.monotonic()
-            demands.publish(BrakeDemand(header=header, pressure=5e6))
-            slopes.publish(FrictionSlope(header=header, h=indicator, indicator=indicator, sign=1, valid=True))
+            inputs.send(k, 500.0 if k < 6 else -5000.0)
         client.until(lambda: len(commands) >= 11)
         client.until(lambda: len(states) >= 11)
         output = stop(process)

@@ -512,6 +512,29 @@ def test_curve_lowers_the_slip_that_a_release_needs_once_it_is_50_ms_old() -> No
     assert bench.state.release == SupervisorState.RELEASE_BY_SLIP
 
 
+@pytest.mark.parametrize("real_time", [False, True])
+def test_a_curve_that_counts_is_waited_for_where_no_clock_tells_that_it_has_come(real_time: bool) -> None:
+    bench = Bench(replace(P, real_time=real_time))
+
+    def curve(stamp: int) -> list[Any]:
+        message = FrictionCurve(header=Header(stamp=from_nanoseconds(stamp)), lambda_max=0.12, samples=30, valid=True)
+        return list(bench.processor.process("front_left/friction_curve", message))
+
+    for _ in range(20):
+        bench.sample(500.0)
+        assert curve(bench.stamp) == []
+    last = bench.stamp
+    answered = 0
+    while bench.stamp < last + 60_000_000:
+        bench.sample(500.0)
+        answered += bench.command is not None
+    assert answered == (12 if real_time else 10)
+    outputs = curve(last + STEP)
+    assert [message.header.stamp for topic, message in outputs if topic.endswith("brake_command")] == (
+        [] if real_time else [from_nanoseconds(last + 55_000_000)]
+    )
+
+
 def test_dead_wheel_sensor_gives_the_brake_to_the_driver_and_says_so() -> None:
     bench = Bench()
     bench.slip = 0.05

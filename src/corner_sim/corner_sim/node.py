@@ -197,9 +197,15 @@ class CornerSimNode(Node):
 
     def _on_start(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         response.success = self._phase not in (Phase.RUNNING, Phase.DONE)
-        if response.success:
+        missing = self._missing_peers()
+        if not response.success:
+            response.message = f"{self._phase.value}: call ~/reset first"
+        elif missing:
+            self._phase, self._waiting_since = Phase.WAITING_FOR_SUBSCRIBERS, monotonic()
+            response.message = f"waiting for {', '.join(missing)}"
+        else:
             self._begin()
-        response.message = "running" if response.success else f"{self._phase.value}: call ~/reset first"
+            response.message = self._phase.value
         return response
 
     def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:

@@ -48,6 +48,7 @@ def start_when_matched(client: DdsClient, **parameters: object) -> subprocess.Po
     """Start the node, and its run when every subscription of the client has its publisher: the first sample counts."""
     process = start(client, autostart="false", **parameters)
     client.until(lambda: all(each.get_publisher_count() for each in client.node.subscriptions))
+    client.until_known_to("corner_sim")
     assert client.call(Trigger, "/corner_sim/start", Trigger.Request()).success
     return process
 
@@ -92,7 +93,7 @@ def test_every_topic_comes_at_200_hz_with_the_stamps_of_the_schedule(client: Dds
     def note(message: Clock, info: dict[str, int]) -> None:
         published.append(info["source_timestamp"])
 
-    client.node.create_subscription(Clock, "/clock", note, qos.ESTIMATE)
+    client.node.create_subscription(Clock, "/clock", note, EVERYTHING)
     process = start_when_matched(client, end_time=2.0, exit_when_done="true", publish_clock="true")
     client.until(lambda: all(len(received) >= 401 for received in found.values()))
     for topic, received in found.items():
@@ -147,7 +148,7 @@ def test_a_lock_step_closed_loop_over_dds_repeats_bit_for_bit() -> None:
 def test_lock_step_names_the_wheel_that_is_silent_and_holds_still(client: DdsClient) -> None:
     found = record(client, ["wheel_states"])
     qos.publish(client.node, BrakeCommand, "front_left/brake_command")
-    process = start(client, lock_step="true", lock_step_timeout=2.0, exit_when_done="true")
+    process = start_when_matched(client, lock_step="true", lock_step_timeout=2.0, exit_when_done="true")
     client.until(lambda: process.poll() is not None)
     assert process.stdout is not None
     assert f"no brake_command with stamp {START} ns within 2.0 s from front_left" in process.stdout.read()
@@ -194,6 +195,16 @@ def test_start_waits_for_its_service(client: DdsClient) -> None:
     assert stamps(found["wheel_states"]).count(START) == 1
     assert client.call(Trigger, "/corner_sim/start", Trigger.Request()).success  # it waited for its service again
     client.until(lambda: stamps(found["wheel_states"]).count(START) == 2)
+
+
+def test_a_start_by_its_service_waits_for_subscribers_and_loses_no_sample(client: DdsClient) -> None:
+    start(client, autostart="false", wait_for_subscribers=2, settle_time=2.0)
+    answer = client.call(Trigger, "/corner_sim/start", Trigger.Request())
+    assert answer.success
+    assert "2 of 2 wheel_states subscribers" in answer.message
+    founds = [record(client, ["wheel_states"])["wheel_states"] for _ in range(2)]
+    client.until(lambda: all(founds))
+    assert [stamps(found)[0] for found in founds] == [START, START]
 
 
 def test_a_bad_value_is_refused_live_by_name_and_the_plant_goes_on(client: DdsClient) -> None:

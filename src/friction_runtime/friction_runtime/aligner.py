@@ -37,6 +37,8 @@ class AlignedInput:
     """Topic name, used in results and in reasons."""
     max_gap: float = 0.1
     """No interpolation between samples further apart than this [s]."""
+    optional: bool = False
+    """Waited for only while its samples follow each other within `max_gap`: not before the second one."""
 
 
 class AlignedSample(Generic[Payload]):
@@ -69,11 +71,16 @@ class AlignedSample(Generic[Payload]):
 class _Stream:
     """One aligned input: its samples from the newest one at or before the primary onwards."""
 
-    __slots__ = ("apart_since", "epoch", "last_stamp", "late", "max_gap_ns", "newest", "samples", "topic")
+    __slots__ = (
+        *("apart_since", "awaited", "epoch", "last_stamp", "late", "max_gap_ns", "newest", "optional", "samples"),
+        "topic",
+    )
 
     def __init__(self, declared: AlignedInput) -> None:
         self.topic = declared.topic
         self.max_gap_ns = round(declared.max_gap * NANOSECONDS)
+        self.optional = declared.optional
+        self.awaited = not declared.optional
         self.samples: deque[tuple[Key, tuple[float, ...]]] = deque(maxlen=_MAX_BUFFERED)
         self.newest = _BEFORE_ALL
         self.epoch = 0
@@ -82,6 +89,8 @@ class _Stream:
         self.late = 0
 
     def take(self, stamp: int, values: tuple[float, ...]) -> None:
+        if self.optional:
+            self.awaited = 0 < stamp - self.last_stamp <= self.max_gap_ns
         self.last_stamp = stamp
         self.newest = (self.epoch, stamp)
         self.samples.append((self.newest, values))
@@ -92,6 +101,7 @@ class _Stream:
         self.epoch = epoch
         self.last_stamp = 0
         self.apart_since = None
+        self.awaited = not self.optional
 
     def at(self, key: Key) -> tuple[float, ...] | str:
         """Values at `key`, or the reason why there are none. Drops what no later key can need."""
@@ -117,7 +127,7 @@ class _Stream:
     def settled(self, key: Key) -> bool:
         """Whether there is nothing to wait for at `key`: samples reach it, or have ended more than a gap before."""
         newest = self.newest
-        return newest >= key or (newest[0] == key[0] and key[1] - newest[1] > self.max_gap_ns)
+        return newest >= key or not self.awaited or (newest[0] == key[0] and key[1] - newest[1] > self.max_gap_ns)
 
 
 class Aligner(Generic[Payload]):

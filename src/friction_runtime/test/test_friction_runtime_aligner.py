@@ -213,3 +213,24 @@ def test_output_does_not_depend_on_the_order_of_arrival_across_topics(data: st.D
         orders.append([(s.stamp, s.payload, s.values, s.missing, s.rewound) for s in samples])
     assert orders[0] == orders[1]
     assert len(orders[0]) == len(streams["wheel_states"])
+
+
+def with_optional() -> Aligner[float]:
+    return Aligner("wheel_states", [AlignedInput("curve", max_gap=0.02, optional=True)], deadline=0.05)
+
+
+def test_optional_input_is_not_waited_for_before_it_comes_regularly() -> None:
+    a = with_optional()
+    (sample,) = feed(a, [("wheel_states", 0)])
+    assert sample.missing == {"curve": "curve: no sample received"}
+    assert len(feed(a, [("curve", 5), ("wheel_states", 10)])) == 1
+    # samples further apart than its gap: nobody knows when the next one comes
+    assert len(feed(a, [("curve", 60), ("wheel_states", 65)])) == 1
+
+
+def test_optional_input_that_comes_regularly_is_waited_for_as_any_other() -> None:
+    a = with_optional()
+    assert feed(a, [("curve", 0), ("curve", 5), ("wheel_states", 10)]) == []
+    (sample,) = feed(a, [("curve", 10)])
+    assert sample.values == {"curve": (10.0,)}
+    assert [s.payload for s in feed(a, [("wheel_states", at) for at in (15, 35, 70)])] == [15.0, 35.0, 70.0]

@@ -79,7 +79,8 @@ def run_graph(
                 shipped = graph.parameter_files(node, None)
                 chosen = dict(overrides.get(node, {}))
                 if node == graph.PLANT:
-                    chosen.update(autostart=False, exit_when_done=True)
+                    # wheel_states goes to each estimator and to this process
+                    chosen.update(autostart=False, exit_when_done=True, wait_for_subscribers=len(estimators) + 1)
                 processes.start(node, graph.command(node, shipped, chosen), env)
             return _observe(topics, domain, processes, timeout, progress)
         finally:

@@ -145,20 +145,25 @@ def _run(plant: Mapping[str, graph.ParameterValue], seconds: float) -> dict[str,
 
 
 def real_time_row(topic: str, found: Observation, source: Observation, expected: int, surface: str) -> Row:
-    """Row of one topic: what was lost, steps between stamps other than 5 ms, delays [ms] behind the source."""
-    stamps = np.array(found.stamps)
+    """Row of one topic: what was lost, steps between stamps other than 5 ms, delays [ms] behind the source.
+
+    The first answer to a sample counts: a command is repeated as a heartbeat.
+    """
+    first: dict[int, int] = {}
+    for stamp, at in zip(found.stamps, found.published, strict=True):
+        first.setdefault(stamp, at)
     sent = dict(zip(source.stamps, source.published, strict=True))
-    answered = [(sent[stamp], at) for stamp, at in zip(found.stamps, found.published, strict=True) if stamp in sent]
+    answered = [(sent[stamp], at) for stamp, at in first.items() if stamp in sent]
     delay = np.array([at - begin for begin, at in answered]) * 1e-6
-    steps = np.diff(stamps)
+    steps = np.diff(list(first))
     return {
         "run": "real_time",
         "surface": surface,
         "topic": topic,
         "samples": expected,
-        "received": len(stamps),
+        "received": len(first),
         "quantity": "lost",
-        **at_most(expected - len(set(found.stamps)), 0),
+        **at_most(expected - len(first), 0),
         "irregular_steps": int(np.count_nonzero(steps != SAMPLE_TIME_NS)),
         "delay_median_ms": float(np.median(delay)),
         "delay_p99_ms": float(np.percentile(delay, 99.0)),
