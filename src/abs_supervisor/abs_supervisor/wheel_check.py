@@ -43,6 +43,8 @@ _FREE_FOR = 1.0
 """[s] after the brake; on ice a locked wheel takes 0.8 s to turn again."""
 _BRAKED = 50.0
 """[N m]"""
+_GAP = 0.05
+"""[s] after a longer gap between samples the checks start again: what happened in it is not known."""
 _CLEAN = 1.0
 """[s] without contradiction until the sensor is trusted again."""
 
@@ -81,11 +83,16 @@ class WheelCheck:
         self._since: dict[str, int] = {}
         self._braked: int | None = None
         self._contradicted: int | None = None
+        self._last: int | None = None
         self.text = ""
         """The last contradiction in words, empty where there is none."""
 
     def update(self, stamp: int, wheel_speed: float, around: Surroundings) -> str:
         """Take the wheel speed [rad/s] at a stamp [ns]; return why it must not be used, or nothing."""
+        if self._last is not None and stamp - self._last > _GAP * NANOSECONDS:
+            self._same = self._good = self._away_since = None
+            self._since.clear()
+        self._last = stamp
         found = self._jump(stamp, wheel_speed, self._torque(stamp, around.torque))
         stuck = self._stuck(stamp, wheel_speed, around.torque)
         found = found or stuck or self._against_car(stamp, wheel_speed * self._radius, around)

@@ -47,11 +47,6 @@ def run(options: argparse.Namespace) -> list[Row]:
     return rows
 
 
-def failed(rows: Sequence[Row]) -> bool:
-    """Does a row fail?"""
-    return not all(row["passed"] for row in rows)
-
-
 def _live(trials: int) -> list[Row]:
     # here, because the campaign itself needs no middleware
     from friction_evaluation.faults.live import LIVE_ROWS, fail_safe_rows
