@@ -2,9 +2,10 @@
 
 import time
 
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
+from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState, WheelSlip
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
+from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
 from dds_client import dds_client, output_of, stop
@@ -26,6 +27,10 @@ def test_node_commands_a_release_and_falls_back_when_the_slope_goes_silent() -> 
         process = client.start("-m", "abs_supervisor", "--ros-args", *arguments)
         demands = qos.publish(client.node, BrakeDemand, "brake_demand")
         slopes = qos.publish(client.node, FrictionSlope, "front_left/friction_slope")
+        wheels = qos.publish(client.node, JointState, "wheel_states")
+        pressures = qos.publish(client.node, FluidPressure, "front_left/brake_pressure")
+        slips = qos.publish(client.node, WheelSlip, "front_left/slip")
+        publishers = (demands, slopes, wheels, pressures, slips)
         qos.subscribe(client.node, SupervisorState, "front_left/abs_supervisor", states.append, qos.ESTIMATE)
 
         def on_command(message: BrakeCommand) -> None:
@@ -33,13 +38,17 @@ def test_node_commands_a_release_and_falls_back_when_the_slope_goes_silent() -> 
             arrived.append(time.monotonic())
 
         qos.subscribe(client.node, BrakeCommand, "front_left/brake_command", on_command, qos.ESTIMATE)
-        client.until(lambda: demands.get_subscription_count() == 1 and slopes.get_subscription_count() == 1)
+        client.until(lambda: all(publisher.get_subscription_count() == 1 for publisher in publishers))
         client.until(lambda: client.node.count_publishers("front_left/brake_command") == 1)
         client.until_known_to("abs_supervisor")
         for k in range(1, 11):
             header = Header(stamp=from_nanoseconds(k * STEP))
             indicator = 500.0 if k < 6 else -5000.0
             last = time.monotonic()
+            speed = 40.0 + 0.01 * (k % 3)  # half of the car's: evidence for a release
+            wheels.publish(JointState(header=header, name=["front_left"], velocity=[speed]))
+            pressures.publish(FluidPressure(header=header, fluid_pressure=5e6))
+            slips.publish(WheelSlip(header=header, slip=0.5, vehicle_speed=24.0, wheel_speed=speed, valid=True))
             demands.publish(BrakeDemand(header=header, pressure=5e6))
             slopes.publish(FrictionSlope(header=header, h=indicator, indicator=indicator, sign=1, valid=True))
         client.until(lambda: len(commands) >= 11)
