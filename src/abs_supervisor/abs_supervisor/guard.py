@@ -94,11 +94,13 @@ class Guard:
         self._car_speed = seen.car_speed if isfinite(seen.car_speed) else fastest
         self._trend.update(stamp, self._car_speed)
         strongest = max((each for each in (seen.torque, seen.demand) if isfinite(each)), default=nan)
-        around = Surroundings(strongest, seen.others, seen.car_speed, seen.car_is_measured)
-        self.wheel_text = self._wheel.update(stamp, seen.wheel_speed, around)
-        self.pressure_text = ""
+        self.pressure_text, acting = "", strongest
         if self._commands and isfinite(seen.torque) and isfinite(seen.demand):
             self.pressure_text = self._pressure.update(stamp, seen.torque, seen.demand)
+            if not self.pressure_text:
+                acting = seen.torque
+        around = Surroundings(acting, seen.others, seen.car_speed, seen.car_is_measured)
+        self.wheel_text = self._wheel.update(stamp, seen.wheel_speed, around)
         self.envelope.look(
             stamp,
             Wheel(

@@ -174,8 +174,9 @@ class ReleaseEvidence:
         if isfinite(wheel.lambda_max):
             stated = wheel.lambda_max_stddev if isfinite(wheel.lambda_max_stddev) else 0.0
             doubt = sqrt(stated**2 + (_PEAK_PER_SLIP * self._scatter.slip_of_curve) ** 2)
-            known = p.lambda_max_share * wheel.lambda_max
-            base = max(p.least_slip, known, min(base, known + p.lambda_max_share * doubt))
+            known = p.lambda_max_share * (wheel.lambda_max + doubt)
+            # A curve can only tell that less slip is enough: a peak that is far too large must not cost a lock.
+            base = min(base, max(p.least_slip, known))
         stddev = wheel.slip_stddev if isfinite(wheel.slip_stddev) else 0.0
         return base, sqrt(stddev**2 + self._scatter.slip**2)
 

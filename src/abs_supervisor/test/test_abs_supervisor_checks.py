@@ -62,7 +62,32 @@ def test_wheel_that_fell_to_zero_as_a_brake_can_make_it_is_locked_not_dead() -> 
 def test_wheel_that_reads_zero_although_it_is_not_braked_is_dead() -> None:
     at, text = first_text(lambda k, true: 0.0, torque=0.0)
     assert at is not None
-    assert "rolling freely" in text
+    assert at * DT <= 0.2
+    assert "its brake is released: dead" in text
+
+
+@pytest.mark.parametrize(("acceleration", "dead"), [(0.0, True), (15.0, False)])
+def test_wheel_that_was_released_and_does_not_spin_up_is_dead_and_one_that_does_was_locked(
+    acceleration: float, dead: bool
+) -> None:
+    """It has fallen to zero as a locked wheel does; the road gives the slow one 15 rad/s^2, as ice does."""
+    check, random, texts = WheelCheck(CORNER), np.random.default_rng(1), []
+    for k in range(300):
+        car, torque = 25.0 - DT * k, max(600.0 - 25.0 * max(k - 100, 0), 0.0)
+        speed = max(car / CORNER.radius - 2.0 * k, 0.0) + acceleration * DT * max(k - 125, 0)
+        noise = 0.07 * float(random.standard_normal())
+        texts.append(check.update((k + 1) * STEP, speed + noise, Surroundings(torque, [car] * 3, car, False)))
+    named = next((k for k, text in enumerate(texts) if text), None)
+    assert (named is not None) == dead
+    if named is not None:
+        assert "its brake is released: dead" in texts[named]
+        assert (named - 123) * DT <= 0.2, "after the brake is released"
+
+
+def test_a_gap_between_samples_is_neither_a_jump_nor_a_sensor_that_is_stuck() -> None:
+    check = WheelCheck(CORNER)
+    for stamp, speed in ((1, 80.0), (401, 80.0), (801, 30.0), (802, 30.1)):
+        assert check.update(stamp * STEP, speed, Surroundings(500.0)) == ""
 
 
 def test_wheel_that_spins_up_as_a_road_can_make_it_is_healthy() -> None:
