@@ -44,7 +44,7 @@ _FREE_FOR = 1.0
 _BRAKED = 50.0
 """[N m]"""
 _RELEASED, _RELEASED_FOR = 40.0, 0.08
-"""[N m] less lets a wheel turn on any road, [s] beyond `_TORQUE_MEMORY`; a locked one has a metre per second by then."""
+"""[N m] less lets a wheel turn on any road, [s] beyond `_TORQUE_MEMORY`; a locked one has 1 m/s by then."""
 _GAP = 0.05
 """[s] after a longer gap between samples the checks start again: what happened in it is not known."""
 _CLEAN = 1.0

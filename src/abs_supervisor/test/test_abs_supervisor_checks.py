@@ -6,7 +6,9 @@ from math import nan
 import numpy as np
 import pytest
 
+from abs_supervisor.envelope import EnvelopeParameters
 from abs_supervisor.fsm import Command
+from abs_supervisor.guard import Guard, Seen
 from abs_supervisor.pressure_check import PressureCheck
 from abs_supervisor.wheel_check import Surroundings, WheelCheck
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
@@ -148,6 +150,18 @@ def test_pressure_that_does_not_follow_is_named_within_half_a_second(
     texts = pressures(lambda k: level if k >= 100 else 0.0, lambda k: Command.NONE, change)
     named = next(k for k, text in enumerate(texts) if text)
     assert 0.0 < (named - 100) * DT <= 0.5
+
+
+def test_all_wheels_that_lock_without_a_known_speed_of_the_car_are_no_standstill() -> None:
+    guard, random = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True), np.random.default_rng(1)
+    commands = []
+    for k in range(100):
+        rim = max(20.0 - 0.5 * max(k - 50, 0), 0.0)
+        speed = rim / CORNER.radius + 0.07 * float(random.standard_normal())
+        guard.look(k * STEP + STEP, Seen(speed, torque=900.0, demand=900.0, others=[rim] * 3))
+        commands.append(guard.command(k * STEP + STEP, Command.DECREASE))
+    assert Command.DECREASE not in commands[:50]
+    assert commands[-1] is Command.DECREASE
 
 
 def test_unknown_torque_makes_no_jump_of_a_wheel_that_stops() -> None:

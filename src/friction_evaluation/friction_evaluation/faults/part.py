@@ -6,7 +6,6 @@ limit that does not hold. The numbers are the worst over the seeds.
 """
 
 import argparse
-from collections.abc import Sequence
 from time import process_time
 
 from rich.progress import Progress
