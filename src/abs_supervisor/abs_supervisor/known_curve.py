@@ -12,8 +12,8 @@ _OLDER = round(0.05 * NANOSECONDS)
 """[ns] a curve counts for samples at least this much later: by then it has come, so that the answer to a sample does
 not depend on which of the two came first."""
 _KEPT = round(0.5 * NANOSECONDS)
-"""[ns] for which a curve counts after the last that told a peak: while a wheel dives the fit has none, and the road
-has not become another."""
+"""[ns] for which a curve counts after the last that told a peak: while a wheel dives the fit has none, or takes the
+dive for another road and begins anew."""
 _FEWEST = 20
 """Samples of a fit that says something about the road."""
 _USED = (int(FrictionCurve.OK), int(FrictionCurve.UNCERTAIN))
