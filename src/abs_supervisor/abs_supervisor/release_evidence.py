@@ -157,7 +157,7 @@ class ReleaseEvidence:
         self._dive_since = _since(self._dive_since, stamp, dives)
         if self._lasts(self._dive_since, stamp):
             self._dived = True
-        elif self.deceleration <= 0.0 if isfinite(wheel.slip) else lag <= p.least_slip:
+        elif (self.deceleration <= 0.0 or not slips) if isfinite(wheel.slip) else lag <= p.least_slip:
             # The wheel gains speed: from here a known slip alone decides. Without it the wheel must have come back.
             self._dived = False
         if self._lasts(self._slip_since, stamp):
