@@ -42,16 +42,17 @@ class KnownCurve:
         if stamp <= 0:
             return stamp
         known = message.reason in _USED and message.samples >= _FEWEST and 0.0 < message.lambda_max < 1.0
-        if not known:
-            return
-        doubt = message.lambda_max_stddev
-        peak = (message.lambda_max, doubt if isfinite(doubt) else 0.0)
+        if known:
+            doubt = message.lambda_max_stddev
+            self._insert(stamp, (message.lambda_max, doubt if isfinite(doubt) else 0.0))
+        return stamp + _OLDER
+
+    def _insert(self, stamp: int, peak: Peak) -> None:
         later = [each for each in self._curves if each[0] > stamp]
         while self._curves and self._curves[-1][0] >= stamp:
             self._curves.pop()
         self._curves.append((stamp, peak))
         self._curves.extend(later)
-        return stamp + _OLDER
 
     def at(self, stamp: int) -> Peak:
         """Return lambda_max and its standard deviation for a sample at a stamp [ns], NaN where it is not known."""
