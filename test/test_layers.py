@@ -28,6 +28,7 @@ AROUND = {
     "inputs": "friction_curve_id: messages as samples",
     "input_watch": "abs_supervisor: progress of the inputs, by their messages",
     "wheel_inputs": "the same of one wheel",
+    "known_curve": "abs_supervisor: friction curves as lambda_max",
     "vehicle_inputs": "the same of a vehicle",
     "tyre_force_inputs": "the same of a smart tyre",
     "calibration_bags": "smart_tyre_forces: reads bags",

@@ -11,6 +11,7 @@ from abs_supervisor.envelope import Envelope, EnvelopeParameters
 from abs_supervisor.fsm import Command
 from abs_supervisor.pressure_check import PressureCheck
 from abs_supervisor.release_evidence import Wheel
+from abs_supervisor.slowest_car import SlowestCar
 from abs_supervisor.speed_trend import SpeedTrend
 from abs_supervisor.wheel_check import Surroundings, WheelCheck
 from vehicle_models.brake_actuator import ActuatorParameters
@@ -63,6 +64,8 @@ class Guard:
         self._pressure = PressureCheck(actuator)
         self._commands = commands
         self._trend = SpeedTrend()
+        self._slowest = SlowestCar()
+        self._radius = corner.radius
         self.reset()
 
     def reset(self) -> None:
@@ -79,6 +82,7 @@ class Guard:
         self._wheel.reset()
         self._pressure.reset()
         self._trend.reset()
+        self._slowest.reset()
         self._car_speed = nan
         self._seen: Seen | None = None
         self.wheel_text = self.pressure_text = ""
@@ -90,15 +94,18 @@ class Guard:
         """Take what is known at a stamp [ns], later than the last. The wheel speed is finite."""
         self._seen = seen
         others = [speed for speed in seen.others if isfinite(speed)]
-        fastest = max(others) if others else nan
-        self._car_speed = seen.car_speed if isfinite(seen.car_speed) else fastest
-        self._trend.update(stamp, self._car_speed)
+        # Wheels that all stand after a dive are locked: without its own speed the car is not slow for that.
+        slowest = self._slowest.update(stamp, max((*others, self._radius * seen.wheel_speed)))
+        self._car_speed = seen.car_speed if isfinite(seen.car_speed) else slowest
+        self._trend.update(stamp, self._car_speed if others or isfinite(seen.car_speed) else nan)
         strongest = max((each for each in (seen.torque, seen.demand) if isfinite(each)), default=nan)
-        around = Surroundings(strongest, seen.others, seen.car_speed, seen.car_is_measured)
-        self.wheel_text = self._wheel.update(stamp, seen.wheel_speed, around)
-        self.pressure_text = ""
+        self.pressure_text, acting = "", strongest
         if self._commands and isfinite(seen.torque) and isfinite(seen.demand):
             self.pressure_text = self._pressure.update(stamp, seen.torque, seen.demand)
+            if not self.pressure_text:
+                acting = seen.torque
+        around = Surroundings(acting, seen.others, seen.car_speed, seen.car_is_measured)
+        self.wheel_text = self._wheel.update(stamp, seen.wheel_speed, around)
         self.envelope.look(
             stamp,
             Wheel(

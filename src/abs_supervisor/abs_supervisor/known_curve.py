@@ -12,14 +12,14 @@ _OLDER = round(0.05 * NANOSECONDS)
 """[ns] a curve counts for samples at least this much later: by then it has come, so that the answer to a sample does
 not depend on which of the two came first."""
 _KEPT = round(0.5 * NANOSECONDS)
-"""[ns] after which a curve that is not renewed is forgotten."""
+"""[ns] for which a curve counts after the last that told a peak: while a wheel dives the fit has none, or takes the
+dive for another road and begins anew."""
 _FEWEST = 20
 """Samples of a fit that says something about the road."""
 _USED = (int(FrictionCurve.OK), int(FrictionCurve.UNCERTAIN))
 """Reasons with which lambda_max speaks of the road: an uncertain one does so with its standard deviation."""
 
 Peak = tuple[float, float]
-_UNKNOWN: Peak = (nan, nan)
 
 
 class KnownCurve:
@@ -42,14 +42,17 @@ class KnownCurve:
         if stamp <= 0:
             return stamp
         known = message.reason in _USED and message.samples >= _FEWEST and 0.0 < message.lambda_max < 1.0
-        doubt = message.lambda_max_stddev
-        peak = (message.lambda_max, doubt if isfinite(doubt) else 0.0) if known else _UNKNOWN
+        if known:
+            doubt = message.lambda_max_stddev
+            self._insert(stamp, (message.lambda_max, doubt if isfinite(doubt) else 0.0))
+        return stamp + _OLDER
+
+    def _insert(self, stamp: int, peak: Peak) -> None:
         later = [each for each in self._curves if each[0] > stamp]
         while self._curves and self._curves[-1][0] >= stamp:
             self._curves.pop()
         self._curves.append((stamp, peak))
         self._curves.extend(later)
-        return stamp + _OLDER
 
     def at(self, stamp: int) -> Peak:
         """Return lambda_max and its standard deviation for a sample at a stamp [ns], NaN where it is not known."""
@@ -57,5 +60,5 @@ class KnownCurve:
         while len(curves) > 1 and curves[1][0] <= stamp - _OLDER:
             curves.popleft()
         if not curves or not stamp - _KEPT <= curves[0][0] <= stamp - _OLDER:
-            return _UNKNOWN
+            return nan, nan
         return curves[0][1]

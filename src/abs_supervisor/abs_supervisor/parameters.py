@@ -26,7 +26,7 @@ class SupervisorParameters:
         read_only=True,
     )
     valid_for: float = parameter(
-        0.1, "a command is in force for so long after its stamp", unit="s", minimum=0.02, maximum=1.0
+        0.1, "a command is in force for so long after its stamp", unit="s", minimum=0.02, maximum=1.0, read_only=True
     )
     braking_source: str = parameter(
         "demand",

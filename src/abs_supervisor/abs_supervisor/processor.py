@@ -37,12 +37,6 @@ _SLOPE_OK, _SLOPE_LOW_SPEED = int(FrictionSlope.OK), int(FrictionSlope.LOW_SPEED
 """Copies of message constants: a message class looks its constants up in Python, here at every sample."""
 _UNMEASURED = tuple(int(each) for each in (FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION))
 """Reasons of friction_slope with which the machine goes on although there is no indicator."""
-LOCKED_SLIP = 0.8
-"""Beyond the peak of any road [-]."""
-LOCKED_INDICATOR = -1e5
-"""Indicator of a locked wheel [rad/s^3], as friction_slope gives it; below every threshold."""
-_GOES_ON = 3.0
-"""[m/s] above this a car does not come to rest within a sample or two."""
 _CURVE_GAP = 0.02
 """[s] curves of a tyre's blocks are further apart; nothing waits for these, as nobody knows when the next one comes."""
 _SLOPE_NOT_READY = int(FrictionSlope.NOT_READY)
@@ -198,8 +192,6 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             return self._fail(loss, loss[1]) or self._outputs()
         self._reason, self._text = self._judge(sample, torque)
         indicator = slope.indicator if slope.valid and slope.reason == _SLOPE_OK else nan
-        if self._stands_locked(slope):
-            indicator = LOCKED_INDICATOR
         evidence = Evidence(
             h=slope.h,
             indicator=indicator,
@@ -212,13 +204,6 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         law = COMMANDS[self._supervisor.state]
         self._command = self._guard.command(sample.stamp, law) if isfinite(seen.wheel_speed) else Command.NONE
         return self._outputs()
-
-    def _stands_locked(self, slope: FrictionSlope) -> bool:
-        """Whether the slope takes for standstill what the slip knows as a locked wheel of a car that goes on.
-
-        friction_slope bounds the speed from the wheel alone, and loses it on ice, where a lock lasts for seconds.
-        """
-        return slope.reason == _SLOPE_LOW_SPEED and self._seen.slip > LOCKED_SLIP and self._seen.car_speed > _GOES_ON
 
     def _torque_at(self, sample: AlignedSample[FrictionSlope]) -> float | None:
         """Return the torque that the driver demands [N m]; None where it is not known."""
@@ -244,13 +229,9 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             return Reason.NO_PRESSURE, sample.missing[self._inputs.pressure]
         if guard.wheel_text:
             return Reason.WHEEL_SENSOR, guard.wheel_text
-        if slope.reason == _SLOPE_LOW_SPEED and not self._stands_locked(slope):
+        if slope.reason == _SLOPE_LOW_SPEED:
             return Reason.LOW_SPEED, without_wheel(self._wheel, slope.reason_text)
-        alive = (
-            slope.reason in _UNMEASURED
-            or slope.reason == _SLOPE_LOW_SPEED
-            or (slope.reason == _SLOPE_OK and slope.valid)
-        )
+        alive = slope.reason in _UNMEASURED or (slope.reason == _SLOPE_OK and slope.valid)
         if not alive and not (slope.reason == _SLOPE_NOT_READY and isfinite(slope.indicator)):
             return Reason.INVALID_SLOPE, of_topic(self._slope, slope.reason_text)
         if guard.pressure_text:

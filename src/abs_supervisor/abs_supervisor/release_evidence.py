@@ -5,6 +5,7 @@ from enum import IntEnum
 from math import isfinite, nan, sqrt
 
 from abs_supervisor.rolling_scatter import RollingScatter
+from abs_supervisor.slowest_car import HARDEST_BRAKING, SlowestCar
 from abs_supervisor.wheel_motion import WheelMotion
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -74,8 +75,6 @@ class Wheel:
     """Whether the brake acts, or the driver demands it."""
 
 
-_HARDEST_BRAKING = 12.0
-"""[m/s^2] of any car; bounds an unknown speed of the car from above, so that the lag of a wheel behind it is real."""
 _PEAK_PER_SLIP = 60.0
 """Error of lambda_max over an error of slip that the curve does not know of: a peak is flat."""
 _DEEP = 2.0
@@ -95,15 +94,15 @@ class ReleaseEvidence:
         self._time_ns = round(parameters.evidence_time * NANOSECONDS)
         self._motion = WheelMotion()
         self._scatter = RollingScatter()
+        self._slowest = SlowestCar()
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
         self._motion.reset()
         self._scatter.reset()
-        self._last: int | None = None
+        self._slowest.reset()
         self._slip = nan
-        self._reference = nan
         self._slip_since: int | None = None
         self._dive_since: int | None = None
         self._dived = False
@@ -140,7 +139,8 @@ class ReleaseEvidence:
         self.deceleration = -self._radius * motion.rate
         rate_error = sqrt(motion.rate_stddev**2 + self._scatter.rate(max(wheel.speed, 0.0)) ** 2)
         error = p.sigmas * self._radius * rate_error
-        own = wheel.car_deceleration if isfinite(wheel.car_deceleration) else 0.0
+        # Where all wheels dive, a speed that comes from them falls faster than any car can.
+        own = min(wheel.car_deceleration, HARDEST_BRAKING) if isfinite(wheel.car_deceleration) else 0.0
         self.release_deceleration = max(p.deceleration * GRAVITY, own + p.deceleration_margin * GRAVITY) + error
         base, doubt = self._slip_threshold(wheel)
         self.release_slip = base + p.sigmas * doubt
@@ -157,7 +157,7 @@ class ReleaseEvidence:
         self._dive_since = _since(self._dive_since, stamp, dives)
         if self._lasts(self._dive_since, stamp):
             self._dived = True
-        elif self.deceleration <= 0.0 if isfinite(wheel.slip) else lag <= p.least_slip:
+        elif (self.deceleration <= 0.0 or not slips) if isfinite(wheel.slip) else lag <= p.least_slip:
             # The wheel gains speed: from here a known slip alone decides. Without it the wheel must have come back.
             self._dived = False
         if self._lasts(self._slip_since, stamp):
@@ -174,8 +174,9 @@ class ReleaseEvidence:
         if isfinite(wheel.lambda_max):
             stated = wheel.lambda_max_stddev if isfinite(wheel.lambda_max_stddev) else 0.0
             doubt = sqrt(stated**2 + (_PEAK_PER_SLIP * self._scatter.slip_of_curve) ** 2)
-            known = p.lambda_max_share * wheel.lambda_max
-            base = max(p.least_slip, known, min(base, known + p.lambda_max_share * doubt))
+            known = p.lambda_max_share * (wheel.lambda_max + doubt)
+            # A curve can only tell that less slip is enough: a peak that is far too large must not cost a lock.
+            base = min(base, max(p.least_slip, known))
         stddev = wheel.slip_stddev if isfinite(wheel.slip_stddev) else 0.0
         return base, sqrt(stddev**2 + self._scatter.slip**2)
 
@@ -185,14 +186,8 @@ class ReleaseEvidence:
         A car that brakes less hard has a larger one.
         """
         rim = self._radius * wheel.speed
-        dt = 0.0 if self._last is None else (stamp - self._last) / NANOSECONDS
-        self._last = stamp
-        reference = self._reference
-        if not isfinite(reference) or reference <= rim:
-            self._reference = rim
-            return 0.0
-        self._reference = reference = max(reference - _HARDEST_BRAKING * dt, rim, 0.0)
-        return (reference - rim) / reference if reference > 0.0 else 0.0
+        slowest = self._slowest.update(stamp, rim)
+        return (slowest - rim) / slowest if slowest > max(rim, 0.0) else 0.0
 
     def _lasts(self, since: int | None, stamp: int) -> bool:
         return since is not None and stamp - since >= self._time_ns

@@ -43,6 +43,10 @@ _FREE_FOR = 1.0
 """[s] after the brake; on ice a locked wheel takes 0.8 s to turn again."""
 _BRAKED = 50.0
 """[N m]"""
+_RELEASED, _RELEASED_FOR = 40.0, 0.08
+"""[N m] less lets a wheel turn on any road, [s] beyond `_TORQUE_MEMORY`; a locked one has 1 m/s by then."""
+_GAP = 0.05
+"""[s] after a longer gap between samples the checks start again: what happened in it is not known."""
 _CLEAN = 1.0
 """[s] without contradiction until the sensor is trusted again."""
 
@@ -52,7 +56,8 @@ class Surroundings:
     """What a wheel speed is compared with, at one stamp."""
 
     torque: float = nan
-    """Brake torque [N m] that may act: the larger of measured and demanded; NaN where unknown."""
+    """Brake torque [N m] that may act: as measured, where that is not known to be right the larger of measured and
+    demanded; NaN where unknown."""
     others: Sequence[float] = ()
     """Circumferential speeds of the other wheels [m/s], NaN where unknown."""
     car_speed: float = nan
@@ -81,12 +86,18 @@ class WheelCheck:
         self._since: dict[str, int] = {}
         self._braked: int | None = None
         self._contradicted: int | None = None
+        self._last: int | None = None
         self.text = ""
         """The last contradiction in words, empty where there is none."""
 
     def update(self, stamp: int, wheel_speed: float, around: Surroundings) -> str:
         """Take the wheel speed [rad/s] at a stamp [ns]; return why it must not be used, or nothing."""
-        found = self._jump(stamp, wheel_speed, self._torque(stamp, around.torque))
+        if self._last is not None and stamp - self._last > _GAP * NANOSECONDS:
+            self._same = self._good = self._away_since = None
+            self._since.clear()
+        self._last = stamp
+        torque = self._torque(stamp, around.torque)
+        found = self._jump(stamp, wheel_speed, torque) or self._released(stamp, wheel_speed, torque, around)
         stuck = self._stuck(stamp, wheel_speed, around.torque)
         found = found or stuck or self._against_car(stamp, wheel_speed * self._radius, around)
         if found:
@@ -144,6 +155,16 @@ class WheelCheck:
         if len(self._spikes) > 1:
             return f"{text}, not for the first time: flickers"
         return f"{text}, which no brake or road can cause" if away >= _EXCURSION else ""
+
+    def _released(self, stamp: int, speed: float, torque: float, around: Surroundings) -> str:
+        # Another wheel that turns shows that the car moves: its own speed may come from this wheel.
+        moves = around.car_is_measured or any(each > _MOVES for each in around.others if isfinite(each))
+        stands = abs(speed) * self._radius < _STANDS and torque < _RELEASED and moves and around.car_speed > _MOVES
+        return (
+            "stands, although its brake is released: dead"
+            if self._lasts(stamp, "stands", stands, _RELEASED_FOR)
+            else ""
+        )
 
     def _stuck(self, stamp: int, speed: float, torque: float) -> str:
         # Only a braked wheel must change: one that rolls freely over a simulated road without noise does not.

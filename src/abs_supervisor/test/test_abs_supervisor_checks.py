@@ -6,7 +6,9 @@ from math import nan
 import numpy as np
 import pytest
 
+from abs_supervisor.envelope import EnvelopeParameters
 from abs_supervisor.fsm import Command
+from abs_supervisor.guard import Guard, Seen
 from abs_supervisor.pressure_check import PressureCheck
 from abs_supervisor.wheel_check import Surroundings, WheelCheck
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
@@ -62,7 +64,32 @@ def test_wheel_that_fell_to_zero_as_a_brake_can_make_it_is_locked_not_dead() -> 
 def test_wheel_that_reads_zero_although_it_is_not_braked_is_dead() -> None:
     at, text = first_text(lambda k, true: 0.0, torque=0.0)
     assert at is not None
-    assert "rolling freely" in text
+    assert at * DT <= 0.2
+    assert "its brake is released: dead" in text
+
+
+@pytest.mark.parametrize(("acceleration", "dead"), [(0.0, True), (15.0, False)])
+def test_wheel_that_was_released_and_does_not_spin_up_is_dead_and_one_that_does_was_locked(
+    acceleration: float, dead: bool
+) -> None:
+    """It has fallen to zero as a locked wheel does; the road gives the slow one 15 rad/s^2, as ice does."""
+    check, random, texts = WheelCheck(CORNER), np.random.default_rng(1), []
+    for k in range(300):
+        car, torque = 25.0 - DT * k, max(600.0 - 25.0 * max(k - 100, 0), 0.0)
+        speed = max(car / CORNER.radius - 2.0 * k, 0.0) + acceleration * DT * max(k - 125, 0)
+        noise = 0.07 * float(random.standard_normal())
+        texts.append(check.update((k + 1) * STEP, speed + noise, Surroundings(torque, [car] * 3, car, False)))
+    named = next((k for k, text in enumerate(texts) if text), None)
+    assert (named is not None) == dead
+    if named is not None:
+        assert "its brake is released: dead" in texts[named]
+        assert (named - 123) * DT <= 0.2, "after the brake is released"
+
+
+def test_a_gap_between_samples_is_neither_a_jump_nor_a_sensor_that_is_stuck() -> None:
+    check = WheelCheck(CORNER)
+    for stamp, speed in ((1, 80.0), (401, 80.0), (801, 30.0), (802, 30.1)):
+        assert check.update(stamp * STEP, speed, Surroundings(500.0)) == ""
 
 
 def test_wheel_that_spins_up_as_a_road_can_make_it_is_healthy() -> None:
@@ -123,6 +150,18 @@ def test_pressure_that_does_not_follow_is_named_within_half_a_second(
     texts = pressures(lambda k: level if k >= 100 else 0.0, lambda k: Command.NONE, change)
     named = next(k for k, text in enumerate(texts) if text)
     assert 0.0 < (named - 100) * DT <= 0.5
+
+
+def test_all_wheels_that_lock_without_a_known_speed_of_the_car_are_no_standstill() -> None:
+    guard, random = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True), np.random.default_rng(1)
+    commands = []
+    for k in range(100):
+        rim = max(20.0 - 0.5 * max(k - 50, 0), 0.0)
+        speed = rim / CORNER.radius + 0.07 * float(random.standard_normal())
+        guard.look(k * STEP + STEP, Seen(speed, torque=900.0, demand=900.0, others=[rim] * 3))
+        commands.append(guard.command(k * STEP + STEP, Command.DECREASE))
+    assert Command.DECREASE not in commands[:50]
+    assert commands[-1] is Command.DECREASE
 
 
 def test_unknown_torque_makes_no_jump_of_a_wheel_that_stops() -> None:

@@ -535,6 +535,22 @@ def test_a_curve_that_counts_is_waited_for_where_no_clock_tells_that_it_has_come
     )
 
 
+def test_curve_counts_for_half_a_second_after_the_last_one_that_had_a_peak() -> None:
+    bench = Bench()
+    bench.slip = 0.05
+    came = {}
+    for k in range(200):
+        bench.sample(500.0)
+        header = Header(stamp=from_nanoseconds(bench.stamp))
+        curve = FrictionCurve(header=header, lambda_max=0.12, lambda_max_stddev=0.01, samples=30, valid=k < 20)
+        curve.reason = FrictionCurve.OK if k < 20 else FrictionCurve.NO_PEAK
+        bench.processor.process("front_left/friction_curve", curve)
+        came[k] = bench.state.release_slip
+    assert came[19] < 0.15
+    assert max(came[k] for k in range(20, 115)) < 0.15
+    assert min(came[k] for k in range(125, 200)) >= 0.2
+
+
 def test_dead_wheel_sensor_gives_the_brake_to_the_driver_and_says_so() -> None:
     bench = Bench()
     bench.slip = 0.05

@@ -7,6 +7,7 @@ from friction_msgs.msg import SupervisorState, TyreForce, WheelSlip
 from friction_bags.__main__ import main
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode
+from friction_bags.bag_io.message_definition import message_definition
 from friction_bags.experiments import tyre_runs
 from friction_bags.experiments.library import EXPERIMENTS, START_STAMP, simulate
 from friction_bags.experiments.stops import STOPS
@@ -85,6 +86,8 @@ def test_the_same_command_makes_the_same_bytes_and_replaces_only_its_bags(tmp_pa
 @pytest.mark.parametrize("name", [path.name for path in sorted(BAGS.iterdir()) if path.is_dir()])
 def test_the_bags_of_the_repository_are_sound_small_and_explained(name: str) -> None:
     with BagReader(BAGS / name) as reader:
+        ours = [topic for topic in reader.counts if topic.type.startswith("friction_msgs/")]
+        assert all(topic.definition == message_definition(topic.type).text for topic in ours), "run `make bags`"
         assert reader.custom_data["note"] in (BAGS / "README.md").read_text()
         assert load_vehicle(reader.custom_data["vehicle"])
         count = 0

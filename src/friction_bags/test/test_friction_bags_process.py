@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from friction_msgs.msg import BrakeDemand, WheelSlip
+from friction_msgs.msg import BrakeDemand, SupervisorState, WheelSlip
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import String
 
@@ -204,6 +204,26 @@ def test_a_topic_of_another_type_is_named_and_not_taken(
     after = process(tmp_path / "bag", tmp_path / "out")
     assert "/brake_demand is std_msgs/msg/String" in capsys.readouterr().err
     assert len(after["/brake_demand"]) == len(wrong)
+
+
+def test_a_supervisor_without_its_estimators_names_what_is_missing(
+    bag: Path, processed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made = process(bag, tmp_path / "alone", estimators=("abs_supervisor",))
+    (warning,) = capsys.readouterr().err.splitlines()
+    assert warning.startswith("warning: neither in the bag nor estimated: ")
+    assert {f"/{wheel}/{name}" for wheel in WHEELS for name in ("friction_slope", "slip")} == set(
+        warning.rpartition(": ")[2].split(", ")
+    )
+    assert not made["/front_left/abs_supervisor"]
+    beside = process(bag, tmp_path / "beside", estimators=("friction_slope", "abs_supervisor"))
+    state = deserialize_message(beside["/front_left/abs_supervisor"][100][1], SupervisorState)
+    assert state.valid
+    assert "release by deceleration alone (front_left/slip: " in state.unchecked
+    capsys.readouterr()
+    again = process(processed, tmp_path / "again", estimators=("abs_supervisor",))
+    assert capsys.readouterr().err == ""
+    assert again["/front_left/abs_supervisor"] == read(processed)["/front_left/abs_supervisor"]
 
 
 def test_parameters_come_from_the_files_in_their_order_and_bad_ones_are_named(bag: Path, tmp_path: Path) -> None:

@@ -168,3 +168,15 @@ def judge_crossings(
         JudgedCrossing(estimate, float(lambda_max[row]), true_times.get(i, float("nan")))
         for i, (estimate, row) in enumerate(zip(estimates, rows, strict=True))
     ]
+
+
+def release_times(time: Array, released: NDArray[np.bool_]) -> Array:
+    """Return the duration [s] of each release, to the first sample after it.
+
+    Args:
+        time: time of the samples [s], shape (n,), increasing.
+        released: whether the brake was released from a sample to the next, shape (n,).
+    """
+    edges = np.flatnonzero(np.diff(released.astype(np.int8), prepend=0, append=0))
+    ends = np.minimum(edges[1::2], time.size - 1)
+    return time[ends] - time[edges[::2]]

@@ -45,6 +45,19 @@ _COMMANDS = {
     BrakeCommand.HOLD: "hold",
     BrakeCommand.DECREASE: "decrease",
 }
+_LIMITED = "bold red"
+_RELEASES = {
+    SupervisorState.RELEASE_NOT_WANTED: ("–", "dim"),
+    SupervisorState.RELEASE_BY_SLIP: ("slip", "yellow"),
+    SupervisorState.RELEASE_BY_DECELERATION: ("decel.", "yellow"),
+    SupervisorState.RELEASE_REFUSED: ("refused", _LIMITED),
+}
+_CAPS = {
+    SupervisorState.CAP_CONTINUOUS: ("too long", _LIMITED),
+    SupervisorState.CAP_SHARE: ("too often", _LIMITED),
+    SupervisorState.CAP_RETURN: ("return", _LIMITED),
+    SupervisorState.CAP_LOW_SPEED: ("driver", "dim"),
+}
 _DISCOVERY_PERIOD = 0.1
 """Period of looking for new topics [s]."""
 _BAR_CELLS = 10
@@ -93,6 +106,15 @@ class WheelView:
         """Command to the brake; "silent" where there is none."""
         command = self.messages.get("brake_command")
         return "silent" if command is None else _COMMANDS[command.command]
+
+    @property
+    def release(self) -> Text:
+        """What the envelope lets a release pass by, or the cap in force; a dash where there is neither."""
+        supervisor = self.messages.get("abs_supervisor")
+        if supervisor is None:
+            return Text("–")
+        text, style = _CAPS.get(supervisor.cap, _RELEASES[supervisor.release])
+        return Text(text, style=style)
 
     @property
     def reasons(self) -> list[str]:
@@ -167,7 +189,7 @@ class LiveView(Node):
                 Text(_bar(view), style="green" if sign.plain != "−" else "bold red"),
                 sign,
                 view.state,
-                view.command,
+                Text(view.command, style=_LIMITED if view.release.style == _LIMITED else ""),
                 view.number("brake_pressure", "fluid_pressure", ".1f", 1e-5),
             )
         reasons = dict.fromkeys(reason for view in self.wheels.values() for reason in view.reasons)

@@ -71,18 +71,30 @@ def wheels_table(wheels: dict[str, WheelView], now: float) -> Table:
             view.number("slip", "slip", ".3f"),
             view.sign,
             view.state,
-            view.command,
+            _with_release(view),
             _with_deviation(view, "friction_curve", "lambda_max", ".3f"),
             _with_deviation(view, "friction_curve", "mu_max", ".2f"),
             _with_deviation(view, "tyre_force", "fx", ".2f", 1e-3),
             _with_deviation(view, "tyre_force", "fz", ".2f", 1e-3),
             Text(f"{youngest:.2f}", style="bold red" if youngest > _STALE else ""),
-            escape("\n".join([*silent, *view.reasons])),
+            escape("\n".join([*silent, *view.reasons, *_refused(view)])),
             style="dim" if youngest > _STALE else "",
         )
     if not wheels:
         table.caption = "no wheel yet: waiting for a topic such as front_left/slip on this ROS_DOMAIN_ID"
     return table
+
+
+def _with_release(view: WheelView) -> Text:
+    """Return the command, and below it what the envelope says of a release if the law asks for one."""
+    release = view.release
+    return Text(view.command) if release.plain == "–" else Text.assemble(view.command, "\n", release)
+
+
+def _refused(view: WheelView) -> list[str]:
+    supervisor = view.messages.get("abs_supervisor")
+    count = 0 if supervisor is None else supervisor.refused_releases
+    return [f"releases refused so far: {count}"] if count else []
 
 
 def _with_deviation(view: WheelView, topic: str, name: str, form: str, scale: float = 1.0) -> str:

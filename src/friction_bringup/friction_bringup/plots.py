@@ -33,6 +33,13 @@ COMMANDS = {
     BrakeCommand.HOLD: ("hold", "#fdd49e"),
     BrakeCommand.DECREASE: ("decrease", "#c994c7"),
 }
+ENVELOPE = {
+    0: ("no release asked for", UNKNOWN_BAND),
+    1: ("release allowed", STABLE_BAND),
+    2: ("release refused", UNSTABLE_BAND),
+    3: ("cap", "#c49c94"),
+}
+"""Verdict of the envelope on what the law asks for."""
 SIGNS = {-1: ("beyond the peak", UNSTABLE_BAND), 0: ("not known", UNKNOWN_BAND), 1: ("stable side", STABLE_BAND)}
 
 
@@ -197,12 +204,22 @@ def _draw_supervisor(axes: Axes, run: RecordedRun, wheel: str) -> None:
     if (supervisor := run.get(f"{wheel}/abs_supervisor")) is not None:
         rows = np.array([levels[int(state)] for state in supervisor["state"]], dtype=np.float64)
         axes.step(supervisor.time, rows, where="post", color=TRUTH, lw=1.0)
+        verdict = _verdicts(supervisor)
+        _strip(axes, supervisor.time, verdict, {k: c for k, (_, c) in ENVELOPE.items()}, (-1.9, -1.3))
     if (command := run.get(f"{wheel}/brake_command")) is not None:
         _strip(axes, command.time, command["command"], {k: c for k, (_, c) in COMMANDS.items()}, (-1.1, -0.5))
-    axes.set_yticks([-0.8, *levels.values()], ["command", *STATES.values()])
-    axes.set_ylim(-1.2, len(levels) - 0.7)
+    axes.set_yticks([-1.6, -0.8, *levels.values()], ["envelope", "command", *STATES.values()])
+    axes.set_ylim(-2.0, len(levels) - 0.7)
     axes.set_ylabel("supervisor")
-    _legend_of_bands(axes, dict(COMMANDS.values()))
+    _legend_of_bands(axes, dict([*COMMANDS.values(), *ENVELOPE.values()]))
+
+
+def _verdicts(supervisor: Series) -> Array:
+    """Return the key of ENVELOPE at every sample: the cap in force, else what the evidence says."""
+    release = supervisor["release"]
+    asked = np.where(release == SupervisorState.RELEASE_REFUSED, 2.0, 1.0)
+    judged = np.where(release == SupervisorState.RELEASE_NOT_WANTED, 0.0, asked)
+    return np.where(supervisor["cap"] == SupervisorState.CAP_NONE, judged, 3.0)
 
 
 def _draw_brake(axes: Axes, run: RecordedRun, wheel: str) -> None:

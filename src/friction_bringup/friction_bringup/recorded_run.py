@@ -31,7 +31,9 @@ _COLUMNS: Mapping[str, tuple[str, ...]] = {
         *("crossing_stamp.sec", "crossing_stamp.nanosec"),
     ),
     "friction_msgs/msg/FrictionCurve": ("lambda_max", "mu_max", "lambda_max_stddev", "mu_max_stddev", "mu", "valid"),
-    "friction_msgs/msg/SupervisorState": ("state", "demand_torque", "valid"),
+    "friction_msgs/msg/SupervisorState": (
+        *("state", "demand_torque", "command", "release", "cap", "refused_releases", "caps", "valid"),
+    ),
     "friction_msgs/msg/ContactPatch": ("valid",),
     "friction_msgs/msg/TyreForce": ("fx", "fz", "valid"),
     "friction_msgs/msg/BrakeCommand": ("command",),

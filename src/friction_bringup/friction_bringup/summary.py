@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
+from friction_msgs.msg import BrakeCommand
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from friction_bringup.braking_metrics import Braking, CrossingEvent, JudgedCrossing, judge_crossings, measure_braking
+from friction_bringup.braking_metrics import (
+    Braking,
+    CrossingEvent,
+    JudgedCrossing,
+    judge_crossings,
+    measure_braking,
+    release_times,
+)
 from friction_bringup.graph import VEHICLE
 from friction_bringup.recorded_run import RecordedRun
 
@@ -33,6 +41,7 @@ def print_summary(console: Console, run: RecordedRun) -> None:
         console.print(braking_table(braking))
     else:
         console.print(f"Stopping distance and utilisation: {braking}.")
+    console.print(release_table(run))
     if len(run.wheels) > 1 and (span := run.hardest_braking()) is not None:
         console.print(slip_table(run, span))
     console.print(validity_table(run))
@@ -120,6 +129,23 @@ def braking_table(braking: Braking) -> Table:
     table.add_row("longer than the ideal", f"{braking.distance / braking.ideal_distance - 1.0:+.1%}")
     table.add_row("adhesion utilisation, mean mu / mu_max", f"{braking.utilisation:.3f}")
     table.add_row("the same without the first 0.4 s", f"{braking.utilisation_built_up:.3f}")
+    return table
+
+
+def release_table(run: RecordedRun) -> Table:
+    """Return a table of what the envelope did with the releases that the law of each wheel asked for."""
+    commanded = any(run.get(f"{wheel}/brake_command") is not None for wheel in run.wheels)
+    title = "Releases of the brake" if commanded else "Releases of the brake that would be commanded: shadow mode"
+    table = Table(title=title, title_justify="left")
+    table.add_column("wheel")
+    for heading in ("released [s]", "longest [s]", "refused", "ended by a cap"):
+        table.add_column(escape(heading), justify="right")
+    for wheel in run.wheels:
+        if (series := run.get(f"{wheel}/abs_supervisor")) is None:
+            continue
+        times = release_times(series.time, series["command"] == BrakeCommand.DECREASE)
+        counts = [f"{series[name][-1]:.0f}" for name in ("refused_releases", "caps")]
+        table.add_row(wheel, f"{np.sum(times):.2f}", f"{np.max(times, initial=0.0):.2f}", *counts)
     return table
 
 

@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from friction_bringup.braking_metrics import GRAVITY, CrossingEvent, hardest_braking, judge_crossings, measure_braking
+from friction_bringup.braking_metrics import (
+    GRAVITY,
+    CrossingEvent,
+    hardest_braking,
+    judge_crossings,
+    measure_braking,
+    release_times,
+)
 
 TIME = np.arange(0.0, 12.0, 0.005, dtype=np.float64)
 
@@ -53,6 +60,14 @@ def test_build_up_is_left_out_of_the_second_utilisation() -> None:
     result = measure_braking(TIME, np.full_like(TIME, 20.0), mu, np.ones_like(TIME), onset=1.0)
     assert result.utilisation_built_up == pytest.approx(0.8)
     assert result.utilisation < 0.8
+
+
+def test_a_release_lasts_to_the_first_sample_after_it_or_to_the_last_one() -> None:
+    released = np.array([False, True, True, False, True, False, False, True])
+    time = np.array([0.0, 0.1, 0.2, 0.4, 0.5, 0.8, 0.9, 1.0])
+    assert release_times(time, released) == pytest.approx([0.3, 0.3, 0.0])
+    assert release_times(time, np.zeros(8, dtype=np.bool_)).size == 0
+    assert release_times(time, np.ones(8, dtype=np.bool_)) == pytest.approx([1.0])
 
 
 def test_no_braking_is_an_error_and_not_a_number() -> None:

@@ -41,6 +41,28 @@ def test_every_estimate_is_shown_with_its_deviation(view: WheelView) -> None:
     assert "silent for" not in text
 
 
+@pytest.mark.parametrize(
+    ("state", "text"),
+    [
+        (SupervisorState(), "–"),
+        (SupervisorState(release=SupervisorState.RELEASE_BY_SLIP), "slip"),
+        (SupervisorState(release=SupervisorState.RELEASE_BY_DECELERATION), "decel."),
+        (SupervisorState(release=SupervisorState.RELEASE_REFUSED), "refused"),
+        (SupervisorState(release=SupervisorState.RELEASE_BY_SLIP, cap=SupervisorState.CAP_CONTINUOUS), "too long"),
+        (SupervisorState(release=SupervisorState.RELEASE_REFUSED, cap=SupervisorState.CAP_SHARE), "too often"),
+        (SupervisorState(cap=SupervisorState.CAP_RETURN), "return"),
+        (SupervisorState(cap=SupervisorState.CAP_LOW_SPEED), "driver"),
+    ],
+)
+def test_the_cap_in_force_is_shown_before_the_verdict_on_a_release(state: SupervisorState, text: str) -> None:
+    assert WheelView({"abs_supervisor": state}).release.plain == text
+
+
+def test_refused_releases_are_counted(view: WheelView) -> None:
+    view.messages["abs_supervisor"].refused_releases = 4711
+    assert "4711" in shown(view, 10.1)
+
+
 def test_topic_that_falls_silent_is_named_with_its_age(view: WheelView) -> None:
     view.arrivals["friction_slope"] = 8.0
     text = shown(view, 10.1)

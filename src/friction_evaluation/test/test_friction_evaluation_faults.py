@@ -19,7 +19,6 @@ from friction_evaluation.faults.limits import limits
 from friction_evaluation.faults.loop import Loop
 from friction_evaluation.faults.manoeuvre import CORNER, FOUR_WHEELS, ONSET, Manoeuvre
 from friction_evaluation.faults.measures import Measures, measure
-from friction_evaluation.faults.part import failed
 from friction_evaluation.faults.plan import quick, whole
 from friction_evaluation.faults.record import Record
 from friction_evaluation.faults.reference import Reference, without_abs
@@ -209,11 +208,6 @@ def test_the_whole_plan_has_every_fault_on_every_road_and_the_quick_one_is_part_
         assert {name for each, name in rows if each == manoeuvre} >= {case.name for case in (NO_FAULT, *FAULTS)}
     assert {(each, case.name) for each, cases in quick() for case in cases} <= rows
     assert {case.name for _, cases in quick() for case in cases} | {LOCKED_START.name} == {name for _, name in rows}
-
-
-def test_one_row_that_fails_is_a_failure() -> None:
-    assert failed([{"passed": True}, {"passed": False}])
-    assert not failed([{"passed": True}])
 
 
 def rows(fault: str, car: str, surface: str, demand: float) -> list[dict[str, object]]:

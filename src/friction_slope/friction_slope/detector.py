@@ -154,8 +154,9 @@ class SlopeDetector:
         slip_rate = signals.slip_rate() if self._method is Method.SLIP else nan
         self._answer_by(Method.NO_SLIP if isnan(slip_rate) else Method.SLIP)
         speed = self._reference.speed
-        if self._method is Method.SLIP and isfinite(sample.vehicle_speed):
-            speed = sample.vehicle_speed
+        if isfinite(sample.vehicle_speed):
+            # The reference runs down while a wheel stays locked, which on ice it does for seconds.
+            speed = sample.vehicle_speed if self._method is Method.SLIP else max(speed, sample.vehicle_speed)
         if speed < p.minimum_speed:
             return self._unknown(Reason.LOW_SPEED, f"speed is below {p.minimum_speed} m/s")
         h, delay = signals.h(), signals.delay

@@ -103,6 +103,14 @@ def test_locked_wheel_is_no_standstill_without_a_speed_sensor() -> None:
     assert reasons.index(Reason.LOW_SPEED) * DT == pytest.approx(standing, abs=2 * DT)
 
 
+def test_locked_wheel_of_a_car_whose_speed_is_known_is_no_standstill_however_long_it_lasts() -> None:
+    detector = exact(Method.NO_SLIP)
+    for k in range(20):
+        detector.update(SlopeSample((k + 1) * STEP, 100.0, 500.0, 0.0, 0.0, 30.0))
+    found = [detector.update(SlopeSample((k + 21) * STEP, 0.0, 500.0, 1.0, 0.0, 25.0)) for k in range(1000)]
+    assert {(each.reason, each.indicator) for each in found[20:]} == {(Reason.OK, LOCKED_INDICATOR)}
+
+
 def test_method_slip_stops_below_the_minimum_vehicle_speed() -> None:
     detector = exact()
     for k in range(20):

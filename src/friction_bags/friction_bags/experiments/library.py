@@ -17,7 +17,7 @@ from friction_bags.bag_io.bag_format import METADATA_NAME, BagError
 from friction_bags.bag_io.message_bag import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.experiments import stops, tyre_runs
-from friction_bags.offline.estimators import make_processors, read_parameters
+from friction_bags.offline.estimators import WHEEL_ESTIMATORS, make_processors, read_parameters
 from friction_bags.offline.graph import OfflineGraph
 from friction_parameters.values import from_mapping
 from friction_runtime.processor import Output, silent
@@ -25,7 +25,6 @@ from vehicle_models.vehicle_file import load_vehicle
 
 START_STAMP = 1_000_000_000_000
 """Stamp of the first sample of every experiment [ns]: 1000 s."""
-_LOOP = ("wheel_slip", "friction_slope", "abs_supervisor")
 _README = "README.md"
 _README_BEGIN = """\
 # bags
@@ -60,7 +59,7 @@ class Experiment:
     vehicle: str = "chapter_corner"
     """Vehicle file of the car, or name of a shipped one."""
     closed_loop: bool = False
-    """Whether wheel_slip, friction_slope and abs_supervisor are in the loop, and recorded."""
+    """Whether all that the supervisor takes and the supervisor itself are in the loop, and recorded."""
 
 
 def _ramp_and_hold(surface: str, torque: float) -> Experiment:
@@ -141,7 +140,7 @@ def simulate(experiment: Experiment, seed: int = 0) -> Iterator[Output]:
     simulation = Simulation(from_mapping(SimParameters, {**experiment.parameters, "seed": seed}), vehicle, START_STAMP)
     estimators: dict[str, Any] = {}
     if experiment.closed_loop:
-        estimators = read_parameters(_LOOP, (), silent)
+        estimators = read_parameters(WHEEL_ESTIMATORS, (), silent)
         estimators["abs_supervisor"] = replace(estimators["abs_supervisor"], shadow=False)
     graph = OfflineGraph(make_processors(estimators, vehicle, silent))
     while True:

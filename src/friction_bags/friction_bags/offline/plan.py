@@ -114,6 +114,7 @@ def plan_for(reader: BagReader, options: ProcessOptions, report: Report) -> tupl
     processors = make_processors(parameters, vehicle, report)
     made = {topic for processor in processors for topic in processor.outputs}
     taken = _taken(reader, processors, made, prefix)
+    _name_missing(processors, made.union(taken), prefix)
     copied = tuple(not options.outputs_only and name not in made for name in names)
     values = {name: values_of(each) for name, each in parameters.items()}
     return OfflinePlan(reader.bag, values, vehicle, note, tuple(taken), copied), processors
@@ -140,6 +141,17 @@ def _taken(reader: BagReader, processors: Sequence[Processor], made: set[str], p
             fits = False
         taken.append(name if fits else "")
     return taken
+
+
+def _name_missing(processors: Sequence[Processor], there: set[str], prefix: str) -> None:
+    """Print which messages of other nodes are missing.
+
+    What they are missing from may not even answer. The lack of a sensor is in the reasons of the estimates instead.
+    """
+    needed = dict.fromkeys(topic for each in processors for topic in each.estimates if topic not in each.optional)
+    missing = [f"{prefix}{topic}" for topic in needed if topic not in there]
+    if missing:
+        print(f"warning: neither in the bag nor estimated: {', '.join(missing)}", file=sys.stderr)
 
 
 def _refuse_strange_car(reader: BagReader, prefix: str, vehicle: Vehicle) -> None:

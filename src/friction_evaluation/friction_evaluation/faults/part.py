@@ -6,7 +6,6 @@ limit that does not hold. The numbers are the worst over the seeds.
 """
 
 import argparse
-from collections.abc import Sequence
 from time import process_time
 
 from rich.progress import Progress
@@ -45,11 +44,6 @@ def run(options: argparse.Namespace) -> list[Row]:
             rows += rows_of(manoeuvre, cases, options.seeds, lambda: progress.advance(task))
     print(f"{len(rows)} rows, {process_time() - begun:.0f} s of CPU")
     return rows
-
-
-def failed(rows: Sequence[Row]) -> bool:
-    """Does a row fail?"""
-    return not all(row["passed"] for row in rows)
 
 
 def _live(trials: int) -> list[Row]:

@@ -2,7 +2,8 @@
 
 The car cruises first (the engine holds the speed on the slope), then the driver demands 1.5 times the peak torque,
 split between the wheels in proportion to their gains. Every wheel has its own friction_slope detector (no_slip) and
-supervisor, with the shipped parameters. Sensor noise is drawn per run from its seed.
+supervisor, with the shipped parameters. Its states command the brake without the envelope: the stops are manoeuvres
+with strong slip for the estimators, and say nothing about the supervisor. Sensor noise is drawn per run from its seed.
 """
 
 from collections.abc import Callable
