@@ -32,8 +32,8 @@ from vehicle_models.vehicle_file import load_vehicle
 _NAME = "corner_sim"
 _DIAGNOSTICS_PERIOD = 1.0
 """Period of the diagnostics [s]."""
-_LINGER = Duration(seconds=0.5)
-"""How long the last messages may take to reach reliable subscribers before the node exits."""
+_LINGER = 5.0
+"""Wall time [s] the last messages may take to reach reliable subscribers before the node exits; one may be dead."""
 
 
 class Phase(Enum):
@@ -178,8 +178,9 @@ class CornerSimNode(Node):
         self._phase = Phase.DONE
         self.get_logger().info(f"done after {self._simulation.time:.3f} s: {reason}")
         if self._in_force.exit_when_done:
+            until = monotonic() + _LINGER
             for output in self._outputs.values():
-                output.wait_for_all_acked(_LINGER)
+                output.wait_for_all_acked(Duration(seconds=max(until - monotonic(), 0.0)))
             rclpy.try_shutdown()
 
     def _on_command(self, wheel: str, message: BrakeCommand) -> None:

@@ -24,8 +24,9 @@ from friction_runtime import qos
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle
 
-EVERYTHING = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
-"""Nothing is lost while the machine delays the test."""
+DEEP = 10_000
+"""Samples that queues hold here, those of the plant too: nothing is lost while the machine delays the test."""
+EVERYTHING = QoSProfile(depth=DEEP, reliability=ReliabilityPolicy.RELIABLE)
 START = 1_000_000_000
 PERIOD = 5_000_000
 TOPICS = messages.topics(["front_left"], vehicle_velocity=True, brake_demand=True, tyre_signals=False)
@@ -39,7 +40,8 @@ def client() -> Iterator[DdsClient]:
 
 def start(client: DdsClient, **parameters: object) -> subprocess.Popen[str]:
     """Start the node that waits for the client; a parameter is written as on the command line."""
-    wanted = {"start_stamp": START, "wait_for_subscribers": 1, "settle_time": 0.2} | parameters
+    queues = {f"qos_overrides./{topic}.publisher.depth": DEEP for topic in (*TOPICS, "clock")}
+    wanted = {"start_stamp": START, "wait_for_subscribers": 1, "settle_time": 0.2} | queues | parameters
     arguments = [part for name, value in wanted.items() for part in ("-p", f"{name}:={value}")]
     return client.start("-m", "corner_sim", "--ros-args", *arguments)
 
