@@ -188,6 +188,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             self._guard.look(sample.stamp, seen)
         self._seen = seen
         if loss is not None:
+            if isfinite(seen.wheel_speed):
+                self._guard.command(sample.stamp, Command.NONE)
             self._command = Command.NONE
             return self._fail(loss, loss[1]) or self._outputs()
         self._reason, self._text = self._judge(sample, torque)

@@ -162,6 +162,16 @@ def test_garbage_is_no_progress() -> None:
         assert bench.state.reason == LOST[lost]
 
 
+def test_a_supervisor_that_starts_into_braking_or_stood_back_for_a_loss_does_not_blame_the_pressure() -> None:
+    bench = Bench()
+    bench.run(400)
+    assert (bench.newest, bench.state.reason) == (BrakeCommand.INCREASE, SupervisorState.OK)
+    bench.run(700, None, DEMAND)
+    assert bench.newest == BrakeCommand.NONE
+    bench.run(900)
+    assert (bench.newest, bench.state.reason) == (BrakeCommand.INCREASE, SupervisorState.OK)
+
+
 def test_a_wheel_that_stands_with_new_stamps_is_not_lost() -> None:
     bench = Bench()
     bench.run(1000)

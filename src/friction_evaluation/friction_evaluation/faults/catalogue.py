@@ -139,5 +139,5 @@ TRANSPORT = (
 )
 FAULTS = (*NOISE, *WHEEL_SENSOR, *PRESSURE, *DEMAND, *GRAPH, *IMU, *STAMPS, *TRANSPORT)
 """All of them."""
-LOCKED_START = Case("locked_start", partial(estimates.lost, name="brake_command"), begin=BEFORE_BRAKING, end=1.5)
+LOCKED_START = Case("locked_start", partial(estimates.lost, name="brake_command"), ALL, BEFORE_BRAKING, end=1.5)
 """Commands reach the brake only when the wheel has locked."""
