@@ -58,8 +58,9 @@ class WheelInputs:
             return read if isinstance(read, str) else (read[0], (read[1],))
         stamp = to_nanoseconds(message.header.stamp)
         if topic == WHEEL_STATES:
-            self._own.read(message)
             speeds = self._all.read(message)
+            if not isfinite(speeds[self._index]):
+                self._own.read(message)  # reports why
             return stamp, tuple(part for speed in speeds for part in _flagged(speed))
         known = message.valid and isfinite(message.slip_variance)
         if not message.valid:
