@@ -24,7 +24,8 @@ COMPILED = {
     "speed_filter speed_queue speed_sample stuck_sensor vehicle_speed wheel_speed_filter",
     "friction_slope": "crossing detector estimate indicator processor reference_speed signals",
     "abs_supervisor": "braking braking_log envelope fsm guard input_watch known_curve pressure_check processor "
-    "release_caps release_evidence rolling_scatter speed_trend supervisor wheel_check wheel_inputs wheel_motion",
+    "release_caps release_evidence rolling_scatter slowest_car speed_trend supervisor wheel_check wheel_inputs "
+    "wheel_motion",
     "friction_curve_id": "activation chapter/curve_fitting chapter/dead_reckoning chapter/exponential_curve "
     "chapter/friction_samples chapter/recursive_ls chapter/square_root curve/fitted_curve curve_messages inputs "
     "processor wheel_inputs",

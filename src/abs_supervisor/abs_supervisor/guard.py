@@ -104,7 +104,7 @@ class Guard:
             self.pressure_text = self._pressure.update(stamp, seen.torque, seen.demand)
             if not self.pressure_text:
                 acting = seen.torque
-        around = Surroundings(acting, seen.others, seen.car_speed, seen.car_is_measured)
+        around = Surroundings(acting, others, seen.car_speed, seen.car_is_measured)
         self.wheel_text = self._wheel.update(stamp, seen.wheel_speed, around)
         self.envelope.look(
             stamp,

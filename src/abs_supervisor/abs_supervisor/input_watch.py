@@ -5,18 +5,11 @@ known within 50 ms and its own period, however long the nodes between wait for e
 """
 
 from collections.abc import Mapping
-from math import inf, isfinite
-from typing import Any
-
-from sensor_msgs.msg import FluidPressure, JointState
+from math import inf
 
 from abs_supervisor.supervisor import Reason
-from friction_runtime.brake_torque import BrakeTorque
-from friction_runtime.processor import silent
 from friction_runtime.stamp_progress import StampProgress
-from friction_runtime.stamps import to_nanoseconds
-from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
-from vehicle_models.vehicle import Vehicle
+from friction_runtime.wheel_speeds import WHEEL_STATES
 
 _HEARTBEAT = 0.009
 """A command is repeated when the last is older at a watch [s]: the watch comes every 10 ms, a command every 20 ms."""
@@ -25,32 +18,27 @@ Loss = tuple[Reason, str]
 
 
 class InputWatch:
-    """Follows wheel speed, pressure, demand and slope of one wheel: `note` each message, `poll` with the clock."""
+    """Follows wheel speed, pressure, demand and slope of one wheel: `note` good messages, `poll` with the clock."""
 
-    def __init__(self, vehicle: Vehicle, wheel: str, demand: str, slope: str) -> None:
-        """Choose a wheel of the car, and the topics of the demand and of its slope."""
-        self._wheel = wheel
-        self._brake_torque = BrakeTorque(vehicle, wheel)
-        self._wheel_speeds = WheelSpeeds(vehicle, (wheel,), silent)
-        self._pressure, self._demand, self._slope = self._brake_torque.topic, demand, slope
-        self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, self._pressure: FluidPressure}
-        """Topics of the sensors and their types."""
+    def __init__(self, pressure: str, demand: str, slope: str) -> None:
+        """Choose the topics of the wheel's pressure, of the demand and of the wheel's slope."""
+        self._slope = slope
         # In the order in which they are named: the loss of a sensor brings that of the slope.
         self._reasons = {
             WHEEL_STATES: Reason.NO_WHEEL_SPEED,
-            self._pressure: Reason.NO_PRESSURE,
-            demand: Reason.NO_PRESSURE if demand == self._pressure else Reason.NO_DEMAND,
+            pressure: Reason.NO_PRESSURE,
+            demand: Reason.NO_PRESSURE if demand == pressure else Reason.NO_DEMAND,
             slope: Reason.NO_SLOPE,
         }
         self._inputs = {topic: StampProgress() for topic in self._reasons}
         self.loss: Loss | None = None
         """The first input that is lost, at the last poll; None where all are there, and before the first poll."""
 
-    def note(self, topic: str, message: Any) -> None:
-        """Take any message of the processor; content that is refused is no progress."""
+    def note(self, topic: str, stamp: int) -> None:
+        """Take the stamp [ns] of a message whose content is good; one that is refused is no progress."""
         progress = self._inputs.get(topic)
-        if progress is not None and self._is_good(topic, message):
-            progress.note(to_nanoseconds(message.header.stamp))
+        if progress is not None:
+            progress.note(stamp)
 
     def poll(self, ages: Mapping[str, float], now: float) -> Loss | None:
         """Look at the clock: `ages` of the topics and time `now` of Processor.watch; return `loss`."""
@@ -67,17 +55,6 @@ class InputWatch:
     def wants_heartbeat(self, ages: Mapping[str, float], commanded: bool) -> bool:
         """Whether the last command is to be repeated; `commanded` tells if there was one since the last poll."""
         return not commanded or ages.get(self._slope, inf) > _HEARTBEAT
-
-    def _is_good(self, topic: str, message: Any) -> bool:
-        if topic == WHEEL_STATES:
-            (speed,) = self._wheel_speeds.read(message)
-            return isfinite(speed)
-        if topic == self._pressure:
-            return not isinstance(self._brake_torque.torque(topic, message.fluid_pressure), str)
-        if topic == self._demand:
-            ours = message.wheel in ("", self._wheel)
-            return ours and not isinstance(self._brake_torque.torque(topic, message.pressure), str)
-        return True
 
 
 def _text(topic: str, progress: StampProgress, age: float) -> str:

@@ -55,7 +55,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         by_demand = parameters.braking_source == "demand"
         self._demand = BRAKE_DEMAND if by_demand else inputs.pressure
         in_real_time = not parameters.shadow and parameters.real_time
-        self._input_watch = InputWatch(vehicle, wheel, self._demand, self._slope) if in_real_time else None
+        self._input_watch = InputWatch(inputs.pressure, self._demand, self._slope) if in_real_time else None
         self.sensors: Mapping[str, type] = inputs.sensors
         self.estimates: Mapping[str, type] = {self._slope: FrictionSlope, **inputs.estimates}
         if by_demand:
@@ -80,12 +80,6 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._counter = 0
         self._commanded = False
         self._forget()
-
-    def process(self, topic: str, message: Any) -> Sequence[Output]:
-        """Take one message; return the resulting outputs."""
-        if self._input_watch is not None:
-            self._input_watch.note(topic, message)
-        return super().process(topic, message)
 
     def watch(self, ages: Mapping[str, float], now: float) -> Sequence[Output]:
         """Fail safe when an input is lost, and repeat the command where the node commands in real time.
@@ -113,16 +107,27 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         return self._outputs()
 
     def _payload(self, message: FrictionSlope) -> FrictionSlope:
+        self._note(self._slope, message)
         return message
 
     def _take(self, topic: str, message: Any) -> str | None:
         if topic == BRAKE_DEMAND:
-            return self._offer_demand(to_nanoseconds(message.header.stamp), message)
+            return self._offer_demand(message)
         if topic == self._inputs.curve:
             counts_from = self._inputs.take_curve(message)
             return self._aligner.offer(topic, counts_from, ()) if self._waits_for_curve else None
         read = self._inputs.read(topic, message)
-        return read if isinstance(read, str) else self._offer(topic, *read)
+        if isinstance(read, str):
+            return read
+        stamp, values = read
+        if self._inputs.knows_wheel(topic, values):
+            self._note(topic, message)
+        return self._offer(topic, stamp, values)
+
+    def _note(self, topic: str, message: Any) -> None:
+        """Note for the watch of the inputs, if there is one, that the content of a message is good."""
+        if self._input_watch is not None:
+            self._input_watch.note(topic, to_nanoseconds(message.header.stamp))
 
     def _forget(self) -> None:
         self._supervisor.reset()
@@ -163,11 +168,14 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             "shadow": str(self._p.shadow).lower(),
         }
 
-    def _offer_demand(self, stamp: int, message: BrakeDemand) -> str | None:
+    def _offer_demand(self, message: BrakeDemand) -> str | None:
         if message.wheel not in ("", self._wheel):
             return None
         torque = self._inputs.brake.torque(BRAKE_DEMAND, message.pressure)
-        return torque if isinstance(torque, str) else self._offer(BRAKE_DEMAND, stamp, (torque,))
+        if isinstance(torque, str):
+            return torque
+        self._note(BRAKE_DEMAND, message)
+        return self._offer(BRAKE_DEMAND, to_nanoseconds(message.header.stamp), (torque,))
 
     def _offer(self, topic: str, stamp: int, values: tuple[float, ...]) -> str | None:
         refusal = self._aligner.offer(topic, stamp, values)

@@ -6,7 +6,7 @@ A wheel that fell to zero through a deceleration that brake and road can give is
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import inf, isfinite, nan
 
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import CornerParameters
@@ -59,7 +59,7 @@ class Surroundings:
     """Brake torque [N m] that may act: as measured, where that is not known to be right the larger of measured and
     demanded; NaN where unknown."""
     others: Sequence[float] = ()
-    """Circumferential speeds of the other wheels [m/s], NaN where unknown."""
+    """Circumferential speeds of the other wheels, as far as they are known [m/s]."""
     car_speed: float = nan
     """[m/s], NaN where unknown."""
     car_is_measured: bool = False
@@ -110,7 +110,7 @@ class WheelCheck:
         """Return the largest torque that may have acted of late [N m], inf where it is unknown."""
         torques = self._torques
         if not isfinite(torque):
-            torque = float("inf")
+            torque = inf
         while torques and torques[-1][1] <= torque:
             torques.pop()
         torques.append((stamp, torque))
@@ -129,14 +129,12 @@ class WheelCheck:
         dt = (stamp - good[0]) / NANOSECONDS
         lowest = (
             min(good[1], 0.0)
-            if torque == float("inf")
+            if torque == inf
             else good[1] - dt * (_TORQUE_MARGIN * torque + _SPARE_TORQUE) / self._inertia
         )
         highest = good[1] + dt * self._grip / self._inertia
         if lowest - _JITTER <= speed <= highest + _JITTER and not self._dead:
-            self._good = (stamp, speed)
-            if self._away_since is not None:
-                self._away_since = None
+            self._good, self._away_since = (stamp, speed), None
             return ""
         if self._dead:
             return "reads 0 after a jump that no brake can cause: dead"
@@ -158,7 +156,7 @@ class WheelCheck:
 
     def _released(self, stamp: int, speed: float, torque: float, around: Surroundings) -> str:
         # Another wheel that turns shows that the car moves: its own speed may come from this wheel.
-        moves = around.car_is_measured or any(each > _MOVES for each in around.others if isfinite(each))
+        moves = around.car_is_measured or any(each > _MOVES for each in around.others)
         stands = abs(speed) * self._radius < _STANDS and torque < _RELEASED and moves and around.car_speed > _MOVES
         return (
             "stands, although its brake is released: dead"
@@ -176,8 +174,7 @@ class WheelCheck:
         return f"repeats {speed:.3f} rad/s: stuck" if for_time >= _REPEATS else ""
 
     def _against_car(self, stamp: int, rim: float, around: Surroundings) -> str:
-        others = [speed for speed in around.others if isfinite(speed)]
-        car = around.car_speed
+        others, car = around.others, around.car_speed
         supported = isfinite(car) and (
             around.car_is_measured or any(abs(each - car) < _FASTER * car for each in others)
         )

@@ -11,7 +11,7 @@ from abs_supervisor.guard import Seen
 from abs_supervisor.known_curve import KnownCurve
 from friction_runtime.aligner import AlignedSample
 from friction_runtime.brake_torque import BrakeTorque
-from friction_runtime.processor import Report
+from friction_runtime.processor import Report, silent
 from friction_runtime.reason_text import of_topic
 from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
@@ -35,7 +35,7 @@ class WheelInputs:
         self._radii = vehicle.radii
         # Reports on the other wheels are left to the processors of these.
         self._own = WheelSpeeds(vehicle, (wheel,), report)
-        self._all = WheelSpeeds(vehicle, vehicle.wheel_names, lambda severity, text: None)
+        self._all = WheelSpeeds(vehicle, vehicle.wheel_names, silent)
         self._curve = KnownCurve()
         self.reset()
 
@@ -68,6 +68,10 @@ class WheelInputs:
         measured = float(message.speed_source == _SPEED_SENSOR)
         slip = _flagged(message.slip if known else nan)
         return stamp, (*slip, message.slip_variance if known else 0.0, *_flagged(message.vehicle_speed), measured)
+
+    def knows_wheel(self, topic: str, values: tuple[float, ...]) -> bool:
+        """Whether the values that were read from a topic say something of this wheel: its own speed may be missing."""
+        return topic != WHEEL_STATES or values[2 * self._index + 1] == 1.0
 
     def observe(self, sample: AlignedSample[FrictionSlope], demand: float) -> Seen:
         """Return what is known at the stamp of a sample, with the driver's demand [N m], NaN where unknown."""

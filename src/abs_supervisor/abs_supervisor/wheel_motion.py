@@ -41,11 +41,6 @@ class WheelMotion:
         self.rate_stddev = nan
         """[rad/s^2]"""
 
-    @property
-    def stddev(self) -> float:
-        """Standard deviation of a sample [rad/s]."""
-        return sqrt(self._variance)
-
     def update(self, stamp: int, wheel_speed: float) -> None:
         """Take the wheel speed [rad/s] at a stamp [ns], later than the last."""
         if self._origin is None:

@@ -72,7 +72,15 @@ class _Stream:
     """One aligned input: its samples from the newest one at or before the primary onwards."""
 
     __slots__ = (
-        *("apart_since", "awaited", "epoch", "last_stamp", "late", "max_gap_ns", "newest", "optional", "samples"),
+        "apart_since",
+        "awaited",
+        "epoch",
+        "last_stamp",
+        "late",
+        "max_gap_ns",
+        "newest",
+        "optional",
+        "samples",
         "topic",
     )
 

@@ -25,8 +25,11 @@ _UNLIMITED = Duration()
 _POLICIES = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY)
 """What parameters may override for every topic."""
 _COMMAND_POLICIES = (
-    *(*_POLICIES, QoSPolicyKind.DEADLINE, QoSPolicyKind.LIFESPAN),
-    *(QoSPolicyKind.LIVELINESS, QoSPolicyKind.LIVELINESS_LEASE_DURATION),
+    *_POLICIES,
+    QoSPolicyKind.DEADLINE,
+    QoSPolicyKind.LIFESPAN,
+    QoSPolicyKind.LIVELINESS,
+    QoSPolicyKind.LIVELINESS_LEASE_DURATION,
 )
 """What they may override for commands."""
 

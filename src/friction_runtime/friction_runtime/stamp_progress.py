@@ -73,8 +73,8 @@ class StampProgress:
             return True
         age = now - self._newest * NANOSECOND
         limit = LAG + self.period
+        # An upper bound of the newest stamp's age on arrival: what came after it may have been refused.
         on_arrival = age - quiet
-        """Upper bound of the newest stamp's age on arrival: what came after it may have been refused."""
         self._follow_candidate(age, on_arrival, limit)
         if self._reference is None:
             self.lag = 0.0

@@ -4,7 +4,7 @@ import shutil
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from friction_bags.bag_io.bag_format import METADATA_NAME, BagError
 from friction_bags.bag_io.message_bag import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.experiments import stops, tyre_runs
-from friction_bags.offline.estimators import WHEEL_ESTIMATORS, make_processors, read_parameters
+from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
 from friction_bags.offline.graph import OfflineGraph
 from friction_parameters.values import from_mapping
 from friction_runtime.processor import Output, silent
@@ -138,10 +138,7 @@ def simulate(experiment: Experiment, seed: int = 0) -> Iterator[Output]:
     """Yield absolute topics and messages of a run, those of the plant and of the estimators in its loop."""
     vehicle = load_vehicle(experiment.vehicle)
     simulation = Simulation(from_mapping(SimParameters, {**experiment.parameters, "seed": seed}), vehicle, START_STAMP)
-    estimators: dict[str, Any] = {}
-    if experiment.closed_loop:
-        estimators = read_parameters(WHEEL_ESTIMATORS, (), silent)
-        estimators["abs_supervisor"] = replace(estimators["abs_supervisor"], shadow=False)
+    estimators = closed_loop_parameters(WHEEL_ESTIMATORS) if experiment.closed_loop else {}
     graph = OfflineGraph(make_processors(estimators, vehicle, silent))
     while True:
         for topic, message in simulation.messages():

@@ -1,6 +1,7 @@
 """The estimators of the graph, built from parameter files and the car in the same way as their nodes."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,7 @@ from typing import Any
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import NodeName, file_values, is_ros_own
 from friction_parameters.values import changed, ignored
-from friction_runtime.processor import Processor, Report
+from friction_runtime.processor import Processor, Report, silent
 from friction_runtime.shipped_files import shipped_parameters
 from vehicle_models.vehicle import Vehicle
 
@@ -47,6 +48,13 @@ def read_parameters(
             raise ParameterError(f"{name}: {error}") from error
         for text in ignored(found[name]):
             report("warning", f"{name}: {text}")
+    return found
+
+
+def closed_loop_parameters(estimators: Iterable[str]) -> dict[str, Any]:
+    """Return the shipped parameters of some estimators, by name; abs_supervisor is among them, and commands."""
+    found = read_parameters(estimators, (), silent)
+    found["abs_supervisor"] = replace(found["abs_supervisor"], shadow=False)
     return found
 
 

@@ -22,13 +22,7 @@ class BrakedCorners:
     """The first wheel of a car, once for each seed of the sensor noise; at the start they roll freely."""
 
     def __init__(
-        self,
-        name: str,
-        seeds: range,
-        noise: SensorNoise,
-        parameters: Parameters,
-        vehicle: Vehicle = CAR,
-        demand_ratio: float = DEMAND_RATIO,
+        self, name: str, seeds: range, noise: SensorNoise, parameters: Parameters, vehicle: Vehicle = CAR
     ) -> None:
         """Start at SPEED on the surface `name`.
 
@@ -38,7 +32,6 @@ class BrakedCorners:
             noise: its variances.
             parameters: those of friction_slope and abs_supervisor.
             vehicle: its first wheel brakes.
-            demand_ratio: demand in units of the peak torque.
         """
         count = len(seeds)
         wheel = vehicle.wheels[0]
@@ -49,7 +42,7 @@ class BrakedCorners:
         self.torque: Array = np.zeros(count)
         """Brake torque [N m], shape (n,)."""
         self._gain = wheel.brake_gain
-        self._demand = demand_ratio * float(braked.peak_torque(self.theta))
+        self._demand = DEMAND_RATIO * float(braked.peak_torque(self.theta))
         self._actuator = BrakeActuator(count, DT)
         self._noise = noise
         self._accelerometer = vehicle.accelerometer
@@ -59,7 +52,7 @@ class BrakedCorners:
         self._samples = 0
 
     def step(self, braking: bool, running: NDArray[np.bool_]) -> NDArray[np.int64]:
-        """Advance by a sample time, braked with the demand or not at all; return the commands, shape (n,).
+        """Advance by a sample time, braked with DEMAND_RATIO or not at all; return the commands, shape (n,).
 
         Where `running` is false, shape (n,), no sensor is read and the command is 0.
         """

@@ -11,7 +11,7 @@ from friction_runtime.wheel_speeds import WHEEL_STATES
 
 _DEMAND = "brake_demand"
 _NAN = float("nan")
-_FAIL_SAFE = 0.05 + DT
+FAIL_SAFE = 0.05 + DT
 """[s] The fail-safe's 50 ms and the period of the inputs."""
 _CONTRADICTION = 0.1
 """[s] From a contradiction between wheels to NONE."""
@@ -56,10 +56,10 @@ WHEEL_SENSOR = (
     ),
     Case("wheel_+5%", partial(wheel_sensor.biased, factor=1.05), FIRST, BEFORE_BRAKING),
     Case("wheel_-5%", partial(wheel_sensor.biased, factor=0.95), FIRST, BEFORE_BRAKING),
-    Case("wheel_nan", wheel_sensor.not_a_number, FIRST, none_within=_FAIL_SAFE),
-    Case("wheel_missing", wheel_sensor.missing, FIRST, none_within=_FAIL_SAFE),
-    Case("wheel_states_silent", lambda site: silent([WHEEL_STATES]), ALL, none_within=_FAIL_SAFE),
-    Case("wheel_states_frozen", lambda site: frozen([WHEEL_STATES]), ALL, none_within=_FAIL_SAFE),
+    Case("wheel_nan", wheel_sensor.not_a_number, FIRST, none_within=FAIL_SAFE),
+    Case("wheel_missing", wheel_sensor.missing, FIRST, none_within=FAIL_SAFE),
+    Case("wheel_states_silent", lambda site: silent([WHEEL_STATES]), ALL, none_within=FAIL_SAFE),
+    Case("wheel_states_frozen", lambda site: frozen([WHEEL_STATES]), ALL, none_within=FAIL_SAFE),
 )
 _FIELD = "fluid_pressure"
 PRESSURE = (
@@ -87,20 +87,20 @@ PRESSURE = (
         named_within=_MISMATCH,
         named="brake_pressure",
     ),
-    Case("pressure_nan", lambda site: constant(site.pressures[:1], _FIELD, _NAN), FIRST, none_within=_FAIL_SAFE),
-    Case("pressure_silent", lambda site: silent(site.pressures[:1]), FIRST, none_within=_FAIL_SAFE),
-    Case("pressure_frozen", lambda site: frozen(site.pressures[:1]), FIRST, none_within=_FAIL_SAFE),
+    Case("pressure_nan", lambda site: constant(site.pressures[:1], _FIELD, _NAN), FIRST, none_within=FAIL_SAFE),
+    Case("pressure_silent", lambda site: silent(site.pressures[:1]), FIRST, none_within=FAIL_SAFE),
+    Case("pressure_frozen", lambda site: frozen(site.pressures[:1]), FIRST, none_within=FAIL_SAFE),
 )
 DEMAND = (
-    Case("demand_silent", lambda site: silent([_DEMAND]), ALL, none_within=_FAIL_SAFE),
-    Case("demand_nan", lambda site: constant([_DEMAND], "pressure", _NAN), ALL, none_within=_FAIL_SAFE),
-    Case("demand_frozen", lambda site: frozen([_DEMAND]), ALL, none_within=_FAIL_SAFE),
+    Case("demand_silent", lambda site: silent([_DEMAND]), ALL, none_within=FAIL_SAFE),
+    Case("demand_nan", lambda site: constant([_DEMAND], "pressure", _NAN), ALL, none_within=FAIL_SAFE),
+    Case("demand_frozen", lambda site: frozen([_DEMAND]), ALL, none_within=FAIL_SAFE),
 )
 GRAPH = (
     Case("slip_lost", partial(estimates.lost, name="slip")),
     Case("curve_lost", partial(estimates.lost, name="friction_curve")),
-    Case("slope_lost", partial(estimates.lost, name="friction_slope"), ALL, none_within=_FAIL_SAFE),
-    Case("slope_invalid", estimates.invalid_slope, FIRST, none_within=_FAIL_SAFE),
+    Case("slope_lost", partial(estimates.lost, name="friction_slope"), ALL, none_within=FAIL_SAFE),
+    Case("slope_invalid", estimates.invalid_slope, FIRST, none_within=FAIL_SAFE),
     Case("command_lost", partial(estimates.lost, name="brake_command"), ALL),
 )
 IMU = (
@@ -110,15 +110,15 @@ IMU = (
     Case("imu_stuck", imu.stuck),
 )
 STAMPS = (
-    Case("stamps_repeat", lambda site: stamps.repeating([WHEEL_STATES]), ALL, none_within=_FAIL_SAFE),
-    Case("stamps_zero", lambda site: stamps.zero([WHEEL_STATES]), ALL, none_within=_FAIL_SAFE),
-    Case("stamps_crawl", lambda site: stamps.crawling([WHEEL_STATES]), ALL, none_within=_FAIL_SAFE),
-    Case("stamps_back_50ms", lambda site: stamps.shifted([WHEEL_STATES], -0.05), ALL, none_within=_FAIL_SAFE),
-    Case("all_stamps_repeat", lambda site: stamps.repeating(_sensors(site)), ALL, none_within=_FAIL_SAFE),
-    Case("all_stamps_crawl", lambda site: stamps.crawling(_sensors(site)), ALL, none_within=_FAIL_SAFE),
-    Case("all_stamps_back_50ms", lambda site: stamps.shifted(_sensors(site), -0.05), ALL, none_within=_FAIL_SAFE),
-    Case("pressure_stamps_repeat", lambda site: stamps.repeating(site.pressures[:1]), FIRST, none_within=_FAIL_SAFE),
-    Case("demand_stamps_crawl", lambda site: stamps.crawling([_DEMAND]), ALL, none_within=_FAIL_SAFE),
+    Case("stamps_repeat", lambda site: stamps.repeating([WHEEL_STATES]), ALL, none_within=FAIL_SAFE),
+    Case("stamps_zero", lambda site: stamps.zero([WHEEL_STATES]), ALL, none_within=FAIL_SAFE),
+    Case("stamps_crawl", lambda site: stamps.crawling([WHEEL_STATES]), ALL, none_within=FAIL_SAFE),
+    Case("stamps_back_50ms", lambda site: stamps.shifted([WHEEL_STATES], -0.05), ALL, none_within=FAIL_SAFE),
+    Case("all_stamps_repeat", lambda site: stamps.repeating(_sensors(site)), ALL, none_within=FAIL_SAFE),
+    Case("all_stamps_crawl", lambda site: stamps.crawling(_sensors(site)), ALL, none_within=FAIL_SAFE),
+    Case("all_stamps_back_50ms", lambda site: stamps.shifted(_sensors(site), -0.05), ALL, none_within=FAIL_SAFE),
+    Case("pressure_stamps_repeat", lambda site: stamps.repeating(site.pressures[:1]), FIRST, none_within=FAIL_SAFE),
+    Case("demand_stamps_crawl", lambda site: stamps.crawling([_DEMAND]), ALL, none_within=FAIL_SAFE),
     Case("clock_+1s", lambda site: stamps.clock_jump(site, _sensors(site), 1.0), ALL),
     Case("clock_-1s", lambda site: stamps.clock_jump(site, _sensors(site), -1.0), ALL),
     Case("clock_+1h", lambda site: stamps.clock_jump(site, _sensors(site), 3600.0), ALL),

@@ -11,15 +11,16 @@ import numpy as np
 from friction_msgs.msg import BrakeCommand, SupervisorState
 
 from corner_sim.plant import SAMPLE_TIME
+from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
 from friction_evaluation.faults.case import Case
 from friction_evaluation.faults.fault import Arrival, Fault, Site, at_once
 from friction_evaluation.faults.manoeuvre import ONSET, Manoeuvre
-from friction_evaluation.faults.processors import WATCH_PERIOD, shipped_processors, watch
 from friction_evaluation.faults.record import Record, Recorder
-from friction_runtime.processor import Level, Processor
+from friction_runtime.processor import Level, Processor, silent
 
 _HALF = 0.5 * SAMPLE_TIME
-_WATCH_SAMPLES = round(WATCH_PERIOD / SAMPLE_TIME)
+_WATCH_SAMPLES = round(0.01 / SAMPLE_TIME)
+"""Samples between two looks of a node at the age of its inputs."""
 
 
 class Loop:
@@ -35,7 +36,7 @@ class Loop:
         self._case = case
         self._simulation = manoeuvre.simulation(seed)
         self._fault = case.make(Site(vehicle, np.random.default_rng([seed, 13])))
-        self._processors = shipped_processors(vehicle)
+        self._processors = make_processors(closed_loop_parameters(WHEEL_ESTIMATORS), vehicle, silent)
         self._readers: dict[str, list[Processor]] = {}
         for processor in self._processors:
             for topic in (*processor.sensors, *processor.estimates):
@@ -97,7 +98,7 @@ class Loop:
         now = self._simulation.time
         ages = {topic: now - at for topic, at in self._arrived.items()}
         for processor in self._processors:
-            for arrival in self._passed(watch(processor, ages, now)):
+            for arrival in self._passed(processor.watch(ages, now)):
                 self._deliver(arrival)
         for processor in self._processors:
             health = processor.health()

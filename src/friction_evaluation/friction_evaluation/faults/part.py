@@ -11,9 +11,11 @@ from time import process_time
 from rich.progress import Progress
 
 from friction_evaluation.faults.plan import Plan, quick, whole
-from friction_evaluation.faults.processors import LAWS
 from friction_evaluation.faults.rows import rows_of
 from friction_evaluation.rows import Row
+
+LAWS = ("slope_sign",)
+"""What may ask for a release: the sign of the slope, section 8.2.2."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,7 @@ from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS
 from corner_sim.simulation import Simulation
 from friction_bags.bag_io.cdr import encode
-from friction_bags.offline.estimators import make_processors, read_parameters
+from friction_bags.offline.estimators import closed_loop_parameters, make_processors
 from friction_bringup import graph
 from friction_evaluation.live.graph import Observation, run_graph
 from friction_evaluation.live.offline_loop import run_offline
@@ -97,9 +96,7 @@ def agreement_rows(surface: str, seed: int) -> list[Row]:
     found = _run(plant, 60.0)
     values = {name: tuple(value) if isinstance(value, list) else value for name, value in plant.items()}
     simulation = Simulation(from_mapping(SimParameters, values), CAR, _START_STAMP)
-    parameters = read_parameters(LOOP, [], silent)
-    parameters[graph.SUPERVISOR] = replace(parameters[graph.SUPERVISOR], shadow=False)
-    offline = run_offline(simulation, make_processors(parameters, CAR, silent))
+    offline = run_offline(simulation, make_processors(closed_loop_parameters(LOOP), CAR, silent))
     rows: list[Row] = []
     for topic in CHAIN:
         live = [encode(message) for message in _without_fail_safe(found[topic].messages)]
