@@ -68,6 +68,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         super().__init__(name)
         self._build = build
         self._limit = ReportLimit()
+        self._unsaid: list[tuple[Severity, str]] = []
         self._publishers_by_topic: dict[str, Publisher] = {}
         self._arrivals: dict[str, float] = {}
         self._counts: dict[str, int] = {}
@@ -80,6 +81,7 @@ class ProcessorNode(Node, Generic[Parameters]):
             self._apply(parameters)
         except ValueError as error:
             raise ParameterError(str(error)) from error
+        self._say()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_service(Trigger, "~/reset", self._on_reset)
         self.create_timer(_WATCH_PERIOD, self._on_watch, clock=steady)
@@ -107,17 +109,25 @@ class ProcessorNode(Node, Generic[Parameters]):
                     self._readers.setdefault(topic, []).append(processor)
 
     def _report(self, severity: Severity, text: str) -> None:
-        """Log; warnings and errors of one kind at a limited rate."""
+        """Log once what is to be published is on its way: the first line of a process takes 20 ms, a command waits."""
+        self._unsaid.append((severity, text))
+
+    def _say(self) -> None:
+        """Log what was reported; warnings and errors of one kind at a limited rate."""
+        if not self._unsaid:
+            return
+        reports, self._unsaid = self._unsaid, []
         logger = self.get_logger()
-        if severity == "debug":
-            logger.debug(text)
-        elif severity == "info":
-            logger.info(text)
-        elif self._limit.passes(text, monotonic()):
-            if severity == "warning":
-                logger.warning(text)
-            else:
-                logger.error(text)
+        for severity, text in reports:
+            if severity == "debug":
+                logger.debug(text)
+            elif severity == "info":
+                logger.info(text)
+            elif self._limit.passes(text, monotonic()):
+                if severity == "warning":
+                    logger.warning(text)
+                else:
+                    logger.error(text)
 
     def _on_message(self, topic: str, message: Any) -> None:
         now = monotonic()
@@ -127,6 +137,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         self._counts[topic] += 1
         for processor in self._readers.get(topic, ()):
             self._send(processor.process(topic, message))
+        self._say()
 
     def _send(self, outputs: Sequence[Output]) -> None:
         for topic, message in outputs:
@@ -137,6 +148,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         ages = self._ages(now)
         for processor in self._processors:
             self._send(processor.watch(ages, now))
+        self._say()
 
     def _ages(self, now: float) -> dict[str, float]:
         return {topic: now - self._arrivals.get(topic, -inf) for topic in self._readers}
@@ -144,6 +156,7 @@ class ProcessorNode(Node, Generic[Parameters]):
     def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         for processor in self._processors:
             processor.reset()
+        self._say()
         response.success = True
         response.message = f"{self.get_name()}: started again"
         self.get_logger().info("reset by service")

@@ -14,6 +14,9 @@ from friction_runtime.spin import run
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import moved, vehicle_file_parameter
 
+MUCH = 1e6
+"""Demand [Pa] that is answered, with a warning."""
+
 
 @dataclass(frozen=True)
 class FilterParameters:
@@ -69,6 +72,8 @@ class Echo:
         if message.pressure < 0.0:
             self._report("warning", f"{topic}: {message.pressure} Pa is negative: refused")
             return []
+        if message.pressure > MUCH:
+            self._report("warning", f"{topic}: {message.pressure} Pa is much")
         output, factor = self._answers[topic]
         return [(output, WheelSlip(header=message.header, slip=factor * message.pressure + self._offset))]
 

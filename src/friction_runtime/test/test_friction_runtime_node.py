@@ -11,8 +11,8 @@ import pytest
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 from friction_msgs.msg import BrakeDemand, WheelSlip
+from rcl_interfaces.msg import Log, SetParametersResult
 from rcl_interfaces.msg import Parameter as ParameterMessage
-from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
 from rclpy.parameter import Parameter, parameter_value_to_python
 from std_srvs.srv import Trigger
@@ -207,6 +207,27 @@ def test_warnings_that_differ_in_a_value_only_are_logged_once_in_a_while(
     link.until_answer(6.0)
     output = stop(echo)
     assert output.count(" Pa is negative: refused") == 1
+
+
+def test_an_answer_does_not_wait_for_what_is_logged_of_it(echo: subprocess.Popen[str], client: DdsClient) -> None:
+    link = Link(client)
+    sent: dict[str, int] = {}
+
+    def note(message: Any, info: dict[str, int]) -> None:
+        if not isinstance(message, Log):
+            sent["answer"] = info["source_timestamp"]
+        elif message.msg.endswith("is much"):
+            sent["log"] = info["source_timestamp"]
+
+    client.node.create_subscription(Log, "/rosout", note, 100)
+    client.until(lambda: client.node.count_publishers("/rosout") > 1)
+    client.node.create_subscription(WheelSlip, "front_left/slip", note, qos.ESTIMATE)
+    link.until_answer(6.0)
+    client.until(lambda: "answer" in sent)
+    sent.clear()
+    link.send(1e7)
+    client.until(lambda: len(sent) == 2)
+    assert sent["answer"] < sent["log"]
 
 
 @pytest.mark.parametrize("namespace", ["", "/my_car"])

@@ -21,7 +21,8 @@ from friction_evaluation.faults.fault import Fault, at_once
 from friction_evaluation.protocol import ACCELERATION_STDDEV, CAR, WHEEL
 from friction_runtime import qos
 from friction_runtime.processor import Output
-from friction_runtime.stamps import header_at
+from friction_runtime.stamps import header_at, to_nanoseconds
+from vehicle_models.nanoseconds import NANOSECOND
 
 _PARAMETERS = SimParameters(
     surfaces=("dry",),
@@ -45,10 +46,14 @@ class LiveCar:
         self.fault: Fault = at_once
         self.command = int(BrakeCommand.NONE)
         """The newest one."""
+        self.answered = -inf
+        """Stamp [s] of the sample that the newest command answers, unless it is NONE; -inf for NONE."""
+        self.commanded_at = -inf
+        """Wall clock [s] when the newest command was sent."""
         self.none_since = inf
         """Wall clock [s] when the newest run of NONE began to be sent; inf while another command is in force."""
         self.sent: dict[str, float] = {}
-        """Wall clock [s] of the newest message of each topic that no fault has touched."""
+        """Wall clock [s] of the newest message of each topic that came through as it was made."""
         self._executor = executor
         self._publishers: dict[str, Publisher] = {
             topic: qos.publish(node, kind, topic)
@@ -87,17 +92,18 @@ class LiveCar:
     def _publish(self, count: int) -> None:
         stamp = self._start[0] + count * SAMPLE_TIME_NS
         for topic, made in self._samples[count % len(self._samples)]:
-            untouched = self.fault is at_once
-            message = made if untouched else deepcopy(made)
-            message.header = header_at(stamp, made.header.frame_id)
-            for arrival in self.fault(topic, message):
+            made.header = header_at(stamp, made.header.frame_id)
+            for arrival in self.fault(topic, made if self.fault is at_once else deepcopy(made)):
                 self._publishers[topic].publish(arrival.message)
-            if untouched:
-                self.sent[topic] = time.time()
+                if arrival.message is made or arrival.message == made:
+                    self.sent[topic] = time.time()
 
     def _take(self, message: BrakeCommand, info: dict[str, Any]) -> None:
         self.command = int(message.command)
+        self.commanded_at = info["source_timestamp"] * 1e-9
         if self.command != BrakeCommand.NONE:
             self.none_since = inf
-        elif self.none_since == inf:
-            self.none_since = info["source_timestamp"] * 1e-9
+            self.answered = to_nanoseconds(message.header.stamp) * NANOSECOND
+        else:
+            self.none_since = min(self.none_since, self.commanded_at)
+            self.answered = -inf
