@@ -27,10 +27,10 @@ class EvidenceParameters:
 
     least_slip: float = parameter(0.03, "no release below this slip", minimum=0.01, maximum=0.5)
     lambda_max_share: float = parameter(
-        0.5, "a release needs a slip above this share of the curve's lambda_max", minimum=0.1, maximum=1.0
+        0.6, "a release needs a slip above this share of the curve's lambda_max", minimum=0.1, maximum=1.0
     )
     slip_without_curve: float = parameter(
-        0.2, "a release needs this slip where no curve is known", minimum=0.05, maximum=0.9
+        0.25, "a release needs this slip where no curve is known", minimum=0.05, maximum=0.9
     )
     deceleration: float = parameter(
         1.3, "or a deceleration of the wheel above this", unit="g", minimum=1.0, maximum=20.0

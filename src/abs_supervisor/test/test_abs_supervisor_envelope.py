@@ -42,15 +42,15 @@ class Bench:
 @pytest.mark.parametrize(
     ("slip", "lambda_max", "released"),
     [
-        (0.15, nan, False),
-        (0.25, nan, True),
-        (0.07, 0.17, False),
-        (0.11, 0.17, True),
+        (0.24, nan, False),
+        (0.27, nan, True),
+        (0.09, 0.17, False),
+        (0.12, 0.17, True),
         (0.03, 0.02, False),
-        (0.25, 0.9, True),
+        (0.27, 0.9, True),
     ],
 )
-def test_slip_is_evidence_above_half_of_the_peak_or_a_fifth_without_a_curve(
+def test_slip_is_evidence_above_its_share_of_the_peak_or_a_quarter_without_a_curve(
     slip: float, lambda_max: float, released: bool
 ) -> None:
     commands = Bench().slipping(slip, 40, lambda_max=lambda_max)
