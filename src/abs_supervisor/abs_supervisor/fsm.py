@@ -89,20 +89,26 @@ class Thresholds:
             raise ValueError(f"wait ({self.wait}) must be >= 0 and release_timeout ({self.release_timeout}) > 0")
 
 
-@dataclass
 class Inputs:
     """Inputs of the machine at one sample."""
 
-    braking: bool
-    """Whether the driver demands at least T-bar."""
-    indicator: float
-    """Indicator H sign(eta) of (8.5) [rad/s^3]; NaN where the sign is not measured."""
-    slip_growing: bool
-    """The sign that entered the indicator: true for sign(eta) > 0."""
-    failed: bool = False
-    """Inputs stale or invalid."""
-    slow: bool = False
-    """Below the speed where the ABS ends."""
+    def __init__(
+        self, braking: bool, indicator: float, slip_growing: bool, failed: bool = False, slow: bool = False
+    ) -> None:
+        """Hold the inputs.
+
+        Args:
+            braking: whether the driver demands at least T-bar.
+            indicator: indicator H sign(eta) of (8.5) [rad/s^3]; NaN where the sign is not measured.
+            slip_growing: the sign that entered the indicator: true for sign(eta) > 0.
+            failed: inputs stale or invalid.
+            slow: below the speed where the ABS ends.
+        """
+        self.braking = braking
+        self.indicator = indicator
+        self.slip_growing = slip_growing
+        self.failed = failed
+        self.slow = slow
 
 
 def transition(state: State, inputs: Inputs, time_in_state: float, thresholds: Thresholds) -> tuple[State, Cause]:

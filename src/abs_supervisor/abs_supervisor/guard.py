@@ -4,7 +4,6 @@ Pure: no messages.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import isfinite, nan
 
 from abs_supervisor.envelope import Envelope, EnvelopeParameters
@@ -21,28 +20,49 @@ _BRAKED = 20.0
 """[N m] below this, measured and demanded, a wheel rolls freely."""
 
 
-@dataclass
 class Seen:
     """What is known at one stamp; NaN where something is not."""
 
-    wheel_speed: float
-    """[rad/s]"""
-    torque: float
-    """Of the brake, measured [N m]."""
-    demand: float
-    """Of the driver [N m]."""
-    others: Sequence[float] = ()
-    """Circumferential speeds of the other wheels [m/s]."""
-    slip: float = nan
-    slip_stddev: float = nan
-    car_speed: float = nan
-    """[m/s]"""
-    car_is_measured: bool = False
-    """Whether that speed comes from a speed sensor."""
-    lambda_max: float = nan
-    lambda_max_stddev: float = nan
-    slip_text: str = "slip is not known"
-    """Why the slip is not known."""
+    def __init__(
+        self,
+        wheel_speed: float,
+        torque: float,
+        demand: float,
+        others: Sequence[float] = (),
+        slip: float = nan,
+        slip_stddev: float = nan,
+        car_speed: float = nan,
+        car_is_measured: bool = False,
+        lambda_max: float = nan,
+        lambda_max_stddev: float = nan,
+        slip_text: str = "slip is not known",
+    ) -> None:
+        """Hold what is known.
+
+        Args:
+            wheel_speed: [rad/s].
+            torque: of the brake, measured [N m].
+            demand: of the driver [N m].
+            others: circumferential speeds of the other wheels, those that are known [m/s].
+            slip: [-].
+            slip_stddev: [-].
+            car_speed: [m/s].
+            car_is_measured: whether that speed comes from a speed sensor.
+            lambda_max: [-].
+            lambda_max_stddev: [-].
+            slip_text: why the slip is not known.
+        """
+        self.wheel_speed = wheel_speed
+        self.torque = torque
+        self.demand = demand
+        self.others = others
+        self.slip = slip
+        self.slip_stddev = slip_stddev
+        self.car_speed = car_speed
+        self.car_is_measured = car_is_measured
+        self.lambda_max = lambda_max
+        self.lambda_max_stddev = lambda_max_stddev
+        self.slip_text = slip_text
 
 
 class Guard:
@@ -93,12 +113,17 @@ class Guard:
     def look(self, stamp: int, seen: Seen) -> None:
         """Take what is known at a stamp [ns], later than the last. The wheel speed is finite."""
         self._seen = seen
-        others = [speed for speed in seen.others if isfinite(speed)]
+        others = seen.others
+        fastest = self._radius * seen.wheel_speed
+        for rim in others:
+            fastest = max(fastest, rim)
         # Wheels that all stand after a dive are locked: without its own speed the car is not slow for that.
-        slowest = self._slowest.update(stamp, max((*others, self._radius * seen.wheel_speed)))
+        slowest = self._slowest.update(stamp, fastest)
         self._car_speed = seen.car_speed if isfinite(seen.car_speed) else slowest
         self._trend.update(stamp, self._car_speed if others or isfinite(seen.car_speed) else nan)
-        strongest = max((each for each in (seen.torque, seen.demand) if isfinite(each)), default=nan)
+        strongest = seen.torque
+        if isfinite(seen.demand) and not seen.demand <= strongest:
+            strongest = seen.demand
         self.pressure_text, acting = "", strongest
         if self._commands and isfinite(seen.torque) and isfinite(seen.demand):
             self.pressure_text = self._pressure.update(stamp, seen.torque, seen.demand)

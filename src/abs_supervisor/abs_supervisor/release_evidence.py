@@ -53,26 +53,37 @@ class EvidenceParameters:
             )
 
 
-@dataclass
 class Wheel:
     """What is known of the wheel at one stamp."""
 
-    speed: float
-    """[rad/s]"""
-    slip: float = nan
-    """[-], NaN where unknown."""
-    slip_stddev: float = nan
-    """[-], NaN where unknown."""
-    lambda_max: float = nan
-    """[-] of the curve, NaN where none is known."""
-    lambda_max_stddev: float = nan
-    """[-], NaN where unknown."""
-    car_speed: float = nan
-    """[m/s], NaN where unknown."""
-    car_deceleration: float = nan
-    """[m/s^2], NaN where unknown."""
-    braked: bool = False
-    """Whether the brake acts, or the driver demands it."""
+    def __init__(
+        self,
+        speed: float,
+        slip: float = nan,
+        slip_stddev: float = nan,
+        lambda_max: float = nan,
+        lambda_max_stddev: float = nan,
+        car_deceleration: float = nan,
+        braked: bool = False,
+    ) -> None:
+        """Hold what is known; NaN where something is not.
+
+        Args:
+            speed: [rad/s].
+            slip: [-].
+            slip_stddev: [-].
+            lambda_max: of the curve [-].
+            lambda_max_stddev: [-].
+            car_deceleration: [m/s^2].
+            braked: whether the brake acts, or the driver demands it.
+        """
+        self.speed = speed
+        self.slip = slip
+        self.slip_stddev = slip_stddev
+        self.lambda_max = lambda_max
+        self.lambda_max_stddev = lambda_max_stddev
+        self.car_deceleration = car_deceleration
+        self.braked = braked
 
 
 _PEAK_PER_SLIP = 60.0

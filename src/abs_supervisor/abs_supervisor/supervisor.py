@@ -34,20 +34,24 @@ class Counts:
     fail_safes: int = 0
 
 
-@dataclass
 class Evidence:
     """What is known at one stamp."""
 
-    h: float
-    """H of (8.3) [rad/s^3]; NaN where unknown, as for a locked wheel."""
-    indicator: float
-    """H sign(eta) [rad/s^3]; 0 or NaN where the sign is not measured."""
-    usable: bool
-    """False where the indicator or the driver's demand is missing or not valid."""
-    slow: bool
-    """Below the speed where the ABS ends."""
-    braking: bool
-    """Whether the driver brakes."""
+    def __init__(self, h: float, indicator: float, usable: bool, slow: bool, braking: bool) -> None:
+        """Hold what is known.
+
+        Args:
+            h: H of (8.3) [rad/s^3]; NaN where unknown, as for a locked wheel.
+            indicator: H sign(eta) [rad/s^3]; 0 or NaN where the sign is not measured.
+            usable: False where the indicator or the driver's demand is missing or not valid.
+            slow: below the speed where the ABS ends.
+            braking: whether the driver brakes.
+        """
+        self.h = h
+        self.indicator = indicator
+        self.usable = usable
+        self.slow = slow
+        self.braking = braking
 
 
 class Supervisor:

@@ -5,7 +5,6 @@ A wheel that fell to zero through a deceleration that brake and road can give is
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf, isfinite, nan
 
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -51,19 +50,29 @@ _CLEAN = 1.0
 """[s] without contradiction until the sensor is trusted again."""
 
 
-@dataclass
 class Surroundings:
     """What a wheel speed is compared with, at one stamp."""
 
-    torque: float = nan
-    """Brake torque [N m] that may act: as measured, where that is not known to be right the larger of measured and
-    demanded; NaN where unknown."""
-    others: Sequence[float] = ()
-    """Circumferential speeds of the other wheels, as far as they are known [m/s]."""
-    car_speed: float = nan
-    """[m/s], NaN where unknown."""
-    car_is_measured: bool = False
-    """Whether that speed comes from a speed sensor, not from wheels and accelerometer."""
+    def __init__(
+        self,
+        torque: float = nan,
+        others: Sequence[float] = (),
+        car_speed: float = nan,
+        car_is_measured: bool = False,
+    ) -> None:
+        """Hold what is known; NaN where something is not.
+
+        Args:
+            torque: brake torque [N m] that may act: as measured, where that is not known to be right the larger of
+                measured and demanded.
+            others: circumferential speeds of the other wheels, as far as they are known [m/s].
+            car_speed: [m/s].
+            car_is_measured: whether that speed comes from a speed sensor, not from wheels and accelerometer.
+        """
+        self.torque = torque
+        self.others = others
+        self.car_speed = car_speed
+        self.car_is_measured = car_is_measured
 
 
 class WheelCheck:

@@ -61,7 +61,10 @@ class WheelInputs:
             speeds = self._all.read(message)
             if not isfinite(speeds[self._index]):
                 self._own.read(message)  # reports why
-            return stamp, tuple(part for speed in speeds for part in _flagged(speed))
+            flagged: list[float] = []
+            for speed in speeds:
+                flagged.extend(_flagged(speed))
+            return stamp, tuple(flagged)
         known = message.valid and isfinite(message.slip_variance)
         if not message.valid:
             self._slip_text = message.reason_text
@@ -75,17 +78,25 @@ class WheelInputs:
 
     def observe(self, sample: AlignedSample[FrictionSlope], demand: float) -> Seen:
         """Return what is known at the stamp of a sample, with the driver's demand [N m], NaN where unknown."""
-        speeds = _values(sample.values.get(WHEEL_STATES, (0.0, 0.0) * len(self._radii)))
-        rims = tuple(speed * radius for speed, radius in zip(speeds, self._radii, strict=True))
+        own = nan
+        others: list[float] = []
+        flagged = sample.values.get(WHEEL_STATES, ())
+        for index in range(len(flagged) // 2):
+            if flagged[2 * index + 1] != 1.0:
+                continue
+            if index == self._index:
+                own = flagged[2 * index]
+            else:
+                others.append(flagged[2 * index] * self._radii[index])
         slip, known, variance, car, car_known, measured = sample.values.get(self.slip, (0.0,) * 6)
         text = ""
         if known != 1.0:
             slip, text = nan, sample.missing.get(self.slip) or of_topic(self.slip, self._slip_text or "not valid")
         lambda_max, doubt = self._curve.at(sample.stamp)
         return Seen(
-            wheel_speed=speeds[self._index],
+            wheel_speed=own,
             demand=demand,
-            others=rims[: self._index] + rims[self._index + 1 :],
+            others=others,
             torque=sample.values.get(self.pressure, (nan,))[0],
             slip=slip,
             slip_stddev=sqrt(max(variance, 0.0)) if known == 1.0 else nan,
@@ -100,7 +111,3 @@ class WheelInputs:
 def _flagged(value: float) -> tuple[float, float]:
     """Return a value and whether it is known, for the aligner."""
     return (value, 1.0) if isfinite(value) else (0.0, 0.0)
-
-
-def _values(flagged: tuple[float, ...]) -> tuple[float, ...]:
-    return tuple(value if known == 1.0 else nan for value, known in zip(flagged[::2], flagged[1::2], strict=True))

@@ -4,7 +4,6 @@ A straight line through the last few samples of the wheel speed. The noise of a 
 differences, which a parabola does not enter: for white noise of variance s^2 the mean of their square is 20 s^2.
 """
 
-from collections import deque
 from math import nan, sqrt
 
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -33,7 +32,8 @@ class WheelMotion:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._samples: deque[tuple[float, float]] = deque()
+        self._times: list[float] = []
+        self._speeds: list[float] = []
         self._variance = _INITIAL_STDDEV**2
         self._origin: int | None = None
         self.rate = nan
@@ -46,34 +46,44 @@ class WheelMotion:
         if self._origin is None:
             self._origin = stamp
         time = (stamp - self._origin) / NANOSECONDS
-        samples = self._samples
-        if samples and time - samples[-1][0] > WINDOW:
-            samples.clear()
-        samples.append((time, wheel_speed))
-        while samples[0][0] < time - WINDOW - 1e-6:
-            samples.popleft()
+        times, speeds = self._times, self._speeds
+        if times and time - times[-1] > WINDOW:
+            times.clear()
+            speeds.clear()
+        times.append(time)
+        speeds.append(wheel_speed)
+        while times[0] < time - WINDOW - 1e-6:
+            times.pop(0)
+            speeds.pop(0)
         self._learn_noise()
         self._fit()
 
     def _learn_noise(self) -> None:
-        samples = self._samples
-        if len(samples) < _FEWEST:
+        times, speeds = self._times, self._speeds
+        if len(times) < _FEWEST:
             return
-        (ta, a), (tb, b), (tc, c), (td, d) = samples[-4], samples[-3], samples[-2], samples[-1]
-        longest, shortest = max(tb - ta, tc - tb, td - tc), min(tb - ta, tc - tb, td - tc)
+        first, second, third = times[-3] - times[-4], times[-2] - times[-3], times[-1] - times[-2]
+        longest, shortest = max(max(first, second), third), min(min(first, second), third)
         if longest - shortest > _UNEVEN * longest:
             return
+        a, b, c, d = speeds[-4], speeds[-3], speeds[-2], speeds[-1]
         squared = (d - 3.0 * c + 3.0 * b - a) ** 2 / 20.0
         self._variance += (min(squared, _OUTLIER * self._variance) - self._variance) / _MEMORY
         self._variance = max(self._variance, _LEAST_STDDEV**2)
 
     def _fit(self) -> None:
-        samples = self._samples
-        count = len(samples)
-        if count < _FEWEST or samples[-1][0] - samples[0][0] < 0.5 * WINDOW:
+        times, speeds = self._times, self._speeds
+        count = len(times)
+        if count < _FEWEST or times[-1] - times[0] < 0.5 * WINDOW:
             self.rate = self.rate_stddev = nan
             return
-        mean_time = sum(time for time, _ in samples) / count
-        spread = sum((time - mean_time) ** 2 for time, _ in samples)
-        self.rate = sum((time - mean_time) * speed for time, speed in samples) / spread
+        total = spread = moment = 0.0
+        for time in times:
+            total += time
+        mean_time = total / count
+        for index in range(count):
+            offset = times[index] - mean_time
+            spread += offset**2
+            moment += offset * speeds[index]
+        self.rate = moment / spread
         self.rate_stddev = sqrt(self._variance / spread)

@@ -22,9 +22,7 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import LATEST_STAMP, NEW_RUN
 
 Payload = TypeVar("Payload")
-Key = tuple[int, int]
 
-_BEFORE_ALL: Key = (-1, 0)
 _MAX_BUFFERED = 20_000
 """Samples an input may run ahead of the primary before the oldest are dropped: 100 s at 200 Hz."""
 
@@ -68,6 +66,21 @@ class AlignedSample(Generic[Payload]):
         self.rewound = rewound
 
 
+class _Timed(Generic[Payload]):
+    """A primary sample that waits, or a sample of another input."""
+
+    __slots__ = ("epoch", "payload", "rewound", "stamp")
+
+    def __init__(self, epoch: int, stamp: int, payload: Payload, rewound: bool = False) -> None:
+        self.epoch = epoch
+        self.stamp = stamp
+        self.payload = payload
+        self.rewound = rewound
+
+    def is_after(self, epoch: int, stamp: int) -> bool:
+        return self.epoch > epoch or (self.epoch == epoch and self.stamp > stamp)
+
+
 class _Stream:
     """One aligned input: its samples from the newest one at or before the primary onwards."""
 
@@ -78,7 +91,6 @@ class _Stream:
         "last_stamp",
         "late",
         "max_gap_ns",
-        "newest",
         "optional",
         "samples",
         "topic",
@@ -89,8 +101,7 @@ class _Stream:
         self.max_gap_ns = round(declared.max_gap * NANOSECONDS)
         self.optional = declared.optional
         self.awaited = not declared.optional
-        self.samples: deque[tuple[Key, tuple[float, ...]]] = deque(maxlen=_MAX_BUFFERED)
-        self.newest = _BEFORE_ALL
+        self.samples: deque[_Timed[tuple[float, ...]]] = deque(maxlen=_MAX_BUFFERED)
         self.epoch = 0
         self.last_stamp = 0
         self.apart_since: int | None = None
@@ -100,42 +111,42 @@ class _Stream:
         if self.optional:
             self.awaited = 0 < stamp - self.last_stamp <= self.max_gap_ns
         self.last_stamp = stamp
-        self.newest = (self.epoch, stamp)
-        self.samples.append((self.newest, values))
+        self.samples.append(_Timed(self.epoch, stamp, values))
 
     def forget(self, epoch: int) -> None:
         self.samples.clear()
-        self.newest = _BEFORE_ALL
         self.epoch = epoch
         self.last_stamp = 0
         self.apart_since = None
         self.awaited = not self.optional
 
-    def at(self, key: Key) -> tuple[float, ...] | str:
-        """Values at `key`, or the reason why there are none. Drops what no later key can need."""
+    def at(self, epoch: int, stamp: int) -> tuple[float, ...] | str:
+        """Values at a stamp, or the reason why there are none. Drops what no later stamp can need."""
         samples = self.samples
-        while len(samples) > 1 and samples[1][0] <= key:
+        while len(samples) > 1 and not samples[1].is_after(epoch, stamp):
             samples.popleft()
         if not samples:
             return f"{self.topic}: no sample received"
-        found, before = samples[0]
-        if found == key:
-            return before
-        if found > key:
+        before = samples[0]
+        if before.epoch == epoch and before.stamp == stamp:
+            return before.payload
+        if before.is_after(epoch, stamp):
             return f"{self.topic}: no sample at or before this stamp"
-        epoch, stamp = found
         if len(samples) == 1:
-            return f"{self.topic}: silent, last sample {(key[1] - stamp) / NANOSECONDS:.3f} s older"
-        (next_epoch, next_stamp), after = samples[1]
-        if next_epoch != epoch or next_stamp - stamp > self.max_gap_ns:
+            return f"{self.topic}: silent, last sample {(stamp - before.stamp) / NANOSECONDS:.3f} s older"
+        after = samples[1]
+        if after.epoch != before.epoch or after.stamp - before.stamp > self.max_gap_ns:
             return f"{self.topic}: gap around this stamp"
-        weight = (key[1] - stamp) / (next_stamp - stamp)
-        return tuple(a + weight * (b - a) for a, b in zip(before, after, strict=True))
+        weight = (stamp - before.stamp) / (after.stamp - before.stamp)
+        return tuple(a + weight * (b - a) for a, b in zip(before.payload, after.payload, strict=True))
 
-    def settled(self, key: Key) -> bool:
-        """Whether there is nothing to wait for at `key`: samples reach it, or have ended more than a gap before."""
-        newest = self.newest
-        return newest >= key or not self.awaited or (newest[0] == key[0] and key[1] - newest[1] > self.max_gap_ns)
+    def settled(self, epoch: int, stamp: int) -> bool:
+        """Whether there is nothing to wait for at a stamp: samples reach it, or have ended more than a gap before."""
+        if not self.samples or self.epoch < epoch:
+            return not self.awaited
+        if self.epoch > epoch or self.last_stamp >= stamp:
+            return True
+        return not self.awaited or stamp - self.last_stamp > self.max_gap_ns
 
 
 class Aligner(Generic[Payload]):
@@ -158,7 +169,7 @@ class Aligner(Generic[Payload]):
         self._streams = {declared.topic: _Stream(declared) for declared in inputs}
         self._all_streams = tuple(self._streams.values())
         self._deadline_ns = round(deadline * NANOSECONDS)
-        self._pending: deque[tuple[Key, Payload, bool]] = deque()
+        self._pending: deque[_Timed[Payload]] = deque()
         self._epoch = 0
         self._epoch_start = 0
         self._newest = 0
@@ -182,7 +193,7 @@ class Aligner(Generic[Payload]):
             if stream.apart_since is not None and stamp - stream.apart_since > self._deadline_ns:
                 # It jumped alone, or did not follow a jump: it belongs to the primary's present again.
                 stream.forget(self._epoch)
-        self._pending.append(((self._epoch, stamp), payload, rewound))
+        self._pending.append(_Timed(self._epoch, stamp, payload, rewound))
         return None
 
     def offer(self, topic: str, stamp: int, values: tuple[float, ...]) -> str | None:
@@ -209,19 +220,19 @@ class Aligner(Generic[Payload]):
             return ()
         complete: list[AlignedSample[Payload]] = []
         while pending:
-            key, payload, rewound = pending[0]
-            if not self._reached(key) and not self._overdue(key):
+            primary = pending[0]
+            if not self._reached(primary.epoch, primary.stamp) and not self._overdue(primary.epoch, primary.stamp):
                 break
             pending.popleft()
             values: dict[str, tuple[float, ...]] = {}
             missing: dict[str, str] = {}
             for stream in self._all_streams:
-                found = stream.at(key)
+                found = stream.at(primary.epoch, primary.stamp)
                 if isinstance(found, str):
                     missing[stream.topic] = found
                 else:
                     values[stream.topic] = found
-            complete.append(AlignedSample(key[1], payload, values, missing, rewound))
+            complete.append(AlignedSample(primary.stamp, primary.payload, values, missing, primary.rewound))
         return complete
 
     def late(self) -> dict[str, int]:
@@ -239,11 +250,10 @@ class Aligner(Generic[Payload]):
             stream.forget(0)
             stream.late = 0
 
-    def _reached(self, key: Key) -> bool:
-        return all(stream.settled(key) for stream in self._all_streams)
+    def _reached(self, epoch: int, stamp: int) -> bool:
+        return all(stream.settled(epoch, stamp) for stream in self._all_streams)
 
-    def _overdue(self, key: Key) -> bool:
-        epoch, stamp = key
+    def _overdue(self, epoch: int, stamp: int) -> bool:
         waiting_since = stamp if epoch == self._epoch else self._epoch_start
         return self._newest - waiting_since >= self._deadline_ns
 

@@ -15,7 +15,7 @@ def to_nanoseconds(stamp: Time) -> int:
 def from_nanoseconds(nanoseconds: int) -> Time:
     """Return the message stamp of a time in nanoseconds [ns], >= 0."""
     time = new_message(Time)
-    time.sec, time.nanosec = divmod(int(nanoseconds), NANOSECONDS)
+    time.sec, time.nanosec = nanoseconds // NANOSECONDS, nanoseconds % NANOSECONDS
     return time
 
 

@@ -14,6 +14,9 @@ def test_a_message_with_every_field_set_equals_one_of_the_constructor_and_travel
     message.frame_id = "front_left"
     made = Header(stamp=from_nanoseconds(1_500_000_007), frame_id="front_left")
     assert message == made
+    assert made == message
+    assert repr(message) == repr(made)
+    assert isinstance(message, Header)
     assert deserialize_message(serialize_message(message), Header) == made
 
 

@@ -1,6 +1,5 @@
 """The processors of several estimators, connected in one process without middleware as the nodes are with it."""
 
-from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -25,14 +24,17 @@ class OfflineGraph:
     def feed(self, topic: str, message: Any) -> list[Output]:
         """Take one message; return the resulting outputs of all processors, in order."""
         given: list[Output] = []
-        waiting: deque[Output] = deque([(topic, message)])
-        while waiting:
-            name, each = waiting.popleft()
-            for processor in self._readers.get(name, ()):
-                outputs = processor.process(name, each)
-                given.extend(outputs)
-                waiting.extend(output for output in outputs if output[0] in self._readers)
+        self._hand_on(topic, message, given)
+        # What is appended on the way is handed on in its turn.
+        for name, each in given:
+            self._hand_on(name, each, given)
         return given
+
+    def _hand_on(self, topic: str, message: Any, given: list[Output]) -> None:
+        readers = self._readers.get(topic)
+        if readers is not None:
+            for processor in readers:
+                given.extend(processor.process(topic, message))
 
     def _connect(self, processor: Processor, topics: Mapping[str, type]) -> None:
         for topic, kind in topics.items():
