@@ -46,6 +46,17 @@ def test_derivatives_agree_with_finite_differences(model: CurveModel, parameters
         assert model.slope_gradient(parameters, slip)[k] == pytest.approx(change / (2 * step), abs=1e-5)
 
 
+@given(arrays(np.float64, 3, elements=st.floats(-1.0, 300.0)), st.floats(-1.0, 1.0))
+def test_one_point_of_one_curve_is_that_of_many(theta: Array, slip: float) -> None:
+    model = BurckhardtCurve()
+    assert model.friction(theta, slip) == pytest.approx(float(burckhardt.friction(theta, slip)), rel=1e-12, abs=1e-12)
+    assert model.slope(theta, slip) == pytest.approx(float(burckhardt.slope(theta, slip)), rel=1e-12, abs=1e-12)
+    assert model.gradient(theta, slip) == pytest.approx(burckhardt.gradient(theta, slip), rel=1e-12, abs=1e-12)
+    peak = float(burckhardt.peak(theta)[0])
+    expected = peak if 0.0 < peak < 1.0 else math.nan
+    assert model.peak(theta) == pytest.approx(expected, rel=1e-12, nan_ok=True)
+
+
 @given(arrays(np.float64, 6, elements=st.floats(-30.0, 30.0)))
 def test_peak_of_8_12_is_a_maximum_or_there_is_none(parameters: Array) -> None:
     model = ExponentialCurve(0.4)

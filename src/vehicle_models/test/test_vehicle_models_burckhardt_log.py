@@ -37,7 +37,6 @@ def test_a_point_of_the_logarithmic_curve_agrees_with_finite_differences() -> No
     assert found.friction == pytest.approx(burckhardt.friction(theta, slip))
     assert burckhardt_log.at(theta, -slip).friction == pytest.approx(-found.friction)
     assert found.slope == pytest.approx(burckhardt.slope(theta, slip))
-    assert found.curvature == pytest.approx(burckhardt.curvature(theta, slip))
     difference = (burckhardt.slope(theta, slip + 1e-6) - burckhardt.slope(theta, slip - 1e-6)) / 2e-6
     assert found.curvature == pytest.approx(difference, rel=1e-6)
     for index in range(3):
@@ -45,8 +44,6 @@ def test_a_point_of_the_logarithmic_curve_agrees_with_finite_differences() -> No
         up, down = burckhardt_log.to_theta(Q + step), burckhardt_log.to_theta(Q - step)
         difference = (burckhardt.slope(up, slip) - burckhardt.slope(down, slip)) / 2e-6
         assert found.slope_gradient[index] == pytest.approx(difference, rel=1e-6, abs=1e-8)
-        gradient = burckhardt.slope_gradient(theta, slip) @ burckhardt_log.theta_jacobian(theta)
-        assert found.slope_gradient == pytest.approx(gradient)
 
 
 def test_many_peaks_are_as_one() -> None:

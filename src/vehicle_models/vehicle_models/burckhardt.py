@@ -51,20 +51,6 @@ def gradient(theta: ArrayLike, slip: ArrayLike) -> Array:
     return np.asarray(np.sign(slip)[..., np.newaxis] * np.stack(columns, axis=-1))
 
 
-def slope_gradient(theta: Array, slip: float) -> Array:
-    """Gradient of the slope of one curve at one slip with respect to its theta, shape (3,)."""
-    th1, th2, _ = theta
-    magnitude = abs(slip)
-    decay = np.exp(-th2 * magnitude)
-    return np.array([th2 * decay, th1 * decay * (1.0 - th2 * magnitude), -1.0])
-
-
-def curvature(theta: Array, slip: float) -> float:
-    """d^2 mu / d slip^2 [-] of one curve, shape (3,), at one slip >= 0."""
-    th1, th2, _ = theta
-    return float(-th1 * th2**2 * np.exp(-th2 * slip))
-
-
 def peak_exponent(theta: ArrayLike) -> Array:
     """Decay th2 lambda_max = ln(th1 th2 / th3) at the peak [-], from slope = 0.
 

@@ -1,11 +1,9 @@
 """The Burckhardt curve (2.13) as a model to fit, theta = (th1, th2, th3)."""
 
-from math import isfinite, nan
+from math import copysign, exp, expm1, log, nan
 
 import numpy as np
 from numpy.typing import NDArray
-
-from vehicle_models import burckhardt
 
 Array = NDArray[np.float64]
 
@@ -35,32 +33,49 @@ def theta_per_unknown(theta: Array) -> Array:
 
 
 class BurckhardtCurve:
-    """CurveModel of (2.13)."""
+    """CurveModel of (2.13): vehicle_models.burckhardt for one curve and one slip, in floats.
+
+    An estimate asks for eight of these at every sample: with arrays of no dimension that took a sixth of the graph.
+    """
 
     def friction(self, parameters: Array, slip: float) -> float:
         """mu [-], (2.13)."""
-        return float(burckhardt.friction(parameters, slip))
+        th1, th2, th3 = parameters.tolist()
+        magnitude = abs(slip)
+        return copysign(1.0, slip) * (-th1 * expm1(-th2 * magnitude) - th3 * magnitude)
 
     def gradient(self, parameters: Array, slip: float) -> Array:
         """xi of (8.10), shape (3,)."""
-        return burckhardt.gradient(parameters, slip)
+        th1, th2, _ = parameters.tolist()
+        magnitude = abs(slip)
+        decay = exp(-th2 * magnitude)
+        sign = copysign(1.0, slip)
+        return np.array([sign * (1.0 - decay), sign * th1 * magnitude * decay, -slip])
 
     def slope(self, parameters: Array, slip: float) -> float:
         """d mu / d slip [-], (2.37)."""
-        return float(burckhardt.slope(parameters, slip))
+        th1, th2, th3 = parameters.tolist()
+        return float(th1 * th2 * exp(-th2 * abs(slip)) - th3)
 
     def slope_gradient(self, parameters: Array, slip: float) -> Array:
         """Gradient of the slope with respect to theta, shape (3,)."""
-        return burckhardt.slope_gradient(parameters, slip)
+        th1, th2, _ = parameters.tolist()
+        magnitude = abs(slip)
+        decay = exp(-th2 * magnitude)
+        return np.array([th2 * decay, th1 * decay * (1.0 - th2 * magnitude), -1.0])
 
     def curvature(self, parameters: Array, slip: float) -> float:
         """d^2 mu / d slip^2 [-] at slip >= 0."""
-        return burckhardt.curvature(parameters, slip)
+        th1, th2, _ = parameters.tolist()
+        return float(-th1 * th2**2 * exp(-th2 * slip))
 
     def peak(self, parameters: Array) -> float:
         """lambda_max in closed form where it lies in (0, 1), else NaN."""
-        peak = float(burckhardt.peak(parameters)[0])
-        return peak if isfinite(peak) and 0.0 < peak < 1.0 else nan
+        th1, th2, th3 = parameters.tolist()
+        if not (th1 > 0.0 and th2 > 0.0 and th1 * th2 > th3 > 0.0):
+            return nan
+        peak = log(th1 * th2 / th3) / th2
+        return peak if 0.0 < peak < 1.0 else nan
 
     def theta(self, parameters: Array) -> Array:
         """The parameters themselves, shape (3,)."""
