@@ -51,13 +51,16 @@ def test_missed_late_and_early_detections_of_a_stop_do_not_pass() -> None:
     truth = true_stop("high_grip_stop", 1.5)
     good = Detection(truth.up + 0.1, 1.1 * truth.lambda_max, truth.down + 0.05, np.zeros(1), 0.0)
     assert False not in judged(truth, good, good).values()
-    late = judged(truth, good, replace(good, lost=truth.up + 0.14))
-    assert [name for name, passed in late.items() if passed is False] == ["delay, p95 [ms]"]
+    late = replace(good, lost=truth.up + 0.14)
+    assert [name for name, passed in judged(truth, good, late, late).items() if passed is False] == [
+        "delay, median [ms]"
+    ]
     early = judged(truth, good, replace(good, slip=0.8 * truth.lambda_max))
     assert [name for name, passed in early.items() if passed is False] == [
         "slip at detection over lambda_max, smallest"
     ]
-    missed = judged(truth, good, replace(good, lost=nan, slip=nan, regained=nan))
+    none = replace(good, lost=nan, slip=nan, regained=nan)
+    missed = judged(truth, good, none, none)
     assert [passed for passed in missed.values() if passed is not None] == [False] * 5
 
 

@@ -27,7 +27,7 @@ _FALSE_ALARM_HOLD = 1.5
 """[s]"""
 _FIRST_SEED = 10_000
 """Far from the seeds of the tuning."""
-_MOST_CARS = 40
+_MOST_STOPS, _MOST_BRAKINGS = 20, 5
 """Seeds of the runs of whole cars, which take longest."""
 
 
@@ -43,8 +43,8 @@ def run(options: argparse.Namespace) -> list[Row]:
     """Make all runs; return a row per surface and method."""
     settings = shipped_settings(imu=not options.no_imu)
     seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
-    cars = seeds[:_MOST_CARS]
-    car_runs = len(cars) * (runs_of_a_seed() + brakings_of_a_seed()) if settings.imu else 0
+    of_stops, of_brakings = (seeds[:most] if settings.imu else seeds[:0] for most in (_MOST_STOPS, _MOST_BRAKINGS))
+    car_runs = len(of_stops) * runs_of_a_seed() + len(of_brakings) * brakings_of_a_seed()
     rows: list[Row] = []
     with Progress() as progress:
         task = progress.add_task("slope sign", total=len(TABLE_8_1) * options.seeds + car_runs)
@@ -63,8 +63,8 @@ def run(options: argparse.Namespace) -> list[Row]:
                 noisy = row(name, method, crossing, found[method], false_alarms[method] / len(seeds))
                 rows.append(noisy | _noise_free(name, method, settings))
         if settings.imu:
-            rows += driver_stops(cars, settings, lambda: progress.advance(task))
-            rows += ordinary_braking(cars, settings, lambda: progress.advance(task))
+            rows += driver_stops(of_stops, settings, lambda: progress.advance(task))
+            rows += ordinary_braking(of_brakings, settings, lambda: progress.advance(task))
     return rows
 
 
