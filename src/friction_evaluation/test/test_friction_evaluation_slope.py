@@ -110,6 +110,13 @@ def test_slip_of_early_detections_does_not_enter_the_mean() -> None:
 def test_part_gives_a_flat_row_for_each_surface_and_method(monkeypatch: pytest.MonkeyPatch) -> None:
     surfaces = ("wet", "snow")
     monkeypatch.setattr(slope_part, "TABLE_8_1", surfaces)
-    rows = slope_part.run(Namespace(seeds=1, no_imu=False))
+    rows = slope_part.run(Namespace(seeds=1, no_imu=True))
     assert [(r["surface"], r["method"]) for r in rows] == [(s, m) for s in surfaces for m in ("slip", "no_slip")]
     assert all(isinstance(value, int | float | str) for r in rows for value in r.values())
+
+
+def test_part_judges_cars_with_load_transfer_where_there_is_an_accelerometer(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(slope_part, "TABLE_8_1", ())
+    rows = slope_part.run(Namespace(seeds=1, no_imu=False))
+    assert {r["surface"] for r in rows} == {"high_grip_stop", "low_grip_stop", "dry"}
+    assert all("value" in r for r in rows)

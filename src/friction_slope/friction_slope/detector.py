@@ -14,8 +14,10 @@ from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
 from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign, slope_indicator
 from friction_slope.reference_speed import ReferenceSpeed
 from friction_slope.signals import SignalWindow
+from friction_slope.tyre_relaxation import TyreRelaxation
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.single_corner import GRAVITY, CornerParameters
+from vehicle_models.wheel_load import WheelLoad
 
 LOCKED_SLIP = 0.8
 """Beyond the peak of any road [-]. A wheel that stands does so by constraint: (8.3) does not hold for it."""
@@ -25,6 +27,8 @@ JITTER = 2.0
 """Largest jitter of a wheel speed that is not a spike [rad/s]."""
 _SIGNED = (Reason.OK, Reason.NO_EXCITATION)
 """Reasons with which a sign is published."""
+NO_RELAXATION = 1e-9
+"""Relaxation length of a tyre whose friction follows the slip at once [m]."""
 LOCKED_INDICATOR = -1e5
 """Indicator of a locked wheel [rad/s^3], below every threshold."""
 
@@ -33,19 +37,19 @@ LOCKED_INDICATOR = -1e5
 class DetectorParameters:
     """Windows, thresholds and dead zones, for both methods."""
 
-    window: int = parameter(28, "samples of the fit that gives H", minimum=3, maximum=400)
+    window: int = parameter(26, "samples of the fit that gives H", minimum=3, maximum=400)
     lead: float = parameter(
         0.0, "where H is read: 0 window's centre, 1 newest sample, above 1 ahead of it", minimum=0.0, maximum=4.0
     )
-    rate_window: int = parameter(28, "samples of the fits that give slip rate and eta", minimum=2, maximum=400)
+    rate_window: int = parameter(26, "samples of the fits that give slip rate and eta", minimum=2, maximum=400)
     h_instability: float = parameter(
-        -15.0, "indicator at or below which stability is lost", unit="rad/s^3", minimum=-1e5, maximum=0.0
+        -12.0, "indicator at or below which stability is lost", unit="rad/s^3", minimum=-1e5, maximum=0.0
     )
     h_stability: float = parameter(
         100.0, "indicator at or above which stability is regained", unit="rad/s^3", minimum=0.0, maximum=1e5
     )
     slip_rate_dead_zone: float = parameter(
-        0.2, "slip rates up to this have no measurable sign", unit="1/s", minimum=0.0, maximum=100.0
+        0.18, "slip rates up to this have no measurable sign", unit="1/s", minimum=0.0, maximum=100.0
     )
     minimum_torque: float = parameter(
         30.0, "a wheel below this brake torque for 'braking_hold' is not braked", unit="N m", minimum=0.1, maximum=1e4
@@ -60,6 +64,9 @@ class DetectorParameters:
         unit="m/s^2",
         minimum=1.0,
         maximum=50.0,
+    )
+    load_transfer: bool = parameter(
+        True, "take imu/data for the vertical load, and its change out of H; else, and without it, (8.3) as printed"
     )
     max_gap: float = shared.max_gap(0.03)
 
@@ -77,7 +84,10 @@ class NoSlipParameters:
         True, "wait for <wheel>/slip too, to publish the slip at a crossing (method slip always does)"
     )
     eta_margin: float = parameter(
-        0.1, "eta must be this much above the friction, or below 0, to have a sign", minimum=0.0, maximum=100.0
+        0.03,
+        "eta must be this much above the braking of the car, or below 0, to have a sign",
+        minimum=0.0,
+        maximum=100.0,
     )
 
 
@@ -90,6 +100,8 @@ class SlopeDetector:
         method: Method,
         parameters: DetectorParameters,
         no_slip: NoSlipParameters = NoSlipParameters(),
+        load: WheelLoad | None = None,
+        relaxation_length: float = NO_RELAXATION,
     ) -> None:
         """Build for a wheel.
 
@@ -98,8 +110,13 @@ class SlopeDetector:
             method: where the sign of the slip rate comes from.
             parameters: parameters of both methods.
             no_slip: parameters of (8.5).
+            load: its vertical load, from the acceleration; None, as where there is no acceleration: at rest, and (8.3)
+                as printed.
+            relaxation_length: of its tyre [m], > 0.
         """
         self._method = method
+        self._load = load
+        self._relaxation = TyreRelaxation(relaxation_length)
         self._p = p = parameters
         self._eta_margin = no_slip.eta_margin
         self._radius, self._inertia, self._vertical_load = corner.radius, corner.inertia, corner.vertical_load
@@ -138,7 +155,8 @@ class SlopeDetector:
             elif not possible:
                 return self._estimate(Reason.BAD_INPUT, f"wheel speed jumps to {sample.wheel_speed:.1f} rad/s")
         self._last = sample
-        self._signals.update(sample)
+        built_up = self._relaxation.update(sample.stamp, sample.slip, sample.vehicle_speed)
+        self._signals.update(sample, built_up, self._load_at(sample))
         self._reference.update(sample)
         if sample.brake_torque >= self._p.minimum_torque:
             self._braked = sample.stamp
@@ -160,6 +178,10 @@ class SlopeDetector:
         if speed < p.minimum_speed:
             return self._unknown(Reason.LOW_SPEED, f"speed is below {p.minimum_speed} m/s")
         h, delay = signals.h(), signals.delay
+        h_of_load = signals.h_of_load()
+        self._load_taken = not isnan(h_of_load)
+        if self._load_taken:
+            h -= h_of_load
         if self._braked is None or sample.stamp - self._braked > p.braking_hold * NANOSECONDS:
             return self._unknown(Reason.NOT_BRAKING, f"brake torque is below {p.minimum_torque} N m", h, delay)
         read_at = sample.stamp - round(delay * NANOSECONDS)
@@ -187,9 +209,23 @@ class SlopeDetector:
         p = self._p
         if self._by is Method.SLIP:
             return slip_rate_sign(slip_rate, p.slip_rate_dead_zone)
-        friction = self._signals.friction_moment() / (self._radius * self._vertical_load)
+        braking = -self._signals.acceleration() / GRAVITY
+        if isnan(braking):
+            braking = self._signals.friction_moment() / (self._radius * self._vertical_load)
         eta = normalised_deceleration(self._signals.wheel_acceleration(), self._radius)
-        return eta_sign(eta, friction, self._eta_margin, p.slip_rate_dead_zone, self._reference.speed)
+        return eta_sign(eta, braking, self._eta_margin, p.slip_rate_dead_zone, self._reference.speed)
+
+    def _load_at(self, sample: SlopeSample) -> float:
+        """Return the vertical load [N], NaN where there is no acceleration to tell it."""
+        if self._load is None:
+            return nan
+        if isnan(sample.acceleration):
+            self._load.reset()
+            return nan
+        # Tyres push a car no harder than this; what is more shakes the sensor and not the load.
+        hardest = HIGHEST_FRICTION * GRAVITY
+        self._load.update(sample.stamp, min(max(sample.acceleration, -hardest), hardest))
+        return self._load.load
 
     def _possible_jump(self, sample: SlopeSample, last: SlopeSample, gap: float) -> bool:
         """Whether brake and road can have caused this wheel speed: a spike must not raise the reference speed."""
@@ -199,6 +235,10 @@ class SlopeDetector:
 
     def _forget_samples(self) -> None:
         self._signals.reset()
+        self._relaxation.reset()
+        self._load_taken = False
+        if self._load is not None:
+            self._load.reset()
         self._crossing.forget_sign()
         self._braked = None
 
@@ -220,6 +260,7 @@ class SlopeDetector:
             slip_at_crossing=crossing.slip,
             crossing_stamp=crossing.stamp,
             method=self._by,
+            load_transfer=self._load_taken,
             reason=reason,
             text=text,
         )

@@ -32,7 +32,7 @@ class Reason(IntEnum):
 
 @dataclass
 class SlopeSample:
-    """One sample of one wheel. Slip and slip rate are NaN where they are not known."""
+    """One sample of one wheel. From the slip on, what is not known is NaN."""
 
     stamp: int
     """[ns]"""
@@ -46,6 +46,8 @@ class SlopeSample:
     """[1/s]"""
     vehicle_speed: float = nan
     """[m/s]"""
+    acceleration: float = nan
+    """Acceleration of the car [m/s^2], forward positive"""
 
 
 @dataclass
@@ -70,6 +72,8 @@ class SlopeEstimate:
     """Time of the last crossing [ns], compensated for the delay; 0 before the first."""
     method: Method = Method.SLIP
     """Equation of the indicator."""
+    load_transfer: bool = False
+    """Whether h is without the part of a changing vertical load."""
     reason: Reason = Reason.OK
     text: str = ""
     """The reason in words, empty where it is OK."""

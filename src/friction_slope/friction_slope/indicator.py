@@ -2,11 +2,12 @@
 
 eta = -omega_dot r / g takes the place of the slip rate in (8.5). By (8.6),
 
-    slip_rate = (g / v) (eta - (1 - slip) mu)        (all wheels at the friction mu of this one)
+    slip_rate = (g / v) (eta - (1 - slip) b),    b = -v_dot / g
 
-so the two signs differ exactly where 0 < eta < (1 - slip) mu. The friction in use is known, mu = (J omega_dot + T_b) /
-(r Fz), so that this interval can be left out as a dead zone. Above it, eta stands for a slip rate of at least
-(g / v)(eta - mu): the dead zone of the slip rate adds v / g times itself.
+so the two signs differ exactly where 0 < eta < (1 - slip) b. The braking b of the car is measured where it has an
+accelerometer. Without one all wheels are taken to be at the friction of this one, b = mu = (J omega_dot + T_b) /
+(r Fz). So this interval can be left out as a dead zone. Above it, eta stands for a slip rate of at least
+(g / v)(eta - b): the dead zone of the slip rate adds v / g times itself.
 """
 
 from vehicle_models.single_corner import GRAVITY
@@ -37,19 +38,19 @@ def slip_rate_sign(slip_rate: float, dead_zone: float) -> int:
     return -1 if slip_rate < -dead_zone else 0
 
 
-def eta_sign(eta: float, friction: float, margin: float, dead_zone: float, speed: float) -> int:
+def eta_sign(eta: float, braking: float, margin: float, dead_zone: float, speed: float) -> int:
     """Sign of the slip rate as far as eta determines it by (8.6), for (8.5).
 
     Args:
         eta: normalised wheel deceleration [-].
-        friction: friction coefficient in use [-]; its part below zero does not count.
-        margin: distance by which eta must lie outside the interval (0, friction) [-], >= 0, for its noise.
+        braking: deceleration of the car over g [-]; its part below zero does not count.
+        margin: distance by which eta must lie outside the interval (0, braking) [-], >= 0, for its noise.
         dead_zone: slip rates up to it [1/s], >= 0, do not count as growing.
         speed: vehicle speed, or an upper bound of it [m/s].
 
     Returns:
         +1 above the interval, -1 below it, 0 within.
     """
-    if eta > max(friction, 0.0) + margin + dead_zone * speed / GRAVITY:
+    if eta > max(braking, 0.0) + margin + dead_zone * speed / GRAVITY:
         return 1
     return -1 if eta < -margin else 0

@@ -50,7 +50,13 @@ SHIPPED: Mapping[str, ShippedFile] = {
         FrictionSlopeParameters(
             method="no_slip",
             detector=DetectorParameters(
-                window=6, lead=2.85, rate_window=3, h_instability=-1.0, h_stability=8000.0, slip_rate_dead_zone=0.8
+                window=6,
+                lead=2.85,
+                rate_window=3,
+                h_instability=-1.0,
+                h_stability=8000.0,
+                slip_rate_dead_zone=0.8,
+                load_transfer=False,
             ),
             no_slip=NoSlipParameters(eta_margin=0.3),
         ),

@@ -1,11 +1,11 @@
-"""wheel_states, <wheel>/brake_pressure and <wheel>/slip in, <wheel>/friction_slope out: one processor per wheel."""
+"""wheel_states, pressure, slip and imu/data in, <wheel>/friction_slope out: one processor per wheel."""
 
 from collections.abc import Mapping
 from math import isfinite, nan
 from typing import Any
 
 from friction_msgs.msg import FrictionSlope, WheelSlip
-from sensor_msgs.msg import FluidPressure, JointState
+from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample
@@ -20,8 +20,11 @@ from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from friction_slope.detector import SlopeDetector
 from friction_slope.estimate import METHODS, Reason, SlopeEstimate, SlopeSample
 from friction_slope.parameters import FrictionSlopeParameters
+from vehicle_models.plausible import HIGHEST_ACCELERATION
 from vehicle_models.vehicle import Vehicle
+from vehicle_models.wheel_load import WheelLoad
 
+_IMU = "imu/data"
 _QUIET = (Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING, Reason.NO_EXCITATION)
 """Reasons that belong to ordinary driving."""
 _BROKEN = (Reason.NO_TORQUE,)
@@ -43,11 +46,25 @@ class WheelProcessor(AlignedProcessor[float]):
         self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, self._pressure: FluidPressure}
         self.estimates: Mapping[str, type] = {self._slip: WheelSlip} if parameters.takes_slip else {}
         self.outputs: Mapping[str, type] = {f"{wheel}/friction_slope": FrictionSlope}
-        inputs = [AlignedInput(topic, parameters.detector.max_gap) for topic in (self._pressure, *self.estimates)]
-        super().__init__(wheel, Primary(WHEEL_STATES, wheel, report), inputs, parameters.deadline)
+        max_gap = parameters.detector.max_gap
+        inputs = [AlignedInput(topic, max_gap) for topic in (self._pressure, *self.estimates)]
+        load = WheelLoad(vehicle, wheel) if parameters.detector.load_transfer else None
+        if load is not None and load.transfer == 0.0:
+            load = None  # one axle only: the acceleration moves no load, and is not waited for
+        if load is not None:
+            self.sensors = {**self.sensors, _IMU: Imu}
+            inputs.append(AlignedInput(_IMU, max_gap, optional=True))
+        super().__init__(wheel, Primary(WHEEL_STATES, wheel, report), inputs, parameters.deadline, optional=(_IMU,))
+        self._accelerometer = vehicle.accelerometer
         self._wheel_speeds = WheelSpeeds(vehicle, (wheel,), report)
-        method = METHODS[parameters.method]
-        self._detector = SlopeDetector(vehicle.corner(wheel), method, parameters.detector, parameters.no_slip)
+        self._detector = SlopeDetector(
+            vehicle.corner(wheel),
+            METHODS[parameters.method],
+            parameters.detector,
+            parameters.no_slip,
+            load,
+            vehicle.wheel(wheel).relaxation_length,
+        )
         self._forget()
 
     def _payload(self, message: JointState) -> float:
@@ -55,6 +72,8 @@ class WheelProcessor(AlignedProcessor[float]):
         return speed
 
     def _take(self, topic: str, message: Any) -> str | None:
+        if topic == _IMU:
+            return self._offer_acceleration(message)
         return self._offer_pressure(message) if topic == self._pressure else self._offer_slip(message)
 
     def _forget(self) -> None:
@@ -81,6 +100,7 @@ class WheelProcessor(AlignedProcessor[float]):
             "H [rad/s^3]": f"{last.h:.1f}",
             "indicator [rad/s^3]": f"{last.indicator:.1f}",
             "method": last.method.name.lower(),
+            "vertical load": "from imu/data" if last.load_transfer else "at rest",
             "crossings": str(last.crossings),
             "slip at the last crossing": f"{last.slip_at_crossing:.4f}",
         }
@@ -91,6 +111,12 @@ class WheelProcessor(AlignedProcessor[float]):
             return read
         stamp, torque = read
         return self._aligner.offer(self._pressure, stamp, (torque,))
+
+    def _offer_acceleration(self, message: Imu) -> str | None:
+        acceleration = self._accelerometer.forward(message.linear_acceleration)
+        if not abs(acceleration) <= HIGHEST_ACCELERATION:
+            return f"{_IMU}: {acceleration} m/s^2 is not an acceleration of a car"
+        return self._aligner.offer(_IMU, to_nanoseconds(message.header.stamp), (acceleration,))
 
     def _offer_slip(self, message: WheelSlip) -> str | None:
         # Validity travels as a number, so that an interpolation between a known and an unknown slip is unknown.
@@ -107,6 +133,7 @@ class WheelProcessor(AlignedProcessor[float]):
     def _fire(self, sample: AlignedSample[float]) -> list[Output]:
         torque = sample.values.get(self._pressure)
         slip, slip_rate, valid, speed, known = sample.values.get(self._slip, _UNKNOWN_SLIP)
+        acceleration = sample.values.get(_IMU, (nan,))
         estimate = self._detector.update(
             SlopeSample(
                 stamp=sample.stamp,
@@ -115,6 +142,7 @@ class WheelProcessor(AlignedProcessor[float]):
                 slip=slip if valid == 1.0 else nan,
                 slip_rate=slip_rate if valid == 1.0 else nan,
                 vehicle_speed=speed if known == 1.0 else nan,
+                acceleration=acceleration[0],
             )
         )
         self._last = estimate

@@ -2,15 +2,21 @@
 
     H = omega_ddot + T_b_dot / J = d^2 z / dt^2,    z = omega + (1/J) integral of T_b dt    (8.3)
 
+With a vertical load that changes, J z_dot = r Fz mu, the same equation has a second part, and the slope is in the rest:
+
+    z_ddot - z_dot Fz_dot / Fz = (r Fz / J) mu_1 slip_rate
+
 The two terms of H are thousands of rad/s^3 while the torque changes, and cancel to tens. Taken from z as one second
 derivative they pass the same filter and cancel exactly; taken apart they would leave the difference of two filters.
 """
+
+from math import log, nan
 
 from friction_slope.estimate import SlopeSample
 from vehicle_models.derivatives import LocalPolynomial
 from vehicle_models.nanoseconds import NANOSECOND
 
-_OMEGA, _Z, _SLIP, _SLIP_RATE = range(4)
+_OMEGA, _Z, _SLIP, _SLIP_RATE, _ACCELERATION, _LOG_LOAD = range(6)
 
 
 class SignalWindow:
@@ -28,8 +34,8 @@ class SignalWindow:
         """
         self._inertia = inertia
         self._lead = lead
-        self._window = LocalPolynomial(window, degree=2 if lead == 0.0 else 3, signals=4)
-        self._rates = LocalPolynomial(rate_window, degree=1, signals=4)
+        self._window = LocalPolynomial(window, degree=2 if lead == 0.0 else 3, signals=6)
+        self._rates = LocalPolynomial(rate_window, degree=1, signals=6)
         self.reset()
 
     def reset(self) -> None:
@@ -47,24 +53,36 @@ class SignalWindow:
         """Whether the windows are full."""
         return self._window.ready and self._rates.ready
 
-    def update(self, sample: SlopeSample) -> None:
-        """Take a sample, later than the last, with finite wheel speed and torque."""
+    def update(self, sample: SlopeSample, slip: float = nan, load: float = nan) -> None:
+        """Take a sample, later than the last, with finite wheel speed and torque.
+
+        Args:
+            sample: its slip is not used.
+            slip: slip that the tyre has built up [-], NaN where unknown.
+            load: vertical load [N], > 0, NaN where unknown.
+        """
         if self._last is not None:
             dt = (sample.stamp - self._last.stamp) * NANOSECOND
             self._impulse += 0.5 * dt * (self._last.brake_torque + sample.brake_torque)
         self._last = sample
-        values = (sample.wheel_speed, sample.wheel_speed + self._impulse / self._inertia, sample.slip, sample.slip_rate)
+        z = sample.wheel_speed + self._impulse / self._inertia
+        values = (sample.wheel_speed, z, slip, sample.slip_rate, sample.acceleration, log(load))
         self._window.update(sample.stamp, values)
         self._rates.update(sample.stamp, values)
         self.delay = 0.5 * self._window.span * (1.0 - self._lead)
         self._rate_delay = 0.5 * self._rates.span
 
     def h(self) -> float:
-        """H of (8.3), omega_ddot + T_b_dot / J = (r Fz / J) mu_1 slip_rate [rad/s^3]."""
+        """H of (8.3), omega_ddot + T_b_dot / J = (r Fz / J) mu_1 slip_rate [rad/s^3], at a constant load."""
         return float(self._window.derivative(2, self.delay)[_Z])
 
+    def h_of_load(self) -> float:
+        """Part of H that a changing load has caused, z_dot Fz_dot / Fz [rad/s^3]; NaN if the load was unknown."""
+        rates = self._window.derivative(1, self.delay)
+        return float(rates[_Z] * rates[_LOG_LOAD])
+
     def slip(self) -> float:
-        """Slip [-]; NaN if it was unknown anywhere in the window."""
+        """Slip that the tyre has built up [-]; NaN if it was unknown anywhere in the window."""
         return float(self._window.derivative(0, self.delay)[_SLIP])
 
     def slip_rate(self) -> float:
@@ -74,6 +92,10 @@ class SignalWindow:
     def wheel_acceleration(self) -> float:
         """omega_dot [rad/s^2], mean over the rate window."""
         return float(self._rates.derivative(1, self._rate_delay)[_OMEGA])
+
+    def acceleration(self) -> float:
+        """Acceleration of the car [m/s^2], mean over the rate window; NaN if it was unknown anywhere in it."""
+        return float(self._rates.derivative(0, self._rate_delay)[_ACCELERATION])
 
     def friction_moment(self) -> float:
         """r Fx = J z_dot = J omega_dot + T_b [N m], braking positive, mean over the rate window."""

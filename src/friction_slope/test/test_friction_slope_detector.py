@@ -9,16 +9,24 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_slope.detector import LOCKED_INDICATOR, DetectorParameters, NoSlipParameters, SlopeDetector
+from friction_slope.detector import (
+    HIGHEST_FRICTION,
+    LOCKED_INDICATOR,
+    DetectorParameters,
+    NoSlipParameters,
+    SlopeDetector,
+)
 from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import SingleCorner
+from vehicle_models.single_corner import GRAVITY, SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
 from vehicle_models.vehicle_file import load_vehicle
+from vehicle_models.wheel_load import WheelLoad
 
 DT = 0.005
 STEP = 5_000_000
 CORNER = load_vehicle("chapter_corner").corner("front_left")
+CAR = load_vehicle("chapter_car")
 EXACT = DetectorParameters(window=3, rate_window=3, h_instability=0.0, h_stability=0.0, slip_rate_dead_zone=0.0)
 
 
@@ -206,15 +214,78 @@ def test_reset_is_a_new_detector() -> None:
     assert repr(again) == repr(run(exact(), samples))
 
 
+def growing_load(count: int, acceleration: bool) -> list[SlopeSample]:
+    """A front wheel at constant friction while its car brakes harder and harder: all of H is that of the load."""
+    load, corner = WheelLoad(CAR, "front_left"), CAR.corner("front_left")
+    samples, omega, moment = [], 80.0, 0.0
+    for k in range(count):
+        braking = 30.0 * min(k * DT, 0.3)
+        load.update((k + 1) * STEP, -braking)
+        before, moment = moment, 0.9 * corner.radius * load.load
+        torque = 700.0
+        omega += DT * (0.5 * (before + moment) - torque) / corner.inertia
+        samples.append(SlopeSample((k + 1) * STEP, omega, torque, 0.1, 0.5, 25.0, -braking if acceleration else nan))
+    return samples
+
+
+def test_changing_load_is_taken_out_of_h_where_there_is_an_acceleration() -> None:
+    with_load = SlopeDetector(CAR.corner("front_left"), Method.SLIP, EXACT, load=WheelLoad(CAR, "front_left"))
+    printed = SlopeDetector(CAR.corner("front_left"), Method.SLIP, EXACT)
+    found = run(with_load, growing_load(60, acceleration=True))[-1]
+    as_printed = run(printed, growing_load(60, acceleration=True))[-1]
+    assert as_printed.h > 100.0
+    assert found.h == pytest.approx(0.0, abs=0.05 * as_printed.h)
+    assert (found.load_transfer, as_printed.load_transfer) == (True, False)
+
+
+def test_without_an_acceleration_h_is_that_of_the_equation_as_printed() -> None:
+    detector = SlopeDetector(CAR.corner("front_left"), Method.SLIP, EXACT, load=WheelLoad(CAR, "front_left"))
+    printed = SlopeDetector(CAR.corner("front_left"), Method.SLIP, EXACT)
+    fed = growing_load(60, acceleration=False)
+    assert repr(run(detector, fed)) == repr(run(printed, fed))
+
+
+def test_kick_of_the_sensor_does_not_count_as_more_than_tyres_can_brake() -> None:
+    def after(kick: float) -> SlopeEstimate:
+        detector = SlopeDetector(CAR.corner("front_left"), Method.SLIP, EXACT, load=WheelLoad(CAR, "front_left"))
+        fed = growing_load(60, acceleration=True)
+        fed[40].acceleration = kick
+        return run(detector, fed)[-1]
+
+    assert after(-190.0) == after(-HIGHEST_FRICTION * GRAVITY)
+
+
+def test_measured_braking_of_the_car_decides_where_eta_tells_the_slip_rate() -> None:
+    """Friction of this wheel 0.8, of the car 0.4: by (8.6) an eta between them is that of a growing slip."""
+    corner = CAR.corner("front_left")
+    moment, eta = 0.8 * corner.radius * corner.vertical_load, 0.6
+    omega_dot = -eta * GRAVITY / corner.radius
+    torque = moment - corner.inertia * omega_dot
+
+    def last(acceleration: float) -> SlopeEstimate:
+        detector = SlopeDetector(corner, Method.NO_SLIP, EXACT, NoSlipParameters(eta_margin=0.05))
+        fed = [
+            SlopeSample((k + 1) * STEP, 90.0 + omega_dot * k * DT, torque + 10.0 * k**2, acceleration=acceleration)
+            for k in range(8)
+        ]
+        return run(detector, fed)[-1]
+
+    assert last(nan).reason is Reason.NO_EXCITATION
+    assert last(-0.4 * GRAVITY).reason is Reason.OK
+    assert last(-0.58 * GRAVITY).reason is Reason.NO_EXCITATION
+
+
 NUMBERS = st.one_of(st.floats(), st.sampled_from([0.0, nan, inf, -inf, 100.0]))
 
 
 @given(
-    st.lists(st.tuples(st.integers(-2, 12), NUMBERS, NUMBERS, NUMBERS, NUMBERS, NUMBERS), max_size=80),
+    st.lists(st.tuples(st.integers(-2, 12), *[NUMBERS] * 6), max_size=80),
     st.sampled_from(Method),
 )
 def test_hostile_samples_give_known_signs_and_no_exception(stream: list[tuple[float, ...]], method: Method) -> None:
-    detector = exact(method)
+    detector = SlopeDetector(
+        CORNER, method, EXACT, NoSlipParameters(eta_margin=0.0), WheelLoad(CAR, "front_left"), relaxation_length=0.3
+    )
     stamp = STEP
     for step, *values in stream:
         stamp += int(step) * STEP

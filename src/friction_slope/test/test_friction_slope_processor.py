@@ -1,5 +1,6 @@
 """The detector behind its messages: alignment, reasons with names, shipped files, hostile streams."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf, nan
 from pathlib import Path
@@ -12,7 +13,7 @@ from friction_msgs.msg import FrictionSlope, WheelSlip
 from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import serialize_message
-from sensor_msgs.msg import FluidPressure, JointState
+from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
 
 from friction_parameters.parameter import ParameterError
@@ -24,11 +25,13 @@ from friction_slope.detector import DetectorParameters, NoSlipParameters
 from friction_slope.estimate import METHODS, Method, Reason
 from friction_slope.parameters import SHIPPED, FrictionSlopeParameters
 from friction_slope.processor import WheelProcessor, build
+from vehicle_models.vehicle import Accelerometer
 from vehicle_models.vehicle_file import load_vehicle
+from vehicle_models.wheel_load import WheelLoad
 
 CONFIG = Path(__file__).parents[1] / "config"
 STEP = 5_000_000
-PRESSURE, SLIP = "front_left/brake_pressure", "front_left/slip"
+PRESSURE, SLIP, IMU = "front_left/brake_pressure", "front_left/slip", "imu/data"
 VEHICLE = load_vehicle("chapter_corner")
 P = FrictionSlopeParameters(detector=DetectorParameters(window=5, rate_window=5))
 NO_SLIP = replace(P, method="no_slip")
@@ -243,6 +246,98 @@ def test_reset_is_a_new_processor() -> None:
     first = run(processor, stream(50))
     processor.reset()
     assert repr(run(processor, stream(50))) == repr(first)
+
+
+CAR = load_vehicle("chapter_car")
+
+
+def imu(stamp: int, acceleration: float) -> Fed:
+    message = Imu(header=header(stamp))
+    message.linear_acceleration.x = acceleration
+    return IMU, message
+
+
+def braked(count: int, acceleration: Callable[[int], float] | None) -> list[Fed]:
+    """The stream, and the deceleration of the car at each sample."""
+    fed: list[Fed] = []
+    for k, item in enumerate(stream(count)):
+        if k % 3 == 0 and acceleration is not None:
+            fed.append(imu((k // 3 + 1) * STEP, acceleration(k // 3)))
+        fed.append(item)
+    return fed
+
+
+def harder(k: int) -> float:
+    return -0.1 * k
+
+
+def test_load_that_grows_with_the_deceleration_is_taken_out_of_h() -> None:
+    processor = WheelProcessor("front_left", CAR, P)
+    found = run(processor, braked(40, harder))[-1]
+    printed = run(WheelProcessor("front_left", CAR, P), braked(40, None))[-1]
+    load = WheelLoad(CAR, "front_left")
+    for k in range(38):
+        load.update((k + 1) * STEP, harder(k))
+    friction_moment = 300.0 + 100.0 * 37 * 0.005 + 60.0 * 37 * 0.005
+    assert printed.h - found.h == pytest.approx(friction_moment * load.rate / load.load, rel=0.02)
+    assert processor.health().values["vertical load"] == "from imu/data"
+    assert processor.health().level is Level.OK
+
+
+def test_acceleration_that_was_never_there_is_not_waited_for_and_no_fault() -> None:
+    processor = WheelProcessor("front_left", CAR, P)
+    found = run(processor, braked(40, None))
+    assert len(found) == 40
+    assert processor.health().values["vertical load"] == "at rest"
+    assert processor.health().level is Level.OK
+    off = replace(P, detector=replace(P.detector, load_transfer=False))
+    assert repr(found) == repr(run(WheelProcessor("front_left", CAR, off), braked(40, None)))
+
+
+def test_acceleration_that_dies_costs_the_load_but_no_answer_and_no_time_for_ever() -> None:
+    processor = WheelProcessor("front_left", CAR, P)
+    delays: list[float] = []
+    for topic, fed in braked(100, harder):
+        stamp = to_nanoseconds(fed.header.stamp)
+        if topic == IMU and stamp > 40 * STEP:
+            continue
+        for _, message in processor.process(topic, fed):
+            delays.append((stamp - to_nanoseconds(message.header.stamp)) / STEP)
+    assert len(delays) == 100
+    assert max(delays) <= round(P.deadline / 0.005)
+    assert set(delays[60:]) == {0.0}
+    printed = run(WheelProcessor("front_left", CAR, P), braked(100, None))[-1]
+    assert message.h == printed.h
+    assert processor.health().values["vertical load"] == "at rest"
+
+
+def test_switched_off_the_acceleration_is_no_input() -> None:
+    off = WheelProcessor("front_left", CAR, replace(P, detector=replace(P.detector, load_transfer=False)))
+    assert IMU not in off.sensors
+    assert IMU in WheelProcessor("front_left", CAR, P).sensors
+
+
+def test_corner_alone_has_no_load_transfer_and_does_not_take_the_acceleration() -> None:
+    assert IMU not in WheelProcessor("front_left", VEHICLE, P).sensors
+
+
+def test_acceleration_is_read_as_the_accelerometer_is_mounted() -> None:
+    turned = replace(CAR, accelerometer=Accelerometer(sign=-1.0, offset=0.3, scale=1.02))
+    straight = run(WheelProcessor("front_left", CAR, P), braked(40, harder))
+    fed = braked(40, lambda k: turned.accelerometer.reading(harder(k)))
+    found = run(WheelProcessor("front_left", turned, P), fed)
+    np.testing.assert_allclose([each.h for each in found], [each.h for each in straight])
+
+
+@pytest.mark.parametrize("garbage", [nan, inf, 1e12])
+def test_garbage_in_the_acceleration_is_refused_and_the_estimate_goes_on(garbage: float) -> None:
+    said: list[str] = []
+    processor = WheelProcessor("front_left", CAR, P, lambda severity, text: said.append(text))
+    fed = braked(40, lambda k: garbage if k == 20 else harder(k))
+    found = run(processor, fed)
+    assert len(found) == 40
+    assert found[-1].valid
+    assert any(IMU in text and "refused" in text for text in said)
 
 
 def test_health_tells_what_is_wrong() -> None:

@@ -13,6 +13,7 @@ from friction_slope.estimate import SlopeSample
 from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign, slope_indicator
 from friction_slope.reference_speed import ReferenceSpeed
 from friction_slope.signals import SignalWindow
+from friction_slope.tyre_relaxation import TyreRelaxation
 from vehicle_models import burckhardt
 from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
@@ -80,10 +81,47 @@ def test_delay_follows_from_window_and_lead(lead: float, delay: float) -> None:
     assert window.delay == pytest.approx(delay)
 
 
+def test_part_of_h_that_a_changing_load_causes_is_the_friction_moment_times_its_relative_rate() -> None:
+    """With mu constant, J z_dot = r mu Fz: all of H is that of the load."""
+    inertia, moment = 1.3, 400.0
+    window = SignalWindow(inertia, 9, 9, 0.0)
+    speed = 100.0
+    for k in range(20):
+        relative = 1.0 + 0.8 * k * DT
+        window.update(SlopeSample((k + 1) * STEP, speed, 0.0), load=2500.0 * relative)
+        speed += DT * moment / inertia * (relative + 0.4 * DT)
+    assert window.h() == pytest.approx(moment / inertia * 0.8, rel=1e-6)
+    assert window.h_of_load() == pytest.approx(window.h(), rel=1e-3)
+
+
+def test_load_that_was_unknown_anywhere_in_the_window_tells_nothing() -> None:
+    window = SignalWindow(1.0, 5, 3, 0.0)
+    known = []
+    for k in range(12):
+        window.update(SlopeSample((k + 1) * STEP, 50.0, 0.0), load=nan if k == 5 else 2500.0)
+        if window.ready:
+            known.append(not np.isnan(window.h_of_load()))
+    assert known == [True] + [False] * 5 + [True] * 2
+
+
+def test_slip_that_the_tyre_has_built_up_follows_over_its_relaxation_length() -> None:
+    tyre = TyreRelaxation(0.3)
+    assert tyre.update(1 * STEP, 0.02, 30.0) == 0.02
+    assert tyre.update(3 * STEP, 0.12, 30.0) == pytest.approx(0.12 - 0.1 * np.exp(-1.0))
+
+
+def test_slip_that_was_lost_is_built_up_when_it_is_back() -> None:
+    tyre = TyreRelaxation(0.3)
+    tyre.update(1 * STEP, 0.02, 30.0)
+    assert np.isnan(tyre.update(2 * STEP, nan, 30.0))
+    assert tyre.update(3 * STEP, 0.12, 30.0) == 0.12
+    assert np.isnan(tyre.update(4 * STEP, 0.12, nan))
+
+
 def test_slip_is_read_where_h_is_read() -> None:
     window = SignalWindow(1.0, 9, 3, 0.0)
     for k in range(20):
-        window.update(SlopeSample((k + 1) * STEP, 50.0, 0.0, slip=0.01 * k, slip_rate=2.0))
+        window.update(SlopeSample((k + 1) * STEP, 50.0, 0.0, slip_rate=2.0), slip=0.01 * k)
     assert window.slip() == pytest.approx(0.01 * (19 - 4))
     assert window.slip_rate() == pytest.approx(2.0)
 

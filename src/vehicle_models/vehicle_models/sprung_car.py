@@ -19,10 +19,6 @@ from vehicle_models.vehicle import AIR_DENSITY, Vehicle
 
 Array = NDArray[np.float64]
 
-PITCH_FREQUENCY = 2.0 * np.pi * 1.5
-"""Natural frequency w of the pitch mode [rad/s]."""
-PITCH_DAMPING = 0.3
-"""Damping ratio z of the pitch mode [-]."""
 _SUBSTEPS = 25
 
 
@@ -118,7 +114,8 @@ class SprungCar:
         acceleration = -(np.sum(force) + drag) / car.mass
         slip = 1.0 - self._radius * wheel_speed / speed
         moved = -car.mass * acceleration * car.centre_of_gravity_height / car.wheelbase
-        pitch = PITCH_FREQUENCY**2 * (moved - state[9]) - 2.0 * PITCH_DAMPING * PITCH_FREQUENCY * state[10]
+        frequency = 2.0 * np.pi * car.pitch_frequency
+        pitch = frequency**2 * (moved - state[9]) - 2.0 * car.pitch_damping * frequency * state[10]
         return np.concatenate(
             [
                 [acceleration],

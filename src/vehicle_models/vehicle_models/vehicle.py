@@ -128,6 +128,10 @@ class Vehicle:
     centre_of_gravity_height: float = parameter(
         0.0, "height of the centre of gravity", unit="m", minimum=0.0, maximum=5.0
     )
+    pitch_frequency: float = parameter(
+        1.5, "natural frequency with which the body pitches", unit="Hz", minimum=0.3, maximum=10.0
+    )
+    pitch_damping: float = parameter(0.3, "damping ratio of that motion", minimum=0.05, maximum=0.95)
     track: float = parameter(1.5, "distance of the wheels of an axle", unit="m", minimum=0.3, maximum=5.0)
     drag_area: float = parameter(0.0, "drag coefficient times frontal area", unit="m^2", minimum=0.0, maximum=20.0)
     rolling_resistance: float = parameter(0.0, "coefficient of rolling resistance", minimum=0.0, maximum=0.5)
@@ -150,6 +154,8 @@ class Vehicle:
                 place, or the load share does not fit the axles. The text begins with the field.
         """
         _refuse_impossible(self)
+        if self.pitch_damping >= 1.0:
+            raise ValueError(f"'pitch_damping' = {self.pitch_damping} must be below 1")
         if not self.wheels:
             raise ValueError("'wheels' must name at least one wheel")
         for what, of_wheels in (

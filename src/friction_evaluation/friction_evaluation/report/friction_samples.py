@@ -17,7 +17,6 @@ from friction_evaluation.manoeuvres import braking
 from friction_evaluation.protocol import DT
 from friction_evaluation.report.page import Picture, Section
 from vehicle_models import burckhardt
-from vehicle_models.sprung_car import PITCH_DAMPING, PITCH_FREQUENCY
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -30,9 +29,10 @@ _LOAD_TRANSFER = _CAR.height_ratio / _CAR.front_load_share
 """The load of a front wheel grows by this share for a deceleration of g [-]."""
 _TEXT = f"""The friction samples that a car measures on a front wheel, made with the static load, begin below
 the theoretical curve and then overshoot it, as in the chapter's figure: the tyre follows the slip with a
-relaxation length of {_RELAXATION_LENGTH} m, and the body pitches beyond its steady angle (1.5 Hz, damping 0.3), and
-the load with it. The abscissa of the peak moves little, as in the chapter; its ordinate does. The chapter's
-test drive is not public, this is its simulated counterpart."""
+relaxation length of {_RELAXATION_LENGTH} m, and the body pitches beyond its steady angle
+({_CAR.pitch_frequency} Hz, damping {_CAR.pitch_damping}), and the load with it. The abscissa of the peak moves
+little, as in the chapter; its ordinate does. The chapter's test drive is not public, this is its simulated
+counterpart."""
 
 
 def section(directory: Path) -> Section:
@@ -59,11 +59,12 @@ def overshoot(theta: Array) -> tuple[Array, Array, Array]:
     static = burckhardt.friction(theta, slip)
     friction, swing = np.zeros_like(slip), np.zeros_like(slip)
     rate = 0.0
+    frequency, damping = 2.0 * np.pi * _CAR.pitch_frequency, _CAR.pitch_damping
     for k in range(1, len(slip)):
         lag = DT * speed[k] / _RELAXATION_LENGTH
         friction[k] = friction[k - 1] + (static[k] - friction[k - 1]) * -np.expm1(-lag)
         steady = _LOAD_TRANSFER * friction[k]
-        pull = PITCH_FREQUENCY**2 * (steady - swing[k - 1]) - 2.0 * PITCH_DAMPING * PITCH_FREQUENCY * rate
+        pull = frequency**2 * (steady - swing[k - 1]) - 2.0 * damping * frequency * rate
         rate += DT * pull
         swing[k] = swing[k - 1] + DT * rate
     return slip, static * (1.0 + _LOAD_TRANSFER * static), friction * (1.0 + swing)

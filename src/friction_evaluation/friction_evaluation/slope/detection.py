@@ -1,5 +1,6 @@
 """The shipped processors wheel_slip and friction_slope, by both methods, over one run."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,9 +9,11 @@ from numpy.typing import NDArray
 from friction_evaluation.protocol import ACCELERATION_STDDEV, CAR, WHEEL
 from friction_evaluation.slope.runs import Run, sensor_messages
 from friction_parameters.values import changed
+from friction_runtime.processor import Output
 from friction_slope.parameters import SHIPPED, FrictionSlopeParameters
 from friction_slope.processor import WheelProcessor
 from vehicle_models.sensor_noise import SensorNoise
+from vehicle_models.vehicle import Vehicle
 from wheel_slip.parameters import SHIPPED as SHIPPED_SLIP
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.processor import CarProcessor
@@ -28,10 +31,10 @@ class Settings:
     slope: FrictionSlopeParameters
     imu: bool
 
-    def processors(self) -> tuple[CarProcessor, dict[str, WheelProcessor]]:
-        """Make wheel_slip, and friction_slope by each method."""
-        car = CarProcessor(CAR, self.slip if self.imu else replace(self.slip, use_imu=False))
-        return car, {method: WheelProcessor(WHEEL, CAR, replace(self.slope, method=method)) for method in METHODS}
+    def processors(self, vehicle: Vehicle, wheel: str) -> tuple[CarProcessor, dict[str, WheelProcessor]]:
+        """Make wheel_slip of a car, and friction_slope of a wheel by each method."""
+        car = CarProcessor(vehicle, self.slip if self.imu else replace(self.slip, use_imu=False))
+        return car, {method: WheelProcessor(wheel, vehicle, replace(self.slope, method=method)) for method in METHODS}
 
     def exact(self) -> "Settings":
         """The shortest window, zero thresholds and dead zones: for signals without noise."""
@@ -64,10 +67,25 @@ class Detection:
 
 def detect(run: Run, settings: Settings, noise: SensorNoise, seed: int) -> dict[str, Detection]:
     """Drive the processors through a run; return the result of each method."""
-    car, slopes = settings.processors()
-    answers: dict[str, list[tuple[int, float, float]]] = {method: [] for method in slopes}
     stddev = ACCELERATION_STDDEV if noise.wheel_speed_variance > 0.0 else 0.0
-    for sample in sensor_messages(run, noise, stddev, seed):
+    return detections(sensor_messages(run, noise, stddev, seed), run.time, settings)
+
+
+def detections(
+    samples: Iterable[Sequence[Output]], time: Array, settings: Settings, vehicle: Vehicle = CAR, wheel: str = WHEEL
+) -> dict[str, Detection]:
+    """Feed the processors with the messages of each sample; return the result of each method.
+
+    Args:
+        samples: messages of the sensors, sample by sample.
+        time: of the samples [s], shape (samples,).
+        settings: parameters of the processors.
+        vehicle: the car as they know it.
+        wheel: the wheel that is judged.
+    """
+    car, slopes = settings.processors(vehicle, wheel)
+    answers: dict[str, list[tuple[int, float, float]]] = {method: [] for method in slopes}
+    for sample in samples:
         for topic, message in sample:
             inputs = [(topic, message)]
             if topic in car.sensors:
@@ -77,12 +95,12 @@ def detect(run: Run, settings: Settings, noise: SensorNoise, seed: int) -> dict[
                     if name in slope.sensors or name in slope.estimates:
                         for _, answer in slope.process(name, given):
                             answers[method].append((answer.sign, answer.slip_at_crossing, answer.delay))
-    return {method: _detection(np.array(each), run) for method, each in answers.items()}
+    return {method: _detection(np.array(each), time) for method, each in answers.items()}
 
 
-def _detection(answers: Array, run: Run) -> Detection:
+def _detection(answers: Array, time: Array) -> Detection:
     # The answers carry the stamps of wheel_states: answer k belongs to sample k.
-    time = run.time[: len(answers)]
+    time = time[: len(answers)]
     signs = answers[:, 0]
     lost = np.flatnonzero(signs < 0)
     first = lost[0] if lost.size else len(answers)

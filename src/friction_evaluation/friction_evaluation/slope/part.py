@@ -2,6 +2,8 @@
 
 Parameters are those of friction_slope_monitor.yaml for both methods (only `method` differs) and of wheel_slip.yaml. A
 detection before the slip has truly passed the peak counts as early, and with the missed ones as infinitely late.
+
+Then cars with load transfer: the driver's stops of section 8.2.3 and ordinary braking, with what has to hold.
 """
 
 import argparse
@@ -13,6 +15,8 @@ from rich.progress import Progress
 from friction_evaluation.protocol import DT
 from friction_evaluation.rows import Row
 from friction_evaluation.slope.detection import METHODS, Detection, Settings, detect, shipped_settings
+from friction_evaluation.slope.driver_stops import driver_stops, runs_of_a_seed
+from friction_evaluation.slope.ordinary_braking import brakings_of_a_seed, ordinary_braking
 from friction_evaluation.slope.runs import Run, below_the_peak, through_the_peak
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
 from vehicle_models.surfaces import TABLE_8_1
@@ -23,6 +27,8 @@ _FALSE_ALARM_HOLD = 1.5
 """[s]"""
 _FIRST_SEED = 10_000
 """Far from the seeds of the tuning."""
+_MOST_STOPS, _MOST_BRAKINGS = 20, 5
+"""Seeds of the runs of whole cars, which take longest."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,9 +43,11 @@ def run(options: argparse.Namespace) -> list[Row]:
     """Make all runs; return a row per surface and method."""
     settings = shipped_settings(imu=not options.no_imu)
     seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
+    of_stops, of_brakings = (seeds[:most] if settings.imu else seeds[:0] for most in (_MOST_STOPS, _MOST_BRAKINGS))
+    car_runs = len(of_stops) * runs_of_a_seed() + len(of_brakings) * brakings_of_a_seed()
     rows: list[Row] = []
     with Progress() as progress:
-        task = progress.add_task("slope sign", total=len(TABLE_8_1) * options.seeds)
+        task = progress.add_task("slope sign", total=len(TABLE_8_1) * options.seeds + car_runs)
         for name in TABLE_8_1:
             crossing, level = through_the_peak(name), below_the_peak(name, FALSE_ALARM_RATIO, _FALSE_ALARM_HOLD)
             found: dict[str, list[Detection]] = {method: [] for method in METHODS}
@@ -54,6 +62,9 @@ def run(options: argparse.Namespace) -> list[Row]:
             for method in METHODS:
                 noisy = row(name, method, crossing, found[method], false_alarms[method] / len(seeds))
                 rows.append(noisy | _noise_free(name, method, settings))
+        if settings.imu:
+            rows += driver_stops(of_stops, settings, lambda: progress.advance(task))
+            rows += ordinary_braking(of_brakings, settings, lambda: progress.advance(task))
     return rows
 
 
