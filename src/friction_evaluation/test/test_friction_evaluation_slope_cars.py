@@ -52,9 +52,7 @@ def test_missed_late_and_early_detections_of_a_stop_do_not_pass() -> None:
     good = Detection(truth.up + 0.1, 1.1 * truth.lambda_max, truth.down + 0.05, np.zeros(1), 0.0)
     assert False not in judged(truth, good, good).values()
     late = replace(good, lost=truth.up + 0.14)
-    assert [name for name, passed in judged(truth, good, late, late).items() if passed is False] == [
-        "delay, median [ms]"
-    ]
+    assert [name for name, passed in judged(truth, good, good, late).items() if passed is False] == ["delay, p95 [ms]"]
     early = judged(truth, good, replace(good, slip=0.8 * truth.lambda_max))
     assert [name for name, passed in early.items() if passed is False] == [
         "slip at detection over lambda_max, smallest"
