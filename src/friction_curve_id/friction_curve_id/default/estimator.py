@@ -4,7 +4,7 @@ Samples wait until the brake moves (`excitation`); then every sample updates the
 speeds and suspect torques are set aside (`torque_watch`), many surprises mean a new road (`surface_change`).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from friction_curve_id.default.braking_window import SET_ASIDE
 from friction_curve_id.default.curve_uncertainty import describe
 from friction_curve_id.default.excitation import is_driven, is_excited, is_released, wheel_trend
 from friction_curve_id.default.map_fit import FitParameters, MapFit
+from friction_curve_id.default.rolling_noise import RollingNoise
 from friction_curve_id.default.surface_change import LONGEST_OUTLIER, SurfaceChangeMonitor
 from friction_curve_id.default.torque_watch import TorqueWatch
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
@@ -51,6 +52,7 @@ class DefaultEstimator:
         self._p = parameters
         self._gate = SampleGate(wheel.radius, parameters.gate)
         self._fit = MapFit(wheel, parameters)
+        self._rolling = RollingNoise(parameters.noise.wheel_speed_variance)
         self._monitor = SurfaceChangeMonitor()
         self._torque_watch = TorqueWatch(parameters.noise.torque)
         self._cause = RestartCause.NONE
@@ -114,12 +116,14 @@ class DefaultEstimator:
 
     def _wait(self, sample: Sample, torque: float) -> CurveEstimate | Refusal:
         window = self._fit.window
+        self._rolling.update(sample.time, sample.wheel_speed)
         if sample.vehicle_speed is None and sample.wheel_speed * self._radius < self._p.gate.minimum_speed:
             return Refusal(Reason.LOW_SPEED, f"wheel speed {sample.wheel_speed:.3g} rad/s is low, no speed is measured")
         window.append(sample.time, sample.wheel_speed, sample.vehicle_speed, torque, sample.wheel_speed)
         if window.count > _LEAD_IN:
             window.drop_oldest(1)
-        n, noise = window.count, self._p.noise
+        n = window.count
+        self._fit.noise = noise = replace(self._p.noise, wheel_speed_variance=self._rolling.variance)
         trend = wheel_trend(window.time[:n], window.measured_wheel_speed[:n], noise.wheel_speed)
         if not is_excited(trend, window.torque[:n], noise.wheel_speed, noise.torque):
             if is_driven(trend, window.torque[:n], noise.torque):
@@ -130,6 +134,7 @@ class DefaultEstimator:
 
     def _start(self) -> None:
         """Begin to fit the waiting samples."""
+        self._rolling.forget_samples()
         if not self._fit.start():
             if self._samples:
                 self._cause = RestartCause.GAP
@@ -193,7 +198,7 @@ class DefaultEstimator:
 
     def _nothing_new(self) -> str:
         """Return why further samples would add no information on the curve, or ""."""
-        window, noise = self._fit.window, self._p.noise
+        window, noise = self._fit.window, self._fit.noise
         n = window.count
         torque = window.torque[:n]
         if n >= _RELEASED and float(torque[-1]) < 4.0 * noise.torque:

@@ -72,6 +72,8 @@ class MapFit:
         self._wheel = wheel
         self._p = parameters
         self.window = BrakingWindow(wheel, parameters.window)
+        self.noise = parameters.noise
+        """Noise of the samples to come."""
         self._prior_mean = parameters.prior.mean
         self._prior_information = parameters.prior.information
         self._prior_reach = _FARTHEST * np.sqrt(np.diag(np.linalg.inv(self._prior_information)))
@@ -93,14 +95,13 @@ class MapFit:
 
     def predict(self, time: float, torque: float, equation_trust: float) -> Prediction:
         """Predict the sample at `time` [s] under `torque` [N m]."""
-        p = self._p
         return predict(
             self.window,
             self.q,
             self.momentum_speed,
             self.covariance,
             self._wheel,
-            p.noise,
+            self.noise,
             time,
             torque,
             equation_trust,
@@ -191,9 +192,10 @@ class MapFit:
         self._past.reference[MOMENTUM] = guess
 
     def _equations(self, oldest: int | None = None) -> NormalEquations:
-        p = self._p
-        thresholds = p.thresholds if self.robust else _NO_OUTLIERS
-        return assemble(self.window, self.q, self.momentum_speed, self._wheel, p.noise, thresholds, self._past, oldest)
+        thresholds = self._p.thresholds if self.robust else _NO_OUTLIERS
+        return assemble(
+            self.window, self.q, self.momentum_speed, self._wheel, self.noise, thresholds, self._past, oldest
+        )
 
     def _posterior(self) -> tuple[NormalEquations, float]:
         """Normal equations with the prior, and the cost at the present unknowns."""
