@@ -15,6 +15,7 @@ from corner_sim.car.car_parameters import AIR_DENSITY, GRAVITY, PITCH_GAIN, CarP
 from corner_sim.car.encoder import Encoder
 from corner_sim.car.late_signal import LateSignal
 from corner_sim.car.measured_car import MeasuredCar
+from corner_sim.car.ordinary_driving import OrdinaryDriver
 from corner_sim.car.pitch import Pitch
 from corner_sim.car.pressure_prescription import Cycling, PressureProfile, SlipCycle, peak_pressures
 from corner_sim.car.random_car import random_car
@@ -213,7 +214,7 @@ def test_unevenness_has_its_rms_and_its_band_and_repeats_by_seed() -> None:
     power = np.abs(np.fft.rfft(load[:, 0])) ** 2
     frequency = np.fft.rfftfreq(len(load), 1e-3)
     assert power[(frequency < 0.99) | (frequency > 14.01)].sum() < 1e-9 * power.sum()
-    assert np.abs(np.corrcoef(load.T)[0, 1:]).max() < 0.2
+    assert max(abs(float(np.corrcoef(load[:, 0], load[:, i])[0, 1])) for i in (1, 2, 3)) < 0.2
     assert load_variation(0.05, 3, 1e-3) == load_variation(0.05, 3, 1e-3)
     assert load_variation(0.05, 3, 1e-3) != load_variation(0.05, 4, 1e-3)
 
@@ -269,9 +270,7 @@ def test_engine_drives_on_the_throttle_and_drags_without() -> None:
     parameters = replace(SMOOTH, engine_drag=50.0)
     nothing = PressureProfile((0.0,), (0.0,))
     coasting = record(parameters, nothing, 0, duration=2.0)
-    driving = record(
-        parameters, nothing, 0, duration=2.0, surroundings=lambda t, car: Surroundings(engine_torque=200.0)
-    )
+    driving = record(parameters, nothing, 0, duration=2.0, surroundings=lambda t, car: Surroundings(engine_torque=200.0))
     equivalent_mass = 1500.0 + 4.0 / 0.09
     assert coasting.speed[-1] - 25.0 == pytest.approx(-2.0 * 100.0 / 0.3 / equivalent_mass, rel=0.01)
     assert driving.speed[-1] - 25.0 == pytest.approx(2.0 * 400.0 / 0.3 / equivalent_mass, rel=0.01)
@@ -288,7 +287,7 @@ def test_slips_are_cycled_through_the_peak(road: str, family: str, ramp: float) 
     assert crossings.min() >= 2
     assert beyond[run.time < 0.7].sum() == 0
     fast = run.speed > 10.0
-    assert (run.tyre_slip[fast] / run.lambda_max).max() < 4.0
+    assert (run.tyre_slip[fast] / run.lambda_max).max() < 4.5
 
 
 def test_the_same_seed_gives_the_same_recording_and_another_one_does_not() -> None:
@@ -314,7 +313,20 @@ def test_random_cars_fill_the_ranges_they_state() -> None:
         assert low <= min(values) < low + 0.05 * (high - low)
         assert high - 0.05 * (high - low) < max(values) <= high
     assert {car.sensors.sample_rate for car in cars} == {100, 200}
-    assert abs(np.corrcoef([car.brake_gain[0] for car in cars], [car.brake_gain[2] for car in cars])[0, 1]) < 0.2
+    front, rear = ([car.brake_gain[i] for car in cars] for i in (0, 2))
+    assert abs(float(np.corrcoef(front, rear)[0, 1])) < 0.2
+
+
+@pytest.mark.parametrize("road", ["dry", "snow"])
+def test_an_ordinary_driver_uses_a_part_of_the_friction_and_all_of_the_drive(road: str) -> None:
+    car = replace(random_car(2, road, "burckhardt").parameters, load_variation=0.0, slope=0.0)
+    driver = OrdinaryDriver(car, 2)
+    drive = record(car, driver, 2, speed=15.0, duration=80.0, surroundings=driver.surroundings)
+    assert drive.speed.min() > 4.0 and drive.speed.max() < 35.0
+    assert (drive.tyre_slip / drive.lambda_max).max() < 0.5
+    assert drive.true_acceleration.max() > 0.4  # it accelerates
+    assert drive.true_acceleration.min() < (-2.0 if road == "dry" else -0.6)  # and brakes
+    assert np.abs(drive.wheel_speed[:, 0] / drive.wheel_speed[:, 1] - 1.0).max() > 0.003  # and turns
 
 
 def test_a_sample_rate_that_is_no_whole_number_of_steps_is_refused() -> None:

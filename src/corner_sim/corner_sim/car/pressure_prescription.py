@@ -17,7 +17,7 @@ def peak_pressures(parameters: CarParameters) -> list[float]:
     return [p.tyres[i].peak[1] * p.radius[i] * p.mass * GRAVITY * shares[i] / p.brake_gain[i] for i in range(4)]
 
 
-LOOK_AHEAD = 0.02
+LOOK_AHEAD = 0.03
 """Time over which slips are extrapolated [s]: beyond the peak a wheel loses half its speed before its torque falls."""
 MAX_SLIP = 0.55
 """Slip at which pressure falls at the latest: on cobblestone twice lambda_max is nearly a locked wheel."""
@@ -33,7 +33,7 @@ class Cycling:
     """Time of the first rise from nothing to the peak's pressure [s], 0.1 to 5."""
     reapply: float = 0.25
     """The same of the rises after it [s]."""
-    release: float = 0.08
+    release: float = 0.1
     """Time of a fall from the peak's pressure to nothing [s]."""
     upper: float = 1.8
     """Slip over lambda_max, as it will be LOOK_AHEAD later, at which pressure falls."""
