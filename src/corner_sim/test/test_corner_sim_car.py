@@ -24,7 +24,7 @@ from corner_sim.car.tyre import TYRES, Burckhardt, Pacejka
 from corner_sim.car.unevenness import load_variation
 
 SMOOTH = CarParameters(drag_area=0.0, rolling_resistance=0.0)
-QUIET = SensorParameters(wheel_speed_variance=0.0, pressure_stddev=0.0, acceleration_stddev=0.0)
+QUIET = SensorParameters(wheel_speed_variance=0.0, pressure_stddev=(0.0,) * 4, acceleration_stddev=0.0)
 ONLY_NUMPY = """
 import sys
 from importlib import import_module
@@ -82,7 +82,7 @@ def test_published_peaks() -> None:
 
 
 def test_momentum_changes_by_the_forces_and_nothing_else() -> None:
-    parameters = replace(CarParameters(), slope=0.03, load_variation=0.05, relaxation_length=0.2)
+    parameters = replace(CarParameters(), slope=0.03, load_variation=0.05, relaxation_length=(0.2,) * 4)
     p, measured = parameters, MeasuredCar(parameters, 25.0, 1)
     car, cycle = measured.car, SlipCycle(parameters, Cycling(start=0.0))
     impulse, spin, wheel_start = 0.0, 0.0, sum(car.wheel_speed)
@@ -152,7 +152,7 @@ def test_pitch_lags_without_the_dampers_and_leads_it_with_them() -> None:
 def test_slip_of_the_tyre_follows_over_the_relaxation_length() -> None:
     # so little friction that no speed changes, from a slip of 0.05
     tyres = (Burckhardt(1e-6, 24.0, 4e-7),) * 4
-    parameters = replace(SMOOTH, tyres=tyres, relaxation_length=0.3, carcass_damping=0.0)
+    parameters = replace(SMOOTH, tyres=tyres, relaxation_length=(0.3,) * 4, carcass_damping=0.0)
     car = Car(parameters, 20.0, 0)
     car.wheel_speed = [20.0 * 0.95 / 0.3] * 4
     for _ in range(15):
@@ -161,7 +161,7 @@ def test_slip_of_the_tyre_follows_over_the_relaxation_length() -> None:
 
 
 def test_steps_are_fine_enough(monkeypatch: pytest.MonkeyPatch) -> None:
-    parameters = replace(SMOOTH, relaxation_length=0.1)
+    parameters = replace(SMOOTH, relaxation_length=(0.1,) * 4)
     profile = PressureProfile((0.0, 0.3, 3.0), (0.0, 5e6, 5e6))
     speeds = []
     for step in (1e-3, 2.5e-4):
@@ -179,10 +179,18 @@ def test_steps_are_fine_enough(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("relaxation", [1e-3, 0.3])
 def test_a_stop_is_stable_down_to_its_end(road: str, relaxation: float) -> None:
     tyre = TYRES["burckhardt"][road]
-    parameters = replace(CarParameters(), tyres=(tyre,) * 4, relaxation_length=relaxation, sensors=QUIET)
+    parameters = replace(CarParameters(), tyres=(tyre,) * 4, relaxation_length=(relaxation,) * 4, sensors=QUIET)
     run = record(parameters, PressureProfile((0.0, 0.2), (0.0, 0.5 * min(peak_pressures(parameters)))), 0)
     assert run.speed[-1] < END_SPEED + 0.05
     assert np.abs(np.diff(run.mu[100:], axis=0)).max() < 0.01  # no ringing of the wheels at low speed
+
+
+def test_a_braked_car_comes_to_rest_and_stays_there() -> None:
+    car = Car(replace(SMOOTH, relaxation_length=(0.2,) * 4), 5.0, 0)
+    for _ in range(2000):
+        car.step([500.0] * 4)
+    assert car.speed == 0.0 and car.wheel_speed == [0.0] * 4
+    assert car.distance == pytest.approx(5.0**2 / (2.0 * 4.0 * 500.0 / 0.3 / 1500.0), rel=0.05)
 
 
 def test_pads_fade_with_the_work_they_do() -> None:
@@ -270,7 +278,8 @@ def test_engine_drives_on_the_throttle_and_drags_without() -> None:
     parameters = replace(SMOOTH, engine_drag=50.0)
     nothing = PressureProfile((0.0,), (0.0,))
     coasting = record(parameters, nothing, 0, duration=2.0)
-    driving = record(parameters, nothing, 0, duration=2.0, surroundings=lambda t, car: Surroundings(engine_torque=200.0))
+    throttle = Surroundings(engine_torque=200.0)
+    driving = record(parameters, nothing, 0, duration=2.0, surroundings=lambda time, car: throttle)
     equivalent_mass = 1500.0 + 4.0 / 0.09
     assert coasting.speed[-1] - 25.0 == pytest.approx(-2.0 * 100.0 / 0.3 / equivalent_mass, rel=0.01)
     assert driving.speed[-1] - 25.0 == pytest.approx(2.0 * 400.0 / 0.3 / equivalent_mass, rel=0.01)
@@ -280,7 +289,7 @@ def test_engine_drives_on_the_throttle_and_drags_without() -> None:
 @pytest.mark.parametrize("family", TYRES)
 @pytest.mark.parametrize("ramp", [0.1, 2.0])
 def test_slips_are_cycled_through_the_peak(road: str, family: str, ramp: float) -> None:
-    parameters = replace(CarParameters(), tyres=(TYRES[family][road],) * 4, relaxation_length=0.2)
+    parameters = replace(CarParameters(), tyres=(TYRES[family][road],) * 4, relaxation_length=(0.2,) * 4)
     run = cycled(parameters, ramp=ramp)
     beyond = run.tyre_slip > run.lambda_max
     crossings = (np.diff(beyond.astype(int), axis=0) == 1).sum(axis=0)
@@ -304,7 +313,7 @@ def test_random_cars_fill_the_ranges_they_state() -> None:
         ([car.mass for car in cars], 1275.0, 1725.0),
         ([car.brake_gain[0] for car in cars], 1.17e-4, 1.43e-4),
         ([car.brake_gain[2] for car in cars], 0.63e-4, 0.77e-4),
-        ([car.relaxation_length for car in cars], 0.05, 0.4),
+        ([car.relaxation_length[0] for car in cars], 0.05, 0.4),
         ([car.sensors.pressure_delay for car in cars], 0.0, 0.02),
         ([car.load_variation for car in cars], 0.0, 0.06),
         ([car.engine_drag for car in cars], 0.0, 80.0),

@@ -20,11 +20,15 @@ GAMMA = 1.0 - sqrt(0.5)
 """Of the method ROS2, which is L-stable with it and of second order with any Jacobian."""
 STEP = 1e-3
 """Time step [s]."""
+SLOWEST = 1.0
+"""Speed that divides the slips of a slower car [m/s]."""
+_REST = 0.02
+"""A braked car slower than this stands still [m/s]."""
 _SIDE = (1.0, -1.0, 1.0, -1.0)
 
 
 class Car:
-    """The car, from rolling freely in a straight line."""
+    """The car, from rolling freely in a straight line to standstill."""
 
     def __init__(self, parameters: CarParameters, speed: float, seed: int) -> None:
         """Begin at `speed` [m/s] > 0; `seed` is that of the road's unevenness."""
@@ -36,6 +40,12 @@ class Car:
         self.acceleration = 0.0
         """Mean acceleration of the body over the last step [m/s^2]."""
         self.pitch = Pitch(p.pitch_frequency, p.pitch_damping, p.damper_share)
+        self.wheel_acceleration = [0.0] * 4
+        """Mean accelerations of the wheels over the last step [rad/s^2]."""
+        self.distance = 0.0
+        """Distance covered [m]."""
+        self.tyres = list(p.tyres)
+        """Tyre of each wheel on the road it is on now."""
         self._relaxed_slip = [0.0] * 4
         self._steps = 0
         self._curvature = 0.0
@@ -59,20 +69,23 @@ class Car:
     @property
     def friction(self) -> list[float]:
         """Fx / Fz of each tyre, braking positive."""
-        return [tyre.friction(slip)[0] for tyre, slip in zip(self._p.tyres, self.tyre_slip, strict=True)]
+        return [tyre.friction(slip)[0] for tyre, slip in zip(self.tyres, self.tyre_slip, strict=True)]
 
     @property
     def tyre_slip(self) -> list[float]:
         """Slips of the tyres, s + tau_c s', of which friction is a function."""
-        damped = self._damped_share(self.speed)
-        return [s + damped * (slip - s) for s, slip in zip(self._relaxed_slip, self.slip, strict=True)]
+        speed = max(self.speed, SLOWEST)
+        return [
+            s + self._damped_share(speed, i) * (slip - s)
+            for i, (s, slip) in enumerate(zip(self._relaxed_slip, self.slip, strict=True))
+        ]
 
     @property
     def slip(self) -> list[float]:
         """Kinematic slips (u - r omega) / u of the wheels."""
         stub = self._stub_ratio(self._curvature)
         return [
-            1.0 - radius * omega / (self.speed * ratio)
+            (self.speed * ratio - radius * omega) / max(self.speed * ratio, SLOWEST)
             for radius, omega, ratio in zip(self._p.radius, self.wheel_speed, stub, strict=True)
         ]
 
@@ -100,19 +113,20 @@ class Car:
         force_1 = resistance + drag * v * v
         for i in range(4):
             radius, inertia, load = p.radius[i], p.inertia[i], loads[i]
-            u = v * stub[i]
-            rest = 1.0 - radius * self.wheel_speed[i] / u - self._relaxed_slip[i]
-            damped = self._damped_share(u)
-            mu, mu_slope = p.tyres[i].friction(self._relaxed_slip[i] + damped * rest)
+            slip_speed = max(v * stub[i], SLOWEST)
+            relaxation = p.relaxation_length[i]
+            rest = (v * stub[i] - radius * self.wheel_speed[i]) / slip_speed - self._relaxed_slip[i]
+            damped = self._damped_share(slip_speed, i)
+            mu, mu_slope = self.tyres[i].friction(self._relaxed_slip[i] + damped * rest)
             force_1 += load * mu
             torque = (rear if i > 1 else 0.0) - brake_torque[i]
             wheel = (radius * load * mu + torque) / inertia
-            relax = u * rest / p.relaxation_length
+            relax = slip_speed * rest / relaxation
             stiffness = gh * radius * load * mu_slope / inertia
-            b11 = 1.0 + stiffness * damped * radius / u  # b: of the inverse of 1 - gh Jacobian
+            b11 = 1.0 + stiffness * damped * radius / slip_speed  # b: of the inverse of 1 - gh Jacobian
             b12 = stiffness * (1.0 - damped)
-            b21 = -gh * radius / p.relaxation_length
-            b22 = 1.0 + gh * u / p.relaxation_length
+            b21 = -gh * radius / relaxation
+            b22 = 1.0 + gh * slip_speed / relaxation
             det = b11 * b22 - b12 * b21
             k_wheel = (b22 * wheel + b12 * relax) / det
             k_relax = (b11 * relax + b21 * wheel) / det
@@ -123,25 +137,30 @@ class Car:
             radius, inertia, load = p.radius[i], p.inertia[i], loads[i]
             omega_2 = self.wheel_speed[i] + h * k_wheel
             slip_2 = self._relaxed_slip[i] + h * k_relax
-            u = v_2 * stub[i]
-            rest = 1.0 - radius * omega_2 / u - slip_2
-            damped = self._damped_share(u)
-            mu = p.tyres[i].friction(slip_2 + damped * rest)[0]
+            slip_speed = max(v_2 * stub[i], SLOWEST)
+            rest = (v_2 * stub[i] - radius * omega_2) / slip_speed - slip_2
+            damped = self._damped_share(slip_speed, i)
+            mu = self.tyres[i].friction(slip_2 + damped * rest)[0]
             force_2 += load * mu
             wheel = (radius * load * mu + torque) / inertia - 2.0 * k_wheel
-            relax = u * rest / p.relaxation_length - 2.0 * k_relax
+            relax = slip_speed * rest / p.relaxation_length[i] - 2.0 * k_relax
             omega = self.wheel_speed[i] + h * (1.5 * k_wheel + 0.5 * (b22 * wheel + b12 * relax) / det)
-            self.wheel_speed[i] = max(omega, 0.0)  # a brake does not turn a wheel backwards
+            omega = max(omega, 0.0)  # a brake does not turn a wheel backwards
+            self.wheel_acceleration[i] = (omega - self.wheel_speed[i]) / h
+            self.wheel_speed[i] = omega
             self._relaxed_slip[i] += h * (1.5 * k_relax + 0.5 * (b11 * relax + b21 * wheel) / det)
         self.acceleration = -0.5 * (force_1 + force_2) / p.mass
         self.speed = v + h * self.acceleration
+        self.distance += h * 0.5 * (v + self.speed)
+        if self.speed < _REST and self.acceleration < 0.0:
+            self.speed, self.acceleration, self.wheel_speed = 0.0, 0.0, [0.0] * 4
         self.pitch.step(self.acceleration, h)
         self._steps += 1
 
-    def _damped_share(self, stub_speed: float) -> float:
+    def _damped_share(self, slip_speed: float, wheel: int) -> float:
         """tau_c s' over the slip left to go: tau_c u / sigma, limited to 1."""
-        way = self._p.carcass_damping * stub_speed
-        return way / (self._p.relaxation_length + way)
+        way = self._p.carcass_damping * slip_speed
+        return way / (self._p.relaxation_length[wheel] + way)
 
     def _stub_ratio(self, curvature: float) -> Four:
         """Speeds at the wheels over that of the body, which is taken at the middle of the rear axle."""

@@ -30,8 +30,8 @@ class SensorParameters:
     """Time by which a pressure is older than its stamp, or the torque ahead of it [s]."""
     pressure_lag: float = 0.0
     """Time constant of the pressure sensor [s]."""
-    pressure_stddev: float = 2.5e4
-    """White noise of a pressure [Pa]."""
+    pressure_stddev: Four = (2.5e4,) * 4
+    """White noise of the pressures [Pa]."""
     acceleration_delay: float = 0.0
     """Time by which an acceleration is older than its stamp [s]."""
     acceleration_offset: float = 0.0
@@ -76,8 +76,8 @@ class CarParameters:
     """Time constant of torque behind pressure [s]."""
     engine_drag: float = 0.0
     """Torque of the closed throttle at each rear wheel [N m], braking positive."""
-    relaxation_length: float = 1e-3
-    """Length sigma over which the slip of a tyre follows the kinematic slip [m], > 0."""
+    relaxation_length: Four = (1e-3,) * 4
+    """Lengths sigma over which the slips of the tyres follow the kinematic slips [m], > 0."""
     carcass_damping: float = 1e-3
     """Time constant of the tyre's own damping [s]: the longitudinal mode near 40 Hz has 10 % of damping by it."""
     pitch_frequency: float = 1.6

@@ -66,7 +66,7 @@ def random_car(seed: int, road: str, family: str) -> RandomCar:
         inertia=(nominal.inertia[0] * within(0.15),) * 4,
         brake_gain=(1.3e-4 * gain[0], 1.3e-4 * gain[0], 0.7e-4 * gain[1], 0.7e-4 * gain[1]),
         engine_drag=between(0.0, 80.0),
-        relaxation_length=between(0.05, 0.4),
+        relaxation_length=(between(0.05, 0.4),) * 4,
         pitch_frequency=between(1.3, 1.9),
         pitch_damping=between(0.35, 0.65),
         damper_share=between(0.0, 1.0),

@@ -20,7 +20,7 @@ TROUBLES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "none": {},
         "load transfer": {"height": CarParameters().height},
-        "relaxation 0.3 m": {"relaxation_length": 0.3},
+        "relaxation 0.3 m": {"relaxation_length": (0.3,) * 4},
         "pressure 10 ms late": {"pressure_delay": 0.01},
         "pressure 20 ms late": {"pressure_delay": 0.02},
         "brake gain -10 %": _gains(0.9),
