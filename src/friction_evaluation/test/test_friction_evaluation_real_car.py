@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from corner_sim.car.car_parameters import CarParameters
 from corner_sim.car.pressure_prescription import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
-from corner_sim.car.tyre import TYRES
+from corner_sim.car.tyre import TYRES, Burckhardt, Pacejka
+from corner_sim.car.unevenness import load_variation
 from friction_evaluation.real_car import part
 from friction_evaluation.real_car.answers import Answers
 from friction_evaluation.real_car.before_peak import rise_rows
+from friction_evaluation.real_car.bound import Bound, _burckhardt, _correlation, _pacejka, _sensitivities, bound
 from friction_evaluation.real_car.driving import DriveResult, drive_rows, runs_of
 from friction_evaluation.real_car.stop_rows import stop_rows
 from friction_evaluation.real_car.stops import judge
@@ -115,6 +117,46 @@ def test_mu_max_that_is_not_given_before_the_peak_is_not_covered() -> None:
     rows = quantities(rise_rows("pacejka", [(0.5, 0.1, True), (0.5, float("nan"), False)]))
     assert rows["coverage of mu_max at 50 % of it [%]"]["value"] == 50.0
     assert rows["median |error| of mu_max at 50 % of it [%]"]["value"] == pytest.approx(10.0)
+
+
+def test_shapes_of_the_bound_are_those_of_the_tyres() -> None:
+    x = np.linspace(0.0, 3.0, 50)
+    dry, snow = TYRES["burckhardt"]["dry"], TYRES["pacejka"]["snow"]
+    assert isinstance(dry, Burckhardt) and isinstance(snow, Pacejka)
+    for tyre, shape in (
+        (dry, _burckhardt(x, dry.th2 * dry.peak[0])),
+        (snow, _pacejka(x, snow.C, snow.E)),
+    ):
+        friction = np.array([tyre.friction(tyre.peak[0] * each)[0] for each in x])
+        np.testing.assert_allclose(tyre.peak[1] * shape, friction, atol=1e-9)
+
+
+def test_the_load_of_the_bound_has_the_correlation_of_the_road() -> None:
+    load = np.array(load_variation(0.05, 1, 1e-3))[:, 0] - 1.0
+    time = np.array([0.0, 0.01, 0.03, 0.1])
+    measured = [np.mean(load * np.roll(load, round(1e3 * lag))) / np.mean(load**2) for lag in time]
+    np.testing.assert_allclose(_correlation(time)[0], measured, atol=0.02)
+
+
+def test_torques_and_forces_of_the_bound_are_those_of_the_plant() -> None:
+    car = replace(troubled_car("relaxation 0.3 m", "dry"), load_variation=0.0)
+    run = record(car, SlipCycle(car, Cycling()), 1)
+    n = int(np.searchsorted(run.time, first_passing(run) + 0.4))
+    wheels, balance = _sensitivities(run, n)
+    braked = slice(int(np.searchsorted(run.time, 0.75)), n)
+    torque = wheels["ln gain front"][braked, 0]
+    pressure = run.brake_pressure[braked, 0] * car.brake_gain[0]
+    assert np.corrcoef(torque, pressure)[0, 1] > 0.995
+    # forces over the mass are what slows the car, but for rolling and air
+    slowed = -balance["ln mass"][braked] + 0.012 * 9.81 + 0.5 * 1.2 * 0.65 * run.speed[braked] ** 2 / 1500.0
+    apart = slowed + run.true_acceleration[braked]  # which is a mean over the last millisecond
+    assert np.abs(apart).mean() < 0.05 and abs(apart.mean()) < 0.01
+
+
+def test_a_bound_is_a_few_percent_and_snow_leaves_most() -> None:
+    dry, snow = (bound(Bound(7, road, "burckhardt")) for road in ("dry", "snow"))
+    assert 0.003 < dry[0] < 0.05 and 0.001 < dry[1] < 0.02
+    assert snow[0] > dry[0] and snow[1] > dry[1]
 
 
 def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None:
