@@ -75,6 +75,18 @@ def test_the_true_curve_is_that_of_the_tyre_of_the_family_on_the_road(family: st
     assert curve.probability_beyond_peak == 1.0
 
 
+def test_without_its_troubles_it_moves_as_the_two_axle_car_does() -> None:
+    wheels = tuple(replace(wheel, relaxation_length=1e-3) for wheel in COMPACT.wheels)
+    plain = replace(COMPACT, wheels=wheels, centre_of_gravity_height=0.0, rolling_resistance=0.0)
+    parameters = replace(QUIET, demand_rise=0.3, demand_level=0.9)
+    ours, theirs = (run(replace(parameters, model=model), 300, plain) for model in ("car", "two_axle"))
+    for wheel in COMPACT.wheel_names:
+        slips = [np.array([message.slip for message in found[f"truth/{wheel}/slip"]]) for found in (ours, theirs)]
+        np.testing.assert_allclose(slips[0], slips[1], atol=2e-3)
+    speeds = [found["truth/vehicle_velocity"][-1].twist.twist.linear.x for found in (ours, theirs)]
+    assert speeds[0] == pytest.approx(speeds[1], abs=0.02)
+
+
 def test_the_rear_axle_meets_a_new_road_one_wheelbase_later() -> None:
     rolling = replace(QUIET, demand_level=0.0, surfaces=("dry", "snow"), surface_distances=(0.0, 5.0))
     found = run(rolling, 80)

@@ -11,10 +11,16 @@ from corner_sim.car.car_parameters import GRAVITY, CarParameters
 def peak_pressures(parameters: CarParameters) -> list[float]:
     """Pressures [Pa] that hold the wheels at the peak in a steady stop, all wheels at theirs."""
     p = parameters
-    mean = (p.tyres[0].peak[1] + p.tyres[1].peak[1] + p.tyres[2].peak[1] + p.tyres[3].peak[1]) / 4.0
+    peaks = [tyre.peak for tyre in p.tyres]
+    mean = sum(mu_max for _, mu_max in peaks) / 4.0
     moved = mean * p.height / p.wheelbase
     shares = [0.5 * (p.front_load_share + moved)] * 2 + [0.5 * (1.0 - p.front_load_share - moved)] * 2
-    return [p.tyres[i].peak[1] * p.radius[i] * p.mass * GRAVITY * shares[i] / p.brake_gain[i] for i in range(4)]
+    pressures = []
+    for i, (lambda_max, mu_max) in enumerate(peaks):
+        tyre = p.radius[i] * mu_max * p.mass * GRAVITY * shares[i]
+        spin = p.inertia[i] * (1.0 - lambda_max) * mean * GRAVITY / p.radius[i]  # the brake slows the wheel, too
+        pressures.append((tyre + spin) / p.brake_gain[i])
+    return pressures
 
 
 LOOK_AHEAD = 0.03

@@ -142,10 +142,9 @@ def _sensitivities(run: Recording, n: int) -> tuple[dict[str, Array], dict[str, 
     nothing, none = np.zeros((n, 4)), np.zeros(n)
     front, rear = np.array([1.0, 1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0, 1.0])
     gained = np.cumsum(a) * dt
-    a_load = -(load[:, 0] + load[:, 1] - load[0, 0] - load[0, 1]) / (p.mass * p.height / p.wheelbase)
-    moved = -0.5 * p.mass * p.height / p.wheelbase * a_load[:, np.newaxis] * (front - rear)
+    moved = load - load[0]  # the road is smooth here
     lag = 2.0 * p.pitch_damping / (2.0 * np.pi * p.pitch_frequency)
-    lagging = 0.5 * p.mass * p.height / p.wheelbase * lag * np.gradient(a_load, dt)[:, np.newaxis] * (front - rear)
+    lagging = -lag * np.gradient(moved, dt, axis=0)
     shared = 0.5 * p.mass * GRAVITY * (front - rear)
 
     def force(torque: Array) -> Array:

@@ -41,7 +41,7 @@ class DriveResult:
     lasting_alarms: int
     """Runs of P > 0.9 that last, of all wheels."""
     largest_slip: float
-    """Largest slip of a tyre over its lambda_max."""
+    """Largest slip of a tyre over its lambda_max, braking or driving."""
 
 
 def make_drive(drive: Drive) -> DriveResult:
@@ -56,7 +56,7 @@ def make_drive(drive: Drive) -> DriveResult:
         hours=float(run.time[-1]) / 3600.0,
         valid_peaks=len(runs_of(found.valid == 1.0)),
         lasting_alarms=int(np.sum(runs_of(found.probability_beyond_peak > ALARM) > lasting)),
-        largest_slip=float((run.tyre_slip / run.lambda_max).max()),
+        largest_slip=float(np.abs(run.tyre_slip / run.lambda_max).max()),
     )
 
 
