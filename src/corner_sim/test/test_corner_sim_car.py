@@ -290,7 +290,7 @@ def test_engine_drives_on_the_throttle_and_drags_without() -> None:
 @pytest.mark.parametrize("ramp", [0.1, 2.0])
 def test_slips_are_cycled_through_the_peak(road: str, family: str, ramp: float) -> None:
     parameters = replace(CarParameters(), tyres=(TYRES[family][road],) * 4, relaxation_length=(0.2,) * 4)
-    run = cycled(parameters, ramp=ramp)
+    run = record(parameters, SlipCycle(parameters, Cycling(ramp=ramp)), 0, duration=4.5)
     beyond = run.tyre_slip > run.lambda_max
     crossings = (np.diff(beyond.astype(int), axis=0) == 1).sum(axis=0)
     assert crossings.min() >= 2

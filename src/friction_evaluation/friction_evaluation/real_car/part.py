@@ -7,13 +7,12 @@ interval is the estimate +- 1.96 of its stated deviations. An alarm is P(beyond 
 than 25 ms before the wheel passes, lasting in ordinary driving from 50 ms on. A share of the peak, before it, is one of
 mu_max. Beside the random cars stands a Cramer-Rao bound with all troubles as nuisances.
 
-A stop takes about 1.5 s of one process with the default estimator, 50 seeds are 2800 stops and 400 rises: 40 minutes
+A stop takes about 1.5 s of one process with the default estimator, 50 seeds are 3400 stops and 400 rises: an hour
 with two processes. An hour of driving takes half an hour.
 """
 
 import argparse
 
-from corner_sim.car.pressure_prescription import Cycling
 from corner_sim.car.random_car import random_car
 from corner_sim.car.tyre import TYRES
 from friction_curve_id.methods import DEFAULT
@@ -51,7 +50,7 @@ def run(options: argparse.Namespace) -> list[Row]:
 def _troubles(options: argparse.Namespace) -> list[Row]:
     cases = [(trouble, road) for trouble in options.troubles for road in ROADS]
     jobs = [
-        Stop(troubled_car(trouble, road), Cycling(), _FIRST_SEED + seed, options.method)
+        Stop(*troubled_car(trouble, road), _FIRST_SEED + seed, options.method)
         for trouble, road in cases
         for seed in range(options.seeds)
     ]

@@ -6,6 +6,7 @@ from types import MappingProxyType
 from typing import Any
 
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
+from corner_sim.car.pressure_prescription import Cycling
 from corner_sim.car.tyre import TYRES
 
 ROADS = tuple(TYRES["burckhardt"])
@@ -31,15 +32,20 @@ TROUBLES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "48 teeth at 100 Hz": {"encoder_teeth": 48, "sample_rate": 100},
         "Pacejka": {"family": "pacejka"},
         "load varying 5 % RMS": {"load_variation": 0.05},
+        "first rise of 3 s": {"ramp": 3.0},
+        "50 Hz": {"sample_rate": 50},
+        "1000 Hz": {"sample_rate": 1000},
     }
 )
 """Changes to a car without load transfer, relaxation and errors of its sensors, by the name of the trouble."""
 
 
-def troubled_car(trouble: str, road: str) -> CarParameters:
-    """Make the car of a trouble on a road."""
+def troubled_car(trouble: str, road: str) -> tuple[CarParameters, Cycling]:
+    """Make the car of a trouble on a road, and the way it is braked."""
     changes = dict(TROUBLES[trouble])
+    cycling = Cycling(ramp=changes.pop("ramp", Cycling.ramp))
     tyre = TYRES[changes.pop("family", "burckhardt")][road]
     of_sensors = {name: changes.pop(name) for name in list(changes) if hasattr(SensorParameters, name)}
     changes.setdefault("height", 0.0)
-    return replace(CarParameters(), tyres=(tyre,) * 4, sensors=SensorParameters(**of_sensors), **changes)
+    car = replace(CarParameters(), tyres=(tyre,) * 4, sensors=SensorParameters(**of_sensors), **changes)
+    return car, cycling
