@@ -194,7 +194,7 @@ def test_a_braked_car_comes_to_rest_and_stays_there() -> None:
 
 
 def test_pads_fade_with_the_work_they_do() -> None:
-    brake = Brake(1e-4, 0.0, 0.2, 1000.0, 0.01)
+    brake = Brake(1e-4, 0.2, 1000.0, 0.01)
     assert brake.torque(1e6, 10.0) == pytest.approx(100.0)
     assert brake.gain == pytest.approx(1e-4 * (1.0 - 0.2 * 10.0 / 1000.0))
     for _ in range(200):
@@ -202,10 +202,10 @@ def test_pads_fade_with_the_work_they_do() -> None:
     assert brake.torque(1e6, 10.0) == pytest.approx(80.0)
 
 
-def test_torque_follows_pressure_by_its_lag() -> None:
-    brake = Brake(1e-4, 0.02, 0.0, 1.0, 1e-3)
-    torques = [brake.torque(1e6, 10.0) for _ in range(20)]
-    assert torques[-1] == pytest.approx(100.0 * (1.0 - np.exp(-1.0)))
+def test_the_pressure_sensor_lags_by_its_time_constant() -> None:
+    sensors = replace(QUIET, pressure_lag=0.02, sample_rate=1000)
+    run = record(replace(SMOOTH, sensors=sensors), PressureProfile((0.0,), (1e6,)), 0, duration=0.1)
+    assert_allclose(run.brake_pressure[:, 0], 1e6 * (1.0 - np.exp(-run.time / 0.02)), atol=1.0)
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.0005, 0.01, 0.0123])

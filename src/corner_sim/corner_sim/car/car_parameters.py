@@ -29,7 +29,7 @@ class SensorParameters:
     pressure_delay: float = 0.0
     """Time by which a pressure is older than its stamp, or the torque ahead of it [s]."""
     pressure_lag: float = 0.0
-    """Time constant of the pressure sensor [s]."""
+    """Time constant of the pressure sensor behind the torque [s]."""
     pressure_stddev: Four = (2.5e4,) * 4
     """White noise of the pressures [Pa]."""
     acceleration_delay: float = 0.0
@@ -72,8 +72,6 @@ class CarParameters:
     """Share of the gain lost when pads have taken `fading_energy`, in [0, 1)."""
     fading_energy: float = 1.0e5
     """Work of one brake over which the gain falls linearly to 1 - fading [J]."""
-    brake_lag: float = 0.0
-    """Time constant of torque behind pressure [s]."""
     engine_drag: float = 0.0
     """Torque of the closed throttle at each rear wheel [N m], braking positive."""
     relaxation_length: Four = (1e-3,) * 4

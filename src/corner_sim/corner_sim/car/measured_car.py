@@ -43,7 +43,7 @@ class MeasuredCar:
         self._p, self._s = p, s
         self._rng = np.random.default_rng([seed, 0])
         self._steps = 0
-        self._brakes = [Brake(gain, p.brake_lag, p.fading, p.fading_energy, STEP) for gain in p.brake_gain]
+        self._brakes = [Brake(gain, p.fading, p.fading_energy, STEP) for gain in p.brake_gain]
         self._pressures = [LateSignal(s.pressure_delay, STEP) for _ in range(4)]
         self._follow = 1.0 - exp(-STEP / s.pressure_lag) if s.pressure_lag > 0.0 else 1.0
         self._sensed_pressure = [0.0] * 4

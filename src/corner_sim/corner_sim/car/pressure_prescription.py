@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf
 
 from corner_sim.car.car import Car
 from corner_sim.car.car_parameters import GRAVITY, CarParameters
@@ -23,9 +22,9 @@ def peak_pressures(parameters: CarParameters) -> list[float]:
     return pressures
 
 
-LOOK_AHEAD = 0.03
+LOOK_AHEAD = 0.02
 """Time over which slips are extrapolated [s]: beyond the peak a wheel loses half its speed before its torque falls."""
-MAX_SLIP = 0.55
+MAX_SLIP = 0.7
 """Slip at which pressure falls at the latest: on cobblestone twice lambda_max is nearly a locked wheel."""
 
 
@@ -45,8 +44,6 @@ class Cycling:
     """Slip over lambda_max, as it will be LOOK_AHEAD later, at which pressure falls."""
     lower: float = 0.6
     """Slip over lambda_max at which it rises again."""
-    passes: float = inf
-    """Number of falls after which the pressure stays at half the peak's; infinite: never."""
 
 
 class SlipCycle:
@@ -59,7 +56,7 @@ class SlipCycle:
         self._lambda_max = [tyre.peak[0] for tyre in parameters.tyres]
         self._pressure = [0.0] * 4
         self._last_slip = [0.0] * 4
-        self._falls = [0] * 4
+        self._fell = [False] * 4
         self._falling = [False] * 4
 
     def pressure(self, time: float, dt: float, car: Car) -> list[float]:
@@ -73,13 +70,12 @@ class SlipCycle:
             self._last_slip[i] = slip
             if not self._falling[i] and slip + growth > min(c.upper * self._lambda_max[i], MAX_SLIP):
                 self._falling[i] = True
-                self._falls[i] += 1
+                self._fell[i] = True
             elif ratio < c.lower:
                 self._falling[i] = False
             peak = self._peak_pressure[i]
-            top = 0.5 * peak if self._falls[i] >= c.passes else inf
-            time_scale = -c.release if self._falling[i] else (c.reapply if self._falls[i] else c.ramp)
-            self._pressure[i] = min(max(self._pressure[i] + dt * peak / time_scale, 0.0), top)
+            time_scale = -c.release if self._falling[i] else (c.reapply if self._fell[i] else c.ramp)
+            self._pressure[i] = max(self._pressure[i] + dt * peak / time_scale, 0.0)
         return self._pressure
 
 
