@@ -18,7 +18,6 @@ from corner_sim.slope_truth import SlopeCrossings
 from friction_runtime.processor import Output
 from friction_runtime.reason_text import set_reason
 from friction_runtime.stamps import from_nanoseconds
-from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import SensorNoise
 from vehicle_models.vehicle import Vehicle
 
@@ -178,8 +177,8 @@ def _slope(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCros
 
 def _curve(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCrossings, i: int) -> FrictionCurve:
     theta = sample.theta[i]
-    lambda_max, mu_max = (float(value) for value in burckhardt.peak(theta))
-    slip = float(sample.slip[i])
+    lambda_max, mu_max = (float(value) for value in sample.peak[i])
+    slip = float(sample.tyre_slip[i])
     return FrictionCurve(
         header=header,
         wheel=wheel,

@@ -11,6 +11,7 @@ from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
+CAR = "car"
 _TWO_AXLE = "two_axle"
 
 
@@ -20,7 +21,7 @@ def in_order(model: str, vehicle: Vehicle) -> Vehicle:
     Raises:
         ValueError: the vehicle does not have the wheels that the model needs.
     """
-    if model != _TWO_AXLE:
+    if model not in (_TWO_AXLE, CAR):
         return vehicle
     try:
         return replace(vehicle, wheels=four_wheels(vehicle))

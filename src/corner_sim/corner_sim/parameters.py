@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+from corner_sim.car_model import CarModelParameters
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import group, parameter
 from vehicle_models.brake_actuator import ActuatorParameters
@@ -18,8 +19,9 @@ class SimParameters:
     vehicle_file: str = vehicle_file_parameter("chapter_corner")
     model: str = parameter(
         "single_corner",
-        "vehicle model: corners that share one body, or a car whose load moves between its axles",
-        choices=("single_corner", "two_axle"),
+        "vehicle model: corners that share one body, a car whose load moves between its axles, or one with the "
+        "troubles of a real car",
+        choices=("single_corner", "two_axle", "car"),
         read_only=True,
     )
     initial_speed: float = parameter(30.0, "speed at the start, rolling freely", unit="m/s", minimum=0.0, maximum=150.0)
@@ -46,6 +48,7 @@ class SimParameters:
     demand_hold: float = parameter(1000.0, "time at the full demand", unit="s", minimum=0.0, maximum=1e5)
     demand_release: float = parameter(0.0, "time back to none, 0: a step", unit="s", minimum=0.0, maximum=1e5)
 
+    car: CarModelParameters = group(CarModelParameters())
     actuator: ActuatorParameters = group(ActuatorParameters())
 
     noise: str = parameter("chapter", "sensor noise: of section 8.3.2, or none", choices=("chapter", "none"))

@@ -43,10 +43,14 @@ class PlantSample:
     """Brake torque as the pressure signals show it: delayed by their age [N m]."""
     slip: Array
     """[-], braking positive."""
+    tyre_slip: Array
+    """Slip of the tyre, of which friction is a function; the same unless it has a relaxation length [-]."""
     slip_rate: Array
     """[1/s]; NaN below SLIP_MIN_SPEED."""
     theta: Array
-    """Burckhardt parameters under each wheel [-], shape (n, 3)."""
+    """Burckhardt parameters under each wheel [-], shape (n, 3); NaN of a tyre of another family."""
+    peak: Array
+    """Slip lambda_max and friction mu_max of the peak under each wheel [-], shape (n, 2)."""
     surface: NDArray[np.int64]
     """Index of the surface under each wheel in the road's list."""
     vertical_load: Array
@@ -108,8 +112,10 @@ class Plant:
             brake_torque=self._actuator.torque.copy(),
             pressure_torque=self._pressure_torque(),
             slip=slip,
+            tyre_slip=slip,
             slip_rate=slip_rate,
             theta=theta,
+            peak=np.stack(burckhardt.peak(theta), axis=-1),
             surface=surface,
             vertical_load=vertical_load,
             friction=burckhardt.friction(theta, slip),

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 from friction_msgs.msg import BrakeCommand, BrakeDemand
 
 from corner_sim import messages
+from corner_sim.car_model import CarPlant, SensorErrors
 from corner_sim.commands import CommandInbox, DemandInbox
 from corner_sim.driver import DriverProfile
-from corner_sim.models import build_model, in_order
+from corner_sim.models import CAR, build_model, in_order
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant
 from corner_sim.road import Road
@@ -31,7 +32,7 @@ class Simulation:
 
         Args:
             parameters: parameters of the run.
-            vehicle: the car; the model two_axle takes its wheels front left, front right, rear left, rear right.
+            vehicle: the car; two_axle and car take its wheels front left, front right, rear left, rear right.
             start_stamp: stamp of the first sample [ns], > 0.
 
         Raises:
@@ -41,22 +42,29 @@ class Simulation:
         self._start_stamp = start_stamp
         self._vehicle = vehicle = in_order(parameters.model, vehicle)
         wheels = vehicle.wheel_names
-        model = build_model(parameters.model, vehicle, parameters.initial_speed)
+        self._noise = CHAPTER_NOISE if parameters.noise == "chapter" else NO_NOISE
+        self._plant: Plant | CarPlant
+        self._sensors: Sensors | CarPlant
         road = Road(parameters.surfaces, parameters.surface_distances)
-        self._plant = Plant(model, road, parameters.actuator, vehicle)
+        p, speed = parameters, parameters.initial_speed
+        if p.model == CAR:
+            errors = SensorErrors(self._noise, p.acceleration_variance, p.acceleration_offset, p.seed)
+            self._plant = self._sensors = car = CarPlant(vehicle, road, p.car, p.actuator, errors, speed)
+            peak_torque = car.peak_torque
+        else:
+            model = build_model(p.model, vehicle, speed)
+            self._plant = Plant(model, road, p.actuator, vehicle)
+            self._sensors = Sensors(self._noise, p.acceleration_variance, p.acceleration_offset, vehicle, p.seed)
+            peak_torque = model.peak_torque(road.theta(0.0))
         level = parameters.demand_level
         if parameters.demand_unit == "peak_ratio":
-            level *= model.peak_torque(road.theta(0.0))
+            level *= peak_torque
         self._driver = DriverProfile(
             level / vehicle.wheels[0].brake_gain,
             parameters.demand_start,
             parameters.demand_rise,
             parameters.demand_hold,
             parameters.demand_release,
-        )
-        self._noise = CHAPTER_NOISE if parameters.noise == "chapter" else NO_NOISE
-        self._sensors = Sensors(
-            self._noise, parameters.acceleration_variance, parameters.acceleration_offset, vehicle, parameters.seed
         )
         self._demand = DemandInbox(wheels)
         self._commands = CommandInbox(wheels)

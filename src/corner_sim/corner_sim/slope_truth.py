@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from corner_sim.plant import SAMPLE_TIME_NS, PlantSample
-from vehicle_models import burckhardt
 
 
 class SlopeCrossings:
@@ -39,10 +38,10 @@ class SlopeCrossings:
             self.surface_changes = self.surface_changes + self.surface_changed
             for i in np.flatnonzero(sign != self.sign):
                 self.count[i] += 1
-                self.slip[i], self.stamp[i] = sample.slip[i], stamp_ns
+                self.slip[i], self.stamp[i] = sample.tyre_slip[i], stamp_ns
                 if not self.surface_changed[i]:
-                    peak = float(burckhardt.peak(sample.theta[i])[0])
-                    remaining = (sample.slip[i] - peak) / (sample.slip[i] - before.slip[i])
+                    peak = float(sample.peak[i, 0])
+                    remaining = (sample.tyre_slip[i] - peak) / (sample.tyre_slip[i] - before.tyre_slip[i])
                     self.slip[i] = peak
                     self.stamp[i] = stamp_ns - round(remaining * SAMPLE_TIME_NS)
         self.sign = sign
