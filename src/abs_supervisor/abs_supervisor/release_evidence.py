@@ -27,10 +27,10 @@ class EvidenceParameters:
 
     least_slip: float = parameter(0.03, "no release below this slip", minimum=0.01, maximum=0.5)
     lambda_max_share: float = parameter(
-        0.6, "a release needs a slip above this share of the curve's lambda_max", minimum=0.1, maximum=1.0
+        0.5, "a release needs a slip above this share of the curve's lambda_max", minimum=0.1, maximum=1.0
     )
     slip_without_curve: float = parameter(
-        0.25, "a release needs this slip where no curve is known", minimum=0.05, maximum=0.9
+        0.2, "a release needs this slip where no curve is known", minimum=0.05, maximum=0.9
     )
     deceleration: float = parameter(
         1.3, "or a deceleration of the wheel above this", unit="g", minimum=1.0, maximum=20.0
@@ -90,6 +90,12 @@ _PEAK_PER_SLIP = 60.0
 """Error of lambda_max over an error of slip that the curve does not know of: a peak is flat."""
 _DEEP = 2.0
 """A slip above its threshold by this factor is deep."""
+_STEADY = 2.0
+"""[m/s^2] A wheel that decelerates like the car, but for less, keeps its slip."""
+_STEADY_TIME = round(0.1 * NANOSECONDS)
+"""[ns] for which it has to: a dive begins like that too."""
+_STEADY_FACTOR = 1.25
+"""A slip that stays is that of a wheel before the peak: it must be larger by this factor."""
 _SUSPICIOUS = 0.5
 """Share of the slip that a release needs."""
 _RECOVERING = 2.0
@@ -115,6 +121,7 @@ class ReleaseEvidence:
         self._slowest.reset()
         self._slip = nan
         self._slip_since: int | None = None
+        self._steady_since: int | None = None
         self._dive_since: int | None = None
         self._dived = False
         self.dives = False
@@ -154,6 +161,10 @@ class ReleaseEvidence:
         own = min(wheel.car_deceleration, HARDEST_BRAKING) if isfinite(wheel.car_deceleration) else 0.0
         self.release_deceleration = max(p.deceleration * GRAVITY, own + p.deceleration_margin * GRAVITY) + error
         base, doubt = self._slip_threshold(wheel)
+        follows = isfinite(wheel.car_deceleration) and abs(self.deceleration - own) < _STEADY + error
+        self._steady_since = _since(self._steady_since, stamp, follows)
+        if self._steady_since is not None and stamp - self._steady_since >= _STEADY_TIME:
+            base *= _STEADY_FACTOR
         self.release_slip = base + p.sigmas * doubt
         self._slip = wheel.slip
         slip_shows = wheel.slip > self.release_slip
