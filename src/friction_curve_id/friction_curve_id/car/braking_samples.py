@@ -1,4 +1,4 @@
-"""Samples of a braking, oldest first, in arrays of fixed capacity."""
+"""Samples of a braking and of the time before it, oldest first, in arrays of fixed capacity."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ class BrakingSamples:
         self._torque = np.zeros((wheels, capacity))
         self._acceleration = np.zeros(capacity)
         self._speed_change = np.zeros(capacity)
-        self._braked = np.zeros(capacity)
+        self._closed = np.zeros(capacity)
         self.count = 0
 
     @property
@@ -41,36 +41,39 @@ class BrakingSamples:
 
     @property
     def speed_change(self) -> Array:
-        """Integral of the acceleration since the first sample [m/s], shape (n,)."""
+        """Integral of the acceleration [m/s], shape (n,)."""
         return self._speed_change[: self.count]
 
     @property
-    def braked(self) -> Array:
-        """1 where the car brakes, shape (n,)."""
-        return self._braked[: self.count]
+    def closed(self) -> Array:
+        """1 where the throttle is closed, shape (n,)."""
+        return self._closed[: self.count]
 
     def clear(self) -> None:
         """Forget all samples."""
         self.count = 0
 
-    def append(self, time: float, wheel_speed: Array, torque: Array, acceleration: float, braked: bool) -> None:
-        """Add a sample; the caller keeps room."""
+    def append(
+        self, time: float, wheel_speed: Array, torque: Array, acceleration: float, gained: float, closed: bool
+    ) -> None:
+        """Add a sample; the caller keeps room. `gained`: integral of the acceleration since the last one [m/s]."""
         k = self.count
         self._time[k] = time
         self._wheel_speed[:, k] = wheel_speed
         self._torque[:, k] = torque
         self._acceleration[k] = acceleration
-        self._braked[k] = braked
-        self._speed_change[k] = 0.0
-        if k > 0:
-            mean = 0.5 * (acceleration + self._acceleration[k - 1])
-            self._speed_change[k] = self._speed_change[k - 1] + mean * (time - self._time[k - 1])
+        self._closed[k] = closed
+        self._speed_change[k] = gained + (self._speed_change[k - 1] if k > 0 else 0.0)
         self.count = k + 1
+
+    def close_throttle(self, since: float) -> None:
+        """Take the throttle as closed from `since` [s] on."""
+        self.closed[self.time >= since] = 1.0
 
     def drop_oldest(self, number: int) -> None:
         """Forget the oldest samples."""
         keep = self.count - number
-        arrays = (self._time, self._acceleration, self._speed_change, self._braked)
+        arrays = (self._time, self._acceleration, self._speed_change, self._closed)
         for array in (*arrays, self._wheel_speed, self._torque):
             array[..., :keep] = array[..., number : self.count].copy()
         self.count = keep

@@ -27,7 +27,7 @@ def car_balance(
 ) -> tuple[Array, Array]:
     """Return the errors of the blocks in standard deviations, shape (B,), and their Jacobian, (B, SHARED + W).
 
-    Only blocks in which the car brakes throughout: the engine drives at other times.
+    Only blocks in which the throttle is closed throughout: at other times the engine drives.
 
     Args:
         car: nominal values.
@@ -42,8 +42,8 @@ def car_balance(
     size = max(int(round(_BLOCK / max(float(np.median(nodes.interval)), 1e-4))), 1)
     blocks = n // size
     first = n - blocks * size
-    braked = nodes.braked[first:].reshape(blocks, size).min(axis=1) > 0.0
-    if blocks == 0 or not braked.any():
+    closed = nodes.closed[first:].reshape(blocks, size).min(axis=1) > 0.0
+    if blocks == 0 or not closed.any():
         return np.zeros(0), np.zeros((0, p.size))
     scale = 1.0 + p[Unknown.ACCELEROMETER_SCALE]
     mass = car.mass * exp(float(p[Unknown.LOG_MASS]))
@@ -67,6 +67,6 @@ def car_balance(
         (Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR, Unknown.PRESSURE_DELAY, Unknown.ENGINE_DRAG)
     ):
         jacobian[:, unknown] = of_torque[:, column]
-    means = error[first:].reshape(blocks, size).mean(axis=1)[braked]
-    rows = jacobian[first:].reshape(blocks, size, p.size).mean(axis=1)[braked]
+    means = error[first:].reshape(blocks, size).mean(axis=1)[closed]
+    rows = jacobian[first:].reshape(blocks, size, p.size).mean(axis=1)[closed]
     return means / _STDDEV, rows / _STDDEV

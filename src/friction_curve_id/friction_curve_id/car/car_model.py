@@ -38,9 +38,9 @@ SPEED_UNKNOWNS = (
 class CarConstants:
     """What does not change: nominal values by wheel, shapes (W, 1)."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
-        """Take the values of the vehicle file."""
-        wheels = vehicle.wheels
+    def __init__(self, vehicle: Vehicle, present: tuple[int, ...]) -> None:
+        """Take the values of the vehicle file, of the wheels that are `present` by index."""
+        wheels = [vehicle.wheels[each] for each in present]
         column = (len(wheels), 1)
         self.wheels = len(wheels)
         self.radius = np.array([wheel.radius for wheel in wheels]).reshape(column)
@@ -49,13 +49,15 @@ class CarConstants:
         self.driven = np.array([float(wheel.driven) for wheel in wheels]).reshape(column)
         self.front = np.array([float(wheel.axle == FRONT) for wheel in wheels]).reshape(column)
         self.teeth = np.array([wheel.encoder_teeth for wheel in wheels], dtype=float).reshape(column)
-        front_wheels, rear_wheels = self.front.sum(), (1.0 - self.front).sum()
-        self.per_axle = np.where(self.front > 0.0, 1.0 / max(front_wheels, 1.0), 1.0 / max(rear_wheels, 1.0))
-        one_axle = rear_wheels == 0.0
-        sign = np.where(self.front > 0.0, 1.0, -1.0)
-        self.share_sign = np.zeros(column) if one_axle else sign * self.per_axle
-        self.share_fixed = self.per_axle.copy() if one_axle else (1.0 - self.front) * self.per_axle
-        self.transfer = np.zeros(column) if one_axle else sign * self.per_axle * vehicle.height_ratio
+        share, transfer = np.array(vehicle.load_shares), np.array(vehicle.transfer_shares)
+        self.transfer = transfer[list(present)].reshape(column)
+        nominal = share[list(present)].reshape(column)
+        one_axle = all(wheel.axle == FRONT for wheel in vehicle.wheels)
+        count = np.array([sum(each.axle == wheel.axle for each in vehicle.wheels) for wheel in wheels], dtype=float)
+        sign = np.where(self.front > 0.0, 1.0, -1.0) / count.reshape(column)
+        self.share_sign = np.zeros(column) if one_axle else sign
+        self.share_fixed = nominal - self.share_sign * vehicle.front_load_share
+        self.carried_share = float(nominal.sum())
         self.mass = vehicle.mass
         self.rolling = vehicle.rolling_resistance
         self.drag = 0.5 * 1.2 * vehicle.drag_area
@@ -83,12 +85,8 @@ class Nodes:
     """Acceleration less that at the start [m/s^2], shape (n,)."""
     start_speed: float
     """Speed of the wheels at time 0 [m/s]."""
-    pitch_start: PitchState
-    """Pitch before the first node."""
-    slip_start: Array | None
-    """Relaxed slip at the first node [-], shape (W,); None where it follows from the slip there."""
-    braked: Array
-    """1 where the car brakes, shape (n,)."""
+    closed: Array
+    """1 where the throttle is closed, shape (n,)."""
 
     def subset(self, nodes: slice) -> "Nodes":
         """Return some neighbouring nodes."""
@@ -103,10 +101,19 @@ class Nodes:
             self.speed_change[nodes],
             self.acceleration_change[nodes],
             self.start_speed,
-            self.pitch_start,
-            self.slip_start,
-            self.braked[nodes],
+            self.closed[nodes],
         )
+
+
+@dataclass(frozen=True)
+class Carried:
+    """State of the motion that older, forgotten nodes leave to the first."""
+
+    slip: Array | None = None
+    """Relaxed slip at the first node [-], shape (W,); None where it follows from the slip there."""
+    pitch: PitchState = PitchState()
+    pitched: float = 0.0
+    """Integral of the pitch before the first node [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -135,21 +142,23 @@ class Motion:
     """d load / d front load share [N], shape (W, 1)."""
     load_by_pitch: Array
     """d load / d (ln w, zeta, d) [N], shape (3, W, n)."""
+    force: Array
+    """Specific force, braking positive [m/s^2], shape (n,)."""
     pitch: Pitch
     """Pitch, in units of the specific force, braking positive."""
 
 
-def speeds(nodes: Nodes, unknowns: Array, pitch: Array) -> tuple[Array, Array]:
+def speeds(nodes: Nodes, unknowns: Array, pitch: Array, pitched: float) -> tuple[Array, Array]:
     """Return the speed [m/s], shape (n,), and its gradient by SPEED_UNKNOWNS, shape (6, n).
 
-    `pitch`: see Pitch, shape (n,).
+    `pitch`: see Pitch, shape (n,); `pitched`: its integral before the first node [m/s].
     """
     p, t = unknowns, nodes.time
     scale = 1.0 + p[Unknown.ACCELEROMETER_SCALE]
     delay = p[Unknown.ACCELEROMETER_DELAY]
-    pitched = np.cumsum(pitch * nodes.interval)
+    turned = pitched + np.cumsum(pitch * nodes.interval)
     own = nodes.speed_change - p[Unknown.ACCELEROMETER_OFFSET] * t + delay * nodes.acceleration_change
-    own = (own + p[Unknown.PITCH_READING] * pitched) / scale
+    own = (own + p[Unknown.PITCH_READING] * turned) / scale
     speed = nodes.start_speed + p[Unknown.START_SPEED] + own - p[Unknown.SLOPE] * t
     gradient = np.empty((6, t.size))
     gradient[0] = 1.0
@@ -157,22 +166,23 @@ def speeds(nodes: Nodes, unknowns: Array, pitch: Array) -> tuple[Array, Array]:
     gradient[2] = -t
     gradient[3] = -own / scale
     gradient[4] = nodes.acceleration_change / scale
-    gradient[5] = pitched / scale
+    gradient[5] = turned / scale
     return np.maximum(speed, _LEAST_SPEED), gradient
 
 
-def motion(car: CarConstants, nodes: Nodes, unknowns: Array) -> Motion:
+def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -> Motion:
     """Return the motion.
 
     Args:
         car: nominal values.
         nodes: measured signals.
         unknowns: shape (SHARED + W,).
+        carried: state that older nodes left.
     """
     p, wheels, n = unknowns, car.wheels, nodes.time.size
     force = -(nodes.acceleration - p[Unknown.ACCELEROMETER_OFFSET]) / (1.0 + p[Unknown.ACCELEROMETER_SCALE])
-    pitch = pitch_of_body(force, float(np.median(nodes.interval)), p, nodes.pitch_start)
-    speed, gradient = speeds(nodes, p, pitch.pitch)
+    pitch = pitch_of_body(force, float(np.median(nodes.interval)), p, carried.pitch)
+    speed, gradient = speeds(nodes, p, pitch.pitch, carried.pitched)
     rolling = car.radius * nodes.wheel_speed / speed
     slip = 1.0 - rolling + p[SHARED:, np.newaxis]
 
@@ -190,8 +200,8 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array) -> Motion:
     held = np.empty((n, 7 * wheels + 1), order="F")
     held.T[:, 1:] = before * inputs[:, :-1] + after * inputs[:, 1:]
     held.T[:, 0] = inputs[:, 0]
-    if nodes.slip_start is not None:
-        held[0, :wheels] = nodes.slip_start
+    if carried.slip is not None:
+        held[0, :wheels] = carried.slip
     relaxed = _recursion(keep, held).T
     s = relaxed[:wheels]
     by_x = -keep * s[:, :-1]
@@ -218,6 +228,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array) -> Motion:
         load_by_height,
         mass * GRAVITY * car.share_sign,
         mass * height * pitch.load_gradient[:, np.newaxis, :],
+        force,
         pitch,
     )
 
@@ -229,3 +240,15 @@ def _recursion(keep: Array, driving: Array) -> Array:
     band[1, : n - 1] = -keep
     solution, _ = dtbtrs(band, driving, uplo="L", diag="U")
     return np.asarray(solution)
+
+
+def carried_over(nodes: Nodes, moved: Motion, carried: Carried, number: int) -> Carried:
+    """Return what the oldest `number` >= 2 nodes leave to the next."""
+    last, before = number - 1, number - 2
+    state = PitchState(
+        (float(moved.force[last]), float(moved.force[before])),
+        (float(moved.pitch.pitch[last]), float(moved.pitch.pitch[before])),
+        (float(moved.pitch.load[last]), float(moved.pitch.load[before])),
+    )
+    turned = carried.pitched + float(moved.pitch.pitch[:number] @ nodes.interval[:number])
+    return Carried(moved.relaxed[:, number].copy(), state, turned)

@@ -5,7 +5,6 @@ in z = (unknown - mean) / stddev, with what older samples said as a quadratic in
 """
 
 from dataclasses import dataclass
-from math import log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,7 @@ from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dpttrf, dpttrs
 
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_balance import car_balance
-from friction_curve_id.car.car_model import CarConstants, Nodes, motion
+from friction_curve_id.car.car_model import CarConstants, Carried, Motion, Nodes, carried_over, motion
 from friction_curve_id.car.curve_family import Family
 from friction_curve_id.car.node_signals import Start, delayed
 from friction_curve_id.car.prior import Prior
@@ -45,7 +44,8 @@ class Linearised:
     gradient: Array
     """Shape (P,)."""
     cost: float
-    """- ln likelihood and prior, without constants."""
+    """- ln likelihood, without constants."""
+    moved: Motion
 
 
 class CurveFit:
@@ -67,6 +67,7 @@ class CurveFit:
         self.covariance = np.diag(self._prior.stddev**2)
         self.log_evidence = 0.0
         self.steps = 0
+        self.carried = Carried()
         self._damping = 0.0
         self._last_move = np.zeros(n)
 
@@ -78,7 +79,7 @@ class CurveFit:
     def linearise(self, samples: BrakingSamples, nodes: Nodes, start: Start, adapt: bool = True) -> Linearised:
         """Linearise about the present estimate; `adapt`: move the load variation towards its likelihood's maximum."""
         p, sd = self.unknowns, self._prior.stddev
-        moved = motion(self._car, nodes, p)
+        moved = motion(self._car, nodes, p, self.carried)
         torque, rate = delayed(samples, nodes, start, float(p[Unknown.PRESSURE_DELAY]))
         equation = wheel_equation(
             self._car, nodes, moved, torque, rate, self.family, p, self._torque_stddev
@@ -103,7 +104,7 @@ class CurveFit:
             full[:size, :size] += rows.T @ rows
             full[:size, size] += rows.T @ errors
             cost += 0.5 * float(errors @ errors)
-        return Linearised(full[:size, :size], full[:size, size], cost)
+        return Linearised(full[:size, :size], full[:size, size], cost, moved)
 
     def step(self, samples: BrakingSamples, nodes: Nodes, start: Start) -> float:
         """Make a Gauss-Newton step; return its length in ln lambda_max and ln mu_max."""
@@ -143,7 +144,19 @@ class CurveFit:
         self._last_move = move
         self.z = self.z + move
         self.steps += 1
+        self.moved = at.moved
         return curve
+
+    def fold(self, samples: BrakingSamples, nodes: Nodes, start: Start, number: int, memory: float) -> None:
+        """Keep what the oldest `number` nodes say as a quadratic; `memory`: share kept of what was said before."""
+        at = self.linearise(samples, nodes.subset(slice(0, number)), start, adapt=False)
+        past, offset = self.past, self.z - self.past.reference
+        gradient = memory * (past.gradient + past.information @ offset) + at.gradient
+        said = float(offset @ (0.5 * past.information @ offset + past.gradient))
+        likelihood = memory * (past.log_likelihood - said) - at.cost
+        self.past = Quadratic(memory * past.information + at.information, gradient, self.z.copy(), likelihood)
+        moved = motion(self._car, nodes.subset(slice(0, number + 1)), self.unknowns, self.carried)
+        self.carried = carried_over(nodes, moved, self.carried, number)
 
     def _adapt(self, equation: WheelEquation, nodes: Nodes) -> None:
         """Move the load variation by at most a step towards the maximum of its likelihood."""
@@ -174,13 +187,3 @@ def _factorised(equation: WheelEquation, nodes: Nodes, load_variation: float) ->
         raise np.linalg.LinAlgError("the covariance is not positive definite")
     return pivots, factors, float(np.log(pivots).sum())
 
-
-def curve_deviation(fit: CurveFit) -> tuple[float, float]:
-    """Standard deviations of ln lambda_max and ln mu_max."""
-    c = fit.covariance
-    return float(np.sqrt(c[Unknown.LOG_LAMBDA_MAX, Unknown.LOG_LAMBDA_MAX])), float(
-        np.sqrt(c[Unknown.LOG_MU_MAX, Unknown.LOG_MU_MAX])
-    )
-
-
-_ = log

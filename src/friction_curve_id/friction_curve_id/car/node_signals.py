@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_model import CarConstants, Nodes
-from friction_curve_id.car.pitch import PitchState
 
 Array = NDArray[np.float64]
 
@@ -29,6 +28,8 @@ class Start:
     """Speed of the wheels then [m/s]."""
     acceleration: float
     """[m/s^2]"""
+    speed_change: float
+    """Integral of the acceleration at `time` [m/s]."""
 
 
 def node_signals(
@@ -49,13 +50,13 @@ def node_signals(
         time = t[:-1]
         interval = step.copy()
         interval[1:] = 0.5 * (step[1:] + step[:-1])
-        acceleration, change, braked = samples.acceleration[:-1], samples.speed_change[:-1], samples.braked[:-1]
+        acceleration, change, closed = samples.acceleration[:-1], samples.speed_change[:-1], samples.closed[:-1]
         near, far = 7.0 / 12.0, -1.0 / 12.0
     else:
         time, interval = 0.5 * (t[1:] + t[:-1]), step
         acceleration = 0.5 * (samples.acceleration[1:] + samples.acceleration[:-1])
         change = 0.5 * (samples.speed_change[1:] + samples.speed_change[:-1])
-        braked = samples.braked[:-1]
+        closed = samples.closed[:-1]
         near, far = 9.0 / 16.0, -1.0 / 16.0
     speed = 0.5 * (w[:, 1:] + w[:, :-1])
     speed[:, 1:-1] = near * (w[:, 1:-2] + w[:, 2:-1]) + far * (w[:, :-3] + w[:, 3:])
@@ -78,12 +79,10 @@ def node_signals(
         growth,
         np.sqrt(noise),
         acceleration,
-        change,
+        change - start.speed_change,
         acceleration - start.acceleration,
         start.speed,
-        PitchState(),
-        None,
-        braked,
+        closed,
     )
 
 

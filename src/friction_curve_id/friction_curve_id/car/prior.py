@@ -25,6 +25,8 @@ _PITCH = {
 }
 """Pitch of passenger cars; no keys of the vehicle file."""
 _START_SPEED_STDDEV = 0.05
+_OTHER_WHEELS = 0.15
+"""Relative deviation of the deceleration of the car from that of the wheels that are measured."""
 _SLIP_OFFSET_STDDEV = 5e-4
 """Of the slip of a rolling wheel, where its radius is not known exactly."""
 
@@ -58,16 +60,19 @@ class Prior:
     """Zero where known exactly."""
 
 
-def car_prior(vehicle: Vehicle, family: Family, slope_stddev: float, with_accelerometer: bool) -> Prior:
+def car_prior(
+    vehicle: Vehicle, present: tuple[int, ...], family: Family, slope_stddev: float, with_accelerometer: bool
+) -> Prior:
     """Return the prior of a car.
 
     Args:
         vehicle: the car.
+        present: the wheels that are measured, by index.
         family: formula of the curve.
         slope_stddev: standard deviation of the slope of the road [-], >= 0.
         with_accelerometer: whether the speed comes from an accelerometer, or from the wheels at nominal values.
     """
-    wheels, mounting = vehicle.wheels, vehicle.accelerometer
+    wheels, mounting = [vehicle.wheels[each] for each in present], vehicle.accelerometer
     mean, stddev = np.zeros(SHARED + len(wheels)), np.zeros(SHARED + len(wheels))
 
     def put(unknown: Unknown, value: float, deviation: float) -> None:
@@ -75,7 +80,7 @@ def car_prior(vehicle: Vehicle, family: Family, slope_stddev: float, with_accele
 
     shape = SHAPE_PRIORS[family]
     radius = max(_relative(wheel, "radius") for wheel in wheels)
-    gains = [max(_relative(w, "brake_gain") for w in wheels if (w.axle == FRONT) is front or _one_axle(vehicle))
+    gains = [max((_relative(w, "brake_gain") for w in wheels if (w.axle == FRONT) is front), default=0.0)
              for front in (True, False)]
     mass = _deviation(vehicle.deviations, "mass", STATED["mass"] * vehicle.mass) / vehicle.mass
     put(Unknown.LOG_MU_MAX, *_LOG_MU_MAX)
@@ -103,7 +108,11 @@ def car_prior(vehicle: Vehicle, family: Family, slope_stddev: float, with_accele
         put(Unknown.PITCH_READING, GRAVITY * mounting.pitch_gain, pitch)
         put(Unknown.ACCELEROMETER_SCALE, 0.0, hypot(_absolute(mounting.deviations, "scale"), radius))
     else:
-        put(Unknown.ACCELEROMETER_SCALE, 0.0, hypot(hypot(*gains), mass))
+        others = _OTHER_WHEELS if len(wheels) < len(vehicle.wheels) else 0.0
+        put(Unknown.ACCELEROMETER_SCALE, 0.0, hypot(hypot(*gains), mass, others))
+        driven = sum(wheel.driven for wheel in wheels)
+        drag = _absolute(vehicle.deviations, "engine_drag_torque") * driven / (wheels[0].radius * vehicle.mass)
+        put(Unknown.ACCELEROMETER_OFFSET, 0.0, drag)
     if any(wheel.driven for wheel in wheels):
         drag = _absolute(vehicle.deviations, "engine_drag_torque")
         put(Unknown.ENGINE_DRAG, vehicle.engine_drag_torque, drag)
@@ -135,3 +144,8 @@ def _relative(wheel: Wheel, name: str) -> float:
 
 def _absolute(deviations: Deviations, name: str) -> float:
     return _deviation(deviations, name, STATED_ABSOLUTE[name])
+
+
+def radius_deviation(vehicle: Vehicle) -> float:
+    """Relative standard deviation of the radii, the largest of the wheels."""
+    return max(_relative(wheel, "radius") for wheel in vehicle.wheels)

@@ -123,7 +123,7 @@ def wheel_equation(
 
     missed = (second_difference(brake) ** 2 + second_difference(tyre) ** 2) * (1.0 / 36.0)
     slip_noise = tyre_by_slip * car.radius * nodes.wheel_noise[:, 1:] / moved.speed
-    drive = np.where(nodes.braked > 0.0, 0.0, _UNKNOWN_DRIVE**2) * car.driven
+    drive = np.where(nodes.closed > 0.0, 0.0, _UNKNOWN_DRIVE**2) * car.driven
     fixed = (torque_stddev**2 + missed + 0.5 * slip_noise**2 + drive) / inertia**2
     load_variance = (tyre / inertia) ** 2
     error = nodes.wheel_acceleration + balance / inertia
