@@ -202,14 +202,14 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
     held.T[:, 0] = inputs[:, 0]
     if carried.slip is not None:
         held[0, :wheels] = carried.slip
-    relaxed = _recursion(keep, held).T
+    relaxed = recursion(keep, held).T
     s = relaxed[:wheels]
     by_x = -keep * s[:, :-1]
     decay_by_x = (keep - mean_decay) / x
     by_x += (decay_by_x + keep) * slip[:, :-1] - decay_by_x * slip[:, 1:]
     driving = np.zeros((n, wheels), order="F")
     driving.T[:, 1:] = by_x * (-x / length)
-    by_length = _recursion(keep, driving).T
+    by_length = recursion(keep, driving).T
 
     mass = car.mass * exp(float(p[Unknown.LOG_MASS]))
     height = car.transfer * exp(float(p[Unknown.LOG_HEIGHT_RATIO]))
@@ -233,7 +233,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
     )
 
 
-def _recursion(keep: Array, driving: Array) -> Array:
+def recursion(keep: Array, driving: Array) -> Array:
     """Solve y_k = keep_{k-1} y_{k-1} + driving_k for all columns of `driving`, shape (n, m)."""
     n = driving.shape[0]
     band = np.ones((2, n), order="F")

@@ -44,7 +44,7 @@ class ShapePrior:
 
 SHAPE_PRIORS = {
     Family.BURCKHARDT: ShapePrior((0.0, 0.0), (0.45, 0.0)),
-    Family.PACEJKA: ShapePrior((1.87, -0.6), (0.25, 0.8)),
+    Family.PACEJKA: ShapePrior((1.87, -2.0), (0.25, 1.3)),
 }
 """Burckhardt: u, unused. Pacejka: C, ln(1 - E). Published curves of dry, wet, snow and ice lie within two deviations."""
 
@@ -100,7 +100,7 @@ def _burckhardt(log_peak: float, u: float, x: Array) -> CurveValues:
 
 
 def _pacejka(shape: tuple[float, float], x: Array) -> CurveValues:
-    c, stretch = min(max(shape[0], _C_RANGE[0]), _C_RANGE[1]), exp(min(max(shape[1], -4.0), 2.0))
+    c, stretch = min(max(shape[0], _C_RANGE[0]), _C_RANGE[1]), exp(min(max(shape[1], -4.5), 2.0))
     at_peak = tan(0.5 * pi / c)
     y1 = at_peak
     for _ in range(12):  # (1 - E) y + E atan y = tan(pi / (2 C)): rising and nearly straight

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.braking_samples import BrakingSamples
-from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants
+from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Nodes
 from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
-from friction_curve_id.car.evidence import Peak, mixture, normal_probability
+from friction_curve_id.car.evidence import LAMBDA_FLOOR, UNSEEN_FACTOR, UNSEEN_FLOOR, Peak, mixture, normal_probability
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.node_signals import Start, node_signals, rolling_noise
 from friction_curve_id.car.parameters import CarEstimatorParameters
@@ -54,6 +54,8 @@ _SEEN_TIME = 0.1
 """Time beyond the peak, summed over wheels, that makes a peak seen [s]."""
 _LARGEST_STDDEV = 0.25
 _EARLIEST_VALID = 0.1
+_LEAST_AGE = 0.1
+"""Time since the slip first was beyond the peak before it is seen [s]."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""
 
@@ -231,6 +233,7 @@ class CarEstimator:
         self._peak: Peak | None = None
         self._seen_before = 0.0
         self._seen = 0.0
+        self._beyond_since = inf
         self._move = [inf] * len(self._fits)
 
     def _fold(self) -> None:
@@ -241,7 +244,7 @@ class CarEstimator:
             fit.fold(self._samples, nodes, self._start, _FOLDED, memory)
         self._samples.drop_oldest(_FOLDED)
 
-    def _nodes(self):  # type: ignore[no-untyped-def]
+    def _nodes(self) -> Nodes:
         return node_signals(self._car, self._samples, self._start, self._rolling_noise, self._p.counted)
 
     def _step(self, time: float) -> None:
@@ -263,23 +266,26 @@ class CarEstimator:
             return
         if all(each.steps for each in self._fits):
             fits = self._fits
-            self._peak = mixture(
-                [each.unknowns for each in fits],
-                [each.covariance for each in fits],
-                [each.log_evidence for each in fits],
-                self._mu_floor,
-            )
-            self._seen = self._time_beyond(fit, self._peak, nodes.interval[:keep])
+            found = [each.unknowns for each in fits], [each.covariance for each in fits]
+            evidence = [each.log_evidence for each in fits]
+            self._peak = mixture(*found, evidence, self._mu_floor, True)
+            self._seen = self._time_beyond(fit, self._peak, nodes.subset(slice(0, keep)))
+            if self._seen < _SEEN_TIME:
+                self._peak = mixture(*found, evidence, self._mu_floor, False)
         self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
 
-    def _time_beyond(self, fit: CurveFit, peak: Peak, interval: Array) -> float:
+    def _time_beyond(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> float:
         """Time for which the slips of the window were surely beyond the peak, summed over wheels [s]."""
         moved = fit.moved
         limit = _PASSED * exp(peak.log_lambda_max)
         speed_variance = fit.covariance[Unknown.START_SPEED, Unknown.START_SPEED]
         stddev = np.hypot(limit * peak.log_lambda_stddev, sqrt(speed_variance) / moved.speed)
         beyond = moved.relaxed > limit + _SURE * stddev
-        return float((beyond * interval).sum())
+        if beyond.any() and self._beyond_since == inf:
+            self._beyond_since = float(nodes.time[int(np.argmax(beyond.any(axis=0)))])
+        if not beyond.any() and self._seen_before == 0.0:
+            self._beyond_since = inf
+        return float((beyond * nodes.interval).sum())
 
     def _answer(self, time: float, speed: Array) -> list[CurveEstimate]:
         cause, self._cause = self._cause, RestartCause.NONE
@@ -323,6 +329,7 @@ class CarEstimator:
         wheels = len(self._index)
         mean = np.zeros(wheels)
         beyond = [0.0] * wheels
+        factor, floor = (1.0, LAMBDA_FLOOR) if self._seen >= _SEEN_TIME else (UNSEEN_FACTOR, UNSEEN_FLOOR)
         changed = float(self._samples.speed_change[-1]) + self._gained
         for weight, fit in zip(peak.weights, self._fits, strict=True):
             p, moved = fit.unknowns, fit.moved
@@ -336,9 +343,9 @@ class CarEstimator:
             limit = exp(p[Unknown.LOG_LAMBDA_MAX])
             rows = np.zeros((wheels, p.size))
             rows[:, SPEED_UNKNOWNS] = np.outer(rolling / velocity, moved.speed_gradient[:, -1])
-            rows[:, Unknown.LOG_LAMBDA_MAX] = -limit
+            rows[:, Unknown.LOG_LAMBDA_MAX] = -limit * factor
             rows[range(wheels), SHARED + np.arange(wheels)] = 1.0
-            variance = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows) + (0.03 * limit) ** 2
+            variance = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows) + (floor * limit) ** 2
             mean += weight * slip
             for each in range(wheels):
                 beyond[each] += weight * normal_probability(float((slip[each] - limit) / sqrt(variance[each])))
@@ -348,11 +355,12 @@ class CarEstimator:
         since = time - self._began_at
         if since < _EARLIEST_VALID:
             return Reason.TOO_FEW_SAMPLES, f"{since:.2f} s of braking are too short"
-        if self._seen < _SEEN_TIME:
+        if self._seen < _SEEN_TIME or time - self._start.time - self._beyond_since < _LEAST_AGE:
             return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {self._seen:.2f} s only"
-        if max(self._move) > _SETTLED:
+        best = int(np.argmax(peak.weights))
+        if self._move[best] > _SETTLED:
             return Reason.UNCERTAIN, "the fit has not settled"
-        if max(fit.load_variation for fit in self._fits) == LOAD_VARIATIONS.size - 1:
+        if self._fits[best].load_variation == LOAD_VARIATIONS.size - 1:
             return Reason.UNCERTAIN, "the wheels do not move as one curve for the car says"
         if peak.log_lambda_stddev > _LARGEST_STDDEV:
             return Reason.UNCERTAIN, f"standard deviation of lambda_max is {100.0 * peak.log_lambda_stddev:.0f} %"

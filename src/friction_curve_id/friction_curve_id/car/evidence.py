@@ -14,9 +14,14 @@ from friction_curve_id.car.unknowns import Unknown
 
 Array = NDArray[np.float64]
 
-_KEPT = 0.1
-_LAMBDA_FLOOR = 0.03
+_KEPT, _UNSEEN_KEPT = 0.1, 0.15
+"""Share that each family keeps; while the peak has not been seen, no family alone makes a probability of 0.9."""
+LAMBDA_FLOOR = 0.03
 _MU_FLOOR = 0.005
+UNSEEN_FACTOR = 2.0
+"""Factor of the deviations of lambda_max while the peak has not been seen: it is an extrapolation by a formula."""
+UNSEEN_FLOOR = 0.1
+_UNSEEN_MU_FACTOR = 1.5
 
 
 @dataclass(frozen=True)
@@ -31,7 +36,9 @@ class Peak:
     """Of the families, sum 1."""
 
 
-def mixture(unknowns: list[Array], covariances: list[Array], log_evidence: list[float], mu_floor: float) -> Peak:
+def mixture(
+    unknowns: list[Array], covariances: list[Array], log_evidence: list[float], mu_floor: float, seen: bool
+) -> Peak:
     """Mix the peaks of the families.
 
     Args:
@@ -39,21 +46,25 @@ def mixture(unknowns: list[Array], covariances: list[Array], log_evidence: list[
         covariances: their covariances, shape (P, P) each.
         log_evidence: ln of their evidence.
         mu_floor: least relative deviation of mu_max that the car leaves besides.
+        seen: whether the slips have been beyond the peak.
     """
     best = max(log_evidence)
     raw = [exp(max(each - best, -50.0)) for each in log_evidence]
     total = sum(raw)
     count = len(raw)
-    weights = [(each / total + _KEPT) / (1.0 + count * _KEPT) for each in raw] if count > 1 else [1.0]
+    kept = _KEPT if seen else _UNSEEN_KEPT
+    weights = [(each / total + kept) / (1.0 + count * kept) for each in raw] if count > 1 else [1.0]
     found = []
-    for index, floor in ((Unknown.LOG_LAMBDA_MAX, _LAMBDA_FLOOR), (Unknown.LOG_MU_MAX, hypot(_MU_FLOOR, mu_floor))):
+    of_lambda = (1.0, LAMBDA_FLOOR) if seen else (UNSEEN_FACTOR, UNSEEN_FLOOR)
+    of_mu = (1.0 if seen else _UNSEEN_MU_FACTOR, hypot(_MU_FLOOR, mu_floor))
+    for index, (factor, floor) in ((Unknown.LOG_LAMBDA_MAX, of_lambda), (Unknown.LOG_MU_MAX, of_mu)):
         values = [float(each[index]) for each in unknowns]
         mean = sum(w * value for w, value in zip(weights, values, strict=True))
         variance = sum(
             w * (float(c[index, index]) + (value - mean) ** 2)
             for w, value, c in zip(weights, values, covariances, strict=True)
         )
-        found.append((mean, hypot(sqrt(variance), floor)))
+        found.append((mean, hypot(factor * sqrt(variance), floor)))
     return Peak(found[0][0], found[1][0], found[0][1], found[1][1], tuple(weights))
 
 

@@ -12,7 +12,7 @@ from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dpttrf, dpttrs
 
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_balance import car_balance
-from friction_curve_id.car.car_model import CarConstants, Carried, Motion, Nodes, carried_over, motion
+from friction_curve_id.car.car_model import CarConstants, Carried, Motion, Nodes, carried_over, motion, recursion
 from friction_curve_id.car.curve_family import Family
 from friction_curve_id.car.node_signals import Start, delayed
 from friction_curve_id.car.prior import Prior
@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 LOAD_VARIATIONS = np.array([0.002, 0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 0.075, 0.11])
 """Values that the variation of the wheel load may take [-]."""
+_LOAD_CORRELATION = 0.02
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,8 @@ class Quadratic:
     information: Array
     gradient: Array
     reference: Array
+    spread: Array
+    """What the information has to grow by, as variance of its gradient: load noise is coloured, shape (P, P)."""
     log_likelihood: float = 0.0
 
 
@@ -43,6 +46,8 @@ class Linearised:
     """Matrix in z, shape (P, P)."""
     gradient: Array
     """Shape (P,)."""
+    spread: Array
+    """Variance of the gradient by the colour of the load noise, shape (P, P)."""
     cost: float
     """- ln likelihood, without constants."""
     moved: Motion
@@ -63,7 +68,7 @@ class CurveFit:
         n = self._prior.mean.size
         self.z = np.zeros(n)
         self.load_variation = 4
-        self.past = Quadratic(np.zeros((n, n)), np.zeros(n), np.zeros(n))
+        self.past = Quadratic(np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros((n, n)))
         self.covariance = np.diag(self._prior.stddev**2)
         self.log_evidence = 0.0
         self.steps = 0
@@ -95,6 +100,8 @@ class CurveFit:
         white, _ = dpttrs(pivots, factors, columns)
         full = columns.T @ white
         cost = 0.5 * float(full[size, size]) + 0.5 * log_determinant
+        variation = LOAD_VARIATIONS[self.load_variation]
+        spread = _spread(white[:, :size], variation * np.sqrt(equation.load_variance), nodes.interval)
         if self._balanced:
             inertia = self._car.inertia * np.exp(p[Unknown.LOG_INERTIA])
             names = [Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR, Unknown.PRESSURE_DELAY, Unknown.ENGINE_DRAG]
@@ -104,7 +111,7 @@ class CurveFit:
             full[:size, :size] += rows.T @ rows
             full[:size, size] += rows.T @ errors
             cost += 0.5 * float(errors @ errors)
-        return Linearised(full[:size, :size], full[:size, size], cost, moved)
+        return Linearised(full[:size, :size], full[:size, size], spread, cost, moved)
 
     def step(self, samples: BrakingSamples, nodes: Nodes, start: Start) -> float:
         """Make a Gauss-Newton step; return its length in ln lambda_max and ln mu_max."""
@@ -121,12 +128,13 @@ class CurveFit:
         damped = lower
         if self._damping > 0.0:
             stiff = information.copy()
-            stiff[np.diag_indices(size)] *= 1.0 + self._damping
+            stiff[np.diag_indices(size)] += self._damping
             damped, _ = dpotrf(stiff, lower=1)
         move, _ = dpotrs(damped, -gradient, lower=1)
         inverse, _ = dpotri(lower, lower=1)
         inverse = np.tril(inverse) + np.tril(inverse, -1).T
         sd = self._prior.stddev
+        inverse += inverse @ (at.spread + past.spread) @ inverse
         self.covariance = inverse * np.outer(sd, sd)
         before = float(offset @ (0.5 * past.information @ offset + past.gradient)) + 0.5 * float(self.z @ self.z)
         self.cost = at.cost + before - past.log_likelihood
@@ -138,8 +146,8 @@ class CurveFit:
         last = self._last_move
         lengths = float(np.sqrt((move @ move) * (last @ last)))
         turned = lengths > 0.0 and float(move @ last) < -0.3 * lengths
-        self._damping = max(3.0 * self._damping, 0.3) if turned else 0.3 * self._damping
-        if self._damping < 1e-3:
+        self._damping = max(3.0 * self._damping, 3.0) if turned else 0.3 * self._damping
+        if self._damping < 0.1:
             self._damping = 0.0
         self._last_move = move
         self.z = self.z + move
@@ -154,7 +162,7 @@ class CurveFit:
         gradient = memory * (past.gradient + past.information @ offset) + at.gradient
         said = float(offset @ (0.5 * past.information @ offset + past.gradient))
         likelihood = memory * (past.log_likelihood - said) - at.cost
-        self.past = Quadratic(memory * past.information + at.information, gradient, self.z.copy(), likelihood)
+        self.past = Quadratic(memory * past.information + at.information, gradient, self.z.copy(), memory * past.spread + at.spread, likelihood)
         moved = motion(self._car, nodes.subset(slice(0, number + 1)), self.unknowns, self.carried)
         self.carried = carried_over(nodes, moved, self.carried, number)
 
@@ -187,3 +195,22 @@ def _factorised(equation: WheelEquation, nodes: Nodes, load_variation: float) ->
         raise np.linalg.LinAlgError("the covariance is not positive definite")
     return pivots, factors, float(np.log(pivots).sum())
 
+
+
+def _spread(white: Array, load_stddev: Array, interval: Array) -> Array:
+    """Variance of the gradient that is due to the correlation of the load noise, shape (P, P).
+
+    The load of a wheel varies below 15 Hz; noise with the correlation exp(-|t| / 0.02 s) has the covariance D R D.
+
+    Args:
+        white: C^-1 J, shape (W n, P).
+        load_stddev: D, standard deviation of e by the load [rad/s^2], shape (W, n).
+        interval: of the nodes [s], shape (n,).
+    """
+    wheels, n = load_stddev.shape
+    scaled = white.reshape(wheels, n, -1) * load_stddev[:, :, np.newaxis]
+    by_node = np.asfortranarray(scaled.transpose(1, 0, 2).reshape(n, -1))
+    keep = np.exp(-interval[1:] / _LOAD_CORRELATION)
+    earlier = recursion(keep, by_node) - by_node  # what correlates with each node before it
+    cross = by_node.reshape(n * wheels, -1).T @ earlier.reshape(n * wheels, -1)
+    return np.asarray(cross + cross.T)
