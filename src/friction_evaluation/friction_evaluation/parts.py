@@ -17,6 +17,7 @@ PARTS = {
     "abs": "closed loop with the supervisor: adhesion utilisation, stopping distance, wheel lock",
     "faults": "campaign of faults in closed loop: what each does to the stop, and whether the limits hold",
     "identification": "Monte Carlo of lambda_max: the chapter's methods and the default, beside the Cramer-Rao bound",
+    "real_car": "friction curves of cars that are not known exactly, on a plant of its own",
     "measured": "whole-vehicle fit on measured data: BMW stop, Putnam laps, tyre rig",
     "slip": "vehicle speed and slip without a speed sensor, simulated stops and the measured one",
     "smart_tyre": "Fz and Fx from the in-tyre accelerometer",

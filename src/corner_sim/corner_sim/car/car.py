@@ -1,0 +1,150 @@
+"""Motion of the car: four wheels, slips that relax, loads that move; fixed small steps.
+
+With omega the speed of a wheel, s the slip of its tyre, u = v (1 +- track curvature / 2) the speed of its axle stub:
+
+    J omega' = r Fz mu(s + tau_c s') - T_brake - T_drag + T_engine
+    sigma s' = u - r omega - u s
+    m v'     = - sum Fz mu(s + tau_c s') - c_roll sum Fz - rho/2 A v^2 - m g slope
+
+tau_c is the damping of the tyre's carcass, without which the wheel rings on it at low speed; tau_c s' is limited to the
+slip that is left to go. Forces across the car are not part of it; a curve moves load and makes wheel speeds unequal.
+"""
+
+from math import sqrt
+
+from corner_sim.car.car_parameters import AIR_DENSITY, GRAVITY, CarParameters, Four
+from corner_sim.car.pitch import Pitch
+from corner_sim.car.unevenness import load_variation
+
+GAMMA = 1.0 - sqrt(0.5)
+"""Of the method ROS2, which is L-stable with it and of second order with any Jacobian."""
+STEP = 1e-3
+"""Time step [s]."""
+_SIDE = (1.0, -1.0, 1.0, -1.0)
+
+
+class Car:
+    """The car, from rolling freely in a straight line."""
+
+    def __init__(self, parameters: CarParameters, speed: float, seed: int) -> None:
+        """Begin at `speed` [m/s] > 0; `seed` is that of the road's unevenness."""
+        p = self._p = parameters
+        self.speed = speed
+        """Speed of the body [m/s]."""
+        self.wheel_speed = [speed / radius for radius in p.radius]
+        """Wheel speeds [rad/s]."""
+        self.acceleration = 0.0
+        """Mean acceleration of the body over the last step [m/s^2]."""
+        self.pitch = Pitch(p.pitch_frequency, p.pitch_damping, p.damper_share)
+        self._relaxed_slip = [0.0] * 4
+        self._steps = 0
+        self._curvature = 0.0
+        self._relative_load = load_variation(p.load_variation, seed, STEP)
+        front, rear = 0.5 * p.front_load_share, 0.5 * (1.0 - p.front_load_share)
+        self._shares = (front, front, rear, rear)
+
+    @property
+    def vertical_load(self) -> list[float]:
+        """Loads [N], >= 0: at rest, moved by pitch and by lateral acceleration, and varied by the road."""
+        p = self._p
+        pitched = -0.5 * p.mass * p.height / p.wheelbase * self.pitch.load_acceleration
+        rolled = -p.mass * self.speed**2 * self._curvature * p.height / p.track  # a left turn loads the right
+        uneven = self._relative_load[self._steps % len(self._relative_load)]
+        weight = p.mass * GRAVITY
+        return [
+            max((weight * share + end * pitched + side * rolled * share * 2.0) * variation, 0.0)
+            for share, end, side, variation in zip(self._shares, (1.0, 1.0, -1.0, -1.0), _SIDE, uneven, strict=True)
+        ]
+
+    @property
+    def friction(self) -> list[float]:
+        """Fx / Fz of each tyre, braking positive."""
+        return [tyre.friction(slip)[0] for tyre, slip in zip(self._p.tyres, self.tyre_slip, strict=True)]
+
+    @property
+    def tyre_slip(self) -> list[float]:
+        """Slips of the tyres, s + tau_c s', of which friction is a function."""
+        damped = self._damped_share(self.speed)
+        return [s + damped * (slip - s) for s, slip in zip(self._relaxed_slip, self.slip, strict=True)]
+
+    @property
+    def slip(self) -> list[float]:
+        """Kinematic slips (u - r omega) / u of the wheels."""
+        stub = self._stub_ratio(self._curvature)
+        return [
+            1.0 - radius * omega / (self.speed * ratio)
+            for radius, omega, ratio in zip(self._p.radius, self.wheel_speed, stub, strict=True)
+        ]
+
+    def step(
+        self, brake_torque: list[float], engine_torque: float = 0.0, slope: float = 0.0, curvature: float = 0.0
+    ) -> None:
+        """Advance by STEP.
+
+        Args:
+            brake_torque: mean of each wheel over the step [N m], >= 0, shape (4,).
+            engine_torque: at each rear wheel [N m], > 0 drives; with 0 the throttle is closed and the engine drags.
+            slope: sine of the angle of the road here, uphill positive, besides that of the parameters.
+            curvature: of the path [1/m], positive to the left.
+        """
+        p, h = self._p, STEP
+        gh = GAMMA * h
+        self._curvature = curvature
+        loads = self.vertical_load
+        stub = self._stub_ratio(curvature)
+        rear = engine_torque if engine_torque > 0.0 else -p.engine_drag
+        v = self.speed
+        resistance = p.rolling_resistance * sum(loads) + p.mass * GRAVITY * (slope + p.slope)
+        drag = 0.5 * AIR_DENSITY * p.drag_area
+        stages = []
+        force_1 = resistance + drag * v * v
+        for i in range(4):
+            radius, inertia, load = p.radius[i], p.inertia[i], loads[i]
+            u = v * stub[i]
+            rest = 1.0 - radius * self.wheel_speed[i] / u - self._relaxed_slip[i]
+            damped = self._damped_share(u)
+            mu, mu_slope = p.tyres[i].friction(self._relaxed_slip[i] + damped * rest)
+            force_1 += load * mu
+            torque = (rear if i > 1 else 0.0) - brake_torque[i]
+            wheel = (radius * load * mu + torque) / inertia
+            relax = u * rest / p.relaxation_length
+            stiffness = gh * radius * load * mu_slope / inertia
+            b11 = 1.0 + stiffness * damped * radius / u  # b: of the inverse of 1 - gh Jacobian
+            b12 = stiffness * (1.0 - damped)
+            b21 = -gh * radius / p.relaxation_length
+            b22 = 1.0 + gh * u / p.relaxation_length
+            det = b11 * b22 - b12 * b21
+            k_wheel = (b22 * wheel + b12 * relax) / det
+            k_relax = (b11 * relax + b21 * wheel) / det
+            stages.append((k_wheel, k_relax, b11, b12, b21, b22, det, torque))
+        v_2 = v - h * force_1 / p.mass
+        force_2 = resistance + drag * v_2 * v_2
+        for i, (k_wheel, k_relax, b11, b12, b21, b22, det, torque) in enumerate(stages):
+            radius, inertia, load = p.radius[i], p.inertia[i], loads[i]
+            omega_2 = self.wheel_speed[i] + h * k_wheel
+            slip_2 = self._relaxed_slip[i] + h * k_relax
+            u = v_2 * stub[i]
+            rest = 1.0 - radius * omega_2 / u - slip_2
+            damped = self._damped_share(u)
+            mu = p.tyres[i].friction(slip_2 + damped * rest)[0]
+            force_2 += load * mu
+            wheel = (radius * load * mu + torque) / inertia - 2.0 * k_wheel
+            relax = u * rest / p.relaxation_length - 2.0 * k_relax
+            omega = self.wheel_speed[i] + h * (1.5 * k_wheel + 0.5 * (b22 * wheel + b12 * relax) / det)
+            self.wheel_speed[i] = max(omega, 0.0)  # a brake does not turn a wheel backwards
+            self._relaxed_slip[i] += h * (1.5 * k_relax + 0.5 * (b11 * relax + b21 * wheel) / det)
+        self.acceleration = -0.5 * (force_1 + force_2) / p.mass
+        self.speed = v + h * self.acceleration
+        self.pitch.step(self.acceleration, h)
+        self._steps += 1
+
+    def _damped_share(self, stub_speed: float) -> float:
+        """tau_c s' over the slip left to go: tau_c u / sigma, limited to 1."""
+        way = self._p.carcass_damping * stub_speed
+        return way / (self._p.relaxation_length + way)
+
+    def _stub_ratio(self, curvature: float) -> Four:
+        """Speeds at the wheels over that of the body, which is taken at the middle of the rear axle."""
+        lateral = 0.5 * self._p.track * curvature
+        ahead = 1.0 + 0.5 * (self._p.wheelbase * curvature) ** 2  # the front axle runs on the wider circle
+        return ((1.0 - lateral) * ahead, (1.0 + lateral) * ahead, 1.0 - lateral, 1.0 + lateral)

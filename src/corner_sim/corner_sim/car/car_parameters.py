@@ -1,0 +1,99 @@
+"""What a car is: its body, wheels, brakes and sensors, as they are and not as anybody knows them."""
+
+from dataclasses import dataclass, field
+from math import radians
+
+from corner_sim.car.tyre import TYRES, Tyre
+
+WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
+"""Wheels in the order of every array."""
+GRAVITY = 9.81
+"""[m/s^2]"""
+AIR_DENSITY = 1.2
+"""[kg/m^3]"""
+Four = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class SensorParameters:
+    """The sensors, with their errors."""
+
+    sample_rate: int = 200
+    """Rate of the recording [Hz], a divisor of 1000."""
+    encoder_teeth: int = 0
+    """Teeth of the encoders; 0: ideal wheel speeds with white noise."""
+    wheel_speed_variance: float = 0.005
+    """Variance of ideal wheel speeds [rad^2/s^2], as section 8.3.2."""
+    wheel_delay: float = 0.0
+    """Time by which wheel speeds are older than their stamp [s]."""
+    pressure_delay: float = 0.0
+    """Time by which a pressure is older than its stamp, or the torque ahead of it [s]."""
+    pressure_lag: float = 0.0
+    """Time constant of the pressure sensor [s]."""
+    pressure_stddev: float = 2.5e4
+    """White noise of a pressure [Pa]."""
+    acceleration_delay: float = 0.0
+    """Time by which an acceleration is older than its stamp [s]."""
+    acceleration_offset: float = 0.0
+    """[m/s^2]"""
+    acceleration_scale: float = 1.0
+    """Change of the reading over change of specific force."""
+    acceleration_stddev: float = 0.05
+    """White noise of the accelerometer [m/s^2]."""
+
+
+@dataclass(frozen=True)
+class CarParameters:
+    """A compact car, its rear wheels driven; the defaults are its nominal values without any trouble."""
+
+    tyres: tuple[Tyre, Tyre, Tyre, Tyre] = (TYRES["burckhardt"]["dry"],) * 4
+    """Tyre of each wheel on its road."""
+    mass: float = 1500.0
+    """[kg]"""
+    front_load_share: float = 0.5
+    """Share of the weight on the front axle at rest."""
+    wheelbase: float = 2.7
+    """[m]"""
+    height: float = 0.5
+    """Height of the centre of gravity [m]; 0: no load transfer."""
+    track: float = 1.5
+    """[m]"""
+    drag_area: float = 0.65
+    """[m^2]"""
+    rolling_resistance: float = 0.012
+    """Coefficient; the force acts on the body, as the effective radius is that of the freely rolling wheel."""
+    radius: Four = (0.3,) * 4
+    """Effective rolling radii [m]."""
+    inertia: Four = (1.0,) * 4
+    """Wheel inertias [kg m^2]."""
+    brake_gain: Four = (1.3e-4, 1.3e-4, 0.7e-4, 0.7e-4)
+    """Torque over pressure when cold [N m/Pa]."""
+    fading: float = 0.0
+    """Share of the gain lost when pads have taken `fading_energy`, in [0, 1)."""
+    fading_energy: float = 1.0e5
+    """Work of one brake over which the gain falls linearly to 1 - fading [J]."""
+    brake_lag: float = 0.0
+    """Time constant of torque behind pressure [s]."""
+    engine_drag: float = 0.0
+    """Torque of the closed throttle at each rear wheel [N m], braking positive."""
+    relaxation_length: float = 1e-3
+    """Length sigma over which the slip of a tyre follows the kinematic slip [m], > 0."""
+    carcass_damping: float = 1e-3
+    """Time constant of the tyre's own damping [s]: the longitudinal mode near 40 Hz has 10 % of damping by it."""
+    pitch_frequency: float = 1.6
+    """Natural frequency of pitch [Hz]."""
+    pitch_damping: float = 0.5
+    """Its damping ratio."""
+    damper_share: float = 0.0
+    """Share of the dampers' force in the load transfer: 1 a sprung body, 0 a load that lags as the pitch angle does."""
+    pitch_gain: float = 0.0
+    """Pitch, nose down, over steady deceleration [rad s^2/m]; see PITCH_GAIN."""
+    load_variation: float = 0.0
+    """RMS of the load of each wheel over its mean, by the unevenness of the road."""
+    slope: float = 0.0
+    """Sine of the angle of the road, uphill positive."""
+    sensors: SensorParameters = field(default_factory=SensorParameters)
+
+
+PITCH_GAIN = radians(0.15)
+"""A common pitch [rad s^2/m]."""

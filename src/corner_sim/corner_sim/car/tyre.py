@@ -1,0 +1,82 @@
+"""Tyres: the friction mu over the slip s of the tyre, by Burckhardt or by Pacejka's magic formula."""
+
+from dataclasses import dataclass
+from math import atan, cos, exp, log, pi, sin, tan
+from typing import Protocol
+
+
+class Tyre(Protocol):
+    """Steady friction of a tyre on a road; mu(-s) = -mu(s)."""
+
+    def friction(self, slip: float) -> tuple[float, float]:
+        """Friction mu [-] and its slope d mu / d s [-] at a slip [-], braking positive."""
+
+    @property
+    def peak(self) -> tuple[float, float]:
+        """Slip lambda_max [-] and friction mu_max [-] of the peak."""
+
+
+@dataclass(frozen=True)
+class Burckhardt:
+    """mu = th1 (1 - exp(-th2 s)) - th3 s (Kiencke and Nielsen, Automotive Control Systems; Table 8.1)."""
+
+    th1: float
+    th2: float
+    th3: float
+
+    def friction(self, slip: float) -> tuple[float, float]:
+        """Friction and slope; see Tyre."""
+        decayed = self.th1 * exp(-self.th2 * abs(slip))
+        friction = self.th1 - decayed - self.th3 * abs(slip)
+        return (friction if slip >= 0.0 else -friction), self.th2 * decayed - self.th3
+
+    @property
+    def peak(self) -> tuple[float, float]:
+        """Peak, where the slope is zero: exp(-th2 s) = th3 / (th1 th2)."""
+        slip = log(self.th1 * self.th2 / self.th3) / self.th2
+        return slip, self.friction(slip)[0]
+
+
+@dataclass(frozen=True)
+class Pacejka:
+    """mu = D sin(C atan(y - E (y - atan y))), y = B s (Pacejka, Tire and Vehicle Dynamics), with C > 1 for a peak."""
+
+    B: float
+    C: float
+    D: float
+    E: float
+
+    def friction(self, slip: float) -> tuple[float, float]:
+        """Friction and slope; see Tyre."""
+        y = self.B * slip
+        bent = y - self.E * (y - atan(y))
+        angle = self.C * atan(bent)
+        inner = self.B * (1.0 - self.E + self.E / (1.0 + y * y))
+        return self.D * sin(angle), self.D * cos(angle) * self.C * inner / (1.0 + bent * bent)
+
+    @property
+    def peak(self) -> tuple[float, float]:
+        """Peak, where C atan(y - E (y - atan y)) is a right angle; by bisection, for E <= 1."""
+        target, low, high = tan(pi / (2.0 * self.C)), 0.0, 1e3
+        for _ in range(100):
+            y = 0.5 * (low + high)
+            low, high = (low, y) if y - self.E * (y - atan(y)) > target else (y, high)
+        return low / self.B, self.D
+
+
+TYRES: dict[str, dict[str, Tyre]] = {
+    "burckhardt": {
+        "dry": Burckhardt(1.2801, 23.99, 0.52),
+        "wet": Burckhardt(0.857, 33.822, 0.347),
+        "cobblestone": Burckhardt(1.3713, 6.4565, 0.6691),
+        "snow": Burckhardt(0.1946, 94.129, 0.0646),
+    },
+    "pacejka": {
+        "dry": Pacejka(10.0, 1.9, 1.0, 0.97),
+        "wet": Pacejka(12.0, 2.3, 0.82, 1.0),
+        # none is in common use: one with the peak of Burckhardt's
+        "cobblestone": Pacejka(4.07, 1.7, 1.0, 0.5),
+        "snow": Pacejka(5.0, 2.0, 0.3, 1.0),
+    },
+}
+"""Published tyres by family and road."""

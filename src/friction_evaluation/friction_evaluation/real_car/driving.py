@@ -1,0 +1,81 @@
+"""Ordinary driving of random cars: there is no peak to be seen, and nothing may say so."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from corner_sim.car.ordinary_driving import OrdinaryDriver
+from corner_sim.car.random_car import random_car
+from corner_sim.car.recording import record
+from friction_evaluation.real_car.answers import follow
+from friction_evaluation.real_car.stops import ALARM
+from friction_evaluation.rows import Row, at_most, not_judged
+
+DRIVE = 120.0
+"""Length of a drive [s]; the hours are made of such drives, each of another car."""
+LASTING = 0.05
+"""Time for which P(beyond the peak) > 0.9 is a lasting alarm [s]."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A drive to make, with a random car."""
+
+    seed: int
+    road: str
+    family: str
+    method: str
+    duration: float = DRIVE
+    """[s]"""
+
+
+@dataclass(frozen=True)
+class DriveResult:
+    """What was claimed in a drive, which never comes near the peak."""
+
+    hours: float
+    valid_peaks: int
+    """Runs of valid messages, of all wheels."""
+    lasting_alarms: int
+    """Runs of P > 0.9 that last, of all wheels."""
+    largest_slip: float
+    """Largest slip of a tyre over its lambda_max."""
+
+
+def make_drive(drive: Drive) -> DriveResult:
+    """Drive, estimate and count."""
+    # the drive has hills of its own: on snow no car with two driven wheels climbs more
+    car = replace(random_car(drive.seed, drive.road, drive.family).parameters, slope=0.0)
+    driver = OrdinaryDriver(car, drive.seed)
+    run = record(car, driver, drive.seed, speed=15.0, duration=drive.duration, surroundings=driver.surroundings)
+    found = follow(drive.method, run, len(run.time))
+    lasting = round(LASTING * car.sensors.sample_rate)
+    return DriveResult(
+        hours=float(run.time[-1]) / 3600.0,
+        valid_peaks=len(runs_of(found.valid == 1.0)),
+        lasting_alarms=int(np.sum(runs_of(found.probability_beyond_peak > ALARM) > lasting)),
+        largest_slip=float((run.tyre_slip / run.lambda_max).max()),
+    )
+
+
+def runs_of(true: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Lengths of all runs of true values down each column of an array of shape (n, wheels)."""
+    padded = np.pad(true, ((1, 1), (0, 0))).astype(np.int8).T
+    edges = np.diff(padded, axis=1).ravel()
+    return np.flatnonzero(edges == -1) - np.flatnonzero(edges == 1)
+
+
+def drive_rows(results: Sequence[DriveResult]) -> list[Row]:
+    """Rows of all drives."""
+    start = {"case": "ordinary driving", "road": "all", "stops": len(results)}
+    hours = sum(result.hours for result in results)
+    return [
+        start | {"quantity": "valid peaks"} | at_most(sum(result.valid_peaks for result in results), 0),
+        start | {"quantity": "lasting alarms"} | at_most(sum(result.lasting_alarms for result in results), 0),
+        start | {"quantity": "hours"} | not_judged(hours),
+        start
+        | {"quantity": "largest slip over lambda_max"}
+        | not_judged(max(result.largest_slip for result in results)),
+    ]

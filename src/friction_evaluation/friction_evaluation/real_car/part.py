@@ -1,0 +1,104 @@
+"""Friction curves on a plant that shares nothing with the estimators' models: corner_sim.car.
+
+The estimators know the vehicle file compact_car. Stops begin at 25 m/s without a speed sensor, the brake pressure takes
+every wheel through its peak by prescription. Judged are the wheels that are valid 0.4 s after the first wheel has
+passed its peak; a wheel has passed when the slip of its tyre, behind the relaxation length, exceeds lambda_max. An
+interval is the estimate +- 1.96 of its stated deviations. An alarm is P(beyond the peak) > 0.9, early if it comes more
+than 25 ms before the wheel passes, lasting in ordinary driving from 50 ms on. A share of the peak, before it, is one of
+mu_max. With one process a stop takes about 2 s with the default estimator; 50 seeds are 2600 stops.
+"""
+
+import argparse
+
+from corner_sim.car.pressure_prescription import Cycling
+from corner_sim.car.random_car import random_car
+from corner_sim.car.tyre import TYRES
+from friction_curve_id.methods import DEFAULT
+from friction_evaluation.real_car.before_peak import Rise, make_rise, rise_rows
+from friction_evaluation.real_car.driving import DRIVE, Drive, drive_rows, make_drive
+from friction_evaluation.real_car.methods import METHODS
+from friction_evaluation.real_car.pool import in_processes
+from friction_evaluation.real_car.stop_rows import stop_rows
+from friction_evaluation.real_car.stops import Stop, make_stop
+from friction_evaluation.real_car.troubles import ROADS, TROUBLES, troubled_car
+from friction_evaluation.rows import Row
+
+_FIRST_SEED = 40_000
+"""Far from the seeds of the tuning."""
+_STUDIES = ("troubles", "random", "before_peak", "driving")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of this part."""
+    parser.add_argument("--seeds", type=int, default=50, help="seeds a trouble and road; random cars a road")
+    parser.add_argument("--hours", type=float, default=0.2, help="hours of ordinary driving")
+    parser.add_argument("--method", choices=METHODS, default=DEFAULT, help="the estimator that is judged")
+    parser.add_argument("--studies", nargs="+", choices=_STUDIES, default=list(_STUDIES), help="what to study")
+    parser.add_argument("--troubles", nargs="+", choices=TROUBLES, default=list(TROUBLES), help="for 'troubles'")
+    parser.add_argument("--processes", type=int, default=2, help="processes that share the runs")
+
+
+def run(options: argparse.Namespace) -> list[Row]:
+    """Make the studies and return their rows."""
+    studies = {"troubles": _troubles, "random": _random, "before_peak": _before_peak, "driving": _driving}
+    return [row for name in options.studies for row in studies[name](options)]
+
+
+def _troubles(options: argparse.Namespace) -> list[Row]:
+    cases = [(trouble, road) for trouble in options.troubles for road in ROADS]
+    jobs = [
+        Stop(troubled_car(trouble, road), Cycling(), _FIRST_SEED + seed, options.method)
+        for trouble, road in cases
+        for seed in range(options.seeds)
+    ]
+    results = in_processes(make_stop, jobs, "one trouble", options.processes)
+    rows: list[Row] = []
+    for number, (trouble, road) in enumerate(cases):
+        of_case = results[number * options.seeds : (number + 1) * options.seeds]
+        rows += stop_rows(trouble, road, of_case, judge_errors=False)
+    return rows
+
+
+def _random(options: argparse.Namespace) -> list[Row]:
+    jobs = []
+    for road in ROADS:
+        for seed in range(options.seeds):
+            number = _FIRST_SEED + seed
+            car = random_car(number, road, _family(seed))
+            jobs.append(Stop(car.parameters, car.cycling, number, options.method))
+    results = in_processes(make_stop, jobs, "random cars", options.processes)
+    rows = stop_rows("random cars", "all", results, judge_errors=True)
+    for number, road in enumerate(ROADS):
+        of_road = results[number * options.seeds : (number + 1) * options.seeds]
+        rows += [_informing(row) for row in stop_rows("random cars", road, of_road, judge_errors=True)]
+    return rows
+
+
+def _before_peak(options: argparse.Namespace) -> list[Row]:
+    rows: list[Row] = []
+    for family in TYRES:
+        jobs = [
+            Rise(_FIRST_SEED + seed, road, family, options.method) for road in ROADS for seed in range(options.seeds)
+        ]
+        results = in_processes(make_rise, jobs, f"before the peak, {family}", options.processes)
+        rows += rise_rows(family, [each for result in results for each in result])
+    return rows
+
+
+def _driving(options: argparse.Namespace) -> list[Row]:
+    total = 3600.0 * options.hours
+    jobs = [
+        Drive(_FIRST_SEED + k, ROADS[k // 2 % len(ROADS)], _family(k), options.method, min(DRIVE, total - k * DRIVE))
+        for k in range(int(-(-total // DRIVE)))
+    ]
+    return drive_rows(in_processes(make_drive, jobs, "ordinary driving", options.processes)) if jobs else []
+
+
+def _family(number: int) -> str:
+    """Every second car has tyres of the other family."""
+    return tuple(TYRES)[number % len(TYRES)]
+
+
+def _informing(row: Row) -> Row:
+    """The limits hold for all roads together."""
+    return row | {"limit": None, "passed": None}

@@ -1,0 +1,132 @@
+"""Friction curves of cars that are not known exactly: what is counted as what."""
+
+import argparse
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from corner_sim.car.car_parameters import CarParameters
+from corner_sim.car.pressure_prescription import Cycling, SlipCycle
+from corner_sim.car.recording import Recording, record
+from corner_sim.car.tyre import TYRES
+from friction_evaluation.real_car import part
+from friction_evaluation.real_car.answers import Answers
+from friction_evaluation.real_car.before_peak import rise_rows
+from friction_evaluation.real_car.driving import DriveResult, drive_rows, runs_of
+from friction_evaluation.real_car.stop_rows import stop_rows
+from friction_evaluation.real_car.stops import judge
+from friction_evaluation.real_car.troubles import TROUBLES, troubled_car
+from friction_evaluation.rows import Row
+
+Array = NDArray[np.float64]
+
+
+@pytest.fixture(scope="module")
+def run() -> Recording:
+    parameters = troubled_car("none", "dry")
+    return record(parameters, SlipCycle(parameters, Cycling()), 1)
+
+
+def first_passing(run: Recording) -> float:
+    return float(run.time[(run.tyre_slip > run.lambda_max).any(axis=1).argmax()])
+
+
+def oracle(run: Recording, since: float = 0.1, alarm_shift: float = 0.0) -> Answers:
+    """Right answers, valid `since` the first passing, with alarms `alarm_shift` after the truth."""
+    n = len(run.time)
+    every = np.ones((n, 4))
+    shift = round(alarm_shift / float(run.time[1]))
+    beyond = np.roll(run.tyre_slip > run.lambda_max, shift, axis=0).astype(np.float64)
+    beyond[: max(shift, 0)] = 0.0  # the end that has come round
+    valid = every * (run.time >= first_passing(run) + since - 1e-9)[:, np.newaxis]
+    return Answers(every * run.lambda_max, every * 0.01, every * run.mu_max, every * 0.01, beyond, valid, 0.0 * every)
+
+
+def quantities(rows: list[Row]) -> dict[str, Row]:
+    return {row["quantity"]: row for row in rows}
+
+
+def test_right_answers_pass_every_limit(run: Recording) -> None:
+    result = judge(run, oracle(run), first_passing(run))
+    assert result.first_valid == pytest.approx(0.1, abs=1e-6)
+    assert (result.passed, result.early, result.missed, result.false_beyond) == (4, 0, 0, 0.0)
+    rows = stop_rows("case", "dry", [result] * 3, judge_errors=True)
+    assert all(row["passed"] in (None, True) for row in rows)
+    assert quantities(rows)["coverage of lambda_max [%]"]["estimates"] == 12
+
+
+def test_an_interval_that_misses_the_truth_is_counted(run: Recording) -> None:
+    found = oracle(run)
+    wrong = judge(run, replace(found, lambda_max=found.lambda_max + 0.03), first_passing(run))
+    rows = quantities(stop_rows("case", "dry", [judge(run, found, first_passing(run)), wrong], judge_errors=False))
+    assert rows["coverage of lambda_max [%]"]["value"] == 50.0
+    assert rows["coverage of lambda_max [%]"]["bias_pct"] == pytest.approx(50.0 * 0.03 / run.lambda_max[0])
+    assert rows["coverage of lambda_max, all valid messages [%]"]["value"] == 50.0
+    assert rows["coverage of mu_max [%]"]["value"] == 100.0
+
+
+def test_silence_does_not_pass(run: Recording) -> None:
+    found = oracle(run)
+    silent = replace(found, valid=0.0 * found.valid, probability_beyond_peak=found.valid * np.nan)
+    result = judge(run, silent, first_passing(run))
+    assert result.missed == 4 and result.first_valid == np.inf
+    rows = quantities(stop_rows("case", "dry", [result], judge_errors=False))
+    assert not rows["valid within 0.4 s [%]"]["passed"]
+    assert not rows["coverage of lambda_max [%]"]["passed"]
+
+
+@pytest.mark.parametrize(("shift", "early"), [(-0.05, 4), (-0.02, 0), (0.1, 0)])
+def test_alarms_more_than_25_ms_before_the_passing_are_early(run: Recording, shift: float, early: int) -> None:
+    result = judge(run, oracle(run, alarm_shift=shift), first_passing(run))
+    assert result.early == early and result.missed == 0
+    if not early:
+        assert result.alarm_delay == pytest.approx([shift] * 4, abs=0.003)
+    assert (result.false_beyond > 0.0) == (abs(shift) > 0.025)
+
+
+def test_what_is_valid_before_50_ms_fails(run: Recording) -> None:
+    rows = stop_rows("case", "dry", [judge(run, oracle(run, since=0.04), first_passing(run))], judge_errors=False)
+    assert not quantities(rows)["valid before 0.05 s [%]"]["passed"]
+
+
+@pytest.mark.parametrize("trouble", TROUBLES)
+def test_a_trouble_is_alone(trouble: str) -> None:
+    car, none = troubled_car(trouble, "snow"), troubled_car("none", "snow")
+    assert none == replace(CarParameters(), tyres=(TYRES["burckhardt"]["snow"],) * 4, height=0.0)
+    changed = {each.name for each in fields(car) if getattr(car, each.name) != getattr(none, each.name)}
+    assert len(changed) == (trouble != "none")
+
+
+def test_runs_are_counted_by_wheel() -> None:
+    true = np.array([[1, 0], [1, 1], [0, 1], [1, 0]], dtype=bool)
+    assert sorted(runs_of(true)) == [1, 2, 2]
+    assert len(runs_of(np.zeros((5, 4), dtype=bool))) == 0
+
+
+def test_a_claim_in_ordinary_driving_fails() -> None:
+    quiet, loud = DriveResult(1.0, 0, 0, 0.3), DriveResult(1.0, 1, 0, 0.3)
+    assert all(row["passed"] in (None, True) for row in drive_rows([quiet]))
+    assert [row["quantity"] for row in drive_rows([quiet, loud]) if row["passed"] is False] == ["valid peaks"]
+
+
+def test_mu_max_that_is_not_given_before_the_peak_is_not_covered() -> None:
+    rows = quantities(rise_rows("pacejka", [(0.5, 0.1, True), (0.5, float("nan"), False)]))
+    assert rows["coverage of mu_max at 50 % of it [%]"]["value"] == 50.0
+    assert rows["median |error| of mu_max at 50 % of it [%]"]["value"] == pytest.approx(10.0)
+
+
+def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(part, "ROADS", ("wet",))
+    parser = argparse.ArgumentParser()
+    part.add_arguments(parser)
+    arguments = ["--seeds", "1", "--hours", "0.002", "--processes", "1", "--troubles", "48 teeth at 100 Hz"]
+    rows = part.run(parser.parse_args(arguments))
+    assert {row["case"] for row in rows} == {
+        *("48 teeth at 100 Hz", "random cars", "ordinary driving"),
+        *("before the peak, burckhardt", "before the peak, pacejka"),
+    }
+    assert {row["road"] for row in rows} == {"wet", "all"}
+    for row in rows:
+        assert {"value", "limit", "passed"} <= set(row)
