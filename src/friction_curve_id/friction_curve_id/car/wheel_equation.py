@@ -72,7 +72,7 @@ def wheel_equation(
         car: nominal values.
         nodes: measured signals.
         moved: their motion at the unknowns.
-        torque: T at nominal gain, at the nodes later by the pressure's delay [N m], shape (W, n).
+        torque: T at nominal gain, weighed, later by the pressure's delay [N m], shape (W, n).
         torque_rate: its derivative by time [N m/s], shape (W, n).
         family: formula of the curve.
         unknowns: shape (SHARED + W,).
@@ -111,15 +111,16 @@ def wheel_equation(
         tyre_jacobian[wheel, :, SHARED + wheel] = tyre_by_slip[wheel] * moved.relaxed_by_offset
     jacobian = weighed(tyre_jacobian)
     jacobian *= -1.0
-    brake_weighed = weighed(brake)
-    acting = brake_weighed + p[Unknown.ENGINE_DRAG] * car.driven
+    acting = brake + p[Unknown.ENGINE_DRAG] * car.driven
     balance = acting - weighed(tyre)
-    jacobian[:, :, Unknown.LOG_GAIN_FRONT] = car.front * brake_weighed
-    jacobian[:, :, Unknown.LOG_GAIN_REAR] = (1.0 - car.front) * brake_weighed
-    jacobian[:, :, Unknown.PRESSURE_DELAY] = weighed(gain * torque_rate)
+    jacobian[:, :, Unknown.LOG_GAIN_FRONT] = car.front * brake
+    jacobian[:, :, Unknown.LOG_GAIN_REAR] = (1.0 - car.front) * brake
+    jacobian[:, :, Unknown.PRESSURE_DELAY] = gain * torque_rate
     jacobian[:, :, Unknown.ENGINE_DRAG] = car.driven
-    jacobian[:, :, Unknown.LOG_INERTIA] = -balance
     jacobian *= 1.0 / inertia[:, :, np.newaxis]
+    # At the solution d e / d ln J = - balance / J is omega_dot. Its noise is that of e, and would draw the inertia to
+    # where noise is least; in means over five nodes it is not.
+    jacobian[:, :, Unknown.LOG_INERTIA] = _mean_of_five(nodes.wheel_acceleration)
 
     missed = (second_difference(brake) ** 2 + second_difference(tyre) ** 2) * (1.0 / 36.0)
     slip_noise = tyre_by_slip * car.radius * nodes.wheel_noise[:, 1:] / moved.speed
@@ -128,3 +129,10 @@ def wheel_equation(
     load_variance = (tyre / inertia) ** 2
     error = nodes.wheel_acceleration + balance / inertia
     return WheelEquation(error, jacobian, fixed, load_variance, acting)
+
+
+def _mean_of_five(values: Array) -> Array:
+    """Means over a value and its two neighbours on either side, along the second axis; the ends are repeated."""
+    padded = np.pad(values, ((0, 0), (2, 2)), mode="edge")
+    n = values.shape[1]
+    return np.asarray((padded[:, :n] + padded[:, 1 : n + 1] + padded[:, 2 : n + 2] + padded[:, 3 : n + 3] + padded[:, 4:]) * 0.2)
