@@ -48,6 +48,7 @@ class CarConstants:
         self.brake_gain = np.array([wheel.brake_gain for wheel in wheels])
         self.driven = np.array([float(wheel.driven) for wheel in wheels]).reshape(column)
         self.front = np.array([float(wheel.axle == FRONT) for wheel in wheels]).reshape(column)
+        self.left = np.array([1.0 if wheel.side == "left" else -1.0 for wheel in wheels]).reshape(column)
         self.teeth = np.array([wheel.encoder_teeth for wheel in wheels], dtype=float).reshape(column)
         share, transfer = np.array(vehicle.load_shares), np.array(vehicle.transfer_shares)
         self.transfer = transfer[list(present)].reshape(column)
@@ -184,7 +185,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
     pitch = pitch_of_body(force, float(np.median(nodes.interval)), p, carried.pitch)
     speed, gradient = speeds(nodes, p, pitch.pitch, carried.pitched)
     rolling = car.radius * nodes.wheel_speed / speed
-    slip = 1.0 - rolling + p[SHARED:, np.newaxis]
+    slip = 1.0 - rolling + p[SHARED:, np.newaxis] + car.left * p[Unknown.CURVE]
 
     interval = np.diff(nodes.time)
     length = max(float(p[Unknown.RELAXATION_LENGTH]), _LEAST_RELAXATION)

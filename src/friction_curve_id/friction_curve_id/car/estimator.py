@@ -6,7 +6,7 @@ between, the present slip is followed with the last fit. What leaves the window 
 quadratic, which fades.
 """
 
-from math import exp, hypot, inf, isfinite, nan, sqrt
+from math import exp, inf, isfinite, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +56,8 @@ _LARGEST_STDDEV = 0.25
 _EARLIEST_VALID = 0.1
 _LEAST_AGE = 0.1
 """Time since the slip first was beyond the peak before it is seen [s]."""
+_SURPRISE = 5.0
+"""Most deviations by which the sum of the squared unknowns may exceed its mean, each in deviations of its prior."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""
 
@@ -229,6 +231,8 @@ class CarEstimator:
             for family in p.families()
         ]
         self._families = p.families()
+        unknown = int(np.count_nonzero(self._fits[0].known_to > 0.0))
+        self._most_surprise = unknown + _SURPRISE * sqrt(2.0 * unknown)
         self._mu_floor = radius_deviation(self._vehicle)
         self._peak: Peak | None = None
         self._seen_before = 0.0
@@ -298,6 +302,7 @@ class CarEstimator:
         reason, text = self._reason(time, peak)
         lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
         best = int(np.argmax(peak.weights))
+        surprised = self._fits[best].surprise > self._most_surprise
         u = self._fits[best].unknowns
         shape = (float(u[Unknown.SHAPE_1]), float(u[Unknown.SHAPE_2]))
         curve = curve_values(self._families[best], peak.log_lambda_max, shape, slips / lambda_max)
@@ -316,7 +321,7 @@ class CarEstimator:
                 theta,
                 mu=float(mu[each]),
                 slope=float(slope[each]),
-                probability_beyond_peak=beyond[each],
+                probability_beyond_peak=nan if surprised else beyond[each],
                 restart_cause=cause,
                 reason=reason,
                 text=text,
@@ -339,11 +344,12 @@ class CarEstimator:
             )
             velocity = max(float(moved.speed[-1]) + own - p[Unknown.SLOPE] * ahead, 0.5)
             rolling = self._car.radius[:, 0] * speed / velocity
-            slip = 1.0 - rolling + p[SHARED:]
+            slip = 1.0 - rolling + p[SHARED:] + self._car.left[:, 0] * p[Unknown.CURVE]
             limit = exp(p[Unknown.LOG_LAMBDA_MAX])
             rows = np.zeros((wheels, p.size))
             rows[:, SPEED_UNKNOWNS] = np.outer(rolling / velocity, moved.speed_gradient[:, -1])
             rows[:, Unknown.LOG_LAMBDA_MAX] = -limit * factor
+            rows[:, Unknown.CURVE] = self._car.left[:, 0]
             rows[range(wheels), SHARED + np.arange(wheels)] = 1.0
             variance = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows) + (floor * limit) ** 2
             mean += weight * slip
@@ -358,6 +364,8 @@ class CarEstimator:
         if self._seen < _SEEN_TIME or time - self._start.time - self._beyond_since < _LEAST_AGE:
             return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {self._seen:.2f} s only"
         best = int(np.argmax(peak.weights))
+        if self._fits[best].surprise > self._most_surprise:
+            return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
         if self._move[best] > _SETTLED:
             return Reason.UNCERTAIN, "the fit has not settled"
         if self._fits[best].load_variation == LOAD_VARIATIONS.size - 1:
@@ -374,5 +382,3 @@ def burckhardt_theta(peak: Peak, u: float) -> Array:
     theta_1 = exp(peak.log_mu_max) / (1.0 - exp(-k) - k * exp(-k))
     return np.array([theta_1, k / lambda_max, theta_1 * k * exp(-k) / lambda_max])
 
-
-_ = hypot

@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 LOAD_VARIATIONS = np.array([0.002, 0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 0.075, 0.11])
 """Values that the variation of the wheel load may take [-]."""
 _LOAD_CORRELATION = 0.02
+_CURVE_UNKNOWNS = 4
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,17 @@ class CurveFit:
     def unknowns(self) -> Array:
         """Present estimate, shape (P,)."""
         return self._prior.mean + self._prior.stddev * self.z
+
+    @property
+    def known_to(self) -> Array:
+        """Deviations of the prior of the unknowns besides the curve, shape (P - 4,)."""
+        return self._prior.stddev[_CURVE_UNKNOWNS:]
+
+    @property
+    def surprise(self) -> float:
+        """Sum of the squares of the unknowns besides the curve, each in deviations of its prior."""
+        z = self.z[_CURVE_UNKNOWNS:]
+        return float(z @ z)
 
     def linearise(self, samples: BrakingSamples, nodes: Nodes, start: Start, adapt: bool = True) -> Linearised:
         """Linearise about the present estimate; `adapt`: move the load variation towards its likelihood's maximum."""

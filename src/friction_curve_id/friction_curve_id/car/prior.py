@@ -25,6 +25,8 @@ _PITCH = {
 }
 """Pitch of passenger cars; no keys of the vehicle file."""
 _START_SPEED_STDDEV = 0.05
+_CURVE_STDDEV = 0.006
+"""Half the track over the radius of the curve: 125 m."""
 _OTHER_WHEELS = 0.15
 """Relative deviation of the deceleration of the car from that of the wheels that are measured."""
 _SLIP_OFFSET_STDDEV = 5e-4
@@ -100,6 +102,8 @@ def car_prior(
         max(_relative(wheel, "relaxation_length") for wheel in wheels) * relaxation,
     )
     put(Unknown.START_SPEED, 0.0, _START_SPEED_STDDEV)
+    sides = {wheel.side for wheel in wheels}
+    put(Unknown.CURVE, 0.0, _CURVE_STDDEV if len(sides) > 1 else 0.0)
     put(Unknown.SLOPE, 0.0, slope_stddev * GRAVITY)
     if with_accelerometer:
         put(Unknown.ACCELEROMETER_DELAY, mounting.delay, _absolute(mounting.deviations, "delay"))

@@ -48,6 +48,9 @@ class Unknown(IntEnum):
     PITCH_READING = 21
     """Reading of the accelerometer by the pitch over the specific force that makes it [-]."""
 
+    CURVE = 22
+    """Share by which the left wheels run faster than the car, and the right ones slower, on the way [-]."""
+
 
 SHARED = len(Unknown)
 """Number of unknowns that are shared; unknown SHARED + i is the offset of the slip of wheel i [-]."""

@@ -107,20 +107,21 @@ def wheel_equation(
     for row, unknown in enumerate(SPEED_UNKNOWNS):
         tyre_jacobian[:, :, unknown] = tyre_by_slip * moved.relaxed_by_speed[row]
     tyre_jacobian[:, :, Unknown.RELAXATION_LENGTH] = tyre_by_slip * moved.relaxed_by_length
+    tyre_jacobian[:, :, Unknown.CURVE] = tyre_by_slip * car.left * moved.relaxed_by_offset
     for wheel in range(wheels):
         tyre_jacobian[wheel, :, SHARED + wheel] = tyre_by_slip[wheel] * moved.relaxed_by_offset
     jacobian = weighed(tyre_jacobian)
     jacobian *= -1.0
+    # The noise of a torque is part of e: a Jacobian that held it would draw inertia and gain to where noise is least.
+    smooth = _mean_of_five(brake)
     acting = brake + p[Unknown.ENGINE_DRAG] * car.driven
     balance = acting - weighed(tyre)
-    jacobian[:, :, Unknown.LOG_GAIN_FRONT] = car.front * brake
-    jacobian[:, :, Unknown.LOG_GAIN_REAR] = (1.0 - car.front) * brake
+    jacobian[:, :, Unknown.LOG_GAIN_FRONT] = car.front * smooth
+    jacobian[:, :, Unknown.LOG_GAIN_REAR] = (1.0 - car.front) * smooth
     jacobian[:, :, Unknown.PRESSURE_DELAY] = gain * torque_rate
     jacobian[:, :, Unknown.ENGINE_DRAG] = car.driven
+    jacobian[:, :, Unknown.LOG_INERTIA] = -(smooth + p[Unknown.ENGINE_DRAG] * car.driven - weighed(tyre))
     jacobian *= 1.0 / inertia[:, :, np.newaxis]
-    # At the solution d e / d ln J = - balance / J is omega_dot. Its noise is that of e, and would draw the inertia to
-    # where noise is least; in means over five nodes it is not.
-    jacobian[:, :, Unknown.LOG_INERTIA] = _mean_of_five(nodes.wheel_acceleration)
 
     missed = (second_difference(brake) ** 2 + second_difference(tyre) ** 2) * (1.0 / 36.0)
     slip_noise = tyre_by_slip * car.radius * nodes.wheel_noise[:, 1:] / moved.speed
