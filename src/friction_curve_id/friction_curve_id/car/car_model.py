@@ -24,7 +24,7 @@ from vehicle_models.vehicle import FRONT, Vehicle
 Array = NDArray[np.float64]
 
 _LEAST_SPEED = 0.5
-_LEAST_RELAXATION = 5e-3
+LEAST_RELAXATION = 5e-3
 SPEED_UNKNOWNS = (
     Unknown.START_SPEED,
     Unknown.ACCELEROMETER_OFFSET,
@@ -188,7 +188,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
     slip = 1.0 - rolling + p[SHARED:, np.newaxis] + car.left * p[Unknown.CURVE]
 
     interval = np.diff(nodes.time)
-    length = max(float(p[Unknown.RELAXATION_LENGTH]), _LEAST_RELAXATION)
+    length = max(float(p[Unknown.RELAXATION_LENGTH]), LEAST_RELAXATION)
     x = np.maximum(0.5 * (speed[1:] + speed[:-1]) * interval / length, 1e-6)
     keep = np.exp(-x)
     mean_decay = -np.expm1(-x) / x

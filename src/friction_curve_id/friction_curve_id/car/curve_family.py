@@ -4,7 +4,7 @@ Burckhardt (2.13) has one parameter of shape, k = theta_2 lambda_max:
 
     f(x) = (1 - exp(-k x) - k exp(-k) x) / (1 - exp(-k) - k exp(-k)),    k - ln k = -ln(0.4 lambda_max) + u
 
-where 0.4 is theta_3 / theta_1 of the published roads and u its logarithmic deviation (with the opposite sign). Pacejka's
+where 0.4 is theta_3 / theta_1 of the published roads and u its logarithmic deviation (with the opposite sign). The
 magic formula (Bakker, Nyborg and Pacejka 1987) has two, C and E:
 
     f(x) = sin(C atan(y - E (y - atan y))),    y = x y_1,    C atan(y_1 - E (y_1 - atan y_1)) = pi / 2
@@ -46,7 +46,7 @@ SHAPE_PRIORS = {
     Family.BURCKHARDT: ShapePrior((0.0, 0.0), (0.45, 0.0)),
     Family.PACEJKA: ShapePrior((1.87, -2.0), (0.25, 1.3)),
 }
-"""Burckhardt: u, unused. Pacejka: C, ln(1 - E). Published curves of dry, wet, snow and ice lie within two deviations."""
+"""Burckhardt: u, unused. Pacejka: C, ln(1 - E), held above -4.5. Published curves lie within two deviations."""
 
 
 @dataclass(frozen=True)

@@ -6,16 +6,24 @@ between, the present slip is followed with the last fit. What leaves the window 
 quadratic, which fades.
 """
 
-from math import exp, inf, isfinite, nan, sqrt
+from math import exp, expm1, inf, isfinite, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.braking_samples import BrakingSamples
-from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Nodes
+from friction_curve_id.car.car_model import LEAST_RELAXATION, SPEED_UNKNOWNS, CarConstants, Nodes
 from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
-from friction_curve_id.car.evidence import LAMBDA_FLOOR, UNSEEN_FACTOR, UNSEEN_FLOOR, Peak, mixture, normal_probability
+from friction_curve_id.car.evidence import (
+    LAMBDA_FLOOR,
+    SEEN_FACTOR,
+    UNSEEN_FACTOR,
+    UNSEEN_FLOOR,
+    Peak,
+    mixture,
+    normal_probability,
+)
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.node_signals import Start, node_signals, rolling_noise
 from friction_curve_id.car.parameters import CarEstimatorParameters
@@ -190,7 +198,7 @@ class CarEstimator:
             if samples.count == _CAPACITY:
                 self._fold()
         else:
-            while samples.count > 1 and time - samples.time[1] > _BEFORE or samples.count == _CAPACITY:
+            while (samples.count > 1 and time - samples.time[1] > _BEFORE) or samples.count == _CAPACITY:
                 samples.drop_oldest(max(int(np.searchsorted(samples.time, time - _BEFORE)) - 1, 1))
         samples.append(time, speed, torque, acceleration, self._gained, self._braking)
 
@@ -334,7 +342,7 @@ class CarEstimator:
         wheels = len(self._index)
         mean = np.zeros(wheels)
         beyond = [0.0] * wheels
-        factor, floor = (1.0, LAMBDA_FLOOR) if self._seen >= _SEEN_TIME else (UNSEEN_FACTOR, UNSEEN_FLOOR)
+        factor, floor = (SEEN_FACTOR, LAMBDA_FLOOR) if self._seen >= _SEEN_TIME else (UNSEEN_FACTOR, UNSEEN_FLOOR)
         changed = float(self._samples.speed_change[-1]) + self._gained
         for weight, fit in zip(peak.weights, self._fits, strict=True):
             p, moved = fit.unknowns, fit.moved
@@ -345,6 +353,10 @@ class CarEstimator:
             velocity = max(float(moved.speed[-1]) + own - p[Unknown.SLOPE] * ahead, 0.5)
             rolling = self._car.radius[:, 0] * speed / velocity
             slip = 1.0 - rolling + p[SHARED:] + self._car.left[:, 0] * p[Unknown.CURVE]
+            # The force of a tyre follows its relaxed slip, from that of the last node on.
+            x = max(velocity * ahead / max(float(p[Unknown.RELAXATION_LENGTH]), LEAST_RELAXATION), 1e-6)
+            keep, decay = exp(-x), -expm1(-x) / x
+            relaxed = keep * moved.relaxed[:, -1] + (decay - keep) * moved.slip[:, -1] + (1.0 - decay) * slip
             limit = exp(p[Unknown.LOG_LAMBDA_MAX])
             rows = np.zeros((wheels, p.size))
             rows[:, SPEED_UNKNOWNS] = np.outer(rolling / velocity, moved.speed_gradient[:, -1])
@@ -354,7 +366,7 @@ class CarEstimator:
             variance = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows) + (floor * limit) ** 2
             mean += weight * slip
             for each in range(wheels):
-                beyond[each] += weight * normal_probability(float((slip[each] - limit) / sqrt(variance[each])))
+                beyond[each] += weight * normal_probability(float((relaxed[each] - limit) / sqrt(variance[each])))
         return mean, beyond
 
     def _reason(self, time: float, peak: Peak) -> tuple[Reason, str]:
@@ -381,4 +393,3 @@ def burckhardt_theta(peak: Peak, u: float) -> Array:
     lambda_max = exp(peak.log_lambda_max)
     theta_1 = exp(peak.log_mu_max) / (1.0 - exp(-k) - k * exp(-k))
     return np.array([theta_1, k / lambda_max, theta_1 * k * exp(-k) / lambda_max])
-

@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 _KEPT, _UNSEEN_KEPT = 0.1, 0.15
 """Share that each family keeps; while the peak has not been seen, no family alone makes a probability of 0.9."""
 LAMBDA_FLOOR = 0.03
+SEEN_FACTOR = 1.25
+"""Factor of the deviations of lambda_max: on random cars of a plant of its own the fit is that much too sure."""
 _MU_FLOOR = 0.005
 UNSEEN_FACTOR = 2.0
 """Factor of the deviations of lambda_max while the peak has not been seen: it is an extrapolation by a formula."""
@@ -55,7 +57,7 @@ def mixture(
     kept = _KEPT if seen else _UNSEEN_KEPT
     weights = [(each / total + kept) / (1.0 + count * kept) for each in raw] if count > 1 else [1.0]
     found = []
-    of_lambda = (1.0, LAMBDA_FLOOR) if seen else (UNSEEN_FACTOR, UNSEEN_FLOOR)
+    of_lambda = (SEEN_FACTOR, LAMBDA_FLOOR) if seen else (UNSEEN_FACTOR, UNSEEN_FLOOR)
     of_mu = (1.0 if seen else _UNSEEN_MU_FACTOR, hypot(_MU_FLOOR, mu_floor))
     for index, (factor, floor) in ((Unknown.LOG_LAMBDA_MAX, of_lambda), (Unknown.LOG_MU_MAX, of_mu)):
         values = [float(each[index]) for each in unknowns]

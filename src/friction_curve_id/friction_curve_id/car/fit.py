@@ -1,7 +1,7 @@
 """Gauss-Newton fit of one family of curves to the samples of a braking, with all nuisances.
 
-The cost is that of the wheel equations, whitened by their tridiagonal covariance, of the car's balance, and of the prior
-in z = (unknown - mean) / stddev, with what older samples said as a quadratic in z.
+The cost is that of the wheel equations, whitened by their tridiagonal covariance, of the car's balance, and of the
+prior in z = (unknown - mean) / stddev, with what older samples said as a quadratic in z.
 """
 
 from dataclasses import dataclass
@@ -98,9 +98,7 @@ class CurveFit:
         p, sd = self.unknowns, self._prior.stddev
         moved = motion(self._car, nodes, p, self.carried)
         torque, rate = delayed(samples, nodes, start, float(p[Unknown.PRESSURE_DELAY]))
-        equation = wheel_equation(
-            self._car, nodes, moved, torque, rate, self.family, p, self._torque_stddev
-        )
+        equation = wheel_equation(self._car, nodes, moved, torque, rate, self.family, p, self._torque_stddev)
         if adapt:
             self._adapt(equation, nodes)
         pivots, factors, log_determinant = _factorised(equation, nodes, LOAD_VARIATIONS[self.load_variation])
@@ -174,7 +172,13 @@ class CurveFit:
         gradient = memory * (past.gradient + past.information @ offset) + at.gradient
         said = float(offset @ (0.5 * past.information @ offset + past.gradient))
         likelihood = memory * (past.log_likelihood - said) - at.cost
-        self.past = Quadratic(memory * past.information + at.information, gradient, self.z.copy(), memory * past.spread + at.spread, likelihood)
+        self.past = Quadratic(
+            memory * past.information + at.information,
+            gradient,
+            self.z.copy(),
+            memory * past.spread + at.spread,
+            likelihood,
+        )
         moved = motion(self._car, nodes.subset(slice(0, number + 1)), self.unknowns, self.carried)
         self.carried = carried_over(nodes, moved, self.carried, number)
 
@@ -206,7 +210,6 @@ def _factorised(equation: WheelEquation, nodes: Nodes, load_variation: float) ->
     if info != 0:
         raise np.linalg.LinAlgError("the covariance is not positive definite")
     return pivots, factors, float(np.log(pivots).sum())
-
 
 
 def _spread(white: Array, load_stddev: Array, interval: Array) -> Array:

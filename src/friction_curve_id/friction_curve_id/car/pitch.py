@@ -47,11 +47,11 @@ def pitch_of_body(force: Array, interval: float, unknowns: Array, state: PitchSt
     pitch = _filtered(force, interval, frequency, damping, 0.0, state.force, state.pitch)
     load = _filtered(force, interval, frequency, damping, share, state.force, state.load)
     gradient = np.empty((3, force.size))
-    values = [frequency, damping, share]
     for row, step in enumerate(_STEPS):
-        moved = values.copy()
+        moved = [frequency, damping, share]
         moved[row] += step
-        gradient[row] = (_filtered(force, interval, *moved, state.force, state.load) - load) * (1.0 / step)
+        stepped = _filtered(force, interval, moved[0], moved[1], moved[2], state.force, state.load)
+        gradient[row] = (stepped - load) * (1.0 / step)
     return Pitch(pitch, load, gradient)
 
 

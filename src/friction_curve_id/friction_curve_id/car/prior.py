@@ -82,8 +82,10 @@ def car_prior(
 
     shape = SHAPE_PRIORS[family]
     radius = max(_relative(wheel, "radius") for wheel in wheels)
-    gains = [max((_relative(w, "brake_gain") for w in wheels if (w.axle == FRONT) is front), default=0.0)
-             for front in (True, False)]
+    gains = [
+        max((_relative(w, "brake_gain") for w in wheels if (w.axle == FRONT) is front), default=0.0)
+        for front in (True, False)
+    ]
     mass = _deviation(vehicle.deviations, "mass", STATED["mass"] * vehicle.mass) / vehicle.mass
     put(Unknown.LOG_MU_MAX, *_LOG_MU_MAX)
     put(Unknown.LOG_LAMBDA_MAX, *_LOG_LAMBDA_MAX)
@@ -125,7 +127,9 @@ def car_prior(
     height = vehicle.centre_of_gravity_height
     if height > 0.0:
         relative = STATED["centre_of_gravity_height"] * height
-        put(Unknown.LOG_HEIGHT_RATIO, 0.0, _deviation(vehicle.deviations, "centre_of_gravity_height", relative) / height)
+        put(
+            Unknown.LOG_HEIGHT_RATIO, 0.0, _deviation(vehicle.deviations, "centre_of_gravity_height", relative) / height
+        )
     share_stddev = 0.0 if _one_axle(vehicle) else _absolute(vehicle.deviations, "front_load_share")
     put(Unknown.FRONT_LOAD_SHARE, vehicle.front_load_share, share_stddev)
     stddev[SHARED:] = _SLIP_OFFSET_STDDEV if radius > 0.0 else 0.0

@@ -1,7 +1,7 @@
 """Unknowns of a braking, as indices of one vector, and how the fit scales them.
 
-The fit works on z = (unknown - mean) / stddev of the prior. An unknown that is known exactly has the deviation zero: its
-column of every Jacobian vanishes, and it stays where it is.
+The fit works on z = (unknown - mean) / stddev of the prior. An unknown that is known exactly has the deviation zero:
+its column of every Jacobian vanishes, and it stays where it is.
 """
 
 from enum import IntEnum

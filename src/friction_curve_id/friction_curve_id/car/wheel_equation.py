@@ -136,4 +136,6 @@ def _mean_of_five(values: Array) -> Array:
     """Means over a value and its two neighbours on either side, along the second axis; the ends are repeated."""
     padded = np.pad(values, ((0, 0), (2, 2)), mode="edge")
     n = values.shape[1]
-    return np.asarray((padded[:, :n] + padded[:, 1 : n + 1] + padded[:, 2 : n + 2] + padded[:, 3 : n + 3] + padded[:, 4:]) * 0.2)
+    return np.asarray(
+        (padded[:, :n] + padded[:, 1 : n + 1] + padded[:, 2 : n + 2] + padded[:, 3 : n + 3] + padded[:, 4:]) * 0.2
+    )
