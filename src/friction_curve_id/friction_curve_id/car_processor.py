@@ -35,7 +35,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         self._wheels = vehicle.wheel_names
         self._pressures = {f"{wheel}/brake_pressure": wheel for wheel in self._wheels}
         aligned = [AlignedInput(topic, max_gap) for topic in self._pressures]
-        aligned.append(AlignedInput(IMU, max_gap, optional=True))
+        aligned.append(AlignedInput(IMU, max_gap))
         super().__init__("car", Primary(WHEEL_STATES, "car", report), aligned, parameters.deadline, (IMU,))
         self._mounting = vehicle.accelerometer
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)

@@ -24,6 +24,8 @@ from vehicle_models.vehicle import FRONT, Vehicle
 Array = NDArray[np.float64]
 
 _LEAST_SPEED = 0.5
+_FIRST = 8
+"""Nodes whose mean specific force the body is at rest under at the start."""
 LEAST_RELAXATION = 5e-3
 SPEED_UNKNOWNS = (
     Unknown.START_SPEED,
@@ -112,7 +114,8 @@ class Carried:
 
     slip: Array | None = None
     """Relaxed slip at the first node [-], shape (W,); None where it follows from the slip there."""
-    pitch: PitchState = PitchState()
+    pitch: PitchState | None = None
+    """None: the body is at rest under the first specific force."""
     pitched: float = 0.0
     """Integral of the pitch before the first node [m/s]."""
 
@@ -139,6 +142,8 @@ class Motion:
     """[N], shape (W, n)."""
     load_by_height: Array
     """d load / d ln(h / L) [N], shape (W, n)."""
+    load_by_offset: Array
+    """d load / d offset of the accelerometer [kg], shape (W, 1)."""
     load_by_share: Array
     """d load / d front load share [N], shape (W, 1)."""
     load_by_pitch: Array
@@ -182,7 +187,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
     """
     p, wheels, n = unknowns, car.wheels, nodes.time.size
     force = -(nodes.acceleration - p[Unknown.ACCELEROMETER_OFFSET]) / (1.0 + p[Unknown.ACCELEROMETER_SCALE])
-    pitch = pitch_of_body(force, float(np.median(nodes.interval)), p, carried.pitch)
+    pitch = pitch_of_body(force, float(np.median(nodes.interval)), p, carried.pitch or _at_rest(force))
     speed, gradient = speeds(nodes, p, pitch.pitch, carried.pitched)
     rolling = car.radius * nodes.wheel_speed / speed
     slip = 1.0 - rolling + p[SHARED:, np.newaxis] + car.left * p[Unknown.CURVE]
@@ -227,6 +232,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
         by_length,
         load,
         load_by_height,
+        mass * height / (1.0 + p[Unknown.ACCELEROMETER_SCALE]),
         mass * GRAVITY * car.share_sign,
         mass * height * pitch.load_gradient[:, np.newaxis, :],
         force,
@@ -241,6 +247,11 @@ def recursion(keep: Array, driving: Array) -> Array:
     band[1, : n - 1] = -keep
     solution, _ = dtbtrs(band, driving, uplo="L", diag="U")
     return np.asarray(solution)
+
+
+def _at_rest(force: Array) -> PitchState:
+    first = float(force[:_FIRST].mean())
+    return PitchState((first, first), (first, first), (first, first))
 
 
 def carried_over(nodes: Nodes, moved: Motion, carried: Carried, number: int) -> Carried:

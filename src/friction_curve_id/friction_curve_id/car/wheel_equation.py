@@ -106,6 +106,9 @@ def wheel_equation(
         tyre_jacobian[:, :, unknown] = per_load * moved.load_by_pitch[row]
     for row, unknown in enumerate(SPEED_UNKNOWNS):
         tyre_jacobian[:, :, unknown] = tyre_by_slip * moved.relaxed_by_speed[row]
+    tyre_jacobian[:, :, Unknown.ACCELEROMETER_OFFSET] += per_load * moved.load_by_offset
+    scale = 1.0 + p[Unknown.ACCELEROMETER_SCALE]
+    tyre_jacobian[:, :, Unknown.ACCELEROMETER_SCALE] -= per_load * moved.load_by_height / scale
     tyre_jacobian[:, :, Unknown.RELAXATION_LENGTH] = tyre_by_slip * moved.relaxed_by_length
     tyre_jacobian[:, :, Unknown.CURVE] = tyre_by_slip * car.left * moved.relaxed_by_offset
     for wheel in range(wheels):
