@@ -19,7 +19,6 @@ Array = NDArray[np.float64]
 _BLOCK = 0.04
 _STDDEV = 0.05
 """Of a mean [m/s^2]."""
-_RELATIVE_STDDEV = 0.0
 
 
 def car_balance(
@@ -34,12 +33,11 @@ def car_balance(
         nodes: measured signals.
         moved: their motion.
         acting: torque of brake and engine [N m], shape (W, n).
-        acting_jacobian: J d(omega_dot - e)/d unknowns is not needed: columns of gains and delay [N m], (W, n, 4), in
-            the order front gain, rear gain, delay, drag.
+        acting_jacobian: its derivatives by front gain, rear gain, delay and drag, shape (W, n, 4).
         unknowns: shape (SHARED + W,).
     """
     p, n = unknowns, nodes.time.size
-    size = max(int(round(_BLOCK / max(float(np.median(nodes.interval)), 1e-4))), 1)
+    size = max(round(_BLOCK / max(float(np.median(nodes.interval)), 1e-4)), 1)
     blocks = n // size
     first = n - blocks * size
     closed = nodes.closed[first:].reshape(blocks, size).min(axis=1) > 0.0

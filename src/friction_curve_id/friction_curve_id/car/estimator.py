@@ -310,7 +310,7 @@ class CarEstimator:
         reason, text = self._reason(time, peak)
         lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
         best = int(np.argmax(peak.weights))
-        surprised = self._fits[best].surprise > self._most_surprise
+        surprised = max(fit.surprise for fit in self._fits) > self._most_surprise
         u = self._fits[best].unknowns
         shape = (float(u[Unknown.SHAPE_1]), float(u[Unknown.SHAPE_2]))
         curve = curve_values(self._families[best], peak.log_lambda_max, shape, slips / lambda_max)
@@ -376,7 +376,7 @@ class CarEstimator:
         if self._seen < _SEEN_TIME or time - self._start.time - self._beyond_since < _LEAST_AGE:
             return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {self._seen:.2f} s only"
         best = int(np.argmax(peak.weights))
-        if self._fits[best].surprise > self._most_surprise:
+        if max(fit.surprise for fit in self._fits) > self._most_surprise:
             return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
         if self._move[best] > _SETTLED:
             return Reason.UNCERTAIN, "the fit has not settled"

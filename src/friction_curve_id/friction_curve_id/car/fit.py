@@ -25,6 +25,8 @@ LOAD_VARIATIONS = np.array([0.002, 0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 
 """Values that the variation of the wheel load may take [-]."""
 _LOAD_CORRELATION = 0.02
 _CURVE_UNKNOWNS = 4
+_DRIFTS = {Unknown.SLOPE: 0.1, Unknown.START_SPEED: 0.05}
+"""Standard deviation by which the road's slope [m/s^2] and the speed [m/s] leave the model within a second."""
 
 
 @dataclass(frozen=True)
@@ -172,8 +174,15 @@ class CurveFit:
         gradient = memory * (past.gradient + past.information @ offset) + at.gradient
         said = float(offset @ (0.5 * past.information @ offset + past.gradient))
         likelihood = memory * (past.log_likelihood - said) - at.cost
+        duration = float(nodes.interval[:number].sum())
+        information = memory * past.information + at.information
+        for unknown, rate in _DRIFTS.items():
+            if self._prior.stddev[unknown] > 0.0:
+                information, gradient = _loosened(
+                    information, gradient, unknown, (rate / float(self._prior.stddev[unknown])) ** 2 * duration
+                )
         self.past = Quadratic(
-            memory * past.information + at.information,
+            information,
             gradient,
             self.z.copy(),
             memory * past.spread + at.spread,
@@ -210,6 +219,13 @@ def _factorised(equation: WheelEquation, nodes: Nodes, load_variation: float) ->
     if info != 0:
         raise np.linalg.LinAlgError("the covariance is not positive definite")
     return pivots, factors, float(np.log(pivots).sum())
+
+
+def _loosened(information: Array, gradient: Array, index: int, variance: float) -> tuple[Array, Array]:
+    """Return the quadratic after unknown `index` has moved by a random step of this variance in z."""
+    column = information[:, index]
+    gain = column * (variance / (1.0 + variance * column[index]))
+    return information - np.outer(gain, column), gradient - gain * gradient[index]
 
 
 def _spread(white: Array, load_stddev: Array, interval: Array) -> Array:
