@@ -8,8 +8,7 @@ from math import inf, nan
 import numpy as np
 import pytest
 
-from corner_sim.car.ordinary_driving import OrdinaryDriver
-from corner_sim.car.pressure_prescription import SlipCycle
+from corner_sim.car.pressure_prescription import PressureProfile, SlipCycle, peak_pressures
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
 from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
@@ -72,14 +71,15 @@ def test_nothing_is_valid_before_the_peak_or_just_after_it() -> None:
         assert not any(each.valid for each in too_early)
 
 
-def test_ordinary_driving_never_shows_a_peak() -> None:
-    for seed, road in ((70_100, "wet"), (70_103, "dry")):
-        car = replace(random_car(seed, road, "burckhardt").parameters, slope=0.0)
-        driver = OrdinaryDriver(car, seed)
-        run = record(car, driver, seed, speed=15.0, duration=30.0, surroundings=driver.surroundings)
+def test_ordinary_braking_never_shows_a_peak() -> None:
+    for seed, road, share in ((70_100, "wet", 0.5), (70_101, "dry", 0.4), (70_102, "snow", 0.6)):
+        car = random_car(seed, road, ("burckhardt", "pacejka")[seed % 2]).parameters
+        most = share * min(peak_pressures(car))
+        profile = PressureProfile((0.7, 1.0, 2.5, 2.8, 4.0, 4.1, 6.0), (0.0, most, most, 0.0, 0.0, most, most))
+        run = record(car, profile, seed, duration=6.0)
         found = follow(samples(run))
-        assert any(isinstance(answers[0], CurveEstimate) for answers in found), "the driver did not brake"
-        assert not any(isinstance(each, CurveEstimate) and each.valid for answers in found for each in answers)
+        assert len(estimates(found)) > 200
+        assert not any(each.valid for each in estimates(found))
 
 
 def test_without_accelerometer_and_with_one_wheel_the_interval_is_wider_and_holds() -> None:
@@ -152,12 +152,19 @@ def test_memory_and_answers_stay_bounded_in_a_long_braking() -> None:
 
 @pytest.mark.parametrize("rate", [50, 500])
 def test_other_rates_are_counted_in_time(rate: int) -> None:
-    car = random_car(70_000, "cobblestone", "pacejka")
-    parameters = replace(car.parameters, sensors=replace(car.parameters.sensors, sample_rate=rate))
-    run = record(parameters, SlipCycle(parameters, car.cycling), 70_000, duration=2.6)
-    last = estimates(follow(samples(run, passing(run) + AFTER)))[-1]
-    assert abs(last.lambda_max - run.lambda_max[0]) < 1.96 * last.lambda_max_stddev
-    assert abs(last.mu_max - run.mu_max[0]) < 1.96 * last.mu_max_stddev
+    """With a coverage of 90 % four or fewer of six are inside in 11 % of such sets; three or fewer in 1.6 %."""
+    inside = np.zeros(2)
+    for number in range(6):
+        car = random_car(70_000 + number, ROADS[number % 4], ("burckhardt", "pacejka")[number % 2])
+        parameters = replace(car.parameters, sensors=replace(car.parameters.sensors, sample_rate=rate))
+        run = record(parameters, SlipCycle(parameters, car.cycling), 70_000 + number, duration=2.6)
+        found = estimates(follow(samples(run, passing(run) + AFTER)))
+        assert found[-1].samples <= 260
+        inside += (
+            abs(found[-1].lambda_max - run.lambda_max[0]) < 1.96 * found[-1].lambda_max_stddev,
+            abs(found[-1].mu_max - run.mu_max[0]) < 1.96 * found[-1].mu_max_stddev,
+        )
+    assert inside.min() >= 4
 
 
 def test_the_family_can_be_fixed() -> None:
@@ -173,9 +180,10 @@ def test_gain_over_mass_is_known_better_after_a_stop_than_before() -> None:
     estimator = CarEstimator(CAR)
     assert estimator.gain_over_mass is None
     follow(samples(run, passing(run) + AFTER), estimator)
-    p = run.parameters
-    for (found, stddev), wheel in zip(estimator.gain_over_mass or (), (0, 2), strict=True):
+    p, gains = run.parameters, estimator.gain_over_mass
+    assert gains is not None
+    for gain, wheel in zip(gains, (0, 2), strict=True):
         truth = p.brake_gain[wheel] / CAR.wheels[wheel].brake_gain * CAR.mass / p.mass
         truth /= (p.radius[wheel] / 0.3) ** 2
-        assert stddev < 0.04
-        assert abs(found + 1.0 - truth) < 3.0 * stddev
+        assert gain[1] < 0.04
+        assert abs(gain[0] + 1.0 - truth) < 3.0 * gain[1]
