@@ -64,7 +64,7 @@ _LARGEST_STDDEV = 0.25
 _EARLIEST_VALID = 0.1
 _LEAST_AGE = 0.1
 """Time since the slip first was beyond the peak before it is seen [s]."""
-_SURPRISE = 5.0
+_SURPRISE = 2.5
 """Most deviations by which the sum of the squared unknowns may exceed its mean, each in deviations of its prior."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""

@@ -24,7 +24,6 @@ Array = NDArray[np.float64]
 LOAD_VARIATIONS = np.array([0.002, 0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 0.075, 0.11])
 """Values that the variation of the wheel load may take [-]."""
 _LOAD_CORRELATION = 0.02
-_CURVE_UNKNOWNS = 4
 _DRIFTS = {Unknown.SLOPE: 0.1, Unknown.START_SPEED: 0.05}
 """Standard deviation by which the road's slope [m/s^2] and the speed [m/s] leave the model within a second."""
 
@@ -86,14 +85,13 @@ class CurveFit:
 
     @property
     def known_to(self) -> Array:
-        """Deviations of the prior of the unknowns besides the curve, shape (P - 4,)."""
-        return self._prior.stddev[_CURVE_UNKNOWNS:]
+        """Deviations of the prior, shape (P,)."""
+        return self._prior.stddev
 
     @property
     def surprise(self) -> float:
-        """Sum of the squares of the unknowns besides the curve, each in deviations of its prior."""
-        z = self.z[_CURVE_UNKNOWNS:]
-        return float(z @ z)
+        """Sum of the squares of the unknowns, each in deviations of its prior."""
+        return float(self.z @ self.z)
 
     def linearise(self, samples: BrakingSamples, nodes: Nodes, start: Start, adapt: bool = True) -> Linearised:
         """Linearise about the present estimate; `adapt`: move the load variation towards its likelihood's maximum."""
