@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 _KEPT, _UNSEEN_KEPT = 0.1, 0.15
 """Share that each family keeps; while the peak has not been seen, no family alone makes a probability of 0.9."""
 LAMBDA_FLOOR = 0.04
-SEEN_FACTOR = 1.25
+SEEN_FACTOR = 1.1
 """Factor of the deviations of lambda_max: on random cars of a plant of its own the fit is that much too sure."""
 _MU_FLOOR = 0.005
 UNSEEN_FACTOR = 2.0
