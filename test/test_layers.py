@@ -30,6 +30,7 @@ AROUND = {
     "wheel_inputs": "the same of one wheel",
     "known_curve": "abs_supervisor: friction curves as lambda_max",
     "vehicle_inputs": "the same of a vehicle",
+    "car_processor": "layer 2 of friction_curve_id for all wheels at once",
     "tyre_force_inputs": "the same of a smart tyre",
     "calibration_bags": "smart_tyre_forces: reads bags",
     "calibration_tool": "smart_tyre_forces: a command that reads bags",

@@ -26,9 +26,9 @@ COMPILED = {
     "abs_supervisor": "braking braking_log envelope fsm guard input_watch known_curve pressure_check processor "
     "release_caps release_evidence rolling_scatter slowest_car speed_trend supervisor wheel_check wheel_inputs "
     "wheel_motion",
-    "friction_curve_id": "activation chapter/curve_fitting chapter/dead_reckoning chapter/exponential_curve "
-    "chapter/friction_samples chapter/recursive_ls chapter/square_root curve/fitted_curve curve_messages inputs "
-    "processor wheel_inputs",
+    "friction_curve_id": "activation car_processor chapter/curve_fitting chapter/dead_reckoning "
+    "chapter/exponential_curve chapter/friction_samples chapter/recursive_ls chapter/square_root curve/fitted_curve "
+    "curve_messages inputs processor wheel_inputs",
     "friction_bags": "bag_io/bag_writer bag_io/cdr bag_io/cdr_layout bag_io/mcap_chunk bag_io/mcap_writer "
     "offline/graph offline/stage_run",
     "friction_parameters": "",

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.chapter.tyre_force import TyreForceParameters
 from friction_curve_id.interface import CurveEstimator
@@ -17,7 +18,7 @@ from friction_parameters.parameter import group, parameter
 from vehicle_models.single_corner import CornerParameters
 from vehicle_models.vehicle_file import moved, vehicle_file_parameter
 
-VEHICLE, TYRE_FORCE = "vehicle", "tyre_force"
+CAR, VEHICLE, TYRE_FORCE = "car", "vehicle", "tyre_force"
 SLIP, VEHICLE_VELOCITY, NO_SPEED = "slip", "vehicle_velocity", "none"
 
 
@@ -26,7 +27,7 @@ class FrictionCurveParameters:
     """All of them, with unit and range; the car is in the vehicle file."""
 
     vehicle_file: str = vehicle_file_parameter()
-    method: str = parameter(DEFAULT, "how the curve is identified", choices=(*METHODS, VEHICLE, TYRE_FORCE))
+    method: str = parameter(DEFAULT, "how the curve is identified", choices=(*METHODS, CAR, VEHICLE, TYRE_FORCE))
     speed_source: str = parameter(
         SLIP,
         "where the vehicle speed comes from: the topic <wheel>/slip, vehicle_velocity, or none",
@@ -37,6 +38,7 @@ class FrictionCurveParameters:
     gate: GateParameters = group(GateParameters(), selector="method", methods=METHODS)
     noise: MeasurementNoise = group(MeasurementNoise(), selector="method", methods=METHODS)
     chapter: ChapterParameters = group(ChapterParameters(), selector="method", methods=tuple(CHAPTER_METHODS))
+    car: CarEstimatorParameters = group(CarEstimatorParameters(), selector="method", methods=(CAR,))
     vehicle: WholeVehicleParameters = group(WholeVehicleParameters(), selector="method", methods=(VEHICLE,))
     tyre_force: TyreForceParameters = group(TyreForceParameters(), selector="method", methods=(TYRE_FORCE,))
 
@@ -53,7 +55,7 @@ class FrictionCurveParameters:
         "friction_source": "it is 'chapter.friction_source'",
         "lambda_init": "it is 'chapter.lambda_init', or 'tyre_force.lambda_init' for that method",
         "initial_samples": "it is 'chapter.initial_samples', or 'tyre_force.initial_samples' for that method",
-        "minimum_speed": "it is 'gate.minimum_speed', or 'vehicle.minimum_speed' for that method",
+        "minimum_speed": "it is 'gate.minimum_speed', or that of the group of the method",
         "static_loads": moved("front_load_share"),
         "transfer_shares": "it follows from 'centre_of_gravity_height' and 'wheelbase' of the vehicle file",
         "rolling_resistance": moved("rolling_resistance"),
@@ -63,7 +65,7 @@ class FrictionCurveParameters:
         "imu_axis": moved("accelerometer: axis"),
         "imu_sign": moved("accelerometer: sign"),
         "imu_offset": moved("accelerometer: offset"),
-        "max_gap": "it is 'gate.max_gap', or 'vehicle.max_gap' or 'tyre_force.max_gap' for these methods",
+        "max_gap": "it is 'gate.max_gap', or that of the group of the method",
     }
 
     def __post_init__(self) -> None:

@@ -1,14 +1,15 @@
-"""Messages in, <wheel>/friction_curve out: one processor per wheel, or one for the vehicle."""
+"""Messages in, <wheel>/friction_curve out: one processor per wheel, one for the vehicle, or one for all its wheels."""
 
 from collections.abc import Mapping
 from typing import Any
 
 from friction_msgs.msg import FrictionCurve, WheelSlip
 
+from friction_curve_id.car_processor import CarProcessor
 from friction_curve_id.curve_messages import CurveMessages
 from friction_curve_id.inputs import CurveInputs
 from friction_curve_id.interface import Reason, RestartCause
-from friction_curve_id.parameters import TYRE_FORCE, VEHICLE, FrictionCurveParameters
+from friction_curve_id.parameters import CAR, TYRE_FORCE, VEHICLE, FrictionCurveParameters
 from friction_curve_id.tyre_force_inputs import TyreForceInputs
 from friction_curve_id.vehicle_inputs import VehicleInputs
 from friction_curve_id.wheel_inputs import WheelInputs
@@ -101,8 +102,12 @@ class CurveProcessor(AlignedProcessor[Any]):
         self._cause = cause
 
 
-def build(parameters: FrictionCurveParameters, vehicle: Vehicle, report: Report = silent) -> list[CurveProcessor]:
-    """Make the processors: one for each wheel of the car, or a single one for the method 'vehicle'."""
+def build(
+    parameters: FrictionCurveParameters, vehicle: Vehicle, report: Report = silent
+) -> list[CurveProcessor] | list[CarProcessor]:
+    """Make the processors: one for each wheel of the car, or a single one for the methods 'car' and 'vehicle'."""
+    if parameters.method == CAR:
+        return [CarProcessor(vehicle, parameters, report)]
     if parameters.method == VEHICLE:
         inputs = VehicleInputs(vehicle, parameters, report)
         return [CurveProcessor("vehicle", "base_link", inputs, parameters, report)]

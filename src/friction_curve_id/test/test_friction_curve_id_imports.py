@@ -13,10 +13,18 @@ PACKAGE = Path(friction_curve_id.__file__).parent
 MODULES = {".".join(path.relative_to(PACKAGE).with_suffix("").parts): path for path in PACKAGE.glob("**/*.py")}
 
 INTERFACE = {"interface", "measurement_noise", "sample_gate"}
-METHODS = {"chapter", "default", "vehicle"}
+METHODS = {"car", "chapter", "default", "vehicle"}
 CHOICE = {"methods", "parameters"}
 ABOVE_ALL = {"processor", "node", "__main__"}
-ROS_LAYER = {"curve_messages", "inputs", "tyre_force_inputs", "vehicle_inputs", "wheel_inputs", *ABOVE_ALL}
+ROS_LAYER = {
+    "car_processor",
+    "curve_messages",
+    "inputs",
+    "tyre_force_inputs",
+    "vehicle_inputs",
+    "wheel_inputs",
+    *ABOVE_ALL,
+}
 
 LAYER_1: dict[str, set[str]] = {
     **{module: INTERFACE for module in INTERFACE},

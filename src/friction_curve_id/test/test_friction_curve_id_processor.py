@@ -62,7 +62,8 @@ def braking(clean: Brake, name: str = "dry", start: int = START, wheel: str = "f
 
 
 def made_by(values: dict[str, Any], vehicle: Vehicle = CORNER, report: Report = silent) -> list[CurveProcessor]:
-    return build(from_mapping(FrictionCurveParameters, values), vehicle, report)
+    made = build(from_mapping(FrictionCurveParameters, values), vehicle, report)
+    return [each for each in made if isinstance(each, CurveProcessor)]
 
 
 def processor(**values: Any) -> CurveProcessor:

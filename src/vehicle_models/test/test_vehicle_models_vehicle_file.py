@@ -103,6 +103,11 @@ def test_deviations_say_with_which_wheels_an_error_is_shared(tmp_path: Path) -> 
     assert mounted.accelerometer == Accelerometer(offset=0.1, deviations={"offset": Deviation(0.17, SharedBy.ALL)})
 
 
+def test_a_deviation_of_zero_says_that_a_value_is_known_exactly(tmp_path: Path) -> None:
+    car = load(tmp_path, CAR.replace("stddev: 60.0", "stddev: 0"))
+    assert car.deviations == {"mass": Deviation(0.0, SharedBy.ALL)}
+
+
 def test_a_value_of_a_wheel_leaves_the_deviation_of_the_common_value_behind(tmp_path: Path) -> None:
     car = load(tmp_path, CAR.replace("front: {radius: 0.31}", "front: {radius: 0.31, brake_gain: 1.2e-4}"))
     assert (car.wheel("FL").brake_gain, car.wheel("FL").deviations) == (1.2e-4, {})
@@ -183,19 +188,18 @@ REFUSED = {
     ),
     "a number for the name": (("name: my car", "name: 7"), "line 1: 'name' = 7 must be a text"),
     "no value beside a deviation": (("value: 1620.0, ", ""), "line 2: 'mass' has no 'value'"),
-    "deviation zero": (("stddev: 60.0", "stddev: 0"), r"line 2: 'stddev' of 'mass' = 0 must be a number > 0 \[kg\]"),
     "deviation below zero": (
         ("stddev: 60.0", "stddev: -1.0"),
-        "line 2: 'stddev' of 'mass' = -1.0 must be a number > 0",
+        r"line 2: 'stddev' of 'mass' = -1.0 must be a number >= 0 \[kg\]",
     ),
     "deviation not a number": (
         ("stddev: 60.0", "stddev: .nan"),
-        "line 2: 'stddev' of 'mass' = nan must be a number > 0",
+        "line 2: 'stddev' of 'mass' = nan must be a number >= 0",
     ),
-    "deviation infinite": (("stddev: 60.0", "stddev: .inf"), "line 2: 'stddev' of 'mass' = inf must be a number > 0"),
-    "deviation a text": (("stddev: 60.0", "stddev: much"), "line 2: 'stddev' of 'mass' = 'much' must be a number > 0"),
-    "deviation true": (("stddev: 60.0", "stddev: true"), "line 2: 'stddev' of 'mass' = True must be a number > 0"),
-    "deviation empty": (("stddev: 60.0", "stddev:"), "line 2: 'stddev' of 'mass' = None must be a number > 0"),
+    "deviation infinite": (("stddev: 60.0", "stddev: .inf"), "line 2: 'stddev' of 'mass' = inf must be a number >= 0"),
+    "deviation a text": (("stddev: 60.0", "stddev: much"), "line 2: 'stddev' of 'mass' = 'much' must be a number >= 0"),
+    "deviation true": (("stddev: 60.0", "stddev: true"), "line 2: 'stddev' of 'mass' = True must be a number >= 0"),
+    "deviation empty": (("stddev: 60.0", "stddev:"), "line 2: 'stddev' of 'mass' = None must be a number >= 0"),
     "deviation of a text": (
         ("axis: x", "axis: {value: x, stddev: 0.1}"),
         "line 7: 'stddev' of 'axis': it is no measured quantity",

@@ -29,7 +29,7 @@ class Deviation:
     """Uncertainty of a value."""
 
     stddev: float
-    """Standard deviation in the unit of the value, > 0."""
+    """Standard deviation in the unit of the value, >= 0; zero: known exactly."""
     shared_by: SharedBy
     """Level at which it was stated: one wheel, an axle, all wheels (or the whole car)."""
 
@@ -92,6 +92,7 @@ class Accelerometer:
     pitch_gain: float = parameter(
         0.0, "pitch of the body, nose down, over deceleration", unit="rad s^2/m", minimum=0.0, maximum=0.02
     )
+    delay: float = parameter(0.0, "age of a reading at its stamp", unit="s", minimum=0.0, maximum=0.1)
     deviations: Deviations = _deviations()
 
     def __post_init__(self) -> None:

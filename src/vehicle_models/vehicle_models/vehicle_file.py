@@ -163,9 +163,9 @@ class _File:
         try:
             stddev = checked(name, float, _ANY_NUMBER, plain(entry.value))
         except ParameterError:
-            stddev = 0.0
-        if not stddev > 0.0:
-            text = f"'stddev' of '{name}' = {plain(entry.value)!r} must be a number > 0{_in_brackets(unit)}"
+            stddev = -1.0
+        if not stddev >= 0.0:
+            text = f"'stddev' of '{name}' = {plain(entry.value)!r} must be a number >= 0{_in_brackets(unit)}"
             raise self.error(entry, text)
         return float(stddev)
 

@@ -1,0 +1,79 @@
+"""Samples of a braking and of the time before it, oldest first, in arrays of fixed capacity."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class BrakingSamples:
+    """The newest samples of W wheels; the integral of the acceleration goes on when old samples leave."""
+
+    def __init__(self, wheels: int, capacity: int) -> None:
+        """Reserve `capacity` samples of `wheels` wheels."""
+        self._time = np.zeros(capacity)
+        self._wheel_speed = np.zeros((wheels, capacity))
+        self._torque = np.zeros((wheels, capacity))
+        self._acceleration = np.zeros(capacity)
+        self._speed_change = np.zeros(capacity)
+        self._closed = np.zeros(capacity)
+        self.count = 0
+
+    @property
+    def time(self) -> Array:
+        """Stamps [s], shape (n,)."""
+        return self._time[: self.count]
+
+    @property
+    def wheel_speed(self) -> Array:
+        """Wheel speeds [rad/s], shape (W, n)."""
+        return self._wheel_speed[:, : self.count]
+
+    @property
+    def torque(self) -> Array:
+        """Brake torques at nominal gain [N m], shape (W, n)."""
+        return self._torque[:, : self.count]
+
+    @property
+    def acceleration(self) -> Array:
+        """Accelerations [m/s^2], shape (n,)."""
+        return self._acceleration[: self.count]
+
+    @property
+    def speed_change(self) -> Array:
+        """Integral of the acceleration [m/s], shape (n,)."""
+        return self._speed_change[: self.count]
+
+    @property
+    def closed(self) -> Array:
+        """1 where the throttle is closed, shape (n,)."""
+        return self._closed[: self.count]
+
+    def clear(self) -> None:
+        """Forget all samples."""
+        self.count = 0
+
+    def append(
+        self, time: float, wheel_speed: Array, torque: Array, acceleration: float, gained: float, closed: bool
+    ) -> None:
+        """Add a sample; the caller keeps room. `gained`: integral of the acceleration since the last one [m/s]."""
+        k = self.count
+        self._time[k] = time
+        self._wheel_speed[:, k] = wheel_speed
+        self._torque[:, k] = torque
+        self._acceleration[k] = acceleration
+        self._closed[k] = closed
+        self._speed_change[k] = gained + (self._speed_change[k - 1] if k > 0 else 0.0)
+        self.count = k + 1
+
+    def close_throttle(self, since: float) -> None:
+        """Take the throttle as closed from `since` [s] on."""
+        self.closed[self.time >= since] = 1.0
+
+    def drop_oldest(self, number: int) -> None:
+        """Forget the oldest samples."""
+        keep = self.count - number
+        arrays = (self._time, self._acceleration, self._speed_change, self._closed)
+        for array in (*arrays, self._wheel_speed, self._torque):
+            array[..., :keep] = array[..., number : self.count].copy()
+        self.count = keep

@@ -1,0 +1,70 @@
+"""The accelerometer as the sum of the forces of the wheels, in means over blocks of 40 ms.
+
+    (a - b) / (1 + c) + sum of (J omega_dot + kappa T + T_drag) / (r m) + f_r g + drag v^2 / m = 0
+
+Sample by sample the noise of the wheel speeds would drag the mass along with it.
+"""
+
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.car.car_model import CarConstants, Motion, Nodes
+from friction_curve_id.car.unknowns import Unknown
+from vehicle_models.single_corner import GRAVITY
+
+Array = NDArray[np.float64]
+
+_BLOCK = 0.04
+_STDDEV = 0.05
+"""Of a mean [m/s^2]."""
+
+
+def car_balance(
+    car: CarConstants, nodes: Nodes, moved: Motion, acting: Array, acting_jacobian: Array, unknowns: Array
+) -> tuple[Array, Array]:
+    """Return the errors of the blocks in standard deviations, shape (B,), and their Jacobian, (B, SHARED + W).
+
+    Only blocks in which the throttle is closed throughout: at other times the engine drives.
+
+    Args:
+        car: nominal values.
+        nodes: measured signals.
+        moved: their motion.
+        acting: torque of brake and engine [N m], shape (W, n).
+        acting_jacobian: its derivatives by front gain, rear gain, delay and drag, shape (W, n, 4).
+        unknowns: shape (SHARED + W,).
+    """
+    p, n = unknowns, nodes.time.size
+    size = max(round(_BLOCK / max(float(np.median(nodes.interval)), 1e-4)), 1)
+    blocks = n // size
+    first = n - blocks * size
+    closed = nodes.closed[first:].reshape(blocks, size).min(axis=1) > 0.0
+    if blocks == 0 or not closed.any():
+        return np.zeros(0), np.zeros((0, p.size))
+    scale = 1.0 + p[Unknown.ACCELEROMETER_SCALE]
+    mass = car.mass * exp(float(p[Unknown.LOG_MASS]))
+    inertia = car.inertia * exp(float(p[Unknown.LOG_INERTIA]))
+    per_wheel = 1.0 / (car.radius * mass)
+    spinning = (inertia * per_wheel * nodes.wheel_acceleration).sum(axis=0)
+    torques = (per_wheel * acting).sum(axis=0)
+    rate = np.gradient(nodes.acceleration, nodes.time)
+    corrected = nodes.acceleration + p[Unknown.ACCELEROMETER_DELAY] * rate
+    corrected = (corrected - p[Unknown.ACCELEROMETER_OFFSET] + p[Unknown.PITCH_READING] * moved.pitch.pitch) / scale
+    error = corrected + spinning + torques + car.rolling * GRAVITY + car.drag / mass * moved.speed**2
+    jacobian = np.zeros((n, p.size))
+    jacobian[:, Unknown.ACCELEROMETER_OFFSET] = -1.0 / scale
+    jacobian[:, Unknown.ACCELEROMETER_SCALE] = -corrected / scale
+    jacobian[:, Unknown.ACCELEROMETER_DELAY] = rate / scale
+    jacobian[:, Unknown.PITCH_READING] = moved.pitch.pitch / scale
+    jacobian[:, Unknown.LOG_INERTIA] = spinning
+    jacobian[:, Unknown.LOG_MASS] = -(spinning + torques)
+    of_torque = np.einsum("wi,wnk->nk", per_wheel, acting_jacobian)
+    for column, unknown in enumerate(
+        (Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR, Unknown.PRESSURE_DELAY, Unknown.ENGINE_DRAG)
+    ):
+        jacobian[:, unknown] = of_torque[:, column]
+    means = error[first:].reshape(blocks, size).mean(axis=1)[closed]
+    rows = jacobian[first:].reshape(blocks, size, p.size).mean(axis=1)[closed]
+    return means / _STDDEV, rows / _STDDEV

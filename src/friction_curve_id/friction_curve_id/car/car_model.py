@@ -1,0 +1,266 @@
+"""Motion of the car and of its wheels between the samples, as functions of the unknowns, with their derivatives.
+
+Nodes lie between neighbouring wheel speeds. A speed from an encoder is the mean over the time since the sample before
+it, so that the node of samples k and k + 1 is the stamp of k. At the nodes:
+
+    v = r omega_0 + v_0 + (integral of (a - b + G p) + tau_a (a - a_0)) / (1 + c) - g theta t,    p: see pitch
+    lambda_i = 1 - r_i omega_i / v + offset_i
+    s_i' = (lambda_i - s_i) v / sigma                 relaxation, solved exactly for lambda linear between nodes
+    Fz_i = m (g share_i + transfer_i q),  q: see pitch
+"""
+
+from dataclasses import dataclass
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dtbtrs
+
+from friction_curve_id.car.pitch import Pitch, PitchState, pitch_of_body
+from friction_curve_id.car.unknowns import SHARED, Unknown
+from vehicle_models.single_corner import GRAVITY
+from vehicle_models.vehicle import FRONT, Vehicle
+
+Array = NDArray[np.float64]
+
+_LEAST_SPEED = 0.5
+_FIRST = 8
+"""Nodes whose mean specific force the body is at rest under at the start."""
+LEAST_RELAXATION = 5e-3
+SPEED_UNKNOWNS = (
+    Unknown.START_SPEED,
+    Unknown.ACCELEROMETER_OFFSET,
+    Unknown.SLOPE,
+    Unknown.ACCELEROMETER_SCALE,
+    Unknown.ACCELEROMETER_DELAY,
+    Unknown.PITCH_READING,
+)
+
+
+class CarConstants:
+    """What does not change: nominal values by wheel, shapes (W, 1)."""
+
+    def __init__(self, vehicle: Vehicle, present: tuple[int, ...]) -> None:
+        """Take the values of the vehicle file, of the wheels that are `present` by index."""
+        wheels = [vehicle.wheels[each] for each in present]
+        column = (len(wheels), 1)
+        self.wheels = len(wheels)
+        self.radius = np.array([wheel.radius for wheel in wheels]).reshape(column)
+        self.inertia = np.array([wheel.inertia for wheel in wheels]).reshape(column)
+        self.brake_gain = np.array([wheel.brake_gain for wheel in wheels])
+        self.driven = np.array([float(wheel.driven) for wheel in wheels]).reshape(column)
+        self.front = np.array([float(wheel.axle == FRONT) for wheel in wheels]).reshape(column)
+        self.left = np.array([1.0 if wheel.side == "left" else -1.0 for wheel in wheels]).reshape(column)
+        self.teeth = np.array([wheel.encoder_teeth for wheel in wheels], dtype=float).reshape(column)
+        share, transfer = np.array(vehicle.load_shares), np.array(vehicle.transfer_shares)
+        self.transfer = transfer[list(present)].reshape(column)
+        nominal = share[list(present)].reshape(column)
+        one_axle = all(wheel.axle == FRONT for wheel in vehicle.wheels)
+        count = np.array([sum(each.axle == wheel.axle for each in vehicle.wheels) for wheel in wheels], dtype=float)
+        sign = np.where(self.front > 0.0, 1.0, -1.0) / count.reshape(column)
+        self.share_sign = np.zeros(column) if one_axle else sign
+        self.share_fixed = nominal - self.share_sign * vehicle.front_load_share
+        self.carried_share = float(nominal.sum())
+        self.mass = vehicle.mass
+        self.rolling = vehicle.rolling_resistance
+        self.drag = 0.5 * 1.2 * vehicle.drag_area
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """Measured signals at n nodes of W wheels."""
+
+    time: Array
+    """Since the start of the window's first sample [s], shape (n,)."""
+    interval: Array
+    """Time between the wheel speeds about the node [s], shape (n,)."""
+    wheel_speed: Array
+    """At the node [rad/s], shape (W, n)."""
+    wheel_acceleration: Array
+    """[rad/s^2], shape (W, n)."""
+    wheel_noise: Array
+    """Standard deviation of the n + 1 wheel speeds about the nodes [rad/s], shape (W, n + 1)."""
+    acceleration: Array
+    """[m/s^2], shape (n,)."""
+    speed_change: Array
+    """Integral of the acceleration over `time` [m/s], shape (n,)."""
+    acceleration_change: Array
+    """Acceleration less that at the start [m/s^2], shape (n,)."""
+    start_speed: float
+    """Speed of the wheels at time 0 [m/s]."""
+    closed: Array
+    """1 where the throttle is closed, shape (n,)."""
+
+    def subset(self, nodes: slice) -> "Nodes":
+        """Return some neighbouring nodes."""
+        first, last = nodes.start or 0, nodes.stop
+        return Nodes(
+            self.time[nodes],
+            self.interval[nodes],
+            self.wheel_speed[:, nodes],
+            self.wheel_acceleration[:, nodes],
+            self.wheel_noise[:, first : None if last is None else last + 1],
+            self.acceleration[nodes],
+            self.speed_change[nodes],
+            self.acceleration_change[nodes],
+            self.start_speed,
+            self.closed[nodes],
+        )
+
+
+@dataclass(frozen=True)
+class Carried:
+    """State of the motion that older, forgotten nodes leave to the first."""
+
+    slip: Array | None = None
+    """Relaxed slip at the first node [-], shape (W,); None where it follows from the slip there."""
+    pitch: PitchState | None = None
+    """None: the body is at rest under the first specific force."""
+    pitched: float = 0.0
+    """Integral of the pitch before the first node [m/s]."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Speed, slip and load at the nodes with their derivatives."""
+
+    speed: Array
+    """[m/s], shape (n,)."""
+    speed_gradient: Array
+    """d v / d SPEED_UNKNOWNS, shape (6, n)."""
+    slip: Array
+    """Slip lambda [-], shape (W, n)."""
+    relaxed: Array
+    """Slip s that the tyre's force follows [-], shape (W, n)."""
+    relaxed_by_speed: Array
+    """d s / d SPEED_UNKNOWNS, shape (6, W, n)."""
+    relaxed_by_offset: Array
+    """d s / d offset of the slip of the wheel [-], shape (n,)."""
+    relaxed_by_length: Array
+    """d s / d relaxation length [1/m], shape (W, n)."""
+    load: Array
+    """[N], shape (W, n)."""
+    load_by_height: Array
+    """d load / d ln(h / L) [N], shape (W, n)."""
+    load_by_offset: Array
+    """d load / d offset of the accelerometer [kg], shape (W, 1)."""
+    load_by_share: Array
+    """d load / d front load share [N], shape (W, 1)."""
+    load_by_pitch: Array
+    """d load / d (ln w, zeta, d) [N], shape (3, W, n)."""
+    force: Array
+    """Specific force, braking positive [m/s^2], shape (n,)."""
+    pitch: Pitch
+    """Pitch, in units of the specific force, braking positive."""
+
+
+def speeds(nodes: Nodes, unknowns: Array, pitch: Array, pitched: float) -> tuple[Array, Array]:
+    """Return the speed [m/s], shape (n,), and its gradient by SPEED_UNKNOWNS, shape (6, n).
+
+    `pitch`: see Pitch, shape (n,); `pitched`: its integral before the first node [m/s].
+    """
+    p, t = unknowns, nodes.time
+    scale = 1.0 + p[Unknown.ACCELEROMETER_SCALE]
+    delay = p[Unknown.ACCELEROMETER_DELAY]
+    turned = pitched + np.cumsum(pitch * nodes.interval)
+    own = nodes.speed_change - p[Unknown.ACCELEROMETER_OFFSET] * t + delay * nodes.acceleration_change
+    own = (own + p[Unknown.PITCH_READING] * turned) / scale
+    speed = nodes.start_speed + p[Unknown.START_SPEED] + own - p[Unknown.SLOPE] * t
+    gradient = np.empty((6, t.size))
+    gradient[0] = 1.0
+    gradient[1] = -t / scale
+    gradient[2] = -t
+    gradient[3] = -own / scale
+    gradient[4] = nodes.acceleration_change / scale
+    gradient[5] = turned / scale
+    return np.maximum(speed, _LEAST_SPEED), gradient
+
+
+def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -> Motion:
+    """Return the motion.
+
+    Args:
+        car: nominal values.
+        nodes: measured signals.
+        unknowns: shape (SHARED + W,).
+        carried: state that older nodes left.
+    """
+    p, wheels, n = unknowns, car.wheels, nodes.time.size
+    force = -(nodes.acceleration - p[Unknown.ACCELEROMETER_OFFSET]) / (1.0 + p[Unknown.ACCELEROMETER_SCALE])
+    pitch = pitch_of_body(force, float(np.median(nodes.interval)), p, carried.pitch or _at_rest(force))
+    speed, gradient = speeds(nodes, p, pitch.pitch, carried.pitched)
+    rolling = car.radius * nodes.wheel_speed / speed
+    slip = 1.0 - rolling + p[SHARED:, np.newaxis] + car.left * p[Unknown.CURVE]
+
+    interval = np.diff(nodes.time)
+    length = max(float(p[Unknown.RELAXATION_LENGTH]), LEAST_RELAXATION)
+    x = np.maximum(0.5 * (speed[1:] + speed[:-1]) * interval / length, 1e-6)
+    keep = np.exp(-x)
+    mean_decay = -np.expm1(-x) / x
+    before, after = mean_decay - keep, 1.0 - mean_decay
+    inputs = np.empty((7 * wheels + 1, n))
+    slip_by_speed = rolling / speed
+    inputs[:wheels] = slip
+    inputs[wheels : 7 * wheels] = (gradient[:, np.newaxis, :] * slip_by_speed).reshape(6 * wheels, n)
+    inputs[7 * wheels] = 1.0
+    held = np.empty((n, 7 * wheels + 1), order="F")
+    held.T[:, 1:] = before * inputs[:, :-1] + after * inputs[:, 1:]
+    held.T[:, 0] = inputs[:, 0]
+    if carried.slip is not None:
+        held[0, :wheels] = carried.slip
+    relaxed = recursion(keep, held).T
+    s = relaxed[:wheels]
+    by_x = -keep * s[:, :-1]
+    decay_by_x = (keep - mean_decay) / x
+    by_x += (decay_by_x + keep) * slip[:, :-1] - decay_by_x * slip[:, 1:]
+    driving = np.zeros((n, wheels), order="F")
+    driving.T[:, 1:] = by_x * (-x / length)
+    by_length = recursion(keep, driving).T
+
+    mass = car.mass * exp(float(p[Unknown.LOG_MASS]))
+    height = car.transfer * exp(float(p[Unknown.LOG_HEIGHT_RATIO]))
+    share = car.share_fixed + car.share_sign * p[Unknown.FRONT_LOAD_SHARE]
+    load_by_height = mass * height * pitch.load
+    load = np.maximum(mass * GRAVITY * share + load_by_height, 1.0)
+    return Motion(
+        speed,
+        gradient,
+        slip,
+        s,
+        relaxed[wheels : 7 * wheels].reshape(6, wheels, n),
+        relaxed[7 * wheels],
+        by_length,
+        load,
+        load_by_height,
+        mass * height / (1.0 + p[Unknown.ACCELEROMETER_SCALE]),
+        mass * GRAVITY * car.share_sign,
+        mass * height * pitch.load_gradient[:, np.newaxis, :],
+        force,
+        pitch,
+    )
+
+
+def recursion(keep: Array, driving: Array) -> Array:
+    """Solve y_k = keep_{k-1} y_{k-1} + driving_k for all columns of `driving`, shape (n, m)."""
+    n = driving.shape[0]
+    band = np.ones((2, n), order="F")
+    band[1, : n - 1] = -keep
+    solution, _ = dtbtrs(band, driving, uplo="L", diag="U")
+    return np.asarray(solution)
+
+
+def _at_rest(force: Array) -> PitchState:
+    first = float(force[:_FIRST].mean())
+    return PitchState((first, first), (first, first), (first, first))
+
+
+def carried_over(nodes: Nodes, moved: Motion, carried: Carried, number: int) -> Carried:
+    """Return what the oldest `number` >= 2 nodes leave to the next."""
+    last, before = number - 1, number - 2
+    state = PitchState(
+        (float(moved.force[last]), float(moved.force[before])),
+        (float(moved.pitch.pitch[last]), float(moved.pitch.pitch[before])),
+        (float(moved.pitch.load[last]), float(moved.pitch.load[before])),
+    )
+    turned = carried.pitched + float(moved.pitch.pitch[:number] @ nodes.interval[:number])
+    return Carried(moved.relaxed[:, number].copy(), state, turned)

@@ -1,0 +1,107 @@
+"""Samples of a car, and which of them may enter a fit."""
+
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from friction_curve_id.interface import Reason, Refusal
+from vehicle_models.plausible import HIGHEST_SPEED
+
+Array = NDArray[np.float64]
+
+_REPEATED = 1e-4
+_HIGHEST_PRESSURE = 1e8
+_HIGHEST_ACCELERATION = 50.0
+
+
+class CarSample(NamedTuple):
+    """One sample of all W wheels. NaN stands for what is missing; anything may be garbage."""
+
+    time: float
+    """Stamp [s]."""
+    wheel_speed: ArrayLike
+    """Wheel speeds [rad/s], shape (W,)."""
+    brake_pressure: ArrayLike
+    """Pressures [Pa], shape (W,)."""
+    acceleration: float
+    """Reading of the accelerometer, forward positive, without any correction [m/s^2]."""
+
+
+class Checked(NamedTuple):
+    """A sample that may enter."""
+
+    time: float
+    wheel_speed: Array
+    """Shape (W,), NaN where the wheel is not measured."""
+    brake_pressure: Array
+    """Shape (W,), NaN where the wheel is not measured."""
+    acceleration: float
+    """NaN where missing."""
+    after_gap: bool
+    """Whether it is the first, or follows a gap."""
+
+
+class CarGate:
+    """Admits samples one by one.
+
+    After a gap, or a jump back in time, the first sample is refused; the one that continues it is admitted, so that a
+    single wrong stamp costs one sample and never the fit.
+    """
+
+    def __init__(self, names: tuple[str, ...], radii: tuple[float, ...], max_gap: float) -> None:
+        """`names`, `radii` [m]: of the wheels; `max_gap` [s]."""
+        self._names, self._radii = names, np.array(radii)
+        self._max_gap = max_gap
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the stamps seen."""
+        self._admitted: float | None = None
+        self._waiting: float | None = None
+
+    def admit(self, sample: CarSample) -> Checked | Refusal:
+        """Return the sample as numbers, or why it must not enter."""
+        try:
+            time, acceleration = float(sample.time), float(sample.acceleration)
+            speed = np.array(sample.wheel_speed, dtype=np.float64)
+            pressure = np.array(sample.brake_pressure, dtype=np.float64)
+        except (TypeError, ValueError):
+            return Refusal(Reason.BAD_INPUT, "the sample is not made of numbers")
+        if not isfinite(time):
+            return Refusal(Reason.BAD_INPUT, f"time is {time}")
+        if speed.shape != self._radii.shape or pressure.shape != self._radii.shape:
+            return Refusal(Reason.BAD_INPUT, f"a sample holds {self._radii.size} wheel speeds and brake pressures")
+        refusal = self._implausible(speed, pressure, acceleration)
+        if refusal is not None:
+            return refusal
+        last, waiting = self._admitted, self._waiting
+        if last is not None and abs(time - last) < _REPEATED:
+            return Refusal(Reason.BAD_INPUT, f"stamp {time:.6f} s repeats {last:.6f} s")
+        if last is None or self._follows(last, time):
+            after_gap = last is None
+        elif waiting is not None and self._follows(waiting, time):
+            after_gap = True
+        else:
+            self._waiting = time
+            if time < last:
+                return Refusal(Reason.GAP, f"stamp {time:.6f} s is before the last, {last:.6f} s")
+            return Refusal(Reason.GAP, f"gap of {time - last:.3f} s since the last sample")
+        self._admitted, self._waiting = time, None
+        missing = ~(np.isfinite(speed) & np.isfinite(pressure))
+        speed[missing] = pressure[missing] = np.nan
+        return Checked(time, speed, np.maximum(pressure, 0.0), acceleration, after_gap)
+
+    def _follows(self, before: float, time: float) -> bool:
+        return _REPEATED <= time - before <= self._max_gap
+
+    def _implausible(self, speed: Array, pressure: Array, acceleration: float) -> Refusal | None:
+        for name, radius, omega, each in zip(self._names, self._radii, speed, pressure, strict=True):
+            if np.isinf(omega) or omega * radius > HIGHEST_SPEED or omega < -1.0:
+                return Refusal(Reason.BAD_INPUT, f"wheel speed of {name} is {omega} rad/s")
+            if np.isinf(each) or abs(each) > _HIGHEST_PRESSURE:
+                return Refusal(Reason.BAD_INPUT, f"brake pressure of {name} is {each} Pa")
+        if np.isinf(acceleration) or abs(acceleration) > _HIGHEST_ACCELERATION:
+            return Refusal(Reason.BAD_INPUT, f"acceleration is {acceleration} m/s^2")
+        return None

@@ -1,0 +1,395 @@
+"""The friction curve of a car that is not known exactly, sample by sample.
+
+One curve is fitted for all wheels of the car: that they are on the same road is an assumption. While the car brakes,
+each family of curves takes one Gauss-Newton step in turn, at most every 18 ms whatever the rate of the samples; in
+between, the present slip is followed with the last fit. What leaves the window of the newest second stays as a
+quadratic, which fades.
+"""
+
+from math import exp, expm1, inf, isfinite, nan, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.car.braking_samples import BrakingSamples
+from friction_curve_id.car.car_model import LEAST_RELAXATION, SPEED_UNKNOWNS, CarConstants, Nodes
+from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
+from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
+from friction_curve_id.car.evidence import (
+    LAMBDA_FLOOR,
+    SEEN_FACTOR,
+    UNSEEN_FACTOR,
+    UNSEEN_FLOOR,
+    Peak,
+    mixture,
+    normal_probability,
+)
+from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
+from friction_curve_id.car.node_signals import Start, node_signals, rolling_noise
+from friction_curve_id.car.parameters import CarEstimatorParameters
+from friction_curve_id.car.prior import car_prior, radius_deviation
+from friction_curve_id.car.unknowns import SHARED, Unknown
+from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate, Reason, Refusal, RestartCause
+from vehicle_models.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+Answers = tuple[CurveEstimate | Refusal, ...]
+
+_INTERVAL = 0.0045
+"""Least time between two samples of the window [s]; faster ones are averaged."""
+_STEP_INTERVAL = 0.018
+"""Least time between two Gauss-Newton steps [s]."""
+_BEFORE = 0.4
+"""Time before the braking that is kept [s]."""
+_LEAST_BEFORE = 0.1
+_LIFT = 0.15
+"""The throttle is taken as closed for this time before the brakes act [s]."""
+_CAPACITY, _FOLDED = 260, 40
+"""Most samples of the window, and how many leave it at a time."""
+_MEMORY = 3.0
+"""Time with which what has left the window fades [s]."""
+_FIRST_STEP = 0.06
+"""Time of braking before the first step [s]."""
+_BRAKES, _RELEASED = 0.4, 0.2
+"""Deceleration by the brakes at which a braking begins, and ends [m/s^2]."""
+_RELEASE_TIME = 0.15
+_NEWEST_SPEED_STDDEV = 0.05
+_PASSED = 1.05
+"""Slip over lambda_max that counts as beyond the peak for validity."""
+_SURE = 1.645
+"""Deviations of one-sided 95 %."""
+_SEEN_TIME = 0.1
+"""Time beyond the peak, summed over wheels, that makes a peak seen [s]."""
+_LARGEST_STDDEV = 0.25
+_EARLIEST_VALID = 0.1
+_LEAST_AGE = 0.1
+"""Time since the slip first was beyond the peak before it is seen [s]."""
+_SURPRISE = 2.5
+"""Most deviations by which the sum of the squared unknowns may exceed its mean, each in deviations of its prior."""
+_SETTLED = 0.1
+"""Step of ln lambda_max and ln mu_max below which a fit has settled."""
+
+
+class CarEstimator:
+    """Estimator of the curve of all wheels of a car."""
+
+    def __init__(self, vehicle: Vehicle, parameters: CarEstimatorParameters = CarEstimatorParameters()) -> None:
+        """Take the car with its deviations."""
+        self._vehicle, self._p = vehicle, parameters
+        self._gate = CarGate(vehicle.wheel_names, vehicle.radii, parameters.max_gap)
+        self._radii = np.array(vehicle.radii)
+        self._gain = np.array([wheel.brake_gain for wheel in vehicle.wheels])
+        self._cause = RestartCause.NONE
+        self._begin_again(())
+
+    def reset(self) -> None:
+        """Forget everything; the next estimate reports a restart on request."""
+        self._gate.reset()
+        self._cause = RestartCause.REQUEST
+        self._begin_again(())
+
+    def update(self, sample: CarSample) -> Answers:
+        """Take the next sample and answer for each wheel; never raises on bad data."""
+        checked = self._gate.admit(sample)
+        count = len(self._vehicle.wheels)
+        if isinstance(checked, Refusal):
+            return (checked,) * count
+        present = tuple(int(each) for each in np.flatnonzero(np.isfinite(checked.wheel_speed)))
+        if checked.after_gap:
+            if self._braking:
+                self._cause = RestartCause.GAP
+            self._begin_again(present)
+        elif present != self._present:
+            if self._braking and set(self._present) - set(present):
+                missing = ", ".join(self._vehicle.wheel_names[each] for each in set(self._present) - set(present))
+                return (Refusal(Reason.BAD_INPUT, f"wheel speed or brake pressure of {missing} is missing"),) * count
+            if not self._braking:
+                self._begin_again(present)
+        if not self._present:
+            return (Refusal(Reason.BAD_INPUT, "no wheel has both a speed and a brake pressure"),) * count
+        if self._braking and self._with_accelerometer and not isfinite(checked.acceleration):
+            return (Refusal(Reason.NO_ACCELERATION, "the acceleration is missing during a braking"),) * count
+        answer = self._take(checked)
+        if isinstance(answer, Refusal):
+            return (answer,) * count
+        absent = Refusal(Reason.BAD_INPUT, "wheel speed or brake pressure is missing")
+        by_wheel: list[CurveEstimate | Refusal] = [absent] * count
+        for each, estimate in zip(self._present, answer, strict=True):
+            by_wheel[each] = estimate
+        return tuple(by_wheel)
+
+    @property
+    def gain_over_mass(self) -> tuple[tuple[float, float], tuple[float, float]] | None:
+        """Brake gain over mass, over that of the vehicle file, less 1, with its deviation: front and rear axle.
+
+        None before the first fit of the braking.
+        """
+        if not self._fits or not self._fits[0].steps:
+            return None
+        fit = self._fits[0]
+        found = []
+        for gain in (Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR):
+            c = fit.covariance
+            variance = c[gain, gain] + c[Unknown.LOG_MASS, Unknown.LOG_MASS] - 2.0 * c[gain, Unknown.LOG_MASS]
+            ratio = exp(float(fit.unknowns[gain] - fit.unknowns[Unknown.LOG_MASS]))
+            found.append((ratio - 1.0, ratio * sqrt(max(float(variance), 0.0))))
+        return found[0], found[1]
+
+    def _begin_again(self, present: tuple[int, ...]) -> None:
+        """Forget the samples; go on with these wheels."""
+        self._present = present
+        self._braking = False
+        self._fits: list[CurveFit] = []
+        self._with_accelerometer = True
+        self._unknown_start = False
+        self._released_at = inf
+        index = list(present)
+        self._index = index
+        self._samples = BrakingSamples(max(len(index), 1), _CAPACITY)
+        self._gathered_time = 0.0
+        self._gathered_turn = np.zeros(len(index))
+        self._gained = 0.0
+        self._last: Checked | None = None
+        if present:
+            self._car = CarConstants(self._vehicle, present)
+            self._per_torque = 1.0 / (self._radii[index] * self._car.mass * self._car.carried_share)
+
+    def _take(self, sample: Checked) -> list[CurveEstimate] | Refusal:
+        """Take a sample of the present wheels."""
+        index, last = self._index, self._last
+        speed, torque = sample.wheel_speed[index], sample.brake_pressure[index] * self._gain[index]
+        braking_by = float(self._per_torque @ torque)
+        if not self._braking:
+            self._with_accelerometer = isfinite(sample.acceleration)
+        acceleration = sample.acceleration
+        if not self._with_accelerometer:
+            growth = np.zeros_like(speed)
+            if last is not None:
+                growth = (speed - last.wheel_speed[index]) / (sample.time - last.time)
+            inertia = self._car.inertia[:, 0]
+            acceleration = -float(self._per_torque @ (inertia * growth + torque))
+        interval = 0.0 if last is None else sample.time - last.time
+        before = acceleration if last is None or not isfinite(last.acceleration) else last.acceleration
+        self._gained += interval * 0.5 * (acceleration + before if self._with_accelerometer else 2.0 * acceleration)
+        self._gathered_time += interval
+        self._gathered_turn += interval * speed
+        self._last = sample._replace(acceleration=acceleration)
+        complete = self._samples.count == 0 or self._gathered_time >= _INTERVAL
+        if complete:
+            mean = speed
+            if self._p.counted and self._gathered_time > 0.0:
+                mean = self._gathered_turn / self._gathered_time
+            self._keep(sample.time, mean, torque, acceleration)
+            self._gathered_time, self._gained = 0.0, 0.0
+            self._gathered_turn = np.zeros(len(index))
+        if float((self._radii[index] * speed).max()) < self._p.minimum_speed and not self._braking:
+            return Refusal(Reason.LOW_SPEED, f"the car is slower than {self._p.minimum_speed} m/s")
+        self._watch_brakes(sample.time, braking_by)
+        if not self._braking:
+            text = "the speed at the start of the braking is not known" if self._unknown_start else "no braking"
+            return Refusal(Reason.NO_EXCITATION, text)
+        if complete and sample.time - self._stepped_at >= _STEP_INTERVAL:
+            self._step(sample.time)
+        return self._answer(sample.time, speed)
+
+    def _keep(self, time: float, speed: Array, torque: Array, acceleration: float) -> None:
+        samples = self._samples
+        if self._braking:
+            if samples.count == _CAPACITY:
+                self._fold()
+        else:
+            while (samples.count > 1 and time - samples.time[1] > _BEFORE) or samples.count == _CAPACITY:
+                samples.drop_oldest(max(int(np.searchsorted(samples.time, time - _BEFORE)) - 1, 1))
+        samples.append(time, speed, torque, acceleration, self._gained, self._braking)
+
+    def _watch_brakes(self, time: float, braking_by: float) -> None:
+        """Begin and end brakings."""
+        if not self._braking and not self._unknown_start:
+            if braking_by > _BRAKES:
+                if time - self._samples.time[0] >= _LEAST_BEFORE and self._samples.count >= 5:
+                    self._begin_braking(time)
+                else:
+                    self._unknown_start = True
+            return
+        if braking_by > _RELEASED:
+            self._released_at = inf
+        elif self._released_at == inf:
+            self._released_at = time
+        if time - self._released_at > _RELEASE_TIME:
+            self._begin_again(self._present)
+
+    def _begin_braking(self, time: float) -> None:
+        samples, p = self._samples, self._p
+        samples.close_throttle(time - _LIFT)
+        self._braking, self._began_at, self._stepped_at, self._turn = True, time, time + _FIRST_STEP, 0
+        few = min(3, samples.count)
+        rolling = float((self._car.radius[:, 0] * samples.wheel_speed[:, :few].mean(axis=1)).mean())
+        at_rest = float(samples.acceleration[: max(samples.count // 4, 1)].mean())
+        self._start = Start(float(samples.time[0]), rolling, at_rest, float(samples.speed_change[0]))
+        self._rolling_noise = rolling_noise(samples.wheel_speed, 0.01)
+        balanced = self._with_accelerometer and len(self._present) == len(self._vehicle.wheels)
+        self._fits = [
+            CurveFit(
+                self._car,
+                car_prior(self._vehicle, self._present, family, p.slope_stddev, self._with_accelerometer),
+                family,
+                p.torque_stddev,
+                balanced,
+            )
+            for family in p.families()
+        ]
+        self._families = p.families()
+        unknown = int(np.count_nonzero(self._fits[0].known_to > 0.0))
+        self._most_surprise = unknown + _SURPRISE * sqrt(2.0 * unknown)
+        self._mu_floor = radius_deviation(self._vehicle)
+        self._peak: Peak | None = None
+        self._seen_before = 0.0
+        self._seen = 0.0
+        self._beyond_since = inf
+        self._move = [inf] * len(self._fits)
+
+    def _fold(self) -> None:
+        """Let the oldest samples leave the window."""
+        nodes = self._nodes()
+        memory = exp(-float(nodes.time[_FOLDED] - nodes.time[0]) / _MEMORY)
+        for fit in self._fits:
+            fit.fold(self._samples, nodes, self._start, _FOLDED, memory)
+        self._samples.drop_oldest(_FOLDED)
+
+    def _nodes(self) -> Nodes:
+        return node_signals(self._car, self._samples, self._start, self._rolling_noise, self._p.counted)
+
+    def _step(self, time: float) -> None:
+        """Move the fit whose turn it is."""
+        which = self._turn % len(self._fits)
+        self._turn += 1
+        self._stepped_at = time
+        fit = self._fits[which]
+        nodes = self._nodes()
+        # The torque of the newest nodes has not been measured yet where pressures come late.
+        known = self._samples.time[-1] - max(float(fit.unknowns[Unknown.PRESSURE_DELAY]), 0.0) - self._start.time
+        keep = int(np.searchsorted(nodes.time + 0.5 * nodes.interval, known))
+        if keep < 5:
+            return
+        try:
+            self._move[which] = fit.step(self._samples, nodes.subset(slice(0, keep)), self._start)
+        except np.linalg.LinAlgError:
+            fit.reset()
+            return
+        if all(each.steps for each in self._fits):
+            fits = self._fits
+            found = [each.unknowns for each in fits], [each.covariance for each in fits]
+            evidence = [each.log_evidence for each in fits]
+            self._peak = mixture(*found, evidence, self._mu_floor, True)
+            self._seen = self._time_beyond(fit, self._peak, nodes.subset(slice(0, keep)))
+            if self._seen < _SEEN_TIME:
+                self._peak = mixture(*found, evidence, self._mu_floor, False)
+        self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
+
+    def _time_beyond(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> float:
+        """Time for which the slips of the window were surely beyond the peak, summed over wheels [s]."""
+        moved = fit.moved
+        limit = _PASSED * exp(peak.log_lambda_max)
+        speed_variance = fit.covariance[Unknown.START_SPEED, Unknown.START_SPEED]
+        stddev = np.hypot(limit * peak.log_lambda_stddev, sqrt(speed_variance) / moved.speed)
+        beyond = moved.relaxed > limit + _SURE * stddev
+        if beyond.any() and self._beyond_since == inf:
+            self._beyond_since = float(nodes.time[int(np.argmax(beyond.any(axis=0)))])
+        if not beyond.any() and self._seen_before == 0.0:
+            self._beyond_since = inf
+        return float((beyond * nodes.interval).sum())
+
+    def _answer(self, time: float, speed: Array) -> list[CurveEstimate]:
+        cause, self._cause = self._cause, RestartCause.NONE
+        count = self._samples.count
+        peak = self._peak
+        if peak is None:
+            text = f"{time - self._began_at:.2f} s of braking are too short"
+            return [CurveEstimate(count, nan, restart_cause=cause, text=text)] * len(self._index)
+        slips, beyond = self._slips(time, speed, peak)
+        reason, text = self._reason(time, peak)
+        lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
+        best = int(np.argmax(peak.weights))
+        surprised = max(fit.surprise for fit in self._fits) > self._most_surprise
+        u = self._fits[best].unknowns
+        shape = (float(u[Unknown.SHAPE_1]), float(u[Unknown.SHAPE_2]))
+        curve = curve_values(self._families[best], peak.log_lambda_max, shape, slips / lambda_max)
+        mu, slope = mu_max * curve.value, mu_max / lambda_max * curve.slope
+        theta = UNKNOWN_THETA
+        if self._families[best] is Family.BURCKHARDT:
+            theta = burckhardt_theta(peak, shape[0])
+        return [
+            CurveEstimate(
+                count,
+                float(slips[each]),
+                lambda_max,
+                mu_max,
+                lambda_max * peak.log_lambda_stddev,
+                mu_max * peak.log_mu_stddev,
+                theta,
+                mu=float(mu[each]),
+                slope=float(slope[each]),
+                probability_beyond_peak=nan if surprised else beyond[each],
+                restart_cause=cause,
+                reason=reason,
+                text=text,
+            )
+            for each in range(len(self._index))
+        ]
+
+    def _slips(self, time: float, speed: Array, peak: Peak) -> tuple[Array, list[float]]:
+        """Present slips, and the probabilities that they are beyond the peak."""
+        wheels = len(self._index)
+        mean = np.zeros(wheels)
+        beyond = [0.0] * wheels
+        factor, floor = (SEEN_FACTOR, LAMBDA_FLOOR) if self._seen >= _SEEN_TIME else (UNSEEN_FACTOR, UNSEEN_FLOOR)
+        changed = float(self._samples.speed_change[-1]) + self._gained
+        for weight, fit in zip(peak.weights, self._fits, strict=True):
+            p, moved = fit.unknowns, fit.moved
+            ahead = time - self._node[0]
+            own = (changed - self._node[1] - p[Unknown.ACCELEROMETER_OFFSET] * ahead) / (
+                1.0 + p[Unknown.ACCELEROMETER_SCALE]
+            )
+            velocity = max(float(moved.speed[-1]) + own - p[Unknown.SLOPE] * ahead, 0.5)
+            rolling = self._car.radius[:, 0] * speed / velocity
+            slip = 1.0 - rolling + p[SHARED:] + self._car.left[:, 0] * p[Unknown.CURVE]
+            # The force of a tyre follows its relaxed slip, from that of the last node on.
+            x = max(velocity * ahead / max(float(p[Unknown.RELAXATION_LENGTH]), LEAST_RELAXATION), 1e-6)
+            keep, decay = exp(-x), -expm1(-x) / x
+            relaxed = keep * moved.relaxed[:, -1] + (decay - keep) * moved.slip[:, -1] + (1.0 - decay) * slip
+            limit = exp(p[Unknown.LOG_LAMBDA_MAX])
+            rows = np.zeros((wheels, p.size))
+            rows[:, SPEED_UNKNOWNS] = np.outer(rolling / velocity, moved.speed_gradient[:, -1])
+            rows[:, Unknown.LOG_LAMBDA_MAX] = -limit * factor
+            rows[:, Unknown.CURVE] = self._car.left[:, 0]
+            rows[range(wheels), SHARED + np.arange(wheels)] = 1.0
+            variance = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows) + (floor * limit) ** 2
+            mean += weight * slip
+            for each in range(wheels):
+                beyond[each] += weight * normal_probability(float((relaxed[each] - limit) / sqrt(variance[each])))
+        return mean, beyond
+
+    def _reason(self, time: float, peak: Peak) -> tuple[Reason, str]:
+        since = time - self._began_at
+        if since < _EARLIEST_VALID:
+            return Reason.TOO_FEW_SAMPLES, f"{since:.2f} s of braking are too short"
+        if self._seen < _SEEN_TIME or time - self._start.time - self._beyond_since < _LEAST_AGE:
+            return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {self._seen:.2f} s only"
+        best = int(np.argmax(peak.weights))
+        if max(fit.surprise for fit in self._fits) > self._most_surprise:
+            return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
+        if self._move[best] > _SETTLED:
+            return Reason.UNCERTAIN, "the fit has not settled"
+        if self._fits[best].load_variation == LOAD_VARIATIONS.size - 1:
+            return Reason.UNCERTAIN, "the wheels do not move as one curve for the car says"
+        if peak.log_lambda_stddev > _LARGEST_STDDEV:
+            return Reason.UNCERTAIN, f"standard deviation of lambda_max is {100.0 * peak.log_lambda_stddev:.0f} %"
+        return Reason.OK, ""
+
+
+def burckhardt_theta(peak: Peak, u: float) -> Array:
+    """Parameters of (2.13) of a Burckhardt curve with this peak, shape (3,)."""
+    k = burckhardt_k(peak.log_lambda_max, u)
+    lambda_max = exp(peak.log_lambda_max)
+    theta_1 = exp(peak.log_mu_max) / (1.0 - exp(-k) - k * exp(-k))
+    return np.array([theta_1, k / lambda_max, theta_1 * k * exp(-k) / lambda_max])

@@ -1,0 +1,75 @@
+"""One curve from the fits of several families: their mixture, weighed by evidence.
+
+The weights follow the evidence of each family in Laplace's approximation, plus a share that each keeps: the true tyre
+is of neither family, and without it the evidence would be sure of the wrong one.
+"""
+
+from dataclasses import dataclass
+from math import erf, exp, hypot, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.car.unknowns import Unknown
+
+Array = NDArray[np.float64]
+
+_KEPT, _UNSEEN_KEPT = 0.1, 0.15
+"""Share that each family keeps; while the peak has not been seen, no family alone makes a probability of 0.9."""
+LAMBDA_FLOOR = 0.04
+SEEN_FACTOR = 1.1
+"""Factor of the deviations of lambda_max: on random cars of a plant of its own the fit is that much too sure."""
+_MU_FLOOR = 0.005
+UNSEEN_FACTOR = 2.0
+"""Factor of the deviations of lambda_max while the peak has not been seen: it is an extrapolation by a formula."""
+UNSEEN_FLOOR = 0.1
+_UNSEEN_MU_FACTOR = 1.5
+
+
+@dataclass(frozen=True)
+class Peak:
+    """Peak of the mixture."""
+
+    log_lambda_max: float
+    log_mu_max: float
+    log_lambda_stddev: float
+    log_mu_stddev: float
+    weights: tuple[float, ...]
+    """Of the families, sum 1."""
+
+
+def mixture(
+    unknowns: list[Array], covariances: list[Array], log_evidence: list[float], mu_floor: float, seen: bool
+) -> Peak:
+    """Mix the peaks of the families.
+
+    Args:
+        unknowns: estimates of the families, shape (P,) each.
+        covariances: their covariances, shape (P, P) each.
+        log_evidence: ln of their evidence.
+        mu_floor: least relative deviation of mu_max that the car leaves besides.
+        seen: whether the slips have been beyond the peak.
+    """
+    best = max(log_evidence)
+    raw = [exp(max(each - best, -50.0)) for each in log_evidence]
+    total = sum(raw)
+    count = len(raw)
+    kept = _KEPT if seen else _UNSEEN_KEPT
+    weights = [(each / total + kept) / (1.0 + count * kept) for each in raw] if count > 1 else [1.0]
+    found = []
+    of_lambda = (SEEN_FACTOR, LAMBDA_FLOOR) if seen else (UNSEEN_FACTOR, UNSEEN_FLOOR)
+    of_mu = (1.0 if seen else _UNSEEN_MU_FACTOR, hypot(_MU_FLOOR, mu_floor))
+    for index, (factor, floor) in ((Unknown.LOG_LAMBDA_MAX, of_lambda), (Unknown.LOG_MU_MAX, of_mu)):
+        values = [float(each[index]) for each in unknowns]
+        mean = sum(w * value for w, value in zip(weights, values, strict=True))
+        variance = sum(
+            w * (float(c[index, index]) + (value - mean) ** 2)
+            for w, value, c in zip(weights, values, covariances, strict=True)
+        )
+        found.append((mean, hypot(factor * sqrt(variance), floor)))
+    return Peak(found[0][0], found[1][0], found[0][1], found[1][1], tuple(weights))
+
+
+def normal_probability(deviations: float) -> float:
+    """Probability that a standard normal number is below `deviations`."""
+    return 0.5 * (1.0 + erf(deviations / sqrt(2.0)))

@@ -1,0 +1,126 @@
+"""Measured signals at the nodes between the wheel speeds, from the samples of a braking.
+
+A wheel speed is a mean: from the encoder's last edge before one stamp to the last before the next. To third order the
+speed at the node between the means w_k and w_{k+1} is (-w_{k-1} + 7 w_k + 7 w_{k+1} - w_{k+2}) / 12. The edges are half
+a tooth late on average, and up to a tooth at random: an error in proportion to the wheel's acceleration. A speed that
+was not counted holds at its stamp: then the nodes lie half-way between the stamps.
+"""
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.car.braking_samples import BrakingSamples
+from friction_curve_id.car.car_model import CarConstants, Nodes
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Start:
+    """State of the car at the first sample of the window."""
+
+    time: float
+    """Stamp at which the integral of the acceleration began [s]."""
+    speed: float
+    """Speed of the wheels then [m/s]."""
+    acceleration: float
+    """[m/s^2]"""
+    speed_change: float
+    """Integral of the acceleration at `time` [m/s]."""
+
+
+def node_signals(
+    car: CarConstants, samples: BrakingSamples, start: Start, rolling_noise: Array, counted: bool
+) -> Nodes:
+    """Return the signals at the n - 1 nodes of n >= 4 samples.
+
+    Args:
+        car: nominal values.
+        samples: the samples.
+        start: state at the start of the braking.
+        rolling_noise: standard deviation of a speed of a wheel that turns steadily [rad/s], shape (W,).
+        counted: whether the speeds come from toothed encoders.
+    """
+    t, w = samples.time, samples.wheel_speed
+    step = np.diff(t)
+    if counted:
+        time = t[:-1]
+        interval = step.copy()
+        interval[1:] = 0.5 * (step[1:] + step[:-1])
+        acceleration, change, closed = samples.acceleration[:-1], samples.speed_change[:-1], samples.closed[:-1]
+        near, far = 7.0 / 12.0, -1.0 / 12.0
+    else:
+        time, interval = 0.5 * (t[1:] + t[:-1]), step
+        acceleration = 0.5 * (samples.acceleration[1:] + samples.acceleration[:-1])
+        change = 0.5 * (samples.speed_change[1:] + samples.speed_change[:-1])
+        closed = samples.closed[:-1]
+        near, far = 9.0 / 16.0, -1.0 / 16.0
+    speed = 0.5 * (w[:, 1:] + w[:, :-1])
+    speed[:, 1:-1] = near * (w[:, 1:-2] + w[:, 2:-1]) + far * (w[:, :-3] + w[:, 3:])
+    growth = np.diff(w, axis=1) / interval
+    noise = np.empty_like(w)
+    noise[:] = rolling_noise[:, np.newaxis] ** 2
+    if counted:
+        tooth = (2.0 * pi) / (car.teeth * np.maximum(speed, 1.0))
+        late = growth * tooth
+        speed += 0.5 * late
+        # Where teeth come more slowly than samples, a speed is held, or the mean over a longer time than it should be.
+        held = np.maximum(tooth - 0.7 * interval, 0.0)
+        random = growth**2 * tooth**2 / 24.0 + (_around(growth) * held) ** 2
+        noise[:, :-1] += random
+        noise[:, 1:] = np.maximum(noise[:, 1:], noise[:, 1:] + random - noise[:, :-1])
+    return Nodes(
+        time - start.time,
+        interval,
+        speed,
+        growth,
+        np.sqrt(noise),
+        acceleration,
+        change - start.speed_change,
+        acceleration - start.acceleration,
+        start.speed,
+        closed,
+    )
+
+
+def delayed(samples: BrakingSamples, nodes: Nodes, start: Start, delay: float) -> tuple[Array, Array]:
+    """Return the torques that act between the wheel speeds about the nodes [N m], and their derivative [N m/s].
+
+    A torque is older than its stamp by `delay` [s]: that of a node is stamped later. For torques that run straight
+    between their samples, the mean by the triangle over both intervals is a cubic B-spline at any delay. Interpolated
+    values would have less noise half-way between the samples than at them, and the fit of the delay would go there.
+    Beyond the newest a torque is held. Shapes (W, n).
+    """
+    t = samples.time
+    last = t.size - 1
+    place = np.interp(nodes.time + (start.time + delay), t, np.arange(t.size, dtype=np.float64))
+    before = np.minimum(place.astype(np.int64), last - 1)
+    f = place - before
+    g = 1.0 - f
+    at = np.clip(before + np.arange(-1, 3)[:, np.newaxis], 0, last)
+    weights = np.array([g**3, 4.0 - 6.0 * f**2 + 3.0 * f**3, 4.0 - 6.0 * g**2 + 3.0 * g**3, f**3]) * (1.0 / 6.0)
+    rates = np.array([-0.5 * g**2, -2.0 * f + 1.5 * f**2, 2.0 * g - 1.5 * g**2, 0.5 * f**2])
+    rates /= t[before + 1] - t[before]
+    near = samples.torque[:, at]
+    return np.einsum("wkn,kn->wn", near, weights), np.einsum("wkn,kn->wn", near, rates)
+
+
+def rolling_noise(wheel_speed: Array, least: float) -> Array:
+    """Standard deviation of speeds of steadily turning wheels [rad/s], shape (W,), by second differences.
+
+    Args:
+        wheel_speed: shape (W, n), n >= 3.
+        least: least value [rad/s].
+    """
+    bend = np.abs(wheel_speed[:, 2:] - 2.0 * wheel_speed[:, 1:-1] + wheel_speed[:, :-2])
+    return np.maximum(np.median(bend, axis=1) / (0.6745 * sqrt(6.0)), least)
+
+
+def _around(values: Array) -> Array:
+    """Largest size of a value and its two neighbours on either side, along the second axis, shape (W, n)."""
+    padded = np.abs(np.pad(values, ((0, 0), (2, 2)), mode="edge"))
+    n = values.shape[1]
+    return np.asarray(np.max([padded[:, k : k + n] for k in range(5)], axis=0))

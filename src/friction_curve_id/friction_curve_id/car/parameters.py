@@ -1,0 +1,33 @@
+"""Parameters of the car's estimator."""
+
+from dataclasses import dataclass
+
+from friction_curve_id.car.curve_family import Family
+from friction_parameters import shared
+from friction_parameters.parameter import parameter
+
+ANY = "any"
+
+
+@dataclass(frozen=True)
+class CarEstimatorParameters:
+    """What the vehicle file does not say."""
+
+    family: str = parameter(
+        ANY,
+        "formula of the tyres: any weighs Burckhardt's and Pacejka's by the evidence",
+        choices=(ANY, Family.BURCKHARDT.value),
+    )
+    counted: bool = parameter(True, "wheel speeds are counted from teeth between stamps, not measured at the stamp")
+    slope_stddev: float = parameter(
+        0.023, "standard deviation of the slope of the road; 0: level", minimum=0.0, maximum=0.3
+    )
+    torque_stddev: float = parameter(
+        5.0, "standard deviation of what the wheel equation leaves out", unit="N m", minimum=0.01, maximum=1000.0
+    )
+    minimum_speed: float = shared.minimum_speed(3.0)
+    max_gap: float = shared.max_gap(0.05)
+
+    def families(self) -> tuple[Family, ...]:
+        """Formulas to fit."""
+        return tuple(Family) if self.family == ANY else (Family(self.family),)

@@ -1,0 +1,159 @@
+"""Prior of the unknowns of a braking: the values of the vehicle file with their deviations.
+
+What the file does not state has the deviations of STATED below; a deviation of zero means known exactly.
+"""
+
+from dataclasses import dataclass
+from math import hypot, log, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.car.curve_family import SHAPE_PRIORS, Family
+from friction_curve_id.car.unknowns import SHARED, Unknown
+from vehicle_models.single_corner import GRAVITY
+from vehicle_models.vehicle import FRONT, Deviations, Vehicle, Wheel
+
+Array = NDArray[np.float64]
+
+_LOG_MU_MAX = (log(0.7), 0.8)
+_LOG_LAMBDA_MAX = (log(0.14), 0.7)
+_PITCH = {
+    Unknown.LOG_PITCH_FREQUENCY: (log(2.0 * pi * 1.6), 0.18),
+    Unknown.PITCH_DAMPING: (0.45, 0.12),
+    Unknown.DAMPER_SHARE: (0.6, 0.35),
+}
+"""Pitch of passenger cars; no keys of the vehicle file."""
+_START_SPEED_STDDEV = 0.05
+_CURVE_STDDEV = 0.006
+"""Half the track over the radius of the curve: 125 m."""
+_OTHER_WHEELS = 0.15
+"""Relative deviation of the deceleration of the car from that of the wheels that are measured."""
+_SLIP_OFFSET_STDDEV = 5e-4
+"""Of the slip of a rolling wheel, where its radius is not known exactly."""
+
+STATED = {
+    "mass": 0.087,
+    "inertia": 0.1,
+    "brake_gain": 0.058,
+    "radius": 0.006,
+    "relaxation_length": 0.5,
+    "centre_of_gravity_height": 0.06,
+}
+"""Relative deviations of what a vehicle file does not state."""
+STATED_ABSOLUTE = {
+    "front_load_share": 0.0115,
+    "brake_pressure_delay": 0.012,
+    "engine_drag_torque": 46.0,
+    "offset": 0.17,
+    "scale": 0.0115,
+    "pitch_gain": 0.0015,
+    "delay": 0.006,
+}
+"""Deviations of what a vehicle file does not state, in its units."""
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Normal prior of all unknowns, shape (SHARED + W,) each."""
+
+    mean: Array
+    stddev: Array
+    """Zero where known exactly."""
+
+
+def car_prior(
+    vehicle: Vehicle, present: tuple[int, ...], family: Family, slope_stddev: float, with_accelerometer: bool
+) -> Prior:
+    """Return the prior of a car.
+
+    Args:
+        vehicle: the car.
+        present: the wheels that are measured, by index.
+        family: formula of the curve.
+        slope_stddev: standard deviation of the slope of the road [-], >= 0.
+        with_accelerometer: whether the speed comes from an accelerometer, or from the wheels at nominal values.
+    """
+    wheels, mounting = [vehicle.wheels[each] for each in present], vehicle.accelerometer
+    mean, stddev = np.zeros(SHARED + len(wheels)), np.zeros(SHARED + len(wheels))
+
+    def put(unknown: Unknown, value: float, deviation: float) -> None:
+        mean[unknown], stddev[unknown] = value, deviation
+
+    shape = SHAPE_PRIORS[family]
+    radius = max(_relative(wheel, "radius") for wheel in wheels)
+    gains = [
+        max((_relative(w, "brake_gain") for w in wheels if (w.axle == FRONT) is front), default=0.0)
+        for front in (True, False)
+    ]
+    mass = _deviation(vehicle.deviations, "mass", STATED["mass"] * vehicle.mass) / vehicle.mass
+    put(Unknown.LOG_MU_MAX, *_LOG_MU_MAX)
+    put(Unknown.LOG_LAMBDA_MAX, *_LOG_LAMBDA_MAX)
+    put(Unknown.SHAPE_1, shape.mean[0], shape.stddev[0])
+    put(Unknown.SHAPE_2, shape.mean[1], shape.stddev[1])
+    # The lever arm of the tyre's force errs with the radius: force balance and wheel equation see it as gain.
+    put(Unknown.LOG_GAIN_FRONT, 0.0, hypot(gains[0], radius) if gains[0] else 0.0)
+    put(Unknown.LOG_GAIN_REAR, 0.0, hypot(gains[1], radius) if gains[1] else 0.0)
+    put(Unknown.LOG_MASS, 0.0, mass)
+    put(Unknown.LOG_INERTIA, 0.0, max(_relative(wheel, "inertia") for wheel in wheels))
+    put(Unknown.PRESSURE_DELAY, vehicle.brake_pressure_delay, _absolute(vehicle.deviations, "brake_pressure_delay"))
+    relaxation = sum(wheel.relaxation_length for wheel in wheels) / len(wheels)
+    put(
+        Unknown.RELAXATION_LENGTH,
+        relaxation,
+        max(_relative(wheel, "relaxation_length") for wheel in wheels) * relaxation,
+    )
+    put(Unknown.START_SPEED, 0.0, _START_SPEED_STDDEV)
+    sides = {wheel.side for wheel in wheels}
+    put(Unknown.CURVE, 0.0, _CURVE_STDDEV if len(sides) > 1 else 0.0)
+    put(Unknown.SLOPE, 0.0, slope_stddev * GRAVITY)
+    if with_accelerometer:
+        put(Unknown.ACCELEROMETER_DELAY, mounting.delay, _absolute(mounting.deviations, "delay"))
+        put(Unknown.ACCELEROMETER_OFFSET, 0.0, _absolute(mounting.deviations, "offset"))
+        pitch = GRAVITY * _absolute(mounting.deviations, "pitch_gain")
+        put(Unknown.PITCH_READING, GRAVITY * mounting.pitch_gain, pitch)
+        put(Unknown.ACCELEROMETER_SCALE, 0.0, hypot(_absolute(mounting.deviations, "scale"), radius))
+    else:
+        others = _OTHER_WHEELS if len(wheels) < len(vehicle.wheels) else 0.0
+        put(Unknown.ACCELEROMETER_SCALE, 0.0, hypot(hypot(*gains), mass, others))
+        driven = sum(wheel.driven for wheel in wheels)
+        drag = _absolute(vehicle.deviations, "engine_drag_torque") * driven / (wheels[0].radius * vehicle.mass)
+        put(Unknown.ACCELEROMETER_OFFSET, 0.0, drag)
+    if any(wheel.driven for wheel in wheels):
+        drag = _absolute(vehicle.deviations, "engine_drag_torque")
+        put(Unknown.ENGINE_DRAG, vehicle.engine_drag_torque, drag)
+    for unknown, (value, deviation) in _PITCH.items():
+        put(unknown, value, deviation if vehicle.centre_of_gravity_height > 0.0 else 0.0)
+    height = vehicle.centre_of_gravity_height
+    if height > 0.0:
+        relative = STATED["centre_of_gravity_height"] * height
+        put(
+            Unknown.LOG_HEIGHT_RATIO, 0.0, _deviation(vehicle.deviations, "centre_of_gravity_height", relative) / height
+        )
+    share_stddev = 0.0 if _one_axle(vehicle) else _absolute(vehicle.deviations, "front_load_share")
+    put(Unknown.FRONT_LOAD_SHARE, vehicle.front_load_share, share_stddev)
+    stddev[SHARED:] = _SLIP_OFFSET_STDDEV if radius > 0.0 else 0.0
+    return Prior(mean, stddev)
+
+
+def _one_axle(vehicle: Vehicle) -> bool:
+    return all(wheel.axle == FRONT for wheel in vehicle.wheels)
+
+
+def _deviation(deviations: Deviations, name: str, otherwise: float) -> float:
+    return deviations[name].stddev if name in deviations else otherwise
+
+
+def _relative(wheel: Wheel, name: str) -> float:
+    """Relative deviation of a quantity of a wheel."""
+    value = float(getattr(wheel, name))
+    return _deviation(wheel.deviations, name, STATED[name] * value) / value
+
+
+def _absolute(deviations: Deviations, name: str) -> float:
+    return _deviation(deviations, name, STATED_ABSOLUTE[name])
+
+
+def radius_deviation(vehicle: Vehicle) -> float:
+    """Relative standard deviation of the radii, the largest of the wheels."""
+    return max(_relative(wheel, "radius") for wheel in vehicle.wheels)

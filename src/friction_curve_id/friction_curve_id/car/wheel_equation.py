@@ -1,0 +1,144 @@
+"""Wheel equation at the nodes, in units of wheel acceleration, with its Jacobian and its variance.
+
+    e = omega_dot + (kappa_i T_i(t + tau) + T_drag - r Fz mu(s)) / J
+
+The difference of two means over neighbouring intervals weighs a torque by a triangle over both: signals at the nodes
+are weighed 1/6, 2/3, 1/6. The variance of e J counts the torque noise, what these weights may miss (a sixth of the
+second differences of T and F), the varying load of the wheel (delta r Fz mu)^2 and the slip's share of the noise of the
+wheel speed; the noise of the wheel speed itself ties neighbouring nodes: the covariance is tridiagonal.
+"""
+
+from dataclasses import dataclass
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Motion, Nodes
+from friction_curve_id.car.curve_family import Family, curve_values
+from friction_curve_id.car.pitch import PITCH_UNKNOWNS
+from friction_curve_id.car.unknowns import SHARED, Unknown
+
+Array = NDArray[np.float64]
+
+_UNKNOWN_DRIVE = 150.0
+"""Standard deviation of the torque of a driven wheel while the car does not brake [N m]."""
+
+
+@dataclass(frozen=True)
+class WheelEquation:
+    """Residuals at n nodes of W wheels, and what their covariance is made of."""
+
+    error: Array
+    """e [rad/s^2], shape (W, n)."""
+    jacobian: Array
+    """d e / d unknowns, shape (W, n, SHARED + W)."""
+    fixed_variance: Array
+    """Variance of e without that of the load and the wheel speeds, shape (W, n)."""
+    load_variance: Array
+    """Variance of e for a load that varies by 1, shape (W, n)."""
+    torque: Array
+    """Torque of the brake and the engine at the nodes, weighed [N m], shape (W, n)."""
+
+
+def weighed(values: Array) -> Array:
+    """Weigh by 1/6, 2/3, 1/6 along the second axis; the ends are extended straight."""
+    result = values.copy()
+    result[:, 1:-1] += (values[:, :-2] - 2.0 * values[:, 1:-1] + values[:, 2:]) * (1.0 / 6.0)
+    return result
+
+
+def second_difference(values: Array) -> Array:
+    """Second difference along the second axis, the ends as their neighbours."""
+    result = np.zeros_like(values)
+    result[:, 1:-1] = values[:, :-2] - 2.0 * values[:, 1:-1] + values[:, 2:]
+    result[:, 0], result[:, -1] = result[:, 1], result[:, -2]
+    return result
+
+
+def wheel_equation(
+    car: CarConstants,
+    nodes: Nodes,
+    moved: Motion,
+    torque: Array,
+    torque_rate: Array,
+    family: Family,
+    unknowns: Array,
+    torque_stddev: float,
+) -> WheelEquation:
+    """Linearise the wheel equation about the present unknowns.
+
+    Args:
+        car: nominal values.
+        nodes: measured signals.
+        moved: their motion at the unknowns.
+        torque: T at nominal gain, weighed, later by the pressure's delay [N m], shape (W, n).
+        torque_rate: its derivative by time [N m/s], shape (W, n).
+        family: formula of the curve.
+        unknowns: shape (SHARED + W,).
+        torque_stddev: what the wheel equation leaves out [N m].
+    """
+    p = unknowns
+    log_peak = float(p[Unknown.LOG_LAMBDA_MAX])
+    peak, mu_max = exp(log_peak), exp(float(p[Unknown.LOG_MU_MAX]))
+    x = moved.relaxed / peak
+    curve = curve_values(family, log_peak, (float(p[Unknown.SHAPE_1]), float(p[Unknown.SHAPE_2])), x)
+    lever = car.radius * moved.load
+    amplitude = mu_max * lever
+    tyre = amplitude * curve.value
+    tyre_by_slip = amplitude * curve.slope / peak
+    gain = np.exp(np.where(car.front > 0.0, p[Unknown.LOG_GAIN_FRONT], p[Unknown.LOG_GAIN_REAR]))
+    inertia = car.inertia * exp(float(p[Unknown.LOG_INERTIA]))
+    brake = gain * torque
+
+    wheels, n = x.shape
+    # First the Jacobian of the tyre's torque, to be weighed; in units of torque.
+    tyre_jacobian = np.zeros((wheels, n, SHARED + wheels))
+    tyre_jacobian[:, :, Unknown.LOG_MU_MAX] = tyre
+    tyre_jacobian[:, :, Unknown.LOG_LAMBDA_MAX] = amplitude * (curve.by_log_peak - curve.slope * x)
+    tyre_jacobian[:, :, Unknown.SHAPE_1] = amplitude * curve.by_shape[0]
+    tyre_jacobian[:, :, Unknown.SHAPE_2] = amplitude * curve.by_shape[1]
+    per_load = tyre / moved.load
+    tyre_jacobian[:, :, Unknown.LOG_MASS] = tyre
+    tyre_jacobian[:, :, Unknown.LOG_HEIGHT_RATIO] = per_load * moved.load_by_height
+    tyre_jacobian[:, :, Unknown.FRONT_LOAD_SHARE] = per_load * moved.load_by_share
+    for row, unknown in enumerate(PITCH_UNKNOWNS):
+        tyre_jacobian[:, :, unknown] = per_load * moved.load_by_pitch[row]
+    for row, unknown in enumerate(SPEED_UNKNOWNS):
+        tyre_jacobian[:, :, unknown] = tyre_by_slip * moved.relaxed_by_speed[row]
+    tyre_jacobian[:, :, Unknown.ACCELEROMETER_OFFSET] += per_load * moved.load_by_offset
+    scale = 1.0 + p[Unknown.ACCELEROMETER_SCALE]
+    tyre_jacobian[:, :, Unknown.ACCELEROMETER_SCALE] -= per_load * moved.load_by_height / scale
+    tyre_jacobian[:, :, Unknown.RELAXATION_LENGTH] = tyre_by_slip * moved.relaxed_by_length
+    tyre_jacobian[:, :, Unknown.CURVE] = tyre_by_slip * car.left * moved.relaxed_by_offset
+    for wheel in range(wheels):
+        tyre_jacobian[wheel, :, SHARED + wheel] = tyre_by_slip[wheel] * moved.relaxed_by_offset
+    jacobian = weighed(tyre_jacobian)
+    jacobian *= -1.0
+    # The noise of a torque is part of e: a Jacobian that held it would draw inertia and gain to where noise is least.
+    smooth = _mean_of_five(brake)
+    acting = brake + p[Unknown.ENGINE_DRAG] * car.driven
+    balance = acting - weighed(tyre)
+    jacobian[:, :, Unknown.LOG_GAIN_FRONT] = car.front * smooth
+    jacobian[:, :, Unknown.LOG_GAIN_REAR] = (1.0 - car.front) * smooth
+    jacobian[:, :, Unknown.PRESSURE_DELAY] = gain * torque_rate
+    jacobian[:, :, Unknown.ENGINE_DRAG] = car.driven
+    jacobian[:, :, Unknown.LOG_INERTIA] = -(smooth + p[Unknown.ENGINE_DRAG] * car.driven - weighed(tyre))
+    jacobian *= 1.0 / inertia[:, :, np.newaxis]
+
+    missed = (second_difference(brake) ** 2 + second_difference(tyre) ** 2) * (1.0 / 36.0)
+    slip_noise = tyre_by_slip * car.radius * nodes.wheel_noise[:, 1:] / moved.speed
+    drive = np.where(nodes.closed > 0.0, 0.0, _UNKNOWN_DRIVE**2) * car.driven
+    fixed = (torque_stddev**2 + missed + 0.5 * slip_noise**2 + drive) / inertia**2
+    load_variance = (tyre / inertia) ** 2
+    error = nodes.wheel_acceleration + balance / inertia
+    return WheelEquation(error, jacobian, fixed, load_variance, acting)
+
+
+def _mean_of_five(values: Array) -> Array:
+    """Means over a value and its two neighbours on either side, along the second axis; the ends are repeated."""
+    padded = np.pad(values, ((0, 0), (2, 2)), mode="edge")
+    n = values.shape[1]
+    return np.asarray(
+        (padded[:, :n] + padded[:, 1 : n + 1] + padded[:, 2 : n + 2] + padded[:, 3 : n + 3] + padded[:, 4:]) * 0.2
+    )

@@ -1,0 +1,113 @@
+"""Method car as messages: a curve for every wheel from one processor, and what is said of inputs that are missing."""
+
+import random
+from functools import cache
+from typing import Any
+
+import pytest
+from friction_msgs.msg import FrictionCurve
+from sensor_msgs.msg import FluidPressure, Imu, JointState
+from std_msgs.msg import Header
+
+from corner_sim.car.pressure_prescription import SlipCycle
+from corner_sim.car.random_car import random_car
+from corner_sim.car.recording import Recording, record
+from friction_curve_id.car_processor import CarProcessor
+from friction_curve_id.parameters import FrictionCurveParameters
+from friction_curve_id.processor import build
+from friction_parameters.values import from_mapping
+from friction_runtime.processor import Level
+from friction_runtime.stamps import from_nanoseconds
+from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.vehicle_file import load_vehicle
+
+CAR = load_vehicle("compact_car")
+Stream = list[tuple[str, Any]]
+
+
+@cache
+def stop() -> Recording:
+    car = random_car(70_001, "wet", "pacejka")
+    return record(car.parameters, SlipCycle(car.parameters, car.cycling), 70_001, duration=2.0)
+
+
+def stream() -> Stream:
+    """Messages of the stop in the order of their stamps."""
+    run, messages = stop(), []
+    for k, time in enumerate(run.time.tolist()):
+        at = Header(stamp=from_nanoseconds(1_000 * NANOSECONDS + round(time * NANOSECONDS)))
+        names, speeds = list(CAR.joints), run.wheel_speed[k].tolist()
+        messages.append(("wheel_states", JointState(header=at, name=names, velocity=speeds)))
+        for wheel, pressure in zip(CAR.wheel_names, run.brake_pressure[k].tolist(), strict=True):
+            messages.append((f"{wheel}/brake_pressure", FluidPressure(header=at, fluid_pressure=pressure)))
+        imu = Imu(header=at)
+        imu.linear_acceleration.x = float(run.acceleration[k])
+        messages.append(("imu/data", imu))
+    return messages
+
+
+def made() -> CarProcessor:
+    (processor,) = build(from_mapping(FrictionCurveParameters, {"method": "car"}), CAR)
+    assert isinstance(processor, CarProcessor)
+    return processor
+
+
+def drive(processor: CarProcessor, messages: Stream) -> list[tuple[str, FrictionCurve]]:
+    return [output for topic, message in messages for output in processor.process(topic, message)]
+
+
+def test_every_wheel_has_its_curve_from_one_processor() -> None:
+    processor = made()
+    found = drive(processor, stream())
+    assert {topic for topic, _ in found} == set(processor.outputs)
+    assert set(processor.outputs) == {f"{wheel}/friction_curve" for wheel in CAR.wheel_names}
+    valid = [message for _, message in found if message.valid]
+    assert {message.wheel for message in valid} == set(CAR.wheel_names)
+    assert {message.method for message in valid} == {"car"}
+    last = valid[-1]
+    assert abs(last.lambda_max - stop().lambda_max[0]) < 3.0 * last.lambda_max_stddev
+    assert abs(last.mu_max - stop().mu_max[0]) < 3.0 * last.mu_max_stddev
+    assert "brake gain over mass, front [%]" in processor.health().values
+
+
+def test_the_order_of_arrival_does_not_matter() -> None:
+    messages = stream()[: 6 * 200]
+    shuffled = messages.copy()
+    random.Random(1).shuffle(shuffled)
+    shuffled.sort(key=lambda each: (each[1].header.stamp.sec, each[1].header.stamp.nanosec))
+    first, second = (
+        [(topic, repr(message)) for topic, message in drive(made(), each)] for each in (messages, shuffled)
+    )
+    assert first == second
+
+
+def test_a_missing_pressure_is_named_for_its_wheel_and_the_others_go_on() -> None:
+    messages = [each for each in stream() if each[0] != "rear_left/brake_pressure"]
+    processor = made()
+    found = drive(processor, messages)
+    lost = [message for topic, message in found if topic.startswith("rear_left")]
+    assert {message.reason for message in lost} == {FrictionCurve.NO_TORQUE}
+    assert "rear_left/brake_pressure" in lost[-1].reason_text
+    assert processor.health().level is Level.ERROR
+    assert any(message.samples > 0 for topic, message in found if topic.startswith("front_left"))
+
+
+def test_a_car_without_accelerometer_is_served() -> None:
+    messages = [each for each in stream() if each[0] != "imu/data"]
+    last = [message for topic, message in drive(made(), messages) if message.samples > 0][-1]
+    assert abs(last.mu_max - stop().mu_max[0]) < 1.96 * last.mu_max_stddev
+
+
+def test_a_reset_starts_again() -> None:
+    processor = made()
+    drive(processor, stream()[: 6 * 150])
+    processor.reset()
+    assert processor.process(*stream()[0]) == []
+
+
+@pytest.mark.parametrize("pressure", [float("nan"), 1e12])
+def test_an_impossible_pressure_is_refused(pressure: float) -> None:
+    processor = made()
+    processor.process("wheel_states", stream()[0][1])
+    at = stream()[0][1].header
+    assert processor.process("front_left/brake_pressure", FluidPressure(header=at, fluid_pressure=pressure)) == []
