@@ -69,6 +69,10 @@ def constants(message: Any, which: str) -> dict[str, int]:
     return {name: value[0] if isinstance(value, bytes) else value for name, value in found.items()}
 
 
+OF_NO_MESSAGE = {"friction_curve_id.car.unknowns.Unknown"}
+"""Places in an array."""
+
+
 @pytest.mark.parametrize(
     ("enum", "message", "which"), MIRRORED, ids=[f"{enum.__module__}.{enum.__name__}" for enum, _, _ in MIRRORED]
 )
@@ -95,4 +99,4 @@ def test_every_enum_of_the_packages_that_has_numbers_is_compared() -> None:
         for node in ast.walk(ast.parse(file.read_text()))
         if isinstance(node, ast.ClassDef) and any(ast.unparse(base).endswith("IntEnum") for base in node.bases)
     }
-    assert found == {f"{enum.__module__}.{enum.__name__}" for enum, _, _ in MIRRORED}
+    assert found - OF_NO_MESSAGE == {f"{enum.__module__}.{enum.__name__}" for enum, _, _ in MIRRORED}

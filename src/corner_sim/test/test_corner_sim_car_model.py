@@ -55,7 +55,7 @@ def test_tyres_air_and_rolling_slow_the_car_by_their_sum_and_load_moves_to_the_f
     forces = [found[f"truth/{wheel}/tyre_force"][-1] for wheel in COMPACT.wheel_names]
     speed = found["truth/vehicle_velocity"][-1].twist.twist.linear.x
     resistance = 0.012 * sum(force.fz for force in forces) + 0.5 * 1.2 * 0.65 * speed**2
-    acceleration = found["imu/data"][-1].linear_acceleration.x
+    acceleration = COMPACT.accelerometer.forward(found["imu/data"][-1].linear_acceleration)
     assert 1500.0 * acceleration == pytest.approx(sum(force.fx for force in forces) - resistance, rel=1e-3)
     moved = forces[0].fz + forces[1].fz - forces[2].fz - forces[3].fz
     assert moved == pytest.approx(-2.0 * 1500.0 * acceleration * 0.5 / 2.7, rel=0.01)

@@ -1,12 +1,12 @@
 """The estimators of all wheels of a car, by name: what is judged."""
 
 from collections.abc import Callable, Sequence
-from importlib import import_module
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.interface import CurveEstimate, Refusal, Sample
 from friction_curve_id.methods import DEFAULT, make_estimator
 from vehicle_models.vehicle import Vehicle
@@ -48,17 +48,13 @@ class WholeCar:
 
     def __init__(self, vehicle: Vehicle) -> None:
         """Make it with its shipped parameters."""
-        car = import_module("friction_curve_id.car")  # not every checkout that is compared has it
-        self._sample = car.CarSample
-        self._estimator = car.CarEstimator(vehicle)
+        self._estimator = CarEstimator(vehicle)
 
     def update(
         self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float
     ) -> Sequence[CurveEstimate | Refusal]:
         """See CarMethod."""
-        answers: Sequence[CurveEstimate | Refusal]
-        answers = self._estimator.update(self._sample(time, wheel_speed, brake_pressure, acceleration))
-        return answers
+        return self._estimator.update(CarSample(time, wheel_speed, brake_pressure, acceleration))
 
 
 METHODS: dict[str, Callable[[Vehicle], CarMethod]] = {DEFAULT: WheelByWheel, "car": WholeCar}
