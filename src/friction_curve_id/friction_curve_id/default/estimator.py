@@ -123,7 +123,9 @@ class DefaultEstimator:
         if window.count > _LEAD_IN:
             window.drop_oldest(1)
         n = window.count
-        self._fit.noise = noise = replace(self._p.noise, wheel_speed_variance=self._rolling.variance)
+        if self._rolling.variance != self._fit.noise.wheel_speed_variance:
+            self._fit.noise = replace(self._p.noise, wheel_speed_variance=self._rolling.variance)
+        noise = self._fit.noise
         trend = wheel_trend(window.time[:n], window.measured_wheel_speed[:n], noise.wheel_speed)
         if not is_excited(trend, window.torque[:n], noise.wheel_speed, noise.torque):
             if is_driven(trend, window.torque[:n], noise.torque):

@@ -3,10 +3,6 @@
 The third difference of a wheel speed that changes smoothly is noise alone; white noise of variance v gives it 20 v.
 """
 
-from collections import deque
-
-import numpy as np
-
 _LEAST = 60
 """Differences without which nothing is known."""
 _MEMORY = 200.0
@@ -15,6 +11,8 @@ _UNLIKELY = 2.0
 """Ratio to what is stated that chance alone hardly reaches in so many differences."""
 _EVEN = 0.1
 """Largest deviation of two steps in time from each other [-]."""
+_SAMPLES = 4
+"""With even steps in time, for a third difference."""
 _WHITE = 20.0
 
 
@@ -35,16 +33,21 @@ class RollingNoise:
 
     def forget_samples(self) -> None:
         """Begin anew with the differences; what was seen stays."""
-        self._newest: deque[tuple[float, float]] = deque(maxlen=4)
+        self._time = self._step = self._speed = self._first = self._second = 0.0
+        self._run = 0
 
     def update(self, time: float, wheel_speed: float) -> None:
         """Take a sample: time [s] and wheel speed [rad/s]."""
-        self._newest.append((time, wheel_speed))
-        if len(self._newest) < 4:
-            return
-        times, speeds = np.array(self._newest).T
-        steps = np.diff(times)
-        if np.ptp(steps) > _EVEN * steps[0]:
-            return
-        self._count += 1
-        self._mean += (float(np.diff(speeds, 3)[0]) ** 2 - self._mean) / min(self._count, _MEMORY)
+        # In floats: this runs at every sample of ordinary driving.
+        step = time - self._time
+        first = wheel_speed - self._speed
+        second = first - self._first
+        third = second - self._second
+        if self._run < 2:
+            self._run += 1
+        else:
+            self._run = self._run + 1 if abs(step - self._step) <= _EVEN * step else 2
+        if self._run >= _SAMPLES:
+            self._count += 1
+            self._mean += (third * third - self._mean) / min(self._count, _MEMORY)
+        self._time, self._step, self._speed, self._first, self._second = time, step, wheel_speed, first, second
