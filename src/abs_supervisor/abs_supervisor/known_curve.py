@@ -1,7 +1,7 @@
 """lambda_max of <wheel>/friction_curve as far as the supervisor may rely on it."""
 
 from collections import deque
-from math import isfinite, nan
+from math import hypot, isfinite, nan
 
 from friction_msgs.msg import FrictionCurve
 
@@ -18,8 +18,23 @@ _FEWEST = 20
 """Samples of a fit that says something about the road."""
 _USED = (int(FrictionCurve.OK), int(FrictionCurve.UNCERTAIN))
 """Reasons with which lambda_max speaks of the road: an uncertain one does so with its standard deviation."""
+_AHEAD = int(FrictionCurve.PEAK_NOT_PASSED)
+"""The peak is still ahead: that may contradict an earlier curve, and tells no peak itself."""
+_CONTRADICTS = 3.0
+"""Standard deviations of both by which it then lies beyond the earlier one."""
 
 Peak = tuple[float, float]
+
+
+class _Curve:
+    """lambda_max with its standard deviation [-] as of a stamp [ns]."""
+
+    __slots__ = ("ahead", "peak", "stamp")
+
+    def __init__(self, stamp: int, peak: Peak, ahead: bool) -> None:
+        self.stamp = stamp
+        self.peak = peak
+        self.ahead = ahead
 
 
 class KnownCurve:
@@ -31,7 +46,8 @@ class KnownCurve:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._curves: deque[tuple[int, Peak]] = deque()
+        self._curves: deque[_Curve] = deque()
+        self._known: _Curve | None = None
 
     def take(self, message: FrictionCurve) -> int:
         """Take a curve, in whichever order they come; return from which stamp on it counts [ns].
@@ -41,24 +57,35 @@ class KnownCurve:
         stamp = to_nanoseconds(message.header.stamp)
         if stamp <= 0:
             return stamp
-        known = message.reason in _USED and message.samples >= _FEWEST and 0.0 < message.lambda_max < 1.0
-        if known:
+        ahead = message.reason == _AHEAD
+        told = message.samples >= _FEWEST and 0.0 < message.lambda_max < 1.0
+        if told and (ahead or message.reason in _USED):
             doubt = message.lambda_max_stddev
-            self._insert(stamp, (message.lambda_max, doubt if isfinite(doubt) else 0.0))
+            self._insert(_Curve(stamp, (message.lambda_max, doubt if isfinite(doubt) else 0.0), ahead))
         return stamp + _OLDER
 
-    def _insert(self, stamp: int, peak: Peak) -> None:
-        later = [each for each in self._curves if each[0] > stamp]
-        while self._curves and self._curves[-1][0] >= stamp:
+    def _insert(self, curve: _Curve) -> None:
+        later = [each for each in self._curves if each.stamp > curve.stamp]
+        while self._curves and self._curves[-1].stamp >= curve.stamp:
             self._curves.pop()
-        self._curves.append((stamp, peak))
+        self._curves.append(curve)
         self._curves.extend(later)
 
     def at(self, stamp: int) -> Peak:
-        """Return lambda_max and its standard deviation for a sample at a stamp [ns], NaN where it is not known."""
+        """Return lambda_max and its standard deviation for a sample at a stamp [ns], NaN where it is not known.
+
+        Stamps do not go back, but with a reset.
+        """
         curves = self._curves
-        while len(curves) > 1 and curves[1][0] <= stamp - _OLDER:
-            curves.popleft()
-        if not curves or not stamp - _KEPT <= curves[0][0] <= stamp - _OLDER:
-            return nan, nan
-        return curves[0][1]
+        while curves and curves[0].stamp <= stamp - _OLDER:
+            curve = curves.popleft()
+            if not curve.ahead:
+                self._known = curve
+            elif self._known is not None and _contradicts(curve.peak, self._known.peak):
+                self._known = None
+        known = self._known
+        return known.peak if known is not None and known.stamp >= stamp - _KEPT else (nan, nan)
+
+
+def _contradicts(ahead: Peak, known: Peak) -> bool:
+    return ahead[0] - known[0] > _CONTRADICTS * hypot(ahead[1], known[1])

@@ -43,6 +43,8 @@ _ANSWER_LIMIT = 2.0
 """[s] A trial without NONE is given up: its time counts as infinite."""
 _STOPPED = 1.0
 """[s] for which the supervisor is stopped."""
+_STOPPED_TRIAL = 8.0
+"""[s] in which such a trial is done, its way to a braking included."""
 _BACK = 0.2
 """[s] after which a supervisor that goes on must act again."""
 _STEADY = 0.3
@@ -103,6 +105,7 @@ class LiveTrials:
 
     def of_stopped_supervisor(self, _: int) -> float:
         """Return the time [s] from SIGCONT to the first command other than NONE that answers a sample of after it."""
+        self._car.drive_until(lambda: self._car.left > _STOPPED_TRIAL, _START_LIMIT)
         self._brake()
         self._processes.send(graph.SUPERVISOR, signal.SIGSTOP)
         stopped = time.monotonic()

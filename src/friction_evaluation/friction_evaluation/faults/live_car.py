@@ -75,6 +75,11 @@ class LiveCar:
         readers = all(publisher.get_subscription_count() for publisher in self._publishers.values())
         return readers and self._subscription.get_publisher_count() > 0
 
+    @property
+    def left(self) -> float:
+        """Time until the car rolls at 60 m/s again [s], which no wheel can do at once."""
+        return (len(self._samples) - self._count % len(self._samples)) * SAMPLE_TIME
+
     def drive_until(self, condition: Callable[[], bool], limit: float) -> bool:
         """Drive on until a condition holds; return whether it did within a limit [s, wall clock]."""
         until = time.monotonic() + limit
