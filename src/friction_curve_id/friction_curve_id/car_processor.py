@@ -8,22 +8,19 @@ from friction_msgs.msg import FrictionCurve
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_curve_id.car import CarEstimator, CarSample
-from friction_curve_id.curve_messages import CurveMessages
+from friction_curve_id.curve_messages import CurveMessages, health_of
 from friction_curve_id.inputs import IMU
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.primary import Primary
-from friction_runtime.processor import Level, Output, Report, level_of, silent
+from friction_runtime.processor import Level, Output, Report, silent
 from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import HIGHEST_PRESSURE
 from vehicle_models.vehicle import Vehicle
-
-_QUIET = (Reason.OK, Reason.TOO_FEW_SAMPLES, Reason.PEAK_NOT_PASSED, Reason.LOW_SPEED, Reason.NO_EXCITATION)
-_BROKEN = (Reason.NO_TORQUE, Reason.NO_ACCELERATION)
 
 
 class CarProcessor(AlignedProcessor[tuple[float, ...]]):
@@ -60,8 +57,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     def _take(self, topic: str, message: Any) -> str | None:
         if topic == IMU:
             # The estimator knows scale and pitch as unknowns of its own.
-            forward = self._mounting.sign * float(getattr(message.linear_acceleration, self._mounting.axis))
-            reading = forward - self._mounting.offset
+            reading = self._mounting.without_offset(message.linear_acceleration)
         else:
             # No delay is taken off: the age of the pressures is an unknown too.
             reading = float(message.fluid_pressure)
@@ -99,10 +95,10 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         self._restart(RestartCause.GAP)
 
     def _state(self) -> tuple[Level, str]:
-        worst = max(self._last, key=lambda last: level_of(last.reason, _QUIET, _BROKEN), default=None)
+        worst = max(self._last, key=health_of, default=None)
         if worst is None:
             return Level.OK, ""
-        return level_of(worst.reason, _QUIET, _BROKEN), worst.reason_text
+        return health_of(worst), worst.reason_text
 
     def _values(self) -> dict[str, str]:
         values = {}

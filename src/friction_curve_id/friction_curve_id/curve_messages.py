@@ -7,13 +7,23 @@ from math import nan
 from friction_msgs.msg import FrictionCurve
 
 from friction_curve_id.activation import ActivationMark
-from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
+from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
 from friction_runtime.new_message import new_message
+from friction_runtime.processor import Level, level_of
 from friction_runtime.reason_text import set_reason
 from friction_runtime.stamps import header_at
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _NO_ESTIMATE = CurveEstimate(samples=0, slip=nan)
+_QUIET = (Reason.OK, Reason.TOO_FEW_SAMPLES, Reason.PEAK_NOT_PASSED, Reason.LOW_SPEED, Reason.NO_EXCITATION)
+"""Reasons that belong to ordinary driving."""
+_BROKEN = (Reason.NO_SLIP, Reason.NO_TORQUE, Reason.NO_ACCELERATION)
+"""Reasons that do not go away by waiting."""
+
+
+def health_of(message: FrictionCurve) -> Level:
+    """Return the level of diagnostics that the reason of a message has."""
+    return level_of(message.reason, _QUIET, _BROKEN)
 
 
 class CurveMessages:

@@ -6,7 +6,7 @@ from typing import Any
 from friction_msgs.msg import FrictionCurve, WheelSlip
 
 from friction_curve_id.car_processor import CarProcessor
-from friction_curve_id.curve_messages import CurveMessages
+from friction_curve_id.curve_messages import CurveMessages, health_of
 from friction_curve_id.inputs import CurveInputs
 from friction_curve_id.interface import Reason, RestartCause
 from friction_curve_id.parameters import CAR, TYRE_FORCE, VEHICLE, FrictionCurveParameters
@@ -16,15 +16,10 @@ from friction_curve_id.wheel_inputs import WheelInputs
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedSample
 from friction_runtime.primary import Primary
-from friction_runtime.processor import Level, Output, Report, level_of, silent
+from friction_runtime.processor import Level, Output, Report, silent
 from friction_runtime.reason_text import without_wheel
 from friction_runtime.slip_fault import slip_fault
 from vehicle_models.vehicle import Vehicle
-
-_QUIET = (Reason.OK, Reason.TOO_FEW_SAMPLES, Reason.PEAK_NOT_PASSED, Reason.LOW_SPEED, Reason.NO_EXCITATION)
-"""Reasons that belong to ordinary driving."""
-_BROKEN = (Reason.NO_SLIP, Reason.NO_TORQUE, Reason.NO_ACCELERATION)
-"""Reasons that do not go away by waiting."""
 
 
 class CurveProcessor(AlignedProcessor[Any]):
@@ -76,7 +71,7 @@ class CurveProcessor(AlignedProcessor[Any]):
         last = self._last
         if last is None:
             return Level.OK, ""
-        level, text = level_of(last.reason, _QUIET, _BROKEN), without_wheel(self._name, last.reason_text)
+        level, text = health_of(last), without_wheel(self._name, last.reason_text)
         # A method may go on without the slip for a while, or with the speed of before.
         faults = [fault for topic, fault in self._slip_faults.items() if fault and topic not in text]
         if not faults:

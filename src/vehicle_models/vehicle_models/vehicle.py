@@ -108,8 +108,11 @@ class Accelerometer:
         Args:
             linear_acceleration: vector with x, y, z [m/s^2], as in sensor_msgs/Imu.
         """
-        reading = self.sign * float(getattr(linear_acceleration, self.axis))
-        return (reading - self.offset) / (self.scale * (1.0 + GRAVITY * self.pitch_gain))
+        return self.without_offset(linear_acceleration) / (self.scale * (1.0 + GRAVITY * self.pitch_gain))
+
+    def without_offset(self, linear_acceleration: Any) -> float:
+        """Reading [m/s^2], forward positive, of which only the offset is taken off: pitch and scale are in it."""
+        return self.sign * float(getattr(linear_acceleration, self.axis)) - self.offset
 
     def reading(self, acceleration: float) -> float:
         """Reading of `axis` [m/s^2] at an acceleration of the car [m/s^2], the inverse of `forward`."""

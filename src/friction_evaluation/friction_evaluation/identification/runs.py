@@ -2,35 +2,26 @@
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from multiprocessing import get_context
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.progress import Progress
 
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.interface import CurveEstimator, Refusal, Sample
 from friction_curve_id.methods import make_estimator
 from friction_evaluation.manoeuvres import Truth
+from friction_evaluation.pool import in_processes
 from friction_evaluation.protocol import CORNER
+from friction_evaluation.stated import STATED, stated
 from vehicle_models.single_corner import CornerParameters
 
 Array = NDArray[np.float64]
 
 _CHUNK = 20
 """Runs in one task of a process."""
-_STATED = (
-    "lambda_max",
-    "lambda_max_stddev",
-    "mu_max",
-    "mu_max_stddev",
-    "probability_beyond_peak",
-    "valid",
-    "restarted",
-)
-SERIES = (*_STATED, "milliseconds")
+SERIES = (*STATED, "milliseconds")
 """Values kept of every answer; milliseconds are CPU time, not wall time."""
 
 
@@ -72,15 +63,8 @@ def make(batches: Iterable[Batch], title: str, processes: int = 2) -> dict[str, 
     """Make all runs, with a progress bar; the traces by the key of their batch."""
     jobs = list(batches)
     tasks = [(job, first) for job in jobs for first in range(0, len(job.runs), _CHUNK)]
-    parts: dict[tuple[str, int], Traces] = {}
-    with Progress() as progress, ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        bar = progress.add_task(title, total=sum(len(job.runs) for job in jobs))
-        pending = {pool.submit(_make_chunk, job, first): (job.key, first) for job, first in tasks}
-        for done in as_completed(pending):
-            traces = done.result()
-            parts[pending[done]] = traces
-            progress.advance(bar, len(traces.values))
-    return {job.key: _join(parts[job.key, first] for first in range(0, len(job.runs), _CHUNK)) for job in jobs}
+    parts = iter(in_processes(_make_chunk, tasks, title, processes))
+    return {job.key: _join(islice(parts, -(-len(job.runs) // _CHUNK))) for job in jobs}
 
 
 def _join(parts: Iterable[Traces]) -> Traces:
@@ -88,7 +72,8 @@ def _join(parts: Iterable[Traces]) -> Traces:
     return Traces(np.concatenate([chunk.values for chunk in chunks]), sum(chunk.exceptions for chunk in chunks))
 
 
-def _make_chunk(batch: Batch, first: int) -> Traces:
+def _make_chunk(task: tuple[Batch, int]) -> Traces:
+    batch, first = task
     runs = batch.runs[first : first + _CHUNK]
     values = np.full((len(runs), len(batch.truth.time), len(SERIES)), np.nan)
     exceptions = 0
@@ -122,4 +107,4 @@ def follow(estimator: CurveEstimator, samples: Iterable[Sample], row: Array) -> 
         answer = estimator.update(sample)
         row[k, -1] = (time.thread_time_ns() - begin) * 1e-6
         if not isinstance(answer, Refusal):
-            row[k, :-1] = [float(getattr(answer, name)) for name in _STATED]
+            row[k, :-1] = stated(answer)

@@ -8,20 +8,17 @@ from numpy.typing import NDArray
 from corner_sim.car.recording import Recording
 from friction_curve_id.interface import Refusal
 from friction_evaluation.real_car.methods import METHODS
+from friction_evaluation.stated import STATED, stated
 from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]
 VEHICLE = "compact_car"
 """Vehicle file of the estimators: nominal values and deviations, of no car of the plant."""
-_STATED = (
-    *("lambda_max", "lambda_max_stddev", "mu_max", "mu_max_stddev"),
-    *("probability_beyond_peak", "valid", "restarted"),
-)
 
 
 @dataclass(frozen=True)
 class Answers:
-    """Answers after each of n samples, arrays of shape (n, 4); NaN where there was none."""
+    """Answers after each of n samples, STATED in order, arrays of shape (n, 4); NaN where there was none."""
 
     lambda_max: Array
     lambda_max_stddev: Array
@@ -36,7 +33,7 @@ class Answers:
 def follow(method: str, run: Recording, samples: int) -> Answers:
     """Feed the first `samples` samples of a recording to an estimator by name."""
     estimator = METHODS[method](load_vehicle(VEHICLE))
-    found = np.full((samples, 4, len(_STATED)), np.nan)
+    found = np.full((samples, 4, len(STATED)), np.nan)
     found[:, :, -2:] = 0.0
     for k in range(samples):
         answers = estimator.update(
@@ -44,5 +41,5 @@ def follow(method: str, run: Recording, samples: int) -> Answers:
         )
         for wheel, answer in enumerate(answers):
             if not isinstance(answer, Refusal):
-                found[k, wheel] = [float(getattr(answer, name)) for name in _STATED]
+                found[k, wheel] = stated(answer)
     return Answers(*np.moveaxis(found, 2, 0))

@@ -16,11 +16,11 @@ import argparse
 from corner_sim.car.random_car import random_car
 from corner_sim.car.tyre import TYRES
 from friction_curve_id.methods import DEFAULT
+from friction_evaluation.pool import in_processes
 from friction_evaluation.real_car.before_peak import Rise, make_rise, rise_rows
 from friction_evaluation.real_car.bound import Bound, bound, bound_rows
 from friction_evaluation.real_car.driving import DRIVE, Drive, drive_rows, make_drive
 from friction_evaluation.real_car.methods import METHODS
-from friction_evaluation.real_car.pool import in_processes
 from friction_evaluation.real_car.stop_rows import stop_rows
 from friction_evaluation.real_car.stops import Stop, make_stop
 from friction_evaluation.real_car.troubles import ROADS, TROUBLES, troubled_car
