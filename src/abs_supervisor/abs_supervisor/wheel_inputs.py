@@ -1,7 +1,7 @@
 """What envelope and checks need beside the law's inputs: wheel speeds, slip, pressure and curve of one wheel."""
 
 from collections.abc import Mapping
-from math import isfinite, nan, sqrt
+from math import inf, isfinite, nan, sqrt
 from typing import Any
 
 from friction_msgs.msg import FrictionCurve, FrictionSlope, WheelSlip
@@ -13,6 +13,7 @@ from friction_runtime.aligner import AlignedSample
 from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.processor import Report, silent
 from friction_runtime.reason_text import of_topic
+from friction_runtime.slip_fault import slip_is_known, speed_is_known
 from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.vehicle import Vehicle
@@ -65,12 +66,13 @@ class WheelInputs:
             for speed in speeds:
                 flagged.extend(_flagged(speed))
             return stamp, tuple(flagged)
-        known = message.valid and isfinite(message.slip_variance)
+        known = slip_is_known(message) and 0.0 <= message.slip_variance < inf
         if not message.valid:
             self._slip_text = message.reason_text
         measured = float(message.speed_source == _SPEED_SENSOR)
         slip = _flagged(message.slip if known else nan)
-        return stamp, (*slip, message.slip_variance if known else 0.0, *_flagged(message.vehicle_speed), measured)
+        car = _flagged(message.vehicle_speed if speed_is_known(message) else nan)
+        return stamp, (*slip, message.slip_variance if known else 0.0, *car, measured)
 
     def knows_wheel(self, topic: str, values: tuple[float, ...]) -> bool:
         """Whether the values that were read from a topic say something of this wheel: its own speed may be missing."""

@@ -1,7 +1,6 @@
 """Inputs of a method as a processor uses them, and how messages are read."""
 
 from collections.abc import Mapping, Sequence
-from math import isfinite
 from typing import Any, Protocol
 
 from friction_msgs.msg import WheelSlip
@@ -9,6 +8,7 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 
 from friction_curve_id.interface import CurveEstimate, Refusal
 from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.slip_fault import slip_is_known, speed_is_known
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.plausible import HIGHEST_SPEED
 
@@ -70,10 +70,8 @@ def vehicle_velocity(message: TwistWithCovarianceStamped) -> Reading | str:
 
 def wheel_slip(message: WheelSlip) -> Reading:
     """Return vehicle speed [m/s] and 1 (0 and 0 where unknown), slip [-] and 1 (0 and 0 where not valid)."""
-    known = isfinite(message.vehicle_speed) and abs(message.vehicle_speed) <= HIGHEST_SPEED
-    valid = message.valid and isfinite(message.slip)
-    speed = (float(message.vehicle_speed), 1.0) if known else (0.0, 0.0)
-    slip = (float(message.slip), 1.0) if valid else (0.0, 0.0)
+    speed = (float(message.vehicle_speed), 1.0) if speed_is_known(message) else (0.0, 0.0)
+    slip = (float(message.slip), 1.0) if slip_is_known(message) else (0.0, 0.0)
     return to_nanoseconds(message.header.stamp), speed + slip
 
 

@@ -21,6 +21,7 @@ PARTS = {
     "measured": "whole-vehicle fit on measured data: BMW stop, Putnam laps, tyre rig",
     "slip": "vehicle speed and slip without a speed sensor, simulated stops and the measured one",
     "smart_tyre": "Fz and Fx from the in-tyre accelerometer",
+    "fuzz": "hostile messages into every processor: exceptions, valid nonsense, recovery",
     "bags": "offline processing of bags: real-time factor, memory over length",
     "live": "the graph over DDS: lost samples, delay, agreement with the offline processors",
     "checkouts": "the estimates of two built checkouts over every bag, compared field by field",

@@ -1,8 +1,9 @@
-"""What is wrong with a slip that another node has estimated."""
+"""What can be used of a slip that another node has estimated, and what is wrong with it."""
 
 from friction_msgs.msg import WheelSlip
 
 from friction_runtime.reason_text import of_topic
+from vehicle_models.plausible import HIGHEST_SLIP, HIGHEST_SLIP_RATE, HIGHEST_SPEED
 
 _ORDINARY = (int(WheelSlip.OK), int(WheelSlip.NOT_READY), int(WheelSlip.LOW_SPEED))
 """Reasons that belong to ordinary driving."""
@@ -11,3 +12,13 @@ _ORDINARY = (int(WheelSlip.OK), int(WheelSlip.NOT_READY), int(WheelSlip.LOW_SPEE
 def slip_fault(topic: str, message: WheelSlip) -> str:
     """Return why the slip received on `topic` degrades what is made of it; empty in ordinary driving."""
     return "" if message.reason in _ORDINARY else of_topic(topic, message.reason_text)
+
+
+def slip_is_known(message: WheelSlip) -> bool:
+    """Whether slip and slip rate are valid, and those of a wheel on a road; NaN is neither."""
+    return bool(message.valid and abs(message.slip) <= HIGHEST_SLIP and abs(message.slip_rate) <= HIGHEST_SLIP_RATE)
+
+
+def speed_is_known(message: WheelSlip) -> bool:
+    """Whether the message says how fast the car is; NaN does not."""
+    return bool(abs(message.vehicle_speed) <= HIGHEST_SPEED)

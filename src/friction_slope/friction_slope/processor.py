@@ -1,7 +1,7 @@
 """wheel_states, pressure, slip and imu/data in, <wheel>/friction_slope out: one processor per wheel."""
 
 from collections.abc import Mapping
-from math import isfinite, nan
+from math import nan
 from typing import Any
 
 from friction_msgs.msg import FrictionSlope, WheelSlip
@@ -14,7 +14,7 @@ from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, level_of, silent
 from friction_runtime.reason_text import set_reason
-from friction_runtime.slip_fault import slip_fault
+from friction_runtime.slip_fault import slip_fault, slip_is_known, speed_is_known
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from friction_slope.detector import SlopeDetector
@@ -121,11 +121,11 @@ class WheelProcessor(AlignedProcessor[float]):
     def _offer_slip(self, message: WheelSlip) -> str | None:
         # Validity travels as a number, so that an interpolation between a known and an unknown slip is unknown.
         slip, slip_rate, valid = message.slip, message.slip_rate, 1.0
-        if not (message.valid and isfinite(slip) and isfinite(slip_rate)):
+        if not slip_is_known(message):
             slip, slip_rate, valid = 0.0, 0.0, 0.0
         self._slip_fault = slip_fault(self._slip, message)
         speed, known = message.vehicle_speed, 1.0
-        if not isfinite(speed):
+        if not speed_is_known(message):
             speed, known = 0.0, 0.0
         stamp = to_nanoseconds(message.header.stamp)
         return self._aligner.offer(self._slip, stamp, (slip, slip_rate, valid, speed, known))

@@ -29,6 +29,10 @@ _LENGTHS = np.radians((8.0, 50.0))
 """Plausible contact patch lengths [rad]."""
 _FAILURES = 3
 """Passages without fronts after which the patch is searched for again."""
+_HIGHEST_VOLTAGE = 1e4
+"""Highest voltage of an encoder [V]: what is beyond it is garbage."""
+_HIGHEST_ACCELERATION = 1e7
+"""Highest acceleration in a tyre [m/s^2], far beyond where any sensor saturates."""
 _BUFFER = 60_000
 """Most samples kept: a wheel slower than one revolution in 6 s has no angle anyway."""
 
@@ -116,7 +120,8 @@ class PatchTracker:
         Args:
             first_sample: index of its first sample; a jump means lost packets.
             voltage: voltage of the encoder [V], shape (n,).
-            acceleration: radial acceleration [m/s^2], shape (n,); NaN where it is missing.
+            acceleration: radial acceleration [m/s^2], shape (n,); NaN where it is missing. What no sensor gives counts
+                as missing.
 
         Raises:
             ValueError: the two differ in length, or the block is empty.
@@ -129,11 +134,12 @@ class PatchTracker:
         if self._next is None or first_sample != self._next:
             self._restart(first_sample)
         self._next = first_sample + len(voltage)
-        if not np.all(np.isfinite(voltage)):
+        if not np.all(np.abs(voltage) <= _HIGHEST_VOLTAGE):
             passages += self._interrupt(PatchReason.BAD_INPUT, first_sample)
             self._restart(self._next)
             return passages
-        self._acceleration = np.concatenate((self._acceleration, acceleration))
+        measured = np.where(np.abs(acceleration) <= _HIGHEST_ACCELERATION, acceleration, np.nan)
+        self._acceleration = np.concatenate((self._acceleration, measured))
         stretches = self._crossings.push(np.asarray(voltage, dtype=np.float64))
         for stretch in stretches:
             if stretch.interrupted is not None:

@@ -27,6 +27,9 @@ from vehicle_models.vehicle import Vehicle
 _QUIET = (PatchReason.OK, PatchReason.NOT_READY, PatchReason.SPEED_RANGE, PatchReason.REVERSAL)
 """Reasons that belong to ordinary driving."""
 
+_LAST_SAMPLE = 2**52
+"""Last index of a sample: the time of a front within a sample is still told apart there."""
+
 
 class TyreProcessor:
     """Layer 2 of smart_tyre_forces: one wheel."""
@@ -129,6 +132,8 @@ class TyreProcessor:
             return "late block"
         if voltages == 0 or voltages != accelerations:
             return f"{voltages} encoder and {accelerations} acceleration samples"
+        if message.first_sample > _LAST_SAMPLE:
+            return f"first_sample {message.first_sample} is beyond {_LAST_SAMPLE}"
         rate = self._p.tracker.sample_rate
         if not abs(message.sample_rate - rate) < 1e-3 * rate:
             return f"sample rate {message.sample_rate} Hz where parameter 'tracker.sample_rate' is {rate}"

@@ -266,3 +266,36 @@ def test_pressure_change_is_reported_once(simulate: Any, calibration_file: str) 
     # A tenth more load lengthens the patch by 7 %, as 1.6 bar does.
     feed(processor, blocks(simulate(8.0, seconds=14.0, load=1.1)))
     assert len([text for text in said if "pressure" in text]) == 1
+
+
+@pytest.mark.parametrize("first_sample", [2**53, 2**60, 2**64 - 1])
+def test_block_whose_samples_cannot_be_told_apart_by_number_is_refused_and_the_next_ones_are_not_lost(
+    simulate: Any, calibration_file: str, first_sample: int
+) -> None:
+    block = simulate(8.0, seconds=7.0)
+    said: list[str] = []
+    parameters = SmartTyreParameters(calibration_file=calibration_file)
+    processor = build(parameters, CAR, lambda _, text: said.append(text))[0]
+    clean = feed(build(parameters, CAR)[0], blocks(block))
+    assert clean
+    messages = list(blocks(block))
+    hostile = next(blocks(block))
+    hostile.first_sample = first_sample
+    hostile.header.stamp = from_nanoseconds(to_nanoseconds(messages[3].header.stamp) + 1)
+    assert repr(feed(processor, [*messages[:4], hostile, *messages[4:]])) == repr(clean)
+    assert [text for text in said if str(first_sample) in text]
+
+
+@pytest.mark.parametrize(("voltage", "acceleration"), [(3e38, 0.0), (0.0, 3e38), (-3e38, -3e38)])
+def test_what_no_sensor_gives_is_no_patch_and_no_warning_of_numpy(
+    simulate: Any, calibration_file: str, voltage: float, acceleration: float
+) -> None:
+    block = simulate(8.0, seconds=7.0)
+    processor = build(SmartTyreParameters(calibration_file=calibration_file), CAR)[0]
+    messages = list(blocks(block))
+    for message in messages[5:8]:
+        message.encoder_voltage[3] += voltage
+        message.radial_acceleration[7] += acceleration
+    with np.errstate(all="raise"):
+        answers = feed(processor, messages)
+    assert answers

@@ -12,6 +12,10 @@ HIGHEST_TORQUE = 1e5
 """Highest torque of a brake [N m]."""
 HIGHEST_PRESSURE = 1e9
 """Highest pressure of a brake line [Pa]."""
+HIGHEST_SLIP = 1.5
+"""Highest slip of a wheel [-], either sign: beyond it the speed of the car is wrong, or nothing holds the wheel."""
+HIGHEST_SLIP_RATE = 1e4
+"""Highest slip rate [1/s]: a wheel that is thrown from rolling to locked within a sample."""
 LATEST_STAMP = (2**31 - 2) * NANOSECONDS
 """Latest plausible stamp [ns]. A message stamp can hold one second more."""
 NEW_RUN = 50_000_000

@@ -1,0 +1,94 @@
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from friction_msgs.msg import FrictionCurve, TyreSignals, WheelSlip
+from sensor_msgs.msg import FluidPressure, JointState
+
+from friction_bags.bag_io.cdr import encode
+from friction_evaluation.__main__ import main
+from friction_evaluation.fuzz import part
+from friction_evaluation.fuzz.garbage import garbage
+from friction_evaluation.fuzz.nonsense import nonsense
+
+
+class Broken:
+    """A processor that has every fault that is looked for."""
+
+    def __init__(self) -> None:
+        self.seen = 0
+
+    def process(self, topic: str, message: FluidPressure) -> list[tuple[str, Any]]:
+        self.seen += 1
+        if not np.isfinite(message.fluid_pressure):
+            raise OverflowError("too large")
+        return [("front_left/slip", WheelSlip(slip=message.fluid_pressure, slip_variance=1.0, valid=True))]
+
+    def reset(self) -> None:
+        self.seen = max(self.seen, 0)
+
+
+def test_garbage_can_be_sent_and_leaves_the_message_it_is_made_from_alone() -> None:
+    rng = np.random.default_rng(0)
+    states = JointState(name=["a", "b"], velocity=[1.0, 2.0])
+    before = repr(states)
+    different = 0
+    for _ in range(200):
+        broken = garbage(states, rng)
+        encode(broken)
+        different += repr(broken) != before
+    assert repr(states) == before
+    assert different > 150
+
+
+def test_garbage_has_blocks_that_are_far_too_long_with_all_their_arrays_of_one_length() -> None:
+    rng = np.random.default_rng(1)
+    block = TyreSignals(encoder_voltage=[0.0] * 50, radial_acceleration=[0.0] * 50)
+    lengths = {(len(b.encoder_voltage), len(b.radial_acceleration)) for b in (garbage(block, rng) for _ in range(8000))}
+    assert (100_000, 100_000) in lengths
+
+
+@pytest.mark.parametrize(
+    ("message", "said"),
+    [
+        (WheelSlip(slip=-11.7, slip_variance=0.1, valid=True), "slip"),
+        (WheelSlip(slip=float("nan"), slip_variance=0.1, valid=True), "slip"),
+        (FrictionCurve(lambda_max=0.1, mu_max=3.94, valid=True), "mu_max"),
+        (FrictionCurve(lambda_max=float("nan"), probability_beyond_peak=1.2), "probability"),
+    ],
+)
+def test_what_no_car_does_is_nonsense(message: Any, said: str) -> None:
+    assert said in nonsense(message)
+
+
+def test_invalid_answers_and_plausible_ones_are_no_nonsense() -> None:
+    assert not nonsense(WheelSlip(slip=-11.7, valid=False))
+    assert not nonsense(WheelSlip(slip=0.2, slip_variance=0.1, valid=True))
+    assert not nonsense(FrictionCurve(lambda_max=0.1, mu_max=1.1, probability_beyond_peak=float("nan"), valid=True))
+
+
+def test_exceptions_nonsense_and_updates_without_end_are_found() -> None:
+    findings = part._Findings()
+    processor = Broken()
+    findings.feed(processor, "p", FluidPressure(fluid_pressure=float("inf")))
+    findings.feed(processor, "p", FluidPressure(fluid_pressure=5.0))
+    findings.feed(processor, "p", FluidPressure(fluid_pressure=0.1))
+    assert len(findings.exceptions) == 1
+    assert "too large" in findings.exceptions[0]
+    assert len(findings.nonsense) == 1
+    with pytest.raises(part._TookTooLongError), part._no_longer_than(0.05):
+        begun = time.process_time()
+        while time.process_time() - begun < 60.0:
+            pass
+
+
+def test_every_processor_survives_hostile_messages(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["fuzz", "--messages", "12000", "--seed", "7"]) == 0
+    assert "friction_curve_id car" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("wrong", [["--messages", "0"], ["--processors", "nobody"]])
+def test_bad_option_is_one_line(wrong: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["fuzz", *wrong]) == 2
+    assert "Traceback" not in capsys.readouterr().err
