@@ -595,3 +595,23 @@ def test_state_says_what_was_not_checked() -> None:
     assert "no other wheel" in bench.state.unchecked
     shadow = Bench(replace(P, shadow=True))
     assert "pressure" in shadow.state.unchecked
+
+
+def test_the_brake_is_handed_over_for_the_newest_sample_by_a_command_that_counts_on() -> None:
+    bench = Bench()
+    bench.brake_into_s22()
+    assert bench.command == BrakeCommand.DECREASE
+    ((topic, command),) = bench.processor.hand_over()
+    assert (topic, command.command, command.counter) == (
+        "front_left/brake_command",
+        BrakeCommand.NONE,
+        bench.counter + 1,
+    )
+    assert command.header.stamp == from_nanoseconds(bench.stamp)
+
+
+def test_nothing_is_handed_over_before_the_first_sample_or_in_shadow_mode() -> None:
+    assert list(WheelProcessor("front_left", VEHICLE, P).hand_over()) == []
+    bench = Bench(replace(P, shadow=True))
+    bench.sample(500.0)
+    assert list(bench.processor.hand_over()) == []

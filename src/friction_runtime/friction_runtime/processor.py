@@ -102,3 +102,6 @@ class CommandingProcessor(Processor, Protocol):
 
         Empty where nothing follows the clock of the machine: a command then waits for as long as it takes.
         """
+
+    def hand_over(self) -> Sequence[Output]:
+        """Return the commands that give the brake back to the driver, whatever state the processor is in."""

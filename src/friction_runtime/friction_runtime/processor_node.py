@@ -17,6 +17,7 @@ from std_srvs.srv import Trigger
 from friction_parameters.parameter import ParameterError
 from friction_parameters.values import ignored
 from friction_runtime import qos
+from friction_runtime.guarded import Guarded
 from friction_runtime.node_parameters import declare
 from friction_runtime.processor import CommandingProcessor, Health, Level, Output, Processor, Report, Severity
 from friction_runtime.report_kind import ReportLimit
@@ -72,7 +73,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         self._publishers_by_topic: dict[str, Publisher] = {}
         self._arrivals: dict[str, float] = {}
         self._counts: dict[str, int] = {}
-        self._readers: dict[str, list[Processor]] = {}
+        self._readers: dict[str, list[Guarded]] = {}
         self._watched = monotonic()
         self._ignored: set[str] = set()
         parameters = declare(self, parameter_class, self._apply)
@@ -90,14 +91,15 @@ class ProcessorNode(Node, Generic[Parameters]):
 
     def _apply(self, parameters: Parameters) -> None:
         """Replace the processors by new ones for these parameters. If that fails, the old ones stay."""
-        processors = list(self._build(parameters, self._vehicle, self._report))
+        processors = [Guarded(each, self._report) for each in self._build(parameters, self._vehicle, self._report)]
         for text in ignored(parameters):
             if text not in self._ignored:
                 self._ignored.add(text)
                 self._report("warning", text)
         self._processors = processors
         self._readers = {}
-        for processor in processors:
+        for guarded in processors:
+            processor = guarded.processor
             for topic, kind in processor.outputs.items():
                 if topic not in self._publishers_by_topic:
                     self._publishers_by_topic[topic] = qos.publish(self, kind, topic, _offered(processor, topic))
@@ -106,7 +108,7 @@ class ProcessorNode(Node, Generic[Parameters]):
                     if topic not in self._counts:
                         self._counts[topic] = 0
                         qos.subscribe(self, kind, topic, partial(self._on_message, topic), profile)
-                    self._readers.setdefault(topic, []).append(processor)
+                    self._readers.setdefault(topic, []).append(guarded)
 
     def _report(self, severity: Severity, text: str) -> None:
         """Log once what is to be published is on its way: the first line of a process takes 20 ms, a command waits."""
@@ -185,7 +187,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         return self._status(Health("inputs", Level.WARN if silent_topics else Level.OK, text, values))
 
     def _may_never_come(self, topic: str) -> bool:
-        return all(topic in processor.optional for processor in self._readers[topic])
+        return all(topic in reader.processor.optional for reader in self._readers[topic])
 
     def _status(self, health: Health) -> DiagnosticStatus:
         return DiagnosticStatus(

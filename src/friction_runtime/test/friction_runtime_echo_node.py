@@ -16,6 +16,8 @@ from vehicle_models.vehicle_file import moved, vehicle_file_parameter
 
 MUCH = 1e6
 """Demand [Pa] that is answered, with a warning."""
+DEFECT = 1e300
+"""Demand [Pa] at which the processor raises."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,8 @@ class Echo:
         if message.pressure < 0.0:
             self._report("warning", f"{topic}: {message.pressure} Pa is negative: refused")
             return []
+        if message.pressure >= DEFECT:
+            raise OverflowError("too much")
         if message.pressure > MUCH:
             self._report("warning", f"{topic}: {message.pressure} Pa is much")
         output, factor = self._answers[topic]

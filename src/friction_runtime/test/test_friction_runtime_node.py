@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 import yaml
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from friction_msgs.msg import BrakeDemand, WheelSlip
 from rcl_interfaces.msg import Log, SetParametersResult
 from rcl_interfaces.msg import Parameter as ParameterMessage
@@ -106,6 +106,31 @@ def test_node_moves_messages_takes_parameters_resets_and_reports(
     client.until(lambda: bool(health))
     names = {status.name for array in health for status in array.status}
     assert names == {"/echo: echo", "/echo: inputs"}
+
+
+def test_an_exception_of_a_processor_ends_no_node_and_is_an_error_until_a_reset(
+    echo: subprocess.Popen[str], client: DdsClient
+) -> None:
+    health: list[DiagnosticStatus] = []
+    client.node.create_subscription(DiagnosticArray, "/diagnostics", lambda array: health.extend(array.status), 10)
+    logged: list[str] = []
+    client.node.create_subscription(Log, "/rosout", lambda line: logged.append(line.msg), 10)
+    link = Link(client)
+    link.until_answer(6.0)
+
+    def told() -> bool:
+        link.send(1e300)
+        return any("brake_demand" in line and "OverflowError" in line for line in logged)
+
+    client.until(told)
+    client.until(
+        lambda: any(status.level == DiagnosticStatus.ERROR and "too much" in status.message for status in health)
+    )
+    link.until_answer(6.0)
+    assert echo.poll() is None
+    assert client.call(Trigger, "/echo/reset", Trigger.Request()).success
+    health.clear()
+    client.until(lambda: any(status.name == "/echo: echo" and status.level == DiagnosticStatus.OK for status in health))
 
 
 def test_an_integer_is_taken_for_a_float_of_a_running_node(echo: subprocess.Popen[str], client: DdsClient) -> None:
