@@ -3,7 +3,7 @@ PYTHON ?= python3
 SURFACE ?= dry
 OUT ?= out
 EFFORT ?= 1
-PARTS ?= slope abs identification slip smart_tyre measured bags live
+PARTS ?= slope abs identification slip smart_tyre measured fuzz bags live
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
