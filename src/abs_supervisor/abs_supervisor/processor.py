@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from math import isfinite, nan
-from typing import Any
+from typing import Any, Final
 
 from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
 
@@ -25,7 +25,7 @@ from friction_runtime.wheel_speeds import WHEEL_STATES
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 
-BRAKE_DEMAND = "brake_demand"
+BRAKE_DEMAND: Final = "brake_demand"
 _QUIET = (Reason.OK, Reason.LOW_SPEED)
 """Reasons that belong to ordinary driving."""
 _MISMATCH = Reason.PRESSURE_MISMATCH
@@ -37,11 +37,11 @@ _SLOPE_OK, _SLOPE_LOW_SPEED = int(FrictionSlope.OK), int(FrictionSlope.LOW_SPEED
 """Copies of message constants: a message class looks its constants up in Python, here at every sample."""
 _UNMEASURED = tuple(int(each) for each in (FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION))
 """Reasons of friction_slope with which the machine goes on although there is no indicator."""
-_CURVE_GAP = 0.02
+_CURVE_GAP: Final = 0.02
 """[s] curves of a tyre's blocks are further apart; nothing waits for these, as nobody knows when the next one comes."""
 _SLOPE_NOT_READY = int(FrictionSlope.NOT_READY)
 """With an indicator: it has not passed a threshold yet. Without: the window is not full."""
-_COUNTER_END = 2**32
+_COUNTER_END: Final = 2**32
 
 
 class WheelProcessor(AlignedProcessor[FrictionSlope]):

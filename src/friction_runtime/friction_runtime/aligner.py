@@ -16,14 +16,14 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import Generic, TypeVar
+from typing import Final, Generic, TypeVar
 
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import LATEST_STAMP, NEW_RUN
 
 Payload = TypeVar("Payload")
 
-_MAX_BUFFERED = 20_000
+_MAX_BUFFERED: Final = 20_000
 """Samples an input may run ahead of the primary before the oldest are dropped: 100 s at 200 Hz."""
 
 

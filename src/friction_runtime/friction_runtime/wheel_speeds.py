@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from math import nan
 from sys import maxsize
+from typing import Final
 
 from sensor_msgs.msg import JointState
 
@@ -10,7 +11,7 @@ from friction_runtime.processor import Report
 from vehicle_models.plausible import HIGHEST_WHEEL_SPEED
 from vehicle_models.vehicle import Vehicle
 
-WHEEL_STATES = "wheel_states"
+WHEEL_STATES: Final = "wheel_states"
 
 
 class WheelSpeeds:

@@ -6,6 +6,7 @@ and its window is full; the sign is known again when an indicator of the other e
 
 from dataclasses import dataclass
 from math import isfinite, isnan, nan
+from typing import Final
 
 from friction_parameters import shared
 from friction_parameters.parameter import parameter
@@ -19,17 +20,17 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY, CornerParameters
 from vehicle_models.wheel_load import WheelLoad
 
-LOCKED_SLIP = 0.8
+LOCKED_SLIP: Final = 0.8
 """Beyond the peak of any road [-]. A wheel that stands does so by constraint: (8.3) does not hold for it."""
-HIGHEST_FRICTION = 1.5
+HIGHEST_FRICTION: Final = 1.5
 """Largest friction coefficient of any road [-]."""
-JITTER = 2.0
+JITTER: Final = 2.0
 """Largest jitter of a wheel speed that is not a spike [rad/s]."""
 _SIGNED = (Reason.OK, Reason.NO_EXCITATION)
 """Reasons with which a sign is published."""
-NO_RELAXATION = 1e-9
+NO_RELAXATION: Final = 1e-9
 """Relaxation length of a tyre whose friction follows the slip at once [m]."""
-LOCKED_INDICATOR = -1e5
+LOCKED_INDICATOR: Final = -1e5
 """Indicator of a locked wheel [rad/s^3], below every threshold."""
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from math import isfinite, nan
-from typing import Any
+from typing import Any, Final
 
 from friction_msgs.msg import FrictionSlope, WheelSlip
 from sensor_msgs.msg import FluidPressure, Imu, JointState
@@ -24,7 +24,7 @@ from vehicle_models.plausible import HIGHEST_ACCELERATION
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.wheel_load import WheelLoad
 
-_IMU = "imu/data"
+_IMU: Final = "imu/data"
 _QUIET = (Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING, Reason.NO_EXCITATION)
 """Reasons that belong to ordinary driving."""
 _BROKEN = (Reason.NO_TORQUE,)
