@@ -37,7 +37,7 @@ class WheelSpeeds:
         """Return the speeds [rad/s] in the order of the wheels, NaN where one is missing or garbage."""
         if message.name != self._names:
             self._look_up(list(message.name))
-        velocities = message.velocity.tolist()
+        velocities: list[float] = message.velocity.tolist()
         count = len(velocities)
         speeds = tuple([velocities[place] if place < count else nan for place in self._places])
         for speed in speeds:

@@ -120,6 +120,8 @@ class SlopeDetector:
         self._relaxation = TyreRelaxation(relaxation_length)
         self._p = p = parameters
         self._eta_margin = no_slip.eta_margin
+        self._low_speed = f"speed is below {p.minimum_speed} m/s"
+        self._not_braking = f"brake torque is below {p.minimum_torque} N m"
         self._radius, self._inertia, self._vertical_load = corner.radius, corner.inertia, corner.vertical_load
         self._signals = SignalWindow(corner.inertia, p.window, p.rate_window, p.lead)
         self._reference = ReferenceSpeed(corner.radius, p.max_deceleration)
@@ -177,14 +179,14 @@ class SlopeDetector:
             # The reference runs down while a wheel stays locked, which on ice it does for seconds.
             speed = sample.vehicle_speed if self._method is Method.SLIP else max(speed, sample.vehicle_speed)
         if speed < p.minimum_speed:
-            return self._unknown(Reason.LOW_SPEED, f"speed is below {p.minimum_speed} m/s")
+            return self._unknown(Reason.LOW_SPEED, self._low_speed)
         h, delay = signals.h(), signals.delay
         h_of_load = signals.h_of_load()
         self._load_taken = not isnan(h_of_load)
         if self._load_taken:
             h -= h_of_load
         if self._braked is None or sample.stamp - self._braked > p.braking_hold * NANOSECONDS:
-            return self._unknown(Reason.NOT_BRAKING, f"brake torque is below {p.minimum_torque} N m", h, delay)
+            return self._unknown(Reason.NOT_BRAKING, self._not_braking, h, delay)
         read_at = sample.stamp - round(delay * NANOSECONDS)
         if sample.wheel_speed * self._radius < (1.0 - LOCKED_SLIP) * speed:
             self._crossing.update(LOCKED_INDICATOR, 1, signals.slip, read_at)

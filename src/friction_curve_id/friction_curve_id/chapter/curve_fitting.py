@@ -79,7 +79,7 @@ class PointFitting:
             self._largest_slip = max(self._largest_slip, point.slip)
         estimate = self._fit.curve().estimate(point.slip, self._count, self._largest_slip)
         cause, self._cause = self._cause, RestartCause.NONE
-        return estimate._replace(restart_cause=cause)
+        return estimate if cause is RestartCause.NONE else estimate._replace(restart_cause=cause)
 
     def _clear(self) -> None:
         self._waiting.clear()

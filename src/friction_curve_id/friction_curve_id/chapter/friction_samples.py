@@ -57,11 +57,12 @@ class FrictionPoint(NamedTuple):
     """Whether this is the first point after a gap or a jump back in time, where fits start again."""
 
 
-class _Known(NamedTuple):
-    time: float
-    wheel_speed: float
-    speed: float
-    torque: float
+class _Known:
+    def __init__(self, time: float, wheel_speed: float, speed: float, torque: float) -> None:
+        self.time = time
+        self.wheel_speed = wheel_speed
+        self.speed = speed
+        self.torque = torque
 
 
 class FrictionSamples:
