@@ -12,8 +12,8 @@ HIGHEST_ACCELERATION: Final = 200.0
 """Highest acceleration of a car, measured on a body that is shaken by kerbs [m/s^2]."""
 HIGHEST_TORQUE: Final = 1e5
 """Highest torque of a brake [N m]."""
-HIGHEST_PRESSURE: Final = 1e9
-"""Highest pressure of a brake line [Pa]."""
+HIGHEST_PRESSURE: Final = 1e8
+"""Highest pressure of a brake line [Pa], some five times that of an emergency stop."""
 LATEST_STAMP: Final = (2**31 - 2) * NANOSECONDS
 """Latest plausible stamp [ns]. A message stamp can hold one second more."""
 NEW_RUN: Final = 50_000_000
