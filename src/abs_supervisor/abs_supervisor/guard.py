@@ -5,6 +5,7 @@ Pure: no messages.
 
 from collections.abc import Sequence
 from math import isfinite, nan
+from typing import Final
 
 from abs_supervisor.envelope import Envelope, EnvelopeParameters
 from abs_supervisor.fsm import Command
@@ -16,7 +17,7 @@ from abs_supervisor.wheel_check import Surroundings, WheelCheck
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.single_corner import CornerParameters
 
-_BRAKED = 20.0
+_BRAKED: Final = 20.0
 """[N m] below this, measured and demanded, a wheel rolls freely."""
 
 

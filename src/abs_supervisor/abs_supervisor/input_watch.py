@@ -6,12 +6,13 @@ known within 50 ms and its own period, however long the nodes between wait for e
 
 from collections.abc import Mapping
 from math import inf
+from typing import Final
 
 from abs_supervisor.supervisor import Reason
 from friction_runtime.stamp_progress import StampProgress
 from friction_runtime.wheel_speeds import WHEEL_STATES
 
-_HEARTBEAT = 0.009
+_HEARTBEAT: Final = 0.009
 """A command is repeated when the last is older at a watch [s]: the watch comes every 10 ms, a command every 20 ms."""
 Loss = tuple[Reason, str]
 """Why the supervisor may not act, and the text that names the topic."""

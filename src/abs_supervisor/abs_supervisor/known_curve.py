@@ -2,25 +2,26 @@
 
 from collections import deque
 from math import hypot, isfinite, nan
+from typing import Final
 
 from friction_msgs.msg import FrictionCurve
 
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 
-_OLDER = round(0.05 * NANOSECONDS)
+_OLDER: Final = round(0.05 * NANOSECONDS)
 """[ns] a curve counts for samples at least this much later: by then it has come, so that the answer to a sample does
 not depend on which of the two came first."""
-_KEPT = round(0.5 * NANOSECONDS)
+_KEPT: Final = round(0.5 * NANOSECONDS)
 """[ns] for which a curve counts after the last that told a peak: while a wheel dives the fit has none, or takes the
 dive for another road and begins anew."""
-_FEWEST = 20
+_FEWEST: Final = 20
 """Samples of a fit that says something about the road."""
 _USED = (int(FrictionCurve.OK), int(FrictionCurve.UNCERTAIN))
 """Reasons with which lambda_max speaks of the road: an uncertain one does so with its standard deviation."""
 _AHEAD = int(FrictionCurve.PEAK_NOT_PASSED)
 """The peak is still ahead: that may contradict an earlier curve, and tells no peak itself."""
-_CONTRADICTS = 3.0
+_CONTRADICTS: Final = 3.0
 """Standard deviations of both by which it then lies beyond the earlier one."""
 
 Peak = tuple[float, float]

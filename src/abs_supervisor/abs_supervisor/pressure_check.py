@@ -6,22 +6,23 @@ largest torque that the model has had of late.
 
 from collections import deque
 from math import nan
+from typing import Final
 
 from abs_supervisor.fsm import Command
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.nanoseconds import NANOSECONDS
 
-_LATE = 0.025
+_LATE: Final = 0.025
 """[s] by which a pressure may be later than the delay of the hydraulics."""
-_SHARE = 0.2
+_SHARE: Final = 0.2
 """Of the torque that is expected, by which it may be wrong."""
-_LEAST = 30.0
+_LEAST: Final = 30.0
 """[N m] by which the torque may be wrong in any case; a weaker braking cannot be judged."""
-_LASTS = 0.025
+_LASTS: Final = 0.025
 """[s] a deviation that lasts so long is one."""
-_CLEAN = 1.0
+_CLEAN: Final = 1.0
 """[s] without deviation after which the pressure counts as right again."""
-_GAP = 0.1
+_GAP: Final = 0.1
 """[s] after a longer gap the model starts again from the pressure that is measured."""
 
 

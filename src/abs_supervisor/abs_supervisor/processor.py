@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from math import isfinite, nan
-from typing import Any
+from typing import Any, Final
 
 from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
+from std_msgs.msg import Header
 
 from abs_supervisor.braking import TorqueWithHysteresis
 from abs_supervisor.braking_log import BrakingLog
@@ -25,7 +26,7 @@ from friction_runtime.wheel_speeds import WHEEL_STATES
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 
-BRAKE_DEMAND = "brake_demand"
+BRAKE_DEMAND: Final = "brake_demand"
 _QUIET = (Reason.OK, Reason.LOW_SPEED)
 """Reasons that belong to ordinary driving."""
 _MISMATCH = Reason.PRESSURE_MISMATCH
@@ -37,11 +38,11 @@ _SLOPE_OK, _SLOPE_LOW_SPEED = int(FrictionSlope.OK), int(FrictionSlope.LOW_SPEED
 """Copies of message constants: a message class looks its constants up in Python, here at every sample."""
 _UNMEASURED = tuple(int(each) for each in (FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION))
 """Reasons of friction_slope with which the machine goes on although there is no indicator."""
-_CURVE_GAP = 0.02
+_CURVE_GAP: Final = 0.02
 """[s] curves of a tyre's blocks are further apart; nothing waits for these, as nobody knows when the next one comes."""
 _SLOPE_NOT_READY = int(FrictionSlope.NOT_READY)
 """With an indicator: it has not passed a threshold yet. Without: the window is not full."""
-_COUNTER_END = 2**32
+_COUNTER_END: Final = 2**32
 
 
 class WheelProcessor(AlignedProcessor[FrictionSlope]):
@@ -50,6 +51,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
     def __init__(self, wheel: str, vehicle: Vehicle, parameters: SupervisorParameters, report: Report = silent) -> None:
         """Build for one wheel of a car; `report` is the log function."""
         self._wheel, self._p = wheel, parameters
+        self._state_topic, self._command_topic = f"{wheel}/abs_supervisor", f"{wheel}/brake_command"
         self._inputs = inputs = WheelInputs(wheel, vehicle, report)
         self._slope = f"{wheel}/friction_slope"
         by_demand = parameters.braking_source == "demand"
@@ -60,10 +62,10 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self.estimates: Mapping[str, type] = {self._slope: FrictionSlope, **inputs.estimates}
         if by_demand:
             self.estimates = {**self.estimates, self._demand: BrakeDemand}
-        self.outputs: Mapping[str, type] = {f"{wheel}/abs_supervisor": SupervisorState}
+        self.outputs: Mapping[str, type] = {self._state_topic: SupervisorState}
         if not parameters.shadow:
-            self.outputs = {**self.outputs, f"{wheel}/brake_command": BrakeCommand}
-        self.commands: Mapping[str, float] = {f"{wheel}/brake_command": parameters.valid_for} if in_real_time else {}
+            self.outputs = {**self.outputs, self._command_topic: BrakeCommand}
+        self.commands: Mapping[str, float] = {self._command_topic: parameters.valid_for} if in_real_time else {}
         primary = Primary(self._slope, wheel, report, silent_after=parameters.stale_after)
         topics = dict.fromkeys((self._demand, inputs.pressure, WHEEL_STATES, inputs.slip))
         aligned = [AlignedInput(topic) for topic in topics]
@@ -93,7 +95,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         loss = self._input_watch.poll(ages, now)
         outputs = self._fail(loss, loss[1]) if loss is not None else []
         if not outputs and self._stamp != 0 and self._input_watch.wants_heartbeat(ages, self._commanded):
-            outputs = [self._heartbeat()]
+            outputs = [self._heartbeat(header_at(self._stamp, self._wheel))]
         self._commanded = False
         return outputs
 
@@ -284,22 +286,22 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         state.refused_releases = envelope.refused
         state.caps = envelope.caps.count
         set_reason(state, self._wheel, self._reason, self._text)
-        outputs: list[Output] = [(f"{self._wheel}/abs_supervisor", state)]
+        outputs: list[Output] = [(self._state_topic, state)]
         if not self._p.shadow:
-            outputs.append(self._heartbeat())
+            outputs.append(self._heartbeat(header))
         return outputs
 
-    def _heartbeat(self) -> Output:
+    def _heartbeat(self, header: Header) -> Output:
         """Return the command that is in force, once more: a heartbeat."""
         self._commanded = True
         self._counter = (self._counter + 1) % _COUNTER_END
         command = new_message(BrakeCommand)
-        command.header = header_at(self._stamp, self._wheel)
+        command.header = header
         command.wheel = self._wheel
         command.command = int(self._command)
         command.counter = self._counter
         command.valid_for = self._p.valid_for
-        return f"{self._wheel}/brake_command", command
+        return self._command_topic, command
 
 
 def build(parameters: SupervisorParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:

@@ -3,6 +3,7 @@
 from collections import deque
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Final
 
 from abs_supervisor.fsm import Command
 from friction_parameters.parameter import parameter
@@ -48,13 +49,13 @@ class CapParameters:
             raise ValueError(f"most_in_window ({self.most_in_window}) must be below window ({self.window})")
 
 
-_SAME_RELEASE = 0.02
+_SAME_RELEASE: Final = 0.02
 """Releases with less between them count as one [s]."""
-_AGAIN = 0.8
+_AGAIN: Final = 0.8
 """Share of `most_in_window` below which a wheel may be released again: not for a sample now and then."""
-_TIGHT = 0.6
+_TIGHT: Final = 0.6
 """Share of `most_in_window` above which the pressure comes back as slowly as after a cap."""
-_REACHED = 0.98
+_REACHED: Final = 0.98
 """Share of the demand at which the pressure has returned."""
 
 

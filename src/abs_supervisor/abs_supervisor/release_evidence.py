@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from enum import IntEnum
 from math import isfinite, nan, sqrt
+from typing import Final
 
 from abs_supervisor.rolling_scatter import RollingScatter
 from abs_supervisor.slowest_car import HARDEST_BRAKING, SlowestCar
@@ -86,19 +87,19 @@ class Wheel:
         self.braked = braked
 
 
-_PEAK_PER_SLIP = 60.0
+_PEAK_PER_SLIP: Final = 60.0
 """Error of lambda_max over an error of slip that the curve does not know of: a peak is flat."""
-_DEEP = 2.0
+_DEEP: Final = 2.0
 """A slip above its threshold by this factor is deep."""
-_STEADY = 2.0
+_STEADY: Final = 2.0
 """[m/s^2] A wheel that decelerates like the car, but for less, keeps its slip."""
-_STEADY_TIME = round(0.1 * NANOSECONDS)
+_STEADY_TIME: Final = round(0.1 * NANOSECONDS)
 """[ns] for which it has to: a dive begins like that too."""
-_STEADY_FACTOR = 1.25
+_STEADY_FACTOR: Final = 1.25
 """A slip that stays is that of a wheel before the peak: it must be larger by this factor."""
-_SUSPICIOUS = 0.5
+_SUSPICIOUS: Final = 0.5
 """Share of the slip that a release needs."""
-_RECOVERING = 2.0
+_RECOVERING: Final = 2.0
 """[m/s^2] of the circumference of a wheel that recovers."""
 
 

@@ -7,20 +7,21 @@ with the square of the wheel speed. So both are learned in these units.
 """
 
 from math import isfinite, sqrt
+from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 
-_SLOWEST = 10.0
+_SLOWEST: Final = 10.0
 """[rad/s] slower wheels tell too little."""
-_FREE_FOR = 0.1
+_FREE_FOR: Final = 0.1
 """[s] after the brake until a wheel counts as rolling freely."""
-_MEMORY = 200.0
+_MEMORY: Final = 200.0
 """Samples over which errors are averaged: several revolutions."""
-_ENOUGH = 20
+_ENOUGH: Final = 20
 """Samples from which something counts as learned."""
-_ORDINARY_SLIP = 0.005
+_ORDINARY_SLIP: Final = 0.005
 """Error of slip with the sensors that friction_curve_id is tuned for."""
-_MOST_SLIP = 0.05
+_MOST_SLIP: Final = 0.05
 """A larger mean error of slip is a wrong speed or a driven wheel, not scatter."""
 
 

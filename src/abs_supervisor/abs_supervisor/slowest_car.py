@@ -1,10 +1,11 @@
 """Least speed that a car can have after the wheel speeds that it had: no road lets it brake harder than 12 m/s^2."""
 
 from math import nan
+from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 
-HARDEST_BRAKING = 12.0
+HARDEST_BRAKING: Final = 12.0
 """[m/s^2] of any car."""
 
 

@@ -2,10 +2,11 @@
 
 from collections import deque
 from math import isfinite, nan
+from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 
-WINDOW = 0.2
+WINDOW: Final = 0.2
 """[s]"""
 
 

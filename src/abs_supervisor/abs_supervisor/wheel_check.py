@@ -6,47 +6,48 @@ A wheel that fell to zero through a deceleration that brake and road can give is
 from collections import deque
 from collections.abc import Sequence
 from math import inf, isfinite, nan
+from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import CornerParameters
 
-_HIGHEST_FRICTION = 1.5
+_HIGHEST_FRICTION: Final = 1.5
 """Of any road."""
-_LOAD_TRANSFER = 2.0
+_LOAD_TRANSFER: Final = 2.0
 """Largest load of a wheel over that at rest."""
-_JITTER = 2.0
+_JITTER: Final = 2.0
 """Error of a wheel speed that is not a jump [rad/s]: noise and ripple."""
-_SPARE_TORQUE = 50.0
+_SPARE_TORQUE: Final = 50.0
 """[N m] engine drag and rolling resistance, and noise of the pressure."""
-_TORQUE_MARGIN = 1.2
+_TORQUE_MARGIN: Final = 1.2
 """The brake may be stronger than its gain says."""
-_TORQUE_MEMORY = 0.1
+_TORQUE_MEMORY: Final = 0.1
 """[s] for which a torque counts as possible: the pressure may be late."""
-_EXCURSION = 0.015
+_EXCURSION: Final = 0.015
 """[s] a jump that lasts so long is one; a shorter one is a spike, which the law refuses itself."""
-_EXCURSIONS = 0.1
+_EXCURSIONS: Final = 0.1
 """[s] two spikes within this time are a sensor that flickers."""
-_ADOPTED = 0.1
+_ADOPTED: Final = 0.1
 """[s] after which readings beyond a jump become the ones that others are compared with."""
-_STANDS = 0.5
+_STANDS: Final = 0.5
 """[m/s] slower circumferences count as standing."""
-_MOVES = 3.0
+_MOVES: Final = 3.0
 """[m/s] from here the car moves."""
-_REPEATS = 0.05
+_REPEATS: Final = 0.05
 """[s] a braked wheel that turns and reads the same to the last bit for so long is stuck: encoders have noise."""
 _FASTER, _FASTER_FOR = 0.08, 0.06
 """A braked wheel cannot be faster than the car by this share, [s] for so long."""
 _APART, _APART_FOR = 0.25, 0.5
 """A wheel that rolls freely differs from the car by less than this share, [s] after at most so long."""
-_FREE_FOR = 1.0
+_FREE_FOR: Final = 1.0
 """[s] after the brake; on ice a locked wheel takes 0.8 s to turn again."""
-_BRAKED = 50.0
+_BRAKED: Final = 50.0
 """[N m]"""
 _RELEASED, _RELEASED_FOR = 40.0, 0.08
 """[N m] less lets a wheel turn on any road, [s] beyond `_TORQUE_MEMORY`; a locked one has 1 m/s by then."""
-_GAP = 0.05
+_GAP: Final = 0.05
 """[s] after a longer gap between samples the checks start again: what happened in it is not known."""
-_CLEAN = 1.0
+_CLEAN: Final = 1.0
 """[s] without contradiction until the sensor is trusted again."""
 
 

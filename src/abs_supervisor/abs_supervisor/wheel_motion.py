@@ -5,21 +5,22 @@ differences, which a parabola does not enter: for white noise of variance s^2 th
 """
 
 from math import nan, sqrt
+from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 
-WINDOW = 0.035
+WINDOW: Final = 0.035
 """[s] long enough for the noise of a sample, short against a dive of a wheel, which takes 0.1 s."""
-_FEWEST = 4
-_INITIAL_STDDEV = 0.07
+_FEWEST: Final = 4
+_INITIAL_STDDEV: Final = 0.07
 """[rad/s] before anything is learned: the wheel speed of section 8.3.2."""
-_LEAST_STDDEV = 0.02
+_LEAST_STDDEV: Final = 0.02
 """[rad/s] no encoder is better."""
-_MEMORY = 100.0
+_MEMORY: Final = 100.0
 """Samples over which the noise is averaged."""
-_OUTLIER = 16.0
+_OUTLIER: Final = 16.0
 """A squared third difference counts for at most so many times its mean: it is a jump of the brake, not noise."""
-_UNEVEN = 0.2
+_UNEVEN: Final = 0.2
 """Sample times that differ by more than this share do not give a third difference."""
 
 

@@ -1,9 +1,10 @@
 """The moment of ABS activation, when the slip first exceeds a threshold, as in Tables 8.4 and 8.5."""
 
 from math import nan
+from typing import Final
 
-_ROLLING_SLIP = 0.02
-_ROLLING_TIME = 0.5
+_ROLLING_SLIP: Final = 0.02
+_ROLLING_TIME: Final = 0.5
 """A slip below the first [-] for longer than the second [s] ends the braking."""
 
 

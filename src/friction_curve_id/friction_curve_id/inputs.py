@@ -1,7 +1,7 @@
 """Inputs of a method as a processor uses them, and how messages are read."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
@@ -12,9 +12,9 @@ from friction_runtime.slip_fault import slip_is_known, speed_is_known
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.plausible import HIGHEST_SPEED
 
-VEHICLE_VELOCITY = "vehicle_velocity"
-IMU = "imu/data"
-SPEED_SENSOR_GAP = 0.3
+VEHICLE_VELOCITY: Final = "vehicle_velocity"
+IMU: Final = "imu/data"
+SPEED_SENSOR_GAP: Final = 0.3
 """vehicle_velocity is interpolated over up to this time [s], whatever max_gap is: GNSS runs at 10 or 5 Hz."""
 Reading = tuple[int, tuple[float, ...]]
 """Content of a message of an aligned input: time [ns] and values."""

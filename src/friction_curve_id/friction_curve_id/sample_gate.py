@@ -1,22 +1,11 @@
 """Which samples may enter a fit: finite, in order of time, moving, without a gap."""
 
 from dataclasses import dataclass
-from enum import Enum
 from math import isfinite
 
 from friction_curve_id.interface import Reason, Refusal, Sample
+from friction_curve_id.stamp_order import Admission, StampOrder
 from friction_parameters import shared
-
-_REPEATED = 1e-4
-"""Samples closer than this count as repeated [s]."""
-
-
-class Admission(Enum):
-    """How an admitted sample follows the ones before it."""
-
-    FIRST = "first"
-    NEXT = "next"
-    AFTER_GAP = "after a gap"
 
 
 @dataclass(frozen=True)
@@ -28,47 +17,22 @@ class GateParameters:
 
 
 class SampleGate:
-    """Admits samples one by one.
-
-    After a gap, or a jump back in time, the first sample is refused; the one that continues it is admitted as
-    `AFTER_GAP`, so that a single wrong stamp costs one sample and never the fit.
-    """
+    """Admits samples one by one, see StampOrder for their stamps."""
 
     def __init__(self, radius: float, parameters: GateParameters = GateParameters()) -> None:
         """Make a gate for a wheel of effective radius `radius` [m]."""
         self._radius = radius
         self._parameters = parameters
-        self.reset()
+        self._order = StampOrder(parameters.max_gap)
 
     def reset(self) -> None:
         """Forget the stamps seen."""
-        self._admitted: float | None = None
-        self._waiting: float | None = None
+        self._order.reset()
 
     def admit(self, sample: Sample) -> Admission | Refusal:
         """Return how `sample` follows the admitted ones, or why it must not enter."""
         refusal = self._refuse_values(sample)
-        if refusal is not None:
-            return refusal
-        time, waiting, last = sample.time, self._waiting, self._admitted
-        if last is None:
-            self._admitted = time
-            return Admission.FIRST
-        if self._follows(last, time):
-            self._admitted, self._waiting = time, None
-            return Admission.NEXT
-        if waiting is not None and self._follows(waiting, time):
-            self._admitted, self._waiting = time, None
-            return Admission.AFTER_GAP
-        if abs(time - last) < _REPEATED:
-            return Refusal(Reason.BAD_INPUT, f"stamp {time:.6f} s repeats {last:.6f} s")
-        self._waiting = time
-        if time < last:
-            return Refusal(Reason.GAP, f"stamp {time:.6f} s is before the last, {last:.6f} s")
-        return Refusal(Reason.GAP, f"gap of {time - last:.3f} s since the last sample")
-
-    def _follows(self, before: float, time: float) -> bool:
-        return _REPEATED <= time - before <= self._parameters.max_gap
+        return self._order.admit(sample.time) if refusal is None else refusal
 
     def _refuse_values(self, sample: Sample) -> Refusal | None:
         speed, torque = sample.vehicle_speed, sample.brake_torque

@@ -12,7 +12,7 @@ import friction_curve_id
 PACKAGE = Path(friction_curve_id.__file__).parent
 MODULES = {".".join(path.relative_to(PACKAGE).with_suffix("").parts): path for path in PACKAGE.glob("**/*.py")}
 
-INTERFACE = {"interface", "measurement_noise", "sample_gate"}
+INTERFACE = {"interface", "measurement_noise", "sample_gate", "stamp_order"}
 METHODS = {"car", "chapter", "default", "vehicle"}
 CHOICE = {"methods", "parameters"}
 ABOVE_ALL = {"processor", "node", "__main__"}

@@ -16,11 +16,12 @@ from friction_evaluation.real_car import part
 from friction_evaluation.real_car.answers import Answers
 from friction_evaluation.real_car.before_peak import rise_rows
 from friction_evaluation.real_car.bound import Bound, _burckhardt, _correlation, _pacejka, _sensitivities, bound
-from friction_evaluation.real_car.driving import DriveResult, drive_rows, runs_of
+from friction_evaluation.real_car.driving import DriveResult, drive_rows
 from friction_evaluation.real_car.stop_rows import stop_rows
 from friction_evaluation.real_car.stops import judge
 from friction_evaluation.real_car.troubles import TROUBLES, troubled_car
 from friction_evaluation.rows import Row
+from friction_evaluation.run_lengths import run_lengths
 
 Array = NDArray[np.float64]
 
@@ -103,8 +104,8 @@ def test_a_trouble_is_alone(trouble: str) -> None:
 
 def test_runs_are_counted_by_wheel() -> None:
     true = np.array([[1, 0], [1, 1], [0, 1], [1, 0]], dtype=bool)
-    assert sorted(runs_of(true)) == [1, 2, 2]
-    assert len(runs_of(np.zeros((5, 4), dtype=bool))) == 0
+    assert sorted(run_lengths(true)) == [1, 2, 2]
+    assert len(run_lengths(np.zeros((5, 4), dtype=bool))) == 0
 
 
 def test_a_claim_in_ordinary_driving_fails() -> None:

@@ -15,15 +15,15 @@ ever mixed with what follows, in whichever order the streams jump.
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite
-from typing import Generic, TypeVar
+from math import inf
+from typing import Final, Generic, TypeVar
 
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import LATEST_STAMP, NEW_RUN
 
 Payload = TypeVar("Payload")
 
-_MAX_BUFFERED = 20_000
+_MAX_BUFFERED: Final = 20_000
 """Samples an input may run ahead of the primary before the oldest are dropped: 100 s at 200 Hz."""
 
 
@@ -202,7 +202,7 @@ class Aligner(Generic[Payload]):
         if not 0 < stamp <= LATEST_STAMP or stamp == stream.last_stamp:
             return _refusal(topic, stamp)
         for value in values:
-            if not isfinite(value):
+            if not -inf < value < inf:  # NaN too; quicker than isfinite
                 return f"{topic}: value is not finite"
         if stamp < stream.last_stamp:
             if stream.last_stamp - stamp < NEW_RUN:

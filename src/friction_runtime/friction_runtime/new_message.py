@@ -1,11 +1,11 @@
 """Messages without defaults for fields that are set anyway, and without the checks of their setters."""
 
 from os import getenv
-from typing import Any
+from typing import Any, Final
 
-_CHECK_FIELDS = getenv("ROS_PYTHON_CHECK_FIELDS") == "1"
-_bare_classes: dict[Any, Any] = {}
-"""By message class."""
+_CHECK_FIELDS: Final = getenv("ROS_PYTHON_CHECK_FIELDS") == "1"
+_makers: Final[dict[Any, Any]] = {}
+"""What makes a message, by its class."""
 
 
 def new_message(kind: Any) -> Any:
@@ -18,16 +18,14 @@ def new_message(kind: Any) -> Any:
     Args:
         kind: generated message class.
     """
-    bare = _bare_classes.get(kind)
-    if bare is None:
-        bare = _bare_classes[kind] = kind if _CHECK_FIELDS else _bare_class(kind)
-    message = bare.__new__(bare)
-    message._check_fields = _CHECK_FIELDS
-    return message
+    make = _makers.get(kind)
+    if make is None:
+        make = _makers[kind] = kind if _CHECK_FIELDS else _bare_class(kind)
+    return make()
 
 
 def _bare_class(kind: Any) -> Any:
     """Return a subclass whose fields are the slots themselves. Its messages say that they are of the class itself."""
     fields = {name: getattr(kind, f"_{name}") for name in kind.get_fields_and_field_types()}
-    own = {"__slots__": (), "__module__": kind.__module__, "__class__": kind}
+    own = {"__slots__": (), "__module__": kind.__module__, "__class__": kind, "__init__": object.__init__}
     return type(kind)(kind.__name__, (kind,), {**own, **fields})

@@ -2,10 +2,11 @@
 
 from collections.abc import Mapping
 from math import inf
+from typing import Final
 
 from friction_runtime.processor import Report
 
-SILENT_AFTER = 0.25
+SILENT_AFTER: Final = 0.25
 """Age of the last message from which a topic counts as silent [s]."""
 
 

@@ -19,7 +19,7 @@ def set_reason(message: Any, wheel: str, reason: int, text: str) -> None:
 
 def of_wheel(wheel: str, text: str) -> str:
     """Return a text that names the wheel; unchanged where it is empty or begins with the wheel or one of its topics."""
-    if not text or text.startswith((f"{wheel}: ", f"{wheel}/")):
+    if not text or (text.startswith(wheel) and text.startswith((f"{wheel}: ", f"{wheel}/"))):
         return text
     return f"{wheel}: {text}"
 

@@ -9,22 +9,24 @@ After a loss the input is back when it has kept up with the reference for `_KEEP
 read), or with a new reference for `_NEW_REFERENCE` (its clock has been set). A crawl keeps up with neither.
 """
 
+from typing import Final
+
 from vehicle_models.nanoseconds import NANOSECOND
 from vehicle_models.plausible import NEW_RUN
 
-LAG = 0.035
+LAG: Final = 0.035
 """Lag of the stamps, beyond the input's period, with which it is lost [s]: 50 ms, less a period of the watch."""
-_FIRST_REFERENCE = 0.2
+_FIRST_REFERENCE: Final = 0.2
 """Time at the start in which the period is learned [s]."""
-_KEEPS_UP = 0.05
-_NEW_REFERENCE = 0.5
-_LEAP = 0.05
+_KEEPS_UP: Final = 0.05
+_NEW_REFERENCE: Final = 0.5
+_LEAP: Final = 0.05
 """Stamps that are ahead of the reference by more have been set, not delayed less [s]."""
-_DRIFT = 1e-3
+_DRIFT: Final = 1e-3
 """Highest drift of two clocks against each other [-]."""
-_FIRST_PERIOD = 0.005
-_LONGEST_PERIOD = 0.1
-_PERIOD_GAIN = 0.125
+_FIRST_PERIOD: Final = 0.005
+_LONGEST_PERIOD: Final = 0.1
+_PERIOD_GAIN: Final = 0.125
 """Weight of the newest step in the mean of the steps of the stamps, which is the period."""
 
 

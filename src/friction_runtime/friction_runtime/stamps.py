@@ -9,7 +9,9 @@ from vehicle_models.nanoseconds import NANOSECONDS
 
 def to_nanoseconds(stamp: Time) -> int:
     """Return a message stamp in nanoseconds [ns]."""
-    return stamp.sec * NANOSECONDS + stamp.nanosec
+    seconds: int = stamp.sec
+    rest: int = stamp.nanosec
+    return seconds * NANOSECONDS + rest
 
 
 def from_nanoseconds(nanoseconds: int) -> Time:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from math import nan
 from sys import maxsize
+from typing import Final
 
 from sensor_msgs.msg import JointState
 
@@ -10,7 +11,7 @@ from friction_runtime.processor import Report
 from vehicle_models.plausible import HIGHEST_WHEEL_SPEED
 from vehicle_models.vehicle import Vehicle
 
-WHEEL_STATES = "wheel_states"
+WHEEL_STATES: Final = "wheel_states"
 
 
 class WheelSpeeds:
@@ -36,7 +37,7 @@ class WheelSpeeds:
         """Return the speeds [rad/s] in the order of the wheels, NaN where one is missing or garbage."""
         if message.name != self._names:
             self._look_up(list(message.name))
-        velocities = message.velocity.tolist()
+        velocities: list[float] = message.velocity.tolist()
         count = len(velocities)
         speeds = tuple([velocities[place] if place < count else nan for place in self._places])
         for speed in speeds:

@@ -41,7 +41,7 @@ def test_a_small_negative_pressure_is_an_offset_of_the_sensor_and_taken() -> Non
     assert BrakeTorque(car(), "front_left").read(pressure(-1e4)) == (STAMP, -1.0)
 
 
-@pytest.mark.parametrize("value", [nan, inf, -inf, 1.1e9, -1.1e9])
+@pytest.mark.parametrize("value", [nan, inf, -inf, 1.1e8, -1.1e8])
 def test_what_is_no_pressure_is_refused_by_topic(value: float) -> None:
     assert BrakeTorque(car(), "front_left").read(pressure(value)) == (
         f"front_left/brake_pressure: {value} Pa is not a brake pressure"

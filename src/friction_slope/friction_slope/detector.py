@@ -6,6 +6,7 @@ and its window is full; the sign is known again when an indicator of the other e
 
 from dataclasses import dataclass
 from math import isfinite, isnan, nan
+from typing import Final
 
 from friction_parameters import shared
 from friction_parameters.parameter import parameter
@@ -19,17 +20,17 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY, CornerParameters
 from vehicle_models.wheel_load import WheelLoad
 
-LOCKED_SLIP = 0.8
+LOCKED_SLIP: Final = 0.8
 """Beyond the peak of any road [-]. A wheel that stands does so by constraint: (8.3) does not hold for it."""
-HIGHEST_FRICTION = 1.5
+HIGHEST_FRICTION: Final = 1.5
 """Largest friction coefficient of any road [-]."""
-JITTER = 2.0
+JITTER: Final = 2.0
 """Largest jitter of a wheel speed that is not a spike [rad/s]."""
 _SIGNED = (Reason.OK, Reason.NO_EXCITATION)
 """Reasons with which a sign is published."""
-NO_RELAXATION = 1e-9
+NO_RELAXATION: Final = 1e-9
 """Relaxation length of a tyre whose friction follows the slip at once [m]."""
-LOCKED_INDICATOR = -1e5
+LOCKED_INDICATOR: Final = -1e5
 """Indicator of a locked wheel [rad/s^3], below every threshold."""
 
 
@@ -119,6 +120,8 @@ class SlopeDetector:
         self._relaxation = TyreRelaxation(relaxation_length)
         self._p = p = parameters
         self._eta_margin = no_slip.eta_margin
+        self._low_speed = f"speed is below {p.minimum_speed} m/s"
+        self._not_braking = f"brake torque is below {p.minimum_torque} N m"
         self._radius, self._inertia, self._vertical_load = corner.radius, corner.inertia, corner.vertical_load
         self._signals = SignalWindow(corner.inertia, p.window, p.rate_window, p.lead)
         self._reference = ReferenceSpeed(corner.radius, p.max_deceleration)
@@ -176,14 +179,14 @@ class SlopeDetector:
             # The reference runs down while a wheel stays locked, which on ice it does for seconds.
             speed = sample.vehicle_speed if self._method is Method.SLIP else max(speed, sample.vehicle_speed)
         if speed < p.minimum_speed:
-            return self._unknown(Reason.LOW_SPEED, f"speed is below {p.minimum_speed} m/s")
+            return self._unknown(Reason.LOW_SPEED, self._low_speed)
         h, delay = signals.h(), signals.delay
         h_of_load = signals.h_of_load()
         self._load_taken = not isnan(h_of_load)
         if self._load_taken:
             h -= h_of_load
         if self._braked is None or sample.stamp - self._braked > p.braking_hold * NANOSECONDS:
-            return self._unknown(Reason.NOT_BRAKING, f"brake torque is below {p.minimum_torque} N m", h, delay)
+            return self._unknown(Reason.NOT_BRAKING, self._not_braking, h, delay)
         read_at = sample.stamp - round(delay * NANOSECONDS)
         if sample.wheel_speed * self._radius < (1.0 - LOCKED_SLIP) * speed:
             self._crossing.update(LOCKED_INDICATOR, 1, signals.slip, read_at)

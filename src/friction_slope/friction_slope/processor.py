@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from math import nan
-from typing import Any
+from typing import Any, Final
 
 from friction_msgs.msg import FrictionSlope, WheelSlip
 from sensor_msgs.msg import FluidPressure, Imu, JointState
@@ -24,7 +24,7 @@ from vehicle_models.plausible import HIGHEST_ACCELERATION
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.wheel_load import WheelLoad
 
-_IMU = "imu/data"
+_IMU: Final = "imu/data"
 _QUIET = (Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING, Reason.NO_EXCITATION)
 """Reasons that belong to ordinary driving."""
 _BROKEN = (Reason.NO_TORQUE,)
@@ -40,12 +40,12 @@ class WheelProcessor(AlignedProcessor[float]):
         self, wheel: str, vehicle: Vehicle, parameters: FrictionSlopeParameters, report: Report = silent
     ) -> None:
         """Build for one wheel of a car; `report` is the log function."""
-        self._wheel = wheel
+        self._wheel, self._topic = wheel, f"{wheel}/friction_slope"
         self._brake_torque = BrakeTorque(vehicle, wheel)
         self._pressure, self._slip = self._brake_torque.topic, f"{wheel}/slip"
         self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, self._pressure: FluidPressure}
         self.estimates: Mapping[str, type] = {self._slip: WheelSlip} if parameters.takes_slip else {}
-        self.outputs: Mapping[str, type] = {f"{wheel}/friction_slope": FrictionSlope}
+        self.outputs: Mapping[str, type] = {self._topic: FrictionSlope}
         max_gap = parameters.detector.max_gap
         inputs = [AlignedInput(topic, max_gap) for topic in (self._pressure, *self.estimates)]
         load = WheelLoad(vehicle, wheel) if parameters.detector.load_transfer else None
@@ -147,7 +147,7 @@ class WheelProcessor(AlignedProcessor[float]):
         )
         self._last = estimate
         self._text = self._reason(sample, estimate)
-        return [(f"{self._wheel}/friction_slope", self._message(sample.stamp, estimate))]
+        return [(self._topic, self._message(sample.stamp, estimate))]
 
     def _reason(self, sample: AlignedSample[float], estimate: SlopeEstimate) -> str:
         """Return the reason of an estimate in words; for a missing input, why it is missing."""

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from itertools import pairwise
 from math import inf, nan
+from typing import Any
 
 import numpy as np
 import pytest
@@ -54,6 +55,16 @@ def through_the_peak(name: str) -> tuple[list[SlopeSample], np.ndarray]:
         if released and slip < 0.5 * peak:
             break
     return samples, np.array(signs)
+
+
+def content(estimates: list[SlopeEstimate]) -> str:
+    """Everything that is estimated, in words: NaN is equal to NaN."""
+    return repr([(name, getattr(each, name)) for each in estimates for name in dir(each) if name[0] != "_"])
+
+
+def changed(sample: SlopeSample, **changes: Any) -> SlopeSample:
+    names = ("stamp", "wheel_speed", "brake_torque", "slip", "slip_rate", "vehicle_speed", "acceleration")
+    return SlopeSample(**{name: changes.get(name, getattr(sample, name)) for name in names})
 
 
 def run(detector: SlopeDetector, samples: list[SlopeSample]) -> list[SlopeEstimate]:
@@ -129,9 +140,9 @@ def test_method_slip_stops_below_the_minimum_vehicle_speed() -> None:
 
 def test_method_slip_without_slip_answers_as_no_slip_and_says_so() -> None:
     samples, _ = through_the_peak("wet")
-    blind = [replace(sample, slip=nan, slip_rate=nan, vehicle_speed=nan) for sample in samples]
+    blind = [changed(sample, slip=nan, slip_rate=nan, vehicle_speed=nan) for sample in samples]
     found = run(exact(Method.NO_SLIP), blind)
-    assert repr(run(exact(), blind)[2:]) == repr(found[2:])
+    assert content(run(exact(), blind)[2:]) == content(found[2:])
     assert {estimate.method for estimate in found} == {Method.NO_SLIP}
     assert found[-1].crossings == 2
     assert np.isnan(found[-1].slip_at_crossing)
@@ -142,7 +153,7 @@ def test_a_sign_told_by_one_equation_is_not_held_by_the_other() -> None:
     detector = SlopeDetector(CORNER, Method.SLIP, EXACT)
     known = [SlopeSample((k + 1) * STEP, 90.0, 400.0 + k, 0.05, 0.5, 30.0) for k in range(20)]
     assert run(detector, known)[-1].sign == 1
-    lost = [replace(known[-1], stamp=(k + 21) * STEP, slip=nan, slip_rate=nan, vehicle_speed=nan) for k in range(5)]
+    lost = [changed(known[-1], stamp=(k + 21) * STEP, slip=nan, slip_rate=nan, vehicle_speed=nan) for k in range(5)]
     found = run(detector, lost)
     assert {estimate.method for estimate in found} == {Method.NO_SLIP}
     assert {(estimate.sign, estimate.reason) for estimate in found} == {(0, Reason.NO_EXCITATION)}
@@ -160,7 +171,7 @@ def test_eta_margin_widens_the_dead_zone_of_no_slip_and_is_nothing_to_slip() -> 
     samples, _ = through_the_peak("dry")
     wide = NoSlipParameters(eta_margin=100.0)
     assert {e.indicator for e in run(SlopeDetector(CORNER, Method.NO_SLIP, EXACT, wide), samples)[30:]} == {0.0}
-    assert repr(run(SlopeDetector(CORNER, Method.SLIP, EXACT, wide), samples)) == repr(run(exact(), samples))
+    assert content(run(SlopeDetector(CORNER, Method.SLIP, EXACT, wide), samples)) == content(run(exact(), samples))
 
 
 def test_load_of_the_wheel_decides_what_friction_it_uses() -> None:
@@ -176,7 +187,7 @@ def test_load_of_the_wheel_decides_what_friction_it_uses() -> None:
 
 def test_gap_fills_the_window_again_and_says_so() -> None:
     samples, _ = through_the_peak("dry")
-    late = samples[:60] + [replace(s, stamp=s.stamp + 100_000_000) for s in samples[60:]]
+    late = samples[:60] + [changed(s, stamp=s.stamp + 100_000_000) for s in samples[60:]]
     found = run(exact(), late)
     assert [estimate.reason for estimate in found[60:63]] == [Reason.GAP, Reason.GAP, Reason.OK]
     assert found[62].h == pytest.approx(run(exact(), samples)[62].h)
@@ -197,11 +208,11 @@ def test_garbage_is_refused_and_leaves_no_trace(bad: dict[str, float], reason: R
     detector = exact()
     for k, sample in enumerate(samples):
         if k == 50:
-            garbage = replace(sample, stamp=sample.stamp - STEP // 2)
-            refused = detector.update(replace(garbage, **bad))  # type: ignore[arg-type]
+            garbage = changed(sample, stamp=sample.stamp - STEP // 2)
+            refused = detector.update(changed(garbage, **bad))
             assert refused.reason is reason
             assert np.isnan(refused.indicator)
-        assert repr(detector.update(sample)) == repr(clean[k])  # NaN where nothing is known
+        assert content([detector.update(sample)]) == content([clean[k]])  # NaN where nothing is known
 
 
 def test_reset_is_a_new_detector() -> None:
@@ -211,7 +222,7 @@ def test_reset_is_a_new_detector() -> None:
         detector.update(sample)
     detector.reset()
     again = [detector.update(sample) for sample in samples]
-    assert repr(again) == repr(run(exact(), samples))
+    assert content(again) == content(run(exact(), samples))
 
 
 def growing_load(count: int, acceleration: bool) -> list[SlopeSample]:
@@ -242,7 +253,7 @@ def test_without_an_acceleration_h_is_that_of_the_equation_as_printed() -> None:
     detector = SlopeDetector(CAR.corner("front_left"), Method.SLIP, EXACT, load=WheelLoad(CAR, "front_left"))
     printed = SlopeDetector(CAR.corner("front_left"), Method.SLIP, EXACT)
     fed = growing_load(60, acceleration=False)
-    assert repr(run(detector, fed)) == repr(run(printed, fed))
+    assert content(run(detector, fed)) == content(run(printed, fed))
 
 
 def test_kick_of_the_sensor_does_not_count_as_more_than_tyres_can_brake() -> None:
@@ -252,7 +263,7 @@ def test_kick_of_the_sensor_does_not_count_as_more_than_tyres_can_brake() -> Non
         fed[40].acceleration = kick
         return run(detector, fed)[-1]
 
-    assert after(-190.0) == after(-HIGHEST_FRICTION * GRAVITY)
+    assert content([after(-190.0)]) == content([after(-HIGHEST_FRICTION * GRAVITY)])
 
 
 def test_measured_braking_of_the_car_decides_where_eta_tells_the_slip_rate() -> None:
@@ -324,10 +335,10 @@ def test_spike_of_the_wheel_speed_is_refused_and_leaves_no_trace() -> None:
     detector = exact(Method.NO_SLIP)
     for k, sample in enumerate(samples):
         if k == 60:
-            spike = detector.update(replace(sample, stamp=sample.stamp - STEP // 2, wheel_speed=900.0))
+            spike = detector.update(changed(sample, stamp=sample.stamp - STEP // 2, wheel_speed=900.0))
             assert spike.reason is Reason.BAD_INPUT
             assert "900" in spike.text
-        assert repr(detector.update(sample)) == repr(clean[k])
+        assert content([detector.update(sample)]) == content([clean[k]])
 
 
 def test_spike_as_the_first_sample_is_forgotten_within_a_gap() -> None:

@@ -1,22 +1,24 @@
 """Limits of plausibility: values beyond them are garbage, not measurements of a car on a road. Every node uses them."""
 
+from typing import Final
+
 from vehicle_models.nanoseconds import NANOSECONDS
 
-HIGHEST_WHEEL_SPEED = 1000.0
+HIGHEST_WHEEL_SPEED: Final = 1000.0
 """Highest speed of a wheel [rad/s]."""
-HIGHEST_SPEED = 200.0
+HIGHEST_SPEED: Final = 200.0
 """Highest speed of a car [m/s]."""
-HIGHEST_ACCELERATION = 200.0
+HIGHEST_ACCELERATION: Final = 200.0
 """Highest acceleration of a car, measured on a body that is shaken by kerbs [m/s^2]."""
-HIGHEST_TORQUE = 1e5
+HIGHEST_TORQUE: Final = 1e5
 """Highest torque of a brake [N m]."""
-HIGHEST_PRESSURE = 1e9
-"""Highest pressure of a brake line [Pa]."""
-HIGHEST_SLIP = 1.5
+HIGHEST_PRESSURE: Final = 1e8
+"""Highest pressure of a brake line [Pa], some five times that of an emergency stop."""
+HIGHEST_SLIP: Final = 1.5
 """Highest slip of a wheel [-], either sign: beyond it the speed of the car is wrong, or nothing holds the wheel."""
-HIGHEST_SLIP_RATE = 1e4
+HIGHEST_SLIP_RATE: Final = 1e4
 """Highest slip rate [1/s]: a wheel that is thrown from rolling to locked within a sample."""
-LATEST_STAMP = (2**31 - 2) * NANOSECONDS
+LATEST_STAMP: Final = (2**31 - 2) * NANOSECONDS
 """Latest plausible stamp [ns]. A message stamp can hold one second more."""
-NEW_RUN = 50_000_000
+NEW_RUN: Final = 50_000_000
 """A stamp that goes back by this or more [ns] begins a new run (a looped bag, a reset plant); less: a late sample."""

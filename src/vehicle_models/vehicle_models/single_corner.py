@@ -9,7 +9,7 @@ standstill.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,11 +19,11 @@ from vehicle_models.rosenbrock import GAMMA, check_start, inner_steps, two_stage
 
 Array = NDArray[np.float64]
 
-GRAVITY = 9.81
+GRAVITY: Final = 9.81
 """Standard acceleration of free fall as the chapter uses it [m/s^2]."""
-SLIP_SPEED_FLOOR = 0.1
+SLIP_SPEED_FLOOR: Final = 0.1
 """Below this speed [m/s] slip is taken relative to it: the tyre then acts as a stiff damper."""
-REST_SPEED = 1e-3
+REST_SPEED: Final = 1e-3
 """Below this speed [m/s] a braked corner stands."""
 
 

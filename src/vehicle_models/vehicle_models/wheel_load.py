@@ -11,11 +11,12 @@ sample to the next is exact.
 """
 
 from math import cos, exp, pi, sin, sqrt
+from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECOND
 from vehicle_models.vehicle import Vehicle
 
-LEAST_SHARE = 0.1
+LEAST_SHARE: Final = 0.1
 """Smallest load over that at rest: a wheel that lifts is not described, and a division by its load stays finite."""
 
 

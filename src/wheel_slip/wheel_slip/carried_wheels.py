@@ -11,12 +11,13 @@ the same: whether its gap may be that of a rolling wheel is judged elsewhere (ve
 
 from collections.abc import Sequence
 from math import isfinite
+from typing import Final
 
-_TIME_CONSTANT = 0.03
+_TIME_CONSTANT: Final = 0.03
 """Time constant T [s]: below the time a supervisor leaves a wheel released, above the half period of its swing."""
-_QUIET = 2.0
+_QUIET: Final = 2.0
 """Largest variance of a carried wheel's gap, in units of the noise: T at 200 Hz averages twelve samples."""
-_SWINGING = 0.1
+_SWINGING: Final = 0.1
 """Variance of the gap when a slide begins [m^2/s^2]: no wheel counts as carried in the first 0.14 s."""
 
 

@@ -1,8 +1,6 @@
 """Output of the slip estimator: one estimate per wheel and sample, with the reason where there is none."""
 
-from dataclasses import dataclass
 from enum import IntEnum
-from math import nan
 
 
 class SpeedSource(IntEnum):
@@ -26,25 +24,43 @@ class Reason(IntEnum):
     UNCERTAIN = 6
 
 
-@dataclass
 class WheelEstimate:
     """Slip of one wheel at one sample. Unknown values are NaN; slip and slip_rate are NaN unless reason is OK."""
 
-    slip: float = nan
-    """[-] braking positive"""
-    slip_rate: float = nan
-    """[1/s]"""
-    vehicle_speed: float = nan
-    """[m/s]"""
-    wheel_speed: float = nan
-    """[rad/s], filtered"""
-    slip_variance: float = nan
-    """[-]"""
-    slip_rate_variance: float = nan
-    """[1/s^2]"""
-    vehicle_speed_variance: float = nan
-    """[m^2/s^2]"""
-    source: SpeedSource = SpeedSource.NONE
-    reason: Reason = Reason.OK
-    text: str = ""
-    """The reason in words, empty where it is OK."""
+    def __init__(
+        self,
+        slip: float,
+        slip_rate: float,
+        vehicle_speed: float,
+        wheel_speed: float,
+        slip_variance: float,
+        slip_rate_variance: float,
+        vehicle_speed_variance: float,
+        source: SpeedSource,
+        reason: Reason,
+        text: str,
+    ) -> None:
+        """Hold what is estimated.
+
+        Args:
+            slip: [-], braking positive.
+            slip_rate: [1/s].
+            vehicle_speed: [m/s].
+            wheel_speed: [rad/s], filtered.
+            slip_variance: [-].
+            slip_rate_variance: [1/s^2].
+            vehicle_speed_variance: [m^2/s^2].
+            source: where the vehicle speed comes from.
+            reason: why the slip is not valid.
+            text: the reason in words, empty where it is OK.
+        """
+        self.slip = slip
+        self.slip_rate = slip_rate
+        self.vehicle_speed = vehicle_speed
+        self.wheel_speed = wheel_speed
+        self.slip_variance = slip_variance
+        self.slip_rate_variance = slip_rate_variance
+        self.vehicle_speed_variance = vehicle_speed_variance
+        self.source = source
+        self.reason = reason
+        self.text = text

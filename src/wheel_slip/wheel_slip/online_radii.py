@@ -2,18 +2,19 @@
 
 from collections import deque
 from collections.abc import Sequence
+from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 from wheel_slip.radius_calibration import CalibrationParameters, Radii, RadiusCalibration
 from wheel_slip.speed_sample import SpeedSample
 
-_CERTAIN = 0.001
+_CERTAIN: Final = 0.001
 """Standard deviation, as a share of the radius, below which a learned radius is used."""
-_NEEDED = 20.0
+_NEEDED: Final = 20.0
 """Coasting time [s] after which learned radii may be used."""
-_MEMORY = round(0.6 * NANOSECONDS)
+_MEMORY: Final = round(0.6 * NANOSECONDS)
 """How long wheel speeds are kept for late samples of the speed sensor [ns]."""
-_NEAR = round(0.02 * NANOSECONDS)
+_NEAR: Final = round(0.02 * NANOSECONDS)
 """Largest distance of wheel speeds from the time of a speed sample [ns]."""
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from math import isfinite, nan
+from typing import Final
 
 from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
@@ -24,8 +25,8 @@ from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.speed_queue import SpeedQueue
 from wheel_slip.speed_sample import SpeedSample
 
-IMU = "imu/data"
-VEHICLE_VELOCITY = "vehicle_velocity"
+IMU: Final = "imu/data"
+VEHICLE_VELOCITY: Final = "vehicle_velocity"
 _QUIET = (Reason.OK, Reason.LOW_SPEED)
 """Reasons that belong to ordinary driving."""
 

@@ -11,16 +11,17 @@ one every `_CORRELATION` counts as independent.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, sqrt
+from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 
-_CORRELATION = 0.2
+_CORRELATION: Final = 0.2
 """Time over which residuals are correlated [s]."""
-_LONGEST_STEP = 0.3
+_LONGEST_STEP: Final = 0.3
 """Longer steps between samples [s] are gaps."""
-_SPREAD = 0.05
+_SPREAD: Final = 0.05
 """Share by which rim speeds may differ."""
-_RATE_TIME = 0.3
+_RATE_TIME: Final = 0.3
 """Time [s] over which the acceleration of the wheels is taken."""
 
 

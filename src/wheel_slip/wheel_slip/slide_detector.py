@@ -16,28 +16,29 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp, isfinite, nan
+from typing import Final
 
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 
-_LAG = 0.015
+_LAG: Final = 0.015
 """Time constant [s] that gives the acceleration the lag of the wheel filter."""
-_SPREAD = 0.03
-_SPREAD_AT_REST = 0.3
+_SPREAD: Final = 0.03
+_SPREAD_AT_REST: Final = 0.3
 """Rim speeds may differ by this share, and this speed [m/s]: radii, curves, quantisation."""
-_CALM = 1.0
+_CALM: Final = 1.0
 """Below this acceleration [m/s^2] wheels that agree are trusted over the integrated speed, after `_PATIENCE`."""
-_PATIENCE = 1.0
+_PATIENCE: Final = 1.0
 """Time for which wheels must agree before they are trusted over the integrated speed [s]."""
-_STEADY = 0.5
+_STEADY: Final = 0.5
 """Change of rim speed below which a wheel counts as steady [m/s^2]."""
-_STEADY_TIME = 2.0
+_STEADY_TIME: Final = 2.0
 """Wheels that are steady and turn alike for this long [s] are right, whatever the accelerometer reads."""
-_BLIND = 0.6
+_BLIND: Final = 0.6
 """Rim speed [m/s] below which a wheel may as well be locked."""
-_STRONGEST = 14.0
+_STRONGEST: Final = 14.0
 """Without an accelerometer a wheel that changes faster [m/s^2] does not roll."""
-_SETTLE = 0.3
+_SETTLE: Final = 0.3
 """Time [s] the wheels have to roll before they are trusted again."""
 
 

@@ -18,19 +18,20 @@ integral of a_m from t_m to t. So a late sensor delays nothing and blurs nothing
 from collections import deque
 from dataclasses import dataclass
 from math import isfinite, sqrt
+from typing import Final
 
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 
-_HISTORY = 1 * NANOSECONDS
+_HISTORY: Final = 1 * NANOSECONDS
 """How far back [ns] a measurement can be used."""
-_FIRST_SPEED_VARIANCE = 1e6
+_FIRST_SPEED_VARIANCE: Final = 1e6
 """Variance of an unknown speed [m^2/s^2]."""
-_ACCELERATION_WALK = 30.0**2
+_ACCELERATION_WALK: Final = 30.0**2
 """Density of the change of acceleration without an accelerometer [m^2/s^5]: 10 m/s^2 in 0.1 s."""
-_UNKNOWN_ACCELERATION_VARIANCE = 25.0
+_UNKNOWN_ACCELERATION_VARIANCE: Final = 25.0
 """Variance of the acceleration when the accelerometer has just gone, or over a gap [m^2/s^4]."""
-_GAP = 0.1
+_GAP: Final = 0.1
 """Longer steps between samples are gaps [s]."""
 _NOTHING = (0.0, 0.0, 0.0)
 

@@ -1,8 +1,10 @@
 """Whether a sensor repeats one value to the last bit."""
 
+from typing import Final
+
 from vehicle_models.nanoseconds import NANOSECONDS
 
-_STUCK_AFTER = round(0.25 * NANOSECONDS)
+_STUCK_AFTER: Final = round(0.25 * NANOSECONDS)
 
 
 class StuckSensor:

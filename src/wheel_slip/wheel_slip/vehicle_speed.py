@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, sqrt
 from statistics import median
+from typing import Final
 
 from friction_parameters.parameter import group, parameter
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -25,31 +26,31 @@ from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.stuck_sensor import StuckSensor
 
-_LOST_AFTER = 1 * NANOSECONDS
+_LOST_AFTER: Final = 1 * NANOSECONDS
 """Time without any sample [ns] after which the estimate starts again."""
-_BELIEF_LAG = round(0.1 * NANOSECONDS)
-_SLIP_CORRELATION = 0.1
+_BELIEF_LAG: Final = round(0.1 * NANOSECONDS)
+_SLIP_CORRELATION: Final = 0.1
 """Time [s] over which the slip of a rolling wheel counts as one error, not many."""
-_BLIND_SPEED = 0.6
-_BLIND_STDDEV = 0.1
+_BLIND_SPEED: Final = 0.6
+_BLIND_STDDEV: Final = 0.1
 """Standard deviation of the speed where encoders read zero, as they do below about this rim speed [m/s]."""
-_AT_REST = 1.0
+_AT_REST: Final = 1.0
 """Largest apparent acceleration of a car that stands [m/s^2]."""
-_BOUND_MARGIN = 0.02
+_BOUND_MARGIN: Final = 0.02
 """Share of the speed by which wheels may pass the bound: radii and torsional vibration."""
-_SURPRISE = 0.6
+_SURPRISE: Final = 0.6
 """Mean innovation over its standard deviation that noise does not reach in hours: the road has changed its slope."""
-_SURPRISE_TIME = 0.2
+_SURPRISE_TIME: Final = 0.2
 """Time over which that innovation is averaged [s]."""
-_DOUBT = 0.05
+_DOUBT: Final = 0.05
 """Standard deviation of the offset after such a change [m/s^2]."""
-_CLOSE = 0.1
+_CLOSE: Final = 0.1
 """Slip below which a wheel confirms the integrated speed, to half of that share."""
-_STANDING = 0.5
+_STANDING: Final = 0.5
 """Time [s] over which the slip of a carried wheel counts as one error: longer than a supervisor leaves it released."""
-_PLAUSIBLE = 3.0
+_PLAUSIBLE: Final = 3.0
 """Standard deviations by which a carried wheel may differ from the integrated speed."""
-_BOUND_LATENCY = 0.03
+_BOUND_LATENCY: Final = 0.03
 """Time [s] by which wheel speeds may be older than the acceleration."""
 
 

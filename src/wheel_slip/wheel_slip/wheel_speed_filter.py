@@ -15,19 +15,20 @@ Noise alone hardly reaches m = 2, so that the smoothing of a quiet wheel stays w
 
 from dataclasses import dataclass
 from math import nan
+from typing import Final
 
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 
-_FIRST_ACCELERATION_VARIANCE = 100.0**2
+_FIRST_ACCELERATION_VARIANCE: Final = 100.0**2
 """Variance of an unknown acceleration [rad^2/s^4]: ten times that of a wheel that rolls in a hard stop, squared."""
-_MEMORY = 0.3
+_MEMORY: Final = 0.3
 """Share of the newest sample in the mean squared innovation."""
-_KNEE = 2.0
+_KNEE: Final = 2.0
 """Mean squared innovation above which the wheel is no longer quiet."""
-_LARGEST_GAIN = 1e4
+_LARGEST_GAIN: Final = 1e4
 """Largest factor on the density q."""
-_SAMPLES_TO_SETTLE = 5
+_SAMPLES_TO_SETTLE: Final = 5
 """Samples after which the acceleration is measured, not assumed."""
 
 

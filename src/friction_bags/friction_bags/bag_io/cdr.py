@@ -12,7 +12,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from operator import attrgetter
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from rclpy.serialization import deserialize_message
@@ -23,8 +23,8 @@ from friction_bags.bag_io.bag_format import Topic
 from friction_bags.bag_io.cdr_layout import Layout, Message, UnsupportedFieldError
 from friction_bags.bag_io.message_definition import message_definition, type_name
 
-_LENGTH_SIZE = 4
-_MOST_LAYOUTS = 64
+_LENGTH_SIZE: Final = 4
+_MOST_LAYOUTS: Final = 64
 """Most layouts kept of one class before all are dropped, so that strings of ever new lengths do not fill the memory."""
 
 

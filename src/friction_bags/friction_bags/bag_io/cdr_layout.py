@@ -8,7 +8,7 @@ to rosbags for what is not covered here.
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from struct import Struct, calcsize
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from friction_bags.bag_io.message_definition import message_class, type_name
 
 _HEADER = b"\0\1\0\0"
 """Encapsulation header of little-endian CDR; alignment counts from its end."""
-_TEXT = "s"
+_TEXT: Final = "s"
 _CODES = {
     "boolean": "?",
     "double": "d",

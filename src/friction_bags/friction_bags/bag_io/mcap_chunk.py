@@ -1,15 +1,16 @@
 """The messages of an mcap file that are compressed and written together, with their index."""
 
 from struct import Struct, pack
+from typing import Final
 
 from mcap.opcode import Opcode
 
 _MESSAGE = Struct("<BQHIQQ")
-_MESSAGE_FIELDS_SIZE = 22
+_MESSAGE_FIELDS_SIZE: Final = 22
 _MESSAGE_OPCODE = int(Opcode.MESSAGE)
 _INDEX = Struct("<BQHI")
-_INDEX_FIELDS_SIZE = 6
-_UINT32 = 0xFFFFFFFF
+_INDEX_FIELDS_SIZE: Final = 6
+_UINT32: Final = 0xFFFFFFFF
 
 
 class McapChunk:

@@ -8,7 +8,7 @@ import zlib
 from contextlib import suppress
 from pathlib import Path
 from struct import Struct
-from typing import Literal
+from typing import Final, Literal
 
 import lz4.frame  # type: ignore[import-untyped]
 import yaml
@@ -35,7 +35,7 @@ from friction_bags.bag_io.mcap_chunk import McapChunk
 
 Compression = Literal["zstd", "lz4", "none"]
 _FOOTER = Struct("<BQQQ")
-_FOOTER_FIELDS_SIZE = 20
+_FOOTER_FIELDS_SIZE: Final = 20
 
 
 class McapWriter:

@@ -7,13 +7,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from friction_curve_id.interface import Reason, Refusal
-from vehicle_models.plausible import HIGHEST_SPEED
+from friction_curve_id.stamp_order import Admission, StampOrder
+from vehicle_models.plausible import HIGHEST_PRESSURE, HIGHEST_SPEED
 
 Array = NDArray[np.float64]
 
-_REPEATED = 1e-4
-_HIGHEST_PRESSURE = 1e8
-_HIGHEST_ACCELERATION = 50.0
+_HARDEST_SHOCK = 50.0
+"""A larger reading [m/s^2] is a kerb and not the car (HIGHEST_ACCELERATION lets these pass): in one sample it moves the
+speed of a fit by five times the deviation that the fit has for it. The sample is left out."""
 
 
 class CarSample(NamedTuple):
@@ -44,22 +45,16 @@ class Checked(NamedTuple):
 
 
 class CarGate:
-    """Admits samples one by one.
-
-    After a gap, or a jump back in time, the first sample is refused; the one that continues it is admitted, so that a
-    single wrong stamp costs one sample and never the fit.
-    """
+    """Admits samples one by one, see StampOrder for their stamps."""
 
     def __init__(self, names: tuple[str, ...], radii: tuple[float, ...], max_gap: float) -> None:
         """`names`, `radii` [m]: of the wheels; `max_gap` [s]."""
         self._names, self._radii = names, np.array(radii)
-        self._max_gap = max_gap
-        self.reset()
+        self._order = StampOrder(max_gap)
 
     def reset(self) -> None:
         """Forget the stamps seen."""
-        self._admitted: float | None = None
-        self._waiting: float | None = None
+        self._order.reset()
 
     def admit(self, sample: CarSample) -> Checked | Refusal:
         """Return the sample as numbers, or why it must not enter."""
@@ -76,32 +71,19 @@ class CarGate:
         refusal = self._implausible(speed, pressure, acceleration)
         if refusal is not None:
             return refusal
-        last, waiting = self._admitted, self._waiting
-        if last is not None and abs(time - last) < _REPEATED:
-            return Refusal(Reason.BAD_INPUT, f"stamp {time:.6f} s repeats {last:.6f} s")
-        if last is None or self._follows(last, time):
-            after_gap = last is None
-        elif waiting is not None and self._follows(waiting, time):
-            after_gap = True
-        else:
-            self._waiting = time
-            if time < last:
-                return Refusal(Reason.GAP, f"stamp {time:.6f} s is before the last, {last:.6f} s")
-            return Refusal(Reason.GAP, f"gap of {time - last:.3f} s since the last sample")
-        self._admitted, self._waiting = time, None
+        admission = self._order.admit(time)
+        if isinstance(admission, Refusal):
+            return admission
         missing = ~(np.isfinite(speed) & np.isfinite(pressure))
         speed[missing] = pressure[missing] = np.nan
-        return Checked(time, speed, np.maximum(pressure, 0.0), acceleration, after_gap)
-
-    def _follows(self, before: float, time: float) -> bool:
-        return _REPEATED <= time - before <= self._max_gap
+        return Checked(time, speed, np.maximum(pressure, 0.0), acceleration, admission is not Admission.NEXT)
 
     def _implausible(self, speed: Array, pressure: Array, acceleration: float) -> Refusal | None:
         for name, radius, omega, each in zip(self._names, self._radii, speed, pressure, strict=True):
             if np.isinf(omega) or omega * radius > HIGHEST_SPEED or omega < -1.0:
                 return Refusal(Reason.BAD_INPUT, f"wheel speed of {name} is {omega} rad/s")
-            if np.isinf(each) or abs(each) > _HIGHEST_PRESSURE:
+            if np.isinf(each) or abs(each) > HIGHEST_PRESSURE:
                 return Refusal(Reason.BAD_INPUT, f"brake pressure of {name} is {each} Pa")
-        if np.isinf(acceleration) or abs(acceleration) > _HIGHEST_ACCELERATION:
+        if np.isinf(acceleration) or abs(acceleration) > _HARDEST_SHOCK:
             return Refusal(Reason.BAD_INPUT, f"acceleration is {acceleration} m/s^2")
         return None

@@ -4,6 +4,8 @@
 
 f is the specific force, p the one whose steady pitch the body has, q the one whose steady load transfer acts; d is the
 share of the dampers in the transfer. Discretised by the trapezoidal rule (Tustin).
+
+The filter is a plain loop: importing scipy.signal takes longer than all else that a node or a command does at start.
 """
 
 from dataclasses import dataclass
@@ -11,7 +13,6 @@ from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from friction_curve_id.car.unknowns import Unknown
 
@@ -71,11 +72,12 @@ def _filtered(
     scale = 1.0 / (1.0 + first + square)
     b0, b1, b2 = (square + share * first) * scale, 2.0 * square * scale, (square - share * first) * scale
     a1, a2 = 2.0 * (square - 1.0) * scale, (1.0 - first + square) * scale
-    start = np.array(
-        [
-            b1 * inputs[0] + b2 * inputs[1] - a1 * outputs[0] - a2 * outputs[1],
-            b2 * inputs[0] - a2 * outputs[0],
-        ]
-    )
-    filtered, _ = lfilter([b0, b1, b2], [1.0, a1, a2], force, zi=start)
-    return np.asarray(filtered)
+    later = b1 * inputs[0] + b2 * inputs[1] - a1 * outputs[0] - a2 * outputs[1]
+    latest = b2 * inputs[0] - a2 * outputs[0]
+    filtered: list[float] = []
+    for taken in force.tolist():
+        given = later + b0 * taken
+        later = latest + b1 * taken - a1 * given
+        latest = b2 * taken - a2 * given
+        filtered.append(given)
+    return np.array(filtered)

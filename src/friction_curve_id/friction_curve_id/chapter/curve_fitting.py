@@ -6,7 +6,7 @@ initialisation period). A fit lasts for one braking: the next begins a new one, 
 """
 
 from collections import deque
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,9 @@ from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartC
 
 Array = NDArray[np.float64]
 
-_LEAST_SLIP_SPAN = 0.003
+_LEAST_SLIP_SPAN: Final = 0.003
 """Least range of slip over the first samples [-]; with less there is nothing to fit."""
-_RELEASE_TIME = 0.5
+_RELEASE_TIME: Final = 0.5
 """A brake released for longer than this ends the fit [s]."""
 _RELEASED = Refusal(Reason.NO_EXCITATION, "the brake is released")
 
@@ -79,7 +79,7 @@ class PointFitting:
             self._largest_slip = max(self._largest_slip, point.slip)
         estimate = self._fit.curve().estimate(point.slip, self._count, self._largest_slip)
         cause, self._cause = self._cause, RestartCause.NONE
-        return estimate._replace(restart_cause=cause)
+        return estimate if cause is RestartCause.NONE else estimate._replace(restart_cause=cause)
 
     def _clear(self) -> None:
         self._waiting.clear()

@@ -11,17 +11,19 @@ wheel rolls freely (no brake torque at the start, or none for a while: a wheel j
 measured speed, where there is one, weighted by its variance.
 """
 
+from typing import Final
+
 from friction_curve_id.interface import Reason, Refusal
 from friction_curve_id.measurement_noise import MeasurementNoise
 from vehicle_models.single_corner import CornerParameters
 
 _UNKNOWN = float("inf")
 """Variance of an unknown speed."""
-_RECOVERY_TIME = 0.2
+_RECOVERY_TIME: Final = 0.2
 """A wheel released this long [s] rolls freely again."""
-FREE_ROLLING_TORQUE = 15.0
+FREE_ROLLING_TORQUE: Final = 15.0
 """Brake torque [N m], five times its noise, below which the wheel rolls freely: v = omega r."""
-_ACCELERATION_ERROR = 0.3
+_ACCELERATION_ERROR: Final = 0.3
 """Error of the model's acceleration of the vehicle [m/s^2]: drag, slope, errors of its parameters."""
 
 

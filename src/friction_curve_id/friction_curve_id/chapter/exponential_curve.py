@@ -6,6 +6,7 @@ wet, 1.4 % on cobblestone and 0.2 % on snow, and this bias remains whatever the 
 """
 
 from math import exp, nan
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,8 @@ _RATES = np.append(-EXPONENTS, [0.0, 0.0])
 _SQUARES = _RATES**2
 _PLAIN_EXPONENTS: list[float] = EXPONENTS.tolist()
 _GRID: list[float] = np.concatenate([np.linspace(0.001, 0.2, 200), np.linspace(0.205, 1.0, 160)]).tolist()
-_STEPS = 40
-_CONVERGED = 1e-12
+_STEPS: Final = 40
+_CONVERGED: Final = 1e-12
 """Step [-] that ends the search for a peak: a further one would be rounding."""
 
 

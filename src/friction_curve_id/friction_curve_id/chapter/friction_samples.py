@@ -20,7 +20,7 @@ All three scale mu with 1/Fz, which leaves lambda_max where it is.
 
 from enum import Enum
 from math import isfinite
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from friction_curve_id.chapter.dead_reckoning import FREE_ROLLING_TORQUE, DeadReckonedSpeed
 from friction_curve_id.interface import Reason, Refusal, Sample
@@ -30,7 +30,7 @@ from vehicle_models.plausible import HIGHEST_TORQUE, HIGHEST_WHEEL_SPEED
 from vehicle_models.single_corner import CornerParameters
 
 _GATE, _NOISE = GateParameters(), MeasurementNoise()
-LARGEST_FRICTION = 10.0
+LARGEST_FRICTION: Final = 10.0
 """|mu| above this is no friction, whatever the noise: racing tyres reach 2, (8.8) with noisy v scatters by 2."""
 
 
@@ -57,11 +57,12 @@ class FrictionPoint(NamedTuple):
     """Whether this is the first point after a gap or a jump back in time, where fits start again."""
 
 
-class _Known(NamedTuple):
-    time: float
-    wheel_speed: float
-    speed: float
-    torque: float
+class _Known:
+    def __init__(self, time: float, wheel_speed: float, speed: float, torque: float) -> None:
+        self.time = time
+        self.wheel_speed = wheel_speed
+        self.speed = speed
+        self.torque = torque
 
 
 class FrictionSamples:

@@ -13,6 +13,7 @@ from friction_evaluation.faults.manoeuvre import ONSET, Manoeuvre
 from friction_evaluation.faults.record import Record
 from friction_evaluation.faults.reference import Reference
 from friction_evaluation.protocol import DT
+from friction_evaluation.run_lengths import run_lengths
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
 
@@ -110,9 +111,4 @@ def _hit(case: Case, wheels: int) -> Flags:
 
 def _longest(flags: Flags) -> float:
     """Longest time [s] that a column of flags, shape (k, n), stays true."""
-    longest = 0
-    run = np.zeros(flags.shape[1], dtype=np.int64)
-    for row in flags:
-        run = np.where(row, run + 1, 0)
-        longest = max(longest, int(run.max(initial=0)))
-    return longest * DT
+    return int(run_lengths(flags).max(initial=0)) * DT

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from corner_sim.car.ordinary_driving import OrdinaryDriver
 from corner_sim.car.random_car import random_car
@@ -12,6 +11,7 @@ from corner_sim.car.recording import record
 from friction_evaluation.real_car.answers import follow
 from friction_evaluation.real_car.stops import ALARM
 from friction_evaluation.rows import Row, at_most, not_judged
+from friction_evaluation.run_lengths import run_lengths
 
 DRIVE = 120.0
 """Length of a drive [s]; the hours are made of such drives, each of another car."""
@@ -54,17 +54,10 @@ def make_drive(drive: Drive) -> DriveResult:
     lasting = round(LASTING * car.sensors.sample_rate)
     return DriveResult(
         hours=float(run.time[-1]) / 3600.0,
-        valid_peaks=len(runs_of(found.valid == 1.0)),
-        lasting_alarms=int(np.sum(runs_of(found.probability_beyond_peak > ALARM) > lasting)),
+        valid_peaks=len(run_lengths(found.valid == 1.0)),
+        lasting_alarms=int(np.sum(run_lengths(found.probability_beyond_peak > ALARM) > lasting)),
         largest_slip=float(np.abs(run.tyre_slip / run.lambda_max).max()),
     )
-
-
-def runs_of(true: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Lengths of all runs of true values down each column of an array of shape (n, wheels)."""
-    padded = np.pad(true, ((1, 1), (0, 0))).astype(np.int8).T
-    edges = np.diff(padded, axis=1).ravel()
-    return np.flatnonzero(edges == -1) - np.flatnonzero(edges == 1)
 
 
 def drive_rows(results: Sequence[DriveResult]) -> list[Row]:
