@@ -21,7 +21,7 @@ COMPILED = {
     "stamp_progress stamps wheel_speeds",
     "vehicle_models": "derivatives wheel_load",
     "wheel_slip": "carried_wheels estimate estimator online_radii processor radius_calibration slide_detector slip "
-    "speed_filter speed_queue speed_sample stuck_sensor vehicle_speed wheel_speed_filter",
+    "speed_filter speed_queue speed_sample stuck_sensor unit_check vehicle_speed wheel_speed_filter",
     "friction_slope": "crossing detector estimate indicator processor reference_speed signals tyre_relaxation",
     "abs_supervisor": "braking braking_log envelope fsm guard input_watch known_curve pressure_check processor "
     "release_caps release_evidence rolling_scatter slowest_car speed_trend supervisor wheel_check wheel_inputs "

@@ -12,6 +12,7 @@ from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
 from wheel_slip.online_radii import OnlineRadii
 from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
 from wheel_slip.speed_sample import SpeedSample
+from wheel_slip.unit_check import UnitCheck
 from wheel_slip.vehicle_speed import VehicleSpeed, VehicleSpeedParameters
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
@@ -37,12 +38,14 @@ class SlipEstimator:
         """Start without samples."""
         self._car = vehicle
         self._p = parameters
+        self._units = UnitCheck(sum(vehicle.radii) / len(vehicle.radii))
         self._largest_variance = parameters.max_slip_stddev**2
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
         p = self._p
+        self._units.reset()
         self._wheels = [WheelSpeedFilter(p.wheel_filter, p.max_gap) for _ in self._car.wheels]
         self.vehicle = VehicleSpeed(self._car, p.vehicle_speed, p.wheel_filter.speed_stddev)
         self.radii = self._car.radii
@@ -81,6 +84,8 @@ class SlipEstimator:
             smooth_rim_speeds.append(wheel.speed * radius if known else nan)
             rim_accelerations.append(wheel.acceleration * radius)
         self.vehicle.update(stamp, rim_speeds, smooth_rim_speeds, rim_accelerations, acceleration, measured_speeds)
+        newest = measured_speeds[-1].speed if measured_speeds else None
+        self._units.update(stamp, smooth_rim_speeds, rim_accelerations, acceleration, newest)
         car = self._motion()
         return [
             self._estimate(wheel, measured, radius, car)
@@ -91,6 +96,8 @@ class SlipEstimator:
         """Return the motion of the car, with the reason if no wheel can have a slip."""
         vehicle, lowest = self.vehicle, self._p.minimum_speed
         source = vehicle.source
+        if self._units.text:
+            return _Motion((nan, nan), (nan, nan), SpeedSource.NONE, Reason.BAD_INPUT, self._units.text)
         if source is SpeedSource.NONE:
             text = "no vehicle speed: no sensor, and the wheels have not shown to roll yet"
             return _Motion((nan, nan), (nan, nan), source, Reason.NO_SPEED, text)
