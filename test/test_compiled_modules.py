@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import subprocess
 import sys
@@ -21,6 +22,13 @@ def test_listed_module_runs_compiled(module: str) -> None:
     assert str(import_module(module).__file__).endswith(".so"), "not compiled: make build"
 
 
+@pytest.mark.parametrize("module", MODULES)
+def test_numbers_of_compiled_modules_are_final_or_they_are_looked_up_at_every_use(module: str) -> None:
+    source = ROOT / "src" / module.split(".")[0] / f"{module.replace('.', '/')}.py"
+    assigned = [node for node in ast.parse(source.read_text(encoding="utf-8")).body if isinstance(node, ast.Assign)]
+    assert [ast.unparse(node) for node in assigned if _is_number(node.value)] == []
+
+
 @pytest.mark.parametrize("bag", ["abs_stop", "snow"])
 @pytest.mark.parametrize("method", ["rls", "default"])
 def test_bag_processed_by_compiled_modules_equals_one_processed_by_their_sources(
@@ -37,3 +45,11 @@ def test_bag_processed_by_compiled_modules_equals_one_processed_by_their_sources
         subprocess.run(command, check=True, env=env, capture_output=True)
         made.append((tmp_path / name / "bag" / "bag_0.mcap").read_bytes())
     assert made[0] == made[1]
+
+
+def _is_number(value: ast.expr) -> bool:
+    if isinstance(value, ast.UnaryOp):
+        return _is_number(value.operand)
+    if isinstance(value, ast.BinOp):
+        return _is_number(value.left)
+    return isinstance(value, ast.Constant) and isinstance(value.value, int | float)

@@ -19,12 +19,12 @@ from progress import run_with_progress
 COMPILED = {
     "friction_runtime": "aligned_processor aligner brake_torque new_message primary reason_text slip_fault "
     "stamp_progress stamps wheel_speeds",
-    "vehicle_models": "derivatives wheel_load",
+    "vehicle_models": "derivatives slowest_car wheel_load",
     "wheel_slip": "carried_wheels estimate estimator online_radii processor radius_calibration slide_detector slip "
     "speed_filter speed_queue speed_sample stuck_sensor unit_check vehicle_speed wheel_speed_filter",
-    "friction_slope": "crossing detector estimate indicator processor reference_speed signals tyre_relaxation",
+    "friction_slope": "crossing detector estimate indicator processor signals tyre_relaxation",
     "abs_supervisor": "braking braking_log envelope fsm guard input_watch known_curve pressure_check processor "
-    "release_caps release_evidence rolling_scatter slowest_car speed_trend supervisor wheel_check wheel_inputs "
+    "release_caps release_evidence rolling_scatter speed_trend supervisor wheel_check wheel_inputs "
     "wheel_motion",
     "friction_curve_id": "activation car_processor chapter/curve_fitting chapter/dead_reckoning "
     "chapter/exponential_curve chapter/friction_samples chapter/recursive_ls chapter/square_root curve/fitted_curve "

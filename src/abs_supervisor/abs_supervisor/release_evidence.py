@@ -6,11 +6,11 @@ from math import isfinite, nan, sqrt
 from typing import Final
 
 from abs_supervisor.rolling_scatter import RollingScatter
-from abs_supervisor.slowest_car import HARDEST_BRAKING, SlowestCar
 from abs_supervisor.wheel_motion import WheelMotion
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
+from vehicle_models.slowest_car import HARDEST_BRAKING, SlowestCar
 
 
 class Release(IntEnum):

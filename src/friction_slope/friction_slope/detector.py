@@ -13,11 +13,11 @@ from friction_parameters.parameter import parameter
 from friction_slope.crossing import CrossingDetector
 from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
 from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign, slope_indicator
-from friction_slope.reference_speed import ReferenceSpeed
 from friction_slope.signals import SignalWindow
 from friction_slope.tyre_relaxation import TyreRelaxation
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY, CornerParameters
+from vehicle_models.slowest_car import SlowestCar
 from vehicle_models.wheel_load import WheelLoad
 
 LOCKED_SLIP: Final = 0.8
@@ -124,7 +124,7 @@ class SlopeDetector:
         self._not_braking = f"brake torque is below {p.minimum_torque} N m"
         self._radius, self._inertia, self._vertical_load = corner.radius, corner.inertia, corner.vertical_load
         self._signals = SignalWindow(corner.inertia, p.window, p.rate_window, p.lead)
-        self._reference = ReferenceSpeed(corner.radius, p.max_deceleration)
+        self._reference = SlowestCar(p.max_deceleration)
         self._crossing = CrossingDetector(p.h_instability, p.h_stability)
         self.reset()
 
@@ -160,7 +160,7 @@ class SlopeDetector:
         self._last = sample
         built_up = self._relaxation.update(sample.stamp, sample.slip, sample.vehicle_speed)
         self._signals.update(sample, built_up, self._load_at(sample))
-        self._reference.update(sample)
+        self._reference.update(sample.stamp, sample.wheel_speed * self._radius)
         if sample.brake_torque >= self._p.minimum_torque:
             self._braked = sample.stamp
         if not self._signals.ready:

@@ -12,6 +12,8 @@ derivative they pass the same filter and cancel exactly; taken apart they would 
 
 from math import log, nan
 
+import numpy as np
+
 from friction_slope.estimate import SlopeSample
 from vehicle_models.derivatives import LocalPolynomial
 from vehicle_models.nanoseconds import NANOSECOND
@@ -66,7 +68,7 @@ class SignalWindow:
             self._impulse += 0.5 * dt * (self._last.brake_torque + sample.brake_torque)
         self._last = sample
         z = sample.wheel_speed + self._impulse / self._inertia
-        values = (sample.wheel_speed, z, slip, sample.slip_rate, sample.acceleration, log(load))
+        values = np.array((sample.wheel_speed, z, slip, sample.slip_rate, sample.acceleration, log(load)))
         self._window.update(sample.stamp, values)
         self._rates.update(sample.stamp, values)
         self.delay = 0.5 * self._window.span * (1.0 - self._lead)

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from friction_slope.crossing import CrossingDetector
 from friction_slope.estimate import SlopeSample
 from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign, slope_indicator
-from friction_slope.reference_speed import ReferenceSpeed
 from friction_slope.signals import SignalWindow
 from friction_slope.tyre_relaxation import TyreRelaxation
 from vehicle_models import burckhardt
@@ -220,14 +219,3 @@ def test_zero_thresholds_are_plain_signs_and_zero_is_none() -> None:
 def test_thresholds_of_the_wrong_sign_are_refused(thresholds: tuple[float, float]) -> None:
     with pytest.raises(ValueError, match="h_instability"):
         CrossingDetector(*thresholds)
-
-
-def test_reference_speed_follows_the_wheel_up_and_falls_no_faster_than_a_car_can_brake() -> None:
-    reference = ReferenceSpeed(0.3, 12.0)
-    reference.update(SlopeSample(STEP, 100.0, 0.0))
-    assert reference.speed == pytest.approx(30.0)
-    for k in range(2, 202):
-        reference.update(SlopeSample(k * STEP, 0.0, 0.0))
-    assert reference.speed == pytest.approx(30.0 - 12.0 * 1.0)
-    reference.update(SlopeSample(202 * STEP, 90.0, 0.0))
-    assert reference.speed == pytest.approx(27.0)

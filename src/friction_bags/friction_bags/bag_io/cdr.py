@@ -10,7 +10,6 @@ rosbags in a fraction of the time.
 from array import array
 from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
 from operator import attrgetter
 from typing import Any, Final
 
@@ -44,8 +43,7 @@ def encode(message: Any) -> bytes:
     Raises:
         UnknownTypeError: the definition of the message is not installed.
     """
-    kind: Any = type(message)
-    return _codec_of(kind).encode(message)
+    return _codec_of(type(message)).encode(message)
 
 
 def decode(data: bytes, kind: Any) -> Any:
@@ -145,6 +143,11 @@ class _Numpy:
         return np.array(value, dtype=value.typecode) if isinstance(value, array) else value
 
 
-@cache
+_codecs: Final[dict[Any, _Codec]] = {}
+
+
 def _codec_of(kind: Any) -> _Codec:
-    return _Codec(kind)
+    codec = _codecs.get(kind)
+    if codec is None:
+        codec = _codecs[kind] = _Codec(kind)
+    return codec

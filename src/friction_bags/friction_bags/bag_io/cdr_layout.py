@@ -14,7 +14,7 @@ import numpy as np
 
 from friction_bags.bag_io.message_definition import message_class, type_name
 
-_HEADER = b"\0\1\0\0"
+_HEADER: Final = b"\0\1\0\0"
 """Encapsulation header of little-endian CDR; alignment counts from its end."""
 _TEXT: Final = "s"
 _CODES = {

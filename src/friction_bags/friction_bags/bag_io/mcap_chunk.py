@@ -5,10 +5,10 @@ from typing import Final
 
 from mcap.opcode import Opcode
 
-_MESSAGE = Struct("<BQHIQQ")
+_MESSAGE: Final = Struct("<BQHIQQ")
 _MESSAGE_FIELDS_SIZE: Final = 22
-_MESSAGE_OPCODE = int(Opcode.MESSAGE)
-_INDEX = Struct("<BQHI")
+_MESSAGE_OPCODE: Final = int(Opcode.MESSAGE)
+_INDEX: Final = Struct("<BQHI")
 _INDEX_FIELDS_SIZE: Final = 6
 _UINT32: Final = 0xFFFFFFFF
 

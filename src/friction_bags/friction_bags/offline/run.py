@@ -1,5 +1,6 @@
 """One run of the estimators over a bag without middleware: messages of the bag in, a bag with their outputs out."""
 
+import gc
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -77,6 +78,7 @@ def process_bag(
             steps = read_steps(reader, plan)
         else:
             steps = stack.enter_context(steps_of_stages(plan, len(stages), problems))
+        gc.freeze()  # what has been loaded stays: no need to look for garbage in it
         total = max(reader.message_count, 1)
         count = given = 0
         for topic, stamp, data, outputs in steps:

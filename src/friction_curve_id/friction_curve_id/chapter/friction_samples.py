@@ -25,7 +25,8 @@ from typing import Final, NamedTuple
 from friction_curve_id.chapter.dead_reckoning import FREE_ROLLING_TORQUE, DeadReckonedSpeed
 from friction_curve_id.interface import Reason, Refusal, Sample
 from friction_curve_id.measurement_noise import MeasurementNoise
-from friction_curve_id.sample_gate import Admission, GateParameters, SampleGate
+from friction_curve_id.sample_gate import GateParameters, SampleGate
+from friction_curve_id.stamp_order import Admission
 from vehicle_models.plausible import HIGHEST_TORQUE, HIGHEST_WHEEL_SPEED
 from vehicle_models.single_corner import CornerParameters
 

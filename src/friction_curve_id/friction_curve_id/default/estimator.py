@@ -18,7 +18,8 @@ from friction_curve_id.default.rolling_noise import RollingNoise
 from friction_curve_id.default.surface_change import LONGEST_OUTLIER, SurfaceChangeMonitor
 from friction_curve_id.default.torque_watch import TorqueWatch
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
-from friction_curve_id.sample_gate import Admission, GateParameters, SampleGate
+from friction_curve_id.sample_gate import GateParameters, SampleGate
+from friction_curve_id.stamp_order import Admission
 from vehicle_models import burckhardt_log
 from vehicle_models.single_corner import CornerParameters
 
