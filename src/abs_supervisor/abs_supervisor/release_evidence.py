@@ -126,6 +126,9 @@ class ReleaseEvidence:
         self._dived = False
         self.dives = False
         """Whether the wheel decelerates as for a release, with at least half of the slip that a release needs."""
+        self.allows_hold = False
+        """Whether the slip is large enough to keep the pressure below the demand: a hold takes nothing away, so that
+        the deviations that a release needs on top are not asked for."""
         self.release_slip = nan
         """[-] slip above which a release is allowed."""
         self.deceleration = nan
@@ -166,6 +169,7 @@ class ReleaseEvidence:
         if self._steady_since is not None and stamp - self._steady_since >= _STEADY_TIME:
             base *= _STEADY_FACTOR
         self.release_slip = base + p.sigmas * doubt
+        self.allows_hold = wheel.slip > base
         self._slip = wheel.slip
         slip_shows = wheel.slip > self.release_slip
         self._slip_since = _since(self._slip_since, stamp, slip_shows)
