@@ -17,7 +17,9 @@ from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.vehicle import Vehicle
 
-_SPEED_SENSOR = int(WheelSlip.SPEED_SENSOR)
+_SPEED_SENSOR, _UNCERTAIN = int(WheelSlip.SPEED_SENSOR), int(WheelSlip.UNCERTAIN)
+_VAGUEST = 0.2
+"""Standard deviation of a slip that says something still."""
 Reading = tuple[int, tuple[float, ...]]
 
 
@@ -65,12 +67,25 @@ class WheelInputs:
             for speed in speeds:
                 flagged.extend(_flagged(speed))
             return stamp, tuple(flagged)
-        known = message.valid and isfinite(message.slip_variance)
+        slip, variance = message.slip, message.slip_variance
         if not message.valid:
             self._slip_text = message.reason_text
+            slip, variance = nan, nan
+            if message.reason == _UNCERTAIN:
+                slip, variance = self._uncertain(message)
+        known = isfinite(slip) and isfinite(variance)
         measured = float(message.speed_source == _SPEED_SENSOR)
-        slip = _flagged(message.slip if known else nan)
-        return stamp, (*slip, message.slip_variance if known else 0.0, *_flagged(message.vehicle_speed), measured)
+        flagged_slip = _flagged(slip if known else nan)
+        return stamp, (*flagged_slip, variance if known else 0.0, *_flagged(message.vehicle_speed), measured)
+
+    def _uncertain(self, message: WheelSlip) -> tuple[float, float]:
+        """Return slip [-] and its variance where wheel_slip is not sure of it: here its error is weighed."""
+        speed, radius = message.vehicle_speed, self._radii[self._index]
+        if not speed > 0.0:
+            return nan, nan
+        share = radius * message.wheel_speed / speed
+        variance = message.vehicle_speed_variance * (share / speed) ** 2
+        return 1.0 - share, variance if variance < _VAGUEST**2 else nan
 
     def knows_wheel(self, topic: str, values: tuple[float, ...]) -> bool:
         """Whether the values that were read from a topic say something of this wheel: its own speed may be missing."""
