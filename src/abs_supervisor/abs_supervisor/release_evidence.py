@@ -127,8 +127,8 @@ class ReleaseEvidence:
         self.dives = False
         """Whether the wheel decelerates as for a release, with at least half of the slip that a release needs."""
         self.allows_hold = False
-        """Whether the slip is large enough to keep the pressure below the demand: a hold takes nothing away, so that
-        the deviations that a release needs on top are not asked for."""
+        """Whether the pressure may be kept below the demand: the slip may well be as large as for a release. A hold takes
+        nothing away, so the error of the slip counts for it, not against it."""
         self.release_slip = nan
         """[-] slip above which a release is allowed."""
         self.deceleration = nan
@@ -164,12 +164,12 @@ class ReleaseEvidence:
         own = min(wheel.car_deceleration, HARDEST_BRAKING) if isfinite(wheel.car_deceleration) else 0.0
         self.release_deceleration = max(p.deceleration * GRAVITY, own + p.deceleration_margin * GRAVITY) + error
         base, doubt = self._slip_threshold(wheel)
+        self.allows_hold = wheel.slip + doubt > base
         follows = isfinite(wheel.car_deceleration) and abs(self.deceleration - own) < _STEADY + error
         self._steady_since = _since(self._steady_since, stamp, follows)
         if self._steady_since is not None and stamp - self._steady_since >= _STEADY_TIME:
             base *= _STEADY_FACTOR
         self.release_slip = base + p.sigmas * doubt
-        self.allows_hold = wheel.slip > base
         self._slip = wheel.slip
         slip_shows = wheel.slip > self.release_slip
         self._slip_since = _since(self._slip_since, stamp, slip_shows)
