@@ -29,7 +29,7 @@ class CurveLawParameters:
     """How finely the law answers."""
 
     band: float = parameter(
-        12.5, "smallest error of the brake torque that a command answers", unit="N m", minimum=0.1, maximum=1e4
+        20.0, "smallest error of the brake torque that a command answers", unit="N m", minimum=0.1, maximum=1e4
     )
 
 
