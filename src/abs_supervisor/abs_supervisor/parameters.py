@@ -14,7 +14,6 @@ from friction_parameters.parameter import group, parameter
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.vehicle_file import moved, vehicle_file_parameter
 
-
 SLOPE_SIGN, CURVE = "slope_sign", "curve"
 
 

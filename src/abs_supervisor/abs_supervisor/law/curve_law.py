@@ -41,7 +41,7 @@ class CurveLaw:
         self._corner, self._band = corner, parameters.band
         self._observer = WheelObserver(corner, actuator)
         self._filter = DisturbanceFilter()
-        self._known = UsableCurve()
+        self.known = UsableCurve()
         self.choice = LawChoice()
         self.reset()
 
@@ -49,7 +49,7 @@ class CurveLaw:
         """Forget everything."""
         self._observer.reset()
         self._filter.reset()
-        self._known.reset()
+        self.known.reset()
         self.choice.reset()
         self._stamp: int | None = None
         self.slip_set_point = nan
@@ -60,12 +60,12 @@ class CurveLaw:
     @property
     def disturbance(self) -> float:
         """Torque that the curve does not explain [N m]; NaN without a curve."""
-        return self._observer.disturbance if self._known.curve is not None else nan
+        return self._observer.disturbance if self.known.curve is not None else nan
 
     def learn(self, report: CurveReport) -> None:
         """Take what the estimator said; their stamps do not go back."""
-        self._known.take(report)
-        if self._known.changed:
+        self.known.take(report)
+        if self.known.changed:
             self._observer.forget_disturbance()
             self._filter.reset()
 
@@ -95,10 +95,10 @@ class CurveLaw:
         dt = 0.0 if self._stamp is None else min((stamp - self._stamp) / NANOSECONDS, _LONGEST_STEP)
         self._stamp = stamp
         if not braking:
-            self._known.reset()
+            self.known.reset()
             self._filter.reset()
             self._observer.forget_disturbance()
-        curve = self._known.curve
+        curve = self.known.curve
         known = isfinite(slip) and isfinite(speed)
         self.slip_set_point = self.torque_set_point = nan
         law = self.choice.update(stamp, braking, known, curve is not None, pressure)
@@ -112,9 +112,9 @@ class CurveLaw:
             # Not yet a reason for the other law: the driver's demand passes.
             return Command.INCREASE
         ahead = self._observer.ahead(curve)
-        wanted = slip_set_point(curve, self._known.seen, ahead.speed)
+        wanted = slip_set_point(curve, self.known.seen, ahead.speed)
         disturbance = self._observer.disturbance
-        if speed > _LEARNS_ABOVE and self._known.seen and abs(slip - wanted) < _NEAR * wanted:
+        if speed > _LEARNS_ABOVE and self.known.seen and abs(slip - wanted) < _NEAR * wanted:
             self._filter.learn(disturbance, dt)
         followed = self._filter.followed(disturbance, steady_torque(self._corner, curve, wanted))
         aim = torque_set_point(self._corner, curve, ahead, wanted, followed, disturbance)

@@ -78,7 +78,8 @@ class UsableCurve:
         self.changed = False
         """Whether the last report brought another road."""
         self._restarts = -1
-        self._valid = 0
+        self.valid = 0
+        """Valid estimates of this road."""
         self._since = 0
 
     def take(self, report: CurveReport) -> None:
@@ -89,9 +90,9 @@ class UsableCurve:
         if tells and report.estimate in (Estimate.VALID, Estimate.VAGUE):
             if report.restarts != self._restarts:
                 self.changed = self._restarts >= 0
-                self._restarts, self._valid, self.seen = report.restarts, 0, False
-            self._valid += report.estimate is Estimate.VALID
-            self.seen = self.seen or self._valid >= _SEEN_AFTER or report.beyond > 0.5
+                self._restarts, self.valid, self.seen = report.restarts, 0, False
+            self.valid += report.estimate is Estimate.VALID
+            self.seen = self.seen or self.valid >= _SEEN_AFTER or report.beyond > 0.5
             vague = isfinite(report.stddev) and curve is not None and report.stddev > _VAGUE * curve.lambda_max
             if not (self.seen and vague) or self.curve is None or self.changed:
                 self.curve = curve

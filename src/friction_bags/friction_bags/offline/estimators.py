@@ -52,7 +52,7 @@ def read_parameters(
 
 
 def closed_loop_parameters(estimators: Iterable[str], law: str = "slope_sign") -> dict[str, Any]:
-    """Return the shipped parameters of some estimators, by name; abs_supervisor is among them, and commands by `law`."""
+    """Return the shipped parameters of some estimators, by name; abs_supervisor, among them, commands by `law`."""
     found = read_parameters(estimators, (), silent)
     found["abs_supervisor"] = replace(found["abs_supervisor"], shadow=False, law=law)
     return found

@@ -17,9 +17,9 @@ _FIRST_SEED = 40_000
 
 
 def rows_of(manoeuvre: Manoeuvre, cases: Sequence[Case], seeds: int, law: str, done: Callable[[], None]) -> list[Row]:
-    """Make all stops of a manoeuvre under a law; return a row per case. The stop without fault is made once for all of them.
+    """Make all stops of a manoeuvre under a law; return a row per case.
 
-    `done` is called after each row.
+    The stop without fault is made once for all of them. `done` is called after each row.
     """
     no_fault, quiet = _stops(manoeuvre, NO_FAULT, seeds, law)
     rows: list[Row] = []
