@@ -127,8 +127,10 @@ class ReleaseEvidence:
         self.dives = False
         """Whether the wheel decelerates as for a release, with at least half of the slip that a release needs."""
         self.allows_hold = False
-        """Whether the pressure may be kept below the demand: the slip may well be as large as for a release. A hold takes
-        nothing away, so the error of the slip counts for it, not against it."""
+        """Whether the pressure may be kept below the demand: the slip may well be as large as for a release.
+
+        A hold takes nothing away, so the error of the slip counts for it, not against it.
+        """
         self.release_slip = nan
         """[-] slip above which a release is allowed."""
         self.deceleration = nan

@@ -1,7 +1,7 @@
 """One step of a braked wheel on a known curve: equations (2.15) and (2.18), and a disturbance torque.
 
-The wheel's pole grows as 1/v. The step is exact for the slope of friction at its beginning (exponential Euler), so it
-stays stable down to walking speed.
+The wheel's pole grows as 1/v. The step is exact for the slope of friction at its beginning and for a car that slows down
+steadily (exponential Euler), so it stays stable down to walking speed.
 """
 
 from math import exp
@@ -47,5 +47,9 @@ def wheel_step(
     rate = (radius * force + disturbance - torque) / inertia
     pole = dt * load * curve.slope(slip) * radius**2 / (inertia * max(speed, LEAST_SPEED))
     x = min(max(pole, _STEEPEST_FALL), _STIFFEST)
-    damped = (1.0 - exp(-x)) / x if abs(x) > 1e-6 else 1.0
-    return max(wheel_speed + dt * rate * damped, 0.0), max(speed - dt * force / corner.mass, 0.0)
+    first = (1.0 - exp(-x)) / x if abs(x) > 1e-3 else 1.0 - 0.5 * x
+    second = (1.0 - first) / x if abs(x) > 1e-3 else 0.5
+    # The car slows down as well: with the wheel's own share (1 - slip) of that the slip stays.
+    slowing = force / corner.mass
+    change = rate * first - (1.0 - slip) * slowing / radius * x * second
+    return max(wheel_speed + dt * change, 0.0), max(speed - dt * slowing, 0.0)
