@@ -34,7 +34,8 @@ ANY = st.floats(allow_nan=True, allow_infinity=True)
 
 def road(name: str) -> RoadCurve:
     theta = surface(name)
-    return RoadCurve(*(float(value) for value in theta), float(burckhardt.peak(theta)[0]))
+    theta_1, theta_2, theta_3 = (float(value) for value in theta)
+    return RoadCurve(theta_1, theta_2, theta_3, float(burckhardt.peak(theta)[0]))
 
 
 DRY = road("dry")
@@ -385,7 +386,7 @@ def test_whatever_comes_the_law_answers_with_a_command_or_gives_way(rows: list[t
 def test_the_observer_finds_a_torque_that_the_curve_does_not_explain() -> None:
     """The road gives 10 % more than the curve says: that is the disturbance torque."""
     theta = np.asarray(surface("dry"), dtype=np.float64)
-    weak = RoadCurve(*(float(value) for value in (theta[0] / 1.1, theta[1], theta[2] / 1.1)), DRY.lambda_max)
+    weak = RoadCurve(DRY.theta_1 / 1.1, DRY.theta_2, DRY.theta_3 / 1.1, DRY.lambda_max)
     torque = 0.8 * float(CORNER.peak_torque(theta))
     plant = SingleCorner(CORNER, [30.0])
     observer = WheelObserver(CORNER, ACTUATOR)

@@ -1,7 +1,7 @@
 """One step of a braked wheel on a known curve: equations (2.15) and (2.18), and a disturbance torque.
 
-The wheel's pole grows as 1/v. The step is exact for the slope of friction at its beginning and for a car that slows down
-steadily (exponential Euler), so it stays stable down to walking speed.
+The wheel's pole grows as 1/v. The step is exact for the slope of friction at its beginning and for a car that slows
+down steadily (exponential Euler), so it stays stable down to walking speed.
 """
 
 from math import exp

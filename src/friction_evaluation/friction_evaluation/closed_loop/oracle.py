@@ -21,7 +21,8 @@ def oracle(surface: str, trouble: Trouble) -> PanicStops:
     plant = PanicPlant(surface, steady, np.zeros((1, 1)))
     corner = plant.corner
     law = CurveLaw(steady.corner, steady.actuator, CurveLawParameters())
-    curve = RoadCurve(*(float(value) for value in plant.theta), float(burckhardt.peak(plant.theta)[0]))
+    theta_1, theta_2, theta_3 = (float(value) for value in plant.theta)
+    curve = RoadCurve(theta_1, theta_2, theta_3, float(burckhardt.peak(plant.theta)[0]))
 
     def command(since: float, running: Flags) -> Commands:
         stamp = round(since * 1e9) + STEP
