@@ -138,11 +138,9 @@ def _draw_bound(axes: Axes, run: RecordedRun, wheel: str) -> None:
     if speed is None or slip is None or curve is None or isinstance(braking, str):
         return
     time = speed.time
-    of_wheel = [
-        np.interp(time, series.time, np.nan_to_num(series[name]))
-        for series, name in ((slip, "slip"), (curve, "lambda_max"), (curve, "mu_max"))
-    ]
-    best = best_speed(time, speed["twist.twist.linear.x"], *of_wheel, braking.onset)
+    of_wheel = np.interp(time, slip.time, np.nan_to_num(slip["slip"]))
+    peak, mu_max = (np.interp(time, curve.time, curve[name]) for name in ("lambda_max", "mu_max"))
+    best = best_speed(time, speed["twist.twist.linear.x"], of_wheel, peak, mu_max, braking.onset)
     label = f"bound of the brake; utilisation {braking.utilisation:.3f}"
     axes.plot(time, best, color=PEAK, lw=1.0, ls=":", label=label)
 
