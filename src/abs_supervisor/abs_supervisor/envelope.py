@@ -76,7 +76,9 @@ class Envelope:
         self.refused += begins and self.release is Release.REFUSED
         release = wanted and self.release is not Release.REFUSED
         command = self.caps.command(stamp, release, self.evidence.recovering, self.evidence.deep, torque, demand)
-        if wanted and not release and self.evidence.dives and command is Command.INCREASE and torque < demand:
+        dives = wanted and not release and self.evidence.dives
+        held = law is Command.HOLD and self.evidence.allows_hold
+        if (dives or held) and command is Command.INCREASE and torque < demand:
             # Not yet a lock, perhaps the brake's own rise: that is stopped, which a slow brake needs in time.
             return Command.HOLD
         return command

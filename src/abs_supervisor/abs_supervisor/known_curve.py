@@ -24,6 +24,11 @@ _AHEAD = int(FrictionCurve.PEAK_NOT_PASSED)
 _CONTRADICTS: Final = 3.0
 """Standard deviations of both by which it then lies beyond the earlier one."""
 
+_FORESEEN = 0.15
+"""Standard deviation over lambda_max up to which a peak that lies ahead is foreseen, not guessed by the prior."""
+_DOUBT = 3.0
+"""By so much its standard deviation is raised: the model it relies on has not been tried yet."""
+
 Peak = tuple[float, float]
 
 
@@ -82,8 +87,11 @@ class KnownCurve:
             curve = curves.popleft()
             if not curve.ahead:
                 self._known = curve
-            elif self._known is not None and _contradicts(curve.peak, self._known.peak):
+                continue
+            if self._known is not None and (self._known.ahead or _contradicts(curve.peak, self._known.peak)):
                 self._known = None
+            if self._known is None and curve.peak[1] <= _FORESEEN * curve.peak[0]:
+                self._known = _Curve(curve.stamp, (curve.peak[0], _DOUBT * curve.peak[1]), True)
         known = self._known
         return known.peak if known is not None and known.stamp >= stamp - _KEPT else (nan, nan)
 

@@ -7,11 +7,14 @@ from typing import ClassVar
 from abs_supervisor.braking import PressureParameters
 from abs_supervisor.envelope import EnvelopeParameters
 from abs_supervisor.fsm import Thresholds
+from abs_supervisor.law.curve_law import CurveLawParameters
 from friction_parameters import shared
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import group, parameter
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.vehicle_file import moved, vehicle_file_parameter
+
+SLOPE_SIGN, CURVE = "slope_sign", "curve"
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,13 @@ class SupervisorParameters:
     valid_for: float = parameter(
         0.1, "a command is in force for so long after its stamp", unit="s", minimum=0.02, maximum=1.0, read_only=True
     )
+    law: str = parameter(
+        SLOPE_SIGN,
+        "what asks for a release: the sign of the slope, or the slip control on the identified curve",
+        choices=(SLOPE_SIGN, CURVE),
+        read_only=True,
+    )
+    curve: CurveLawParameters = group(CurveLawParameters(), selector="law", methods=(CURVE,))
     braking_source: str = parameter(
         "demand",
         "signal that shows whether the driver brakes: brake_demand, or <wheel>/brake_pressure with hysteresis",

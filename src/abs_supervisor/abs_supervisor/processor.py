@@ -9,10 +9,12 @@ from std_msgs.msg import Header
 
 from abs_supervisor.braking import TorqueWithHysteresis
 from abs_supervisor.braking_log import BrakingLog
+from abs_supervisor.curve_control import CurveControl, describe
 from abs_supervisor.fsm import COMMANDS, Command
 from abs_supervisor.guard import Guard, Seen
 from abs_supervisor.input_watch import InputWatch, Loss
-from abs_supervisor.parameters import SupervisorParameters
+from abs_supervisor.parameters import CURVE, SupervisorParameters
+from abs_supervisor.release_evidence import Release
 from abs_supervisor.supervisor import Evidence, Reason, Supervisor
 from abs_supervisor.wheel_inputs import WheelInputs
 from friction_runtime.aligned_processor import AlignedProcessor
@@ -79,6 +81,9 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._hysteresis = TorqueWithHysteresis(parameters.braking_torque, parameters.pressure)
         obeyed = by_demand and not parameters.shadow
         self._guard = Guard(vehicle.corner(wheel), parameters.envelope, parameters.actuator, obeyed)
+        self._curve_control = None
+        if parameters.law == CURVE:
+            self._curve_control = CurveControl(vehicle.corner(wheel), parameters.actuator, parameters.curve)
         self._counter = 0
         self._commanded = False
         self._forget()
@@ -121,6 +126,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         if topic == BRAKE_DEMAND:
             return self._offer_demand(message)
         if topic == self._inputs.curve:
+            if self._curve_control is not None:
+                self._curve_control.take(message)
             counts_from = self._inputs.take_curve(message)
             return self._aligner.offer(topic, counts_from, ()) if self._waits_for_curve else None
         read = self._inputs.read(topic, message)
@@ -148,11 +155,15 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._indicator = self._torque = nan
         self._seen = Seen(nan, nan, nan)
         self._command = Command.NONE
+        if self._curve_control is not None:
+            self._curve_control.reset()
 
     def _start_again(self, stamp: int) -> None:
         self._hysteresis.reset()
         self._guard.restart()
         self._inputs.reset()
+        if self._curve_control is not None:
+            self._curve_control.reset()
         if self._supervisor.restart(stamp):
             self._log.note(self._supervisor, self._stamp, "")
 
@@ -219,7 +230,13 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         if self._supervisor.update(sample.stamp, evidence):
             self._log.note(self._supervisor, sample.stamp, self._text)
         law = COMMANDS[self._supervisor.state]
+        control = self._curve_control
+        if control is not None and isfinite(seen.wheel_speed):
+            allowed = self._guard.envelope.evidence.verdict is not Release.REFUSED
+            law = control.ask(sample.stamp, seen, law, self._reason is not _MISMATCH, allowed)
         self._command = self._guard.command(sample.stamp, law) if isfinite(seen.wheel_speed) else Command.NONE
+        if control is not None:
+            control.commanded(sample.stamp, self._command, seen.demand)
         return self._outputs()
 
     def _torque_at(self, sample: AlignedSample[FrictionSlope]) -> float | None:
@@ -285,6 +302,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         state.fail_safes = counts.fail_safes
         state.refused_releases = envelope.refused
         state.caps = envelope.caps.count
+        describe(state, self._curve_control)
         set_reason(state, self._wheel, self._reason, self._text)
         outputs: list[Output] = [(self._state_topic, state)]
         if not self._p.shadow:

@@ -127,6 +127,11 @@ class ReleaseEvidence:
         self._dived = False
         self.dives = False
         """Whether the wheel decelerates as for a release, with at least half of the slip that a release needs."""
+        self.allows_hold = False
+        """Whether the pressure may be kept below the demand: the slip may well be as large as for a release.
+
+        A hold takes nothing away, so the error of the slip counts for it, not against it.
+        """
         self.release_slip = nan
         """[-] slip above which a release is allowed."""
         self.deceleration = nan
@@ -162,6 +167,7 @@ class ReleaseEvidence:
         own = min(wheel.car_deceleration, HARDEST_BRAKING) if isfinite(wheel.car_deceleration) else 0.0
         self.release_deceleration = max(p.deceleration * GRAVITY, own + p.deceleration_margin * GRAVITY) + error
         base, doubt = self._slip_threshold(wheel)
+        self.allows_hold = wheel.slip + doubt > base
         follows = isfinite(wheel.car_deceleration) and abs(self.deceleration - own) < _STEADY + error
         self._steady_since = _since(self._steady_since, stamp, follows)
         if self._steady_since is not None and stamp - self._steady_since >= _STEADY_TIME:

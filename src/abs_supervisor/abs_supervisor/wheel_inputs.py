@@ -13,12 +13,15 @@ from friction_runtime.aligner import AlignedSample
 from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.processor import Report, silent
 from friction_runtime.reason_text import of_topic
-from friction_runtime.slip_fault import slip_is_known, speed_is_known
+from friction_runtime.slip_fault import speed_is_known
 from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from vehicle_models.plausible import HIGHEST_SLIP, HIGHEST_SPEED
 from vehicle_models.vehicle import Vehicle
 
-_SPEED_SENSOR = int(WheelSlip.SPEED_SENSOR)
+_SPEED_SENSOR, _UNCERTAIN = int(WheelSlip.SPEED_SENSOR), int(WheelSlip.UNCERTAIN)
+_VAGUEST = 0.2
+"""Standard deviation of a slip that says something still."""
 Reading = tuple[int, tuple[float, ...]]
 
 
@@ -66,13 +69,26 @@ class WheelInputs:
             for speed in speeds:
                 flagged.extend(_flagged(speed))
             return stamp, tuple(flagged)
-        known = slip_is_known(message) and 0.0 <= message.slip_variance < inf
+        slip, variance = message.slip, message.slip_variance
         if not message.valid:
             self._slip_text = message.reason_text
+            slip, variance = nan, nan
+            if message.reason == _UNCERTAIN:
+                slip, variance = self._uncertain(message)
+        known = abs(slip) <= HIGHEST_SLIP and 0.0 <= variance < inf
         measured = float(message.speed_source == _SPEED_SENSOR)
-        slip = _flagged(message.slip if known else nan)
+        flagged_slip = _flagged(slip if known else nan)
         car = _flagged(message.vehicle_speed if speed_is_known(message) else nan)
-        return stamp, (*slip, message.slip_variance if known else 0.0, *car, measured)
+        return stamp, (*flagged_slip, variance if known else 0.0, *car, measured)
+
+    def _uncertain(self, message: WheelSlip) -> tuple[float, float]:
+        """Return slip [-] and its variance where wheel_slip is not sure of it: here its error is weighed."""
+        speed, radius = message.vehicle_speed, self._radii[self._index]
+        if not 0.0 < speed <= HIGHEST_SPEED:
+            return nan, nan
+        share = radius * message.wheel_speed / speed
+        variance = message.vehicle_speed_variance * (share / speed) ** 2
+        return 1.0 - share, variance if variance < _VAGUEST**2 else nan
 
     def knows_wheel(self, topic: str, values: tuple[float, ...]) -> bool:
         """Whether the values that were read from a topic say something of this wheel: its own speed may be missing."""

@@ -215,3 +215,19 @@ def test_jump_back_in_time_keeps_the_counts() -> None:
 def test_parameters_in_the_wrong_order_are_refused() -> None:
     with pytest.raises(ValueError, match="least_slip"):
         EvidenceParameters(least_slip=0.3, slip_without_curve=0.2)
+
+
+@pytest.mark.parametrize(
+    ("slip", "stddev", "expected"),
+    [(0.05, 0.003, Command.INCREASE), (0.11, 0.003, Command.HOLD), (0.07, 0.03, Command.HOLD)],
+)
+def test_a_hold_needs_a_slip_that_may_well_be_that_of_a_release(slip: float, stddev: float, expected: Command) -> None:
+    commands = Bench(Command.HOLD).slipping(slip, 40, lambda_max=0.17, slip_stddev=stddev)
+    assert set(commands) == {expected}
+
+
+def test_a_hold_is_not_counted_as_a_release() -> None:
+    bench = Bench(Command.HOLD)
+    bench.slipping(0.12, 600, lambda_max=0.17)
+    assert bench.envelope.caps.count == 0
+    assert bench.envelope.release is Release.NOT_WANTED

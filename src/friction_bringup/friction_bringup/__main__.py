@@ -33,6 +33,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "demo", help="brake from 30 m/s with the supervisor in the loop, or replay a bag, with a live view"
     )
     demo.add_argument("--surface", choices=graph.SURFACES, default="dry", help="road of the plant (default: dry)")
+    demo.add_argument(
+        "--law", choices=graph.LAWS, default=graph.LAWS[0], help="what commands the brake (default: curve)"
+    )
     demo.add_argument("--bag", type=Path, help="replay this bag in place of the plant")
     add_vehicle_argument(demo, f"{graph.DEMO_VEHICLE}, or the one the bag names")
     demo.add_argument(
@@ -66,7 +69,7 @@ def _demo_options(options: argparse.Namespace) -> DemoOptions:
             vehicle = vehicle_for(reader, options.vehicle, "", silent)
             parameters = reader.custom_data.get("parameters", parameters)
     params = options.params or shipped_file("friction_bringup", parameters)
-    return DemoOptions(options.surface, options.bag, vehicle, params.absolute(), options.out)
+    return DemoOptions(options.surface, options.law, options.bag, vehicle, params.absolute(), options.out)
 
 
 def demo_main() -> int:

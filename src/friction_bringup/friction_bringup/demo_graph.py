@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 from friction_bags.offline.estimators import ESTIMATORS
 from friction_bringup import graph
 from friction_bringup.discovery import local_discovery
-from friction_bringup.node_start import COMMANDING, WATCHING, Decided, node_starts
+from friction_bringup.node_start import WATCHING, Decided, commanding, node_starts
 from friction_bringup.processes import ProcessGroup
 from friction_runtime.domain import free_domain_id
 from vehicle_models.vehicle_file import load_vehicle
@@ -31,6 +31,8 @@ class DemoOptions:
     """Options of the command line."""
 
     surface: str
+    law: str
+    """Of the supervisor."""
     bag: Path | None
     """Bag to replay in place of the plant."""
     vehicle: str
@@ -143,7 +145,7 @@ def _decided(options: DemoOptions) -> Decided:
         "exit_when_done": True,
         "autostart": False,
     }
-    return {**COMMANDING, graph.PLANT: plant}
+    return {**commanding(options.law), graph.PLANT: plant}
 
 
 def _hears(observer: Node, name: str, topic: str) -> bool:

@@ -28,6 +28,8 @@ VEHICLE = "vehicle"
 DEMO_VEHICLE = "chapter_corner"
 """Default car of the demo."""
 SURFACES = ("dry", "wet", "cobblestone", "snow")
+LAWS = ("curve", "slope_sign")
+"""Laws of the supervisor, that of the demo first."""
 QUIET_LOG = ("--ros-args", "--disable-external-lib-logs")
 """Arguments for processes whose output already goes to a file."""
 

@@ -97,9 +97,13 @@ class WheelView:
 
     @property
     def state(self) -> Text:
-        """State of the supervisor."""
+        """State of the supervisor; where the law on the curve is in force, the slip that it holds."""
         supervisor = self.messages.get("abs_supervisor")
-        return Text("–") if supervisor is None else Text.styled(*_STATES[supervisor.state])
+        if supervisor is None:
+            return Text("–")
+        if isfinite(supervisor.slip_set_point) and supervisor.law == SupervisorState.LAW_CURVE:
+            return Text(f"curve {supervisor.slip_set_point:.3f}", style="green")
+        return Text.styled(*_STATES[supervisor.state])
 
     @property
     def command(self) -> str:

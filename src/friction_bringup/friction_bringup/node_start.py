@@ -17,8 +17,11 @@ Decided = Mapping[str, Mapping[str, graph.ParameterValue]]
 """Parameters that override every file, by node."""
 WATCHING: Decided = {graph.SUPERVISOR: {"shadow": True}}
 """The supervisor does not command a brake, whatever is in a file."""
-COMMANDING: Decided = {graph.SUPERVISOR: {"shadow": False}}
-"""The supervisor commands the brake: only in the demo, where the brake is simulated."""
+
+
+def commanding(law: str) -> Decided:
+    """Let the supervisor command the brake by a law: only in the demo, where the brake is simulated."""
+    return {graph.SUPERVISOR: {"shadow": False, "law": law}}
 
 
 @dataclass(frozen=True)

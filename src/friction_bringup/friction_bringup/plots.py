@@ -11,8 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from friction_bringup.braking_metrics import best_speed
 from friction_bringup.graph import VEHICLE
 from friction_bringup.recorded_run import Array, RecordedRun, Series
+from friction_bringup.summary import braking_of
 
 ESTIMATE, TRUTH, PEAK, DEMAND, IDENTIFIED = "tab:blue", "black", "tab:red", "tab:orange", "tab:purple"
 STABLE_BAND, UNSTABLE_BAND, UNKNOWN_BAND = "#8fd19e", "#f28b82", "#d9d9d9"
@@ -124,7 +126,23 @@ def _draw_speeds(axes: Axes, run: RecordedRun, wheels: tuple[str, ...] | list[st
         if (series := run.get(topic)) is not None:
             axes.plot(series.time, series["twist.twist.linear.x"], color=TRUTH, lw=0.9, ls="--", label=label)
             break
+    if len(wheels) == 1:
+        _draw_bound(axes, run, wheels[0])
     axes.set_ylabel("speed [m/s]")
+
+
+def _draw_bound(axes: Axes, run: RecordedRun, wheel: str) -> None:
+    """Draw the bound of the brake, and say in the legend how much of the friction was used."""
+    speed, slip = run.get("truth/vehicle_velocity"), run.get(f"truth/{wheel}/slip")
+    curve, braking = run.get(f"truth/{wheel}/friction_curve"), braking_of(run)
+    if speed is None or slip is None or curve is None or isinstance(braking, str):
+        return
+    time = speed.time
+    of_wheel = np.interp(time, slip.time, np.nan_to_num(slip["slip"]))
+    peak, mu_max = (np.interp(time, curve.time, curve[name]) for name in ("lambda_max", "mu_max"))
+    best = best_speed(time, speed["twist.twist.linear.x"], of_wheel, peak, mu_max, braking.onset)
+    label = f"bound of the brake; utilisation {braking.utilisation:.3f}"
+    axes.plot(time, best, color=PEAK, lw=1.0, ls=":", label=label)
 
 
 def _draw_identified_peak(axes: Axes, run: RecordedRun, name: str) -> None:
@@ -161,6 +179,12 @@ def _draw_slip(axes: Axes, run: RecordedRun, wheel: str) -> None:
         axes.plot(curve.time, curve["lambda_max"], color=PEAK, lw=1.2, ls="--", label="λ_max of the road, true")
         top = max(top, 2.0 * float(np.nanmax(curve["lambda_max"])))
     _draw_identified_peak(axes, run, wheel)
+    if (supervisor := run.get(f"{wheel}/abs_supervisor")) is not None and np.any(
+        np.isfinite(supervisor["slip_set_point"])
+    ):
+        axes.plot(
+            supervisor.time, supervisor["slip_set_point"], color="tab:green", lw=1.2, label="set-point of the law"
+        )
     events = run.crossings(f"{wheel}/friction_slope")
     for sign, marker, label in ((-1, "v", "crossing detected: peak passed"), (1, "^", "crossing detected: regained")):
         chosen = [event for event in events if event.sign == sign]
@@ -227,6 +251,9 @@ def _draw_brake(axes: Axes, run: RecordedRun, wheel: str) -> None:
     if (pressure := run.get(f"{wheel}/brake_pressure")) is not None:
         axes.plot(pressure.time, 1e-6 * pressure["fluid_pressure"], color=ESTIMATE, lw=0.9, label="line pressure")
         axes.set_ylim(0.0, max(1e-6, 1.15e-6 * float(np.nanmax(pressure["fluid_pressure"]))))
+    if supervisor is not None and demand is not None and (gain := _brake_gain(demand, supervisor)) > 0.0:
+        aim = 1e-6 * supervisor["torque_set_point"] / gain
+        axes.plot(supervisor.time, aim, color="tab:green", lw=0.8, label="set-point of the law")
     if demand is not None:
         axes.plot(demand.time, 1e-6 * demand["pressure"], color=DEMAND, lw=1.0, ls="--", label="driver's demand")
         axes.set_ylim(0.0, max(axes.get_ylim()[1], 1.1e-6 * float(np.nanmax(demand["pressure"]))))

@@ -33,6 +33,7 @@ _COLUMNS: Mapping[str, tuple[str, ...]] = {
     "friction_msgs/msg/FrictionCurve": ("lambda_max", "mu_max", "lambda_max_stddev", "mu_max_stddev", "mu", "valid"),
     "friction_msgs/msg/SupervisorState": (
         *("state", "demand_torque", "command", "release", "cap", "refused_releases", "caps", "valid"),
+        *("law", "slip_set_point", "torque_set_point"),
     ),
     "friction_msgs/msg/ContactPatch": ("valid",),
     "friction_msgs/msg/TyreForce": ("fx", "fz", "valid"),

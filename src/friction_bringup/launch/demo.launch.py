@@ -1,7 +1,7 @@
 """The whole graph with the plant in the loop. The supervisor commands: the brake is simulated.
 
-ros2 launch friction_bringup demo.launch.py surface:=snow [vehicle_file:=FILE] [params_file:=FILE] [namespace:=NAME]
-    [use_sim_time:=true]
+ros2 launch friction_bringup demo.launch.py surface:=snow [law:=slope_sign] [vehicle_file:=FILE] [params_file:=FILE]
+    [namespace:=NAME] [use_sim_time:=true]
 
 Time comes from message stamps; use_sim_time makes the plant publish /clock for other nodes.
 """
@@ -11,7 +11,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction
 
 from friction_bringup import graph
 from friction_bringup.launching import argument, common_arguments, node_actions, uses_sim_time
-from friction_bringup.node_start import COMMANDING
+from friction_bringup.node_start import commanding
 from friction_runtime.shipped_files import shipped_file
 
 
@@ -21,12 +21,15 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
         "publish_clock": uses_sim_time(context),
         "use_sim_time": False,
     }
-    return node_actions(context, graph.NODES, {**COMMANDING, graph.PLANT: plant})
+    return node_actions(context, graph.NODES, {**commanding(argument(context, "law")), graph.PLANT: plant})
 
 
 def generate_launch_description() -> LaunchDescription:
     surface = DeclareLaunchArgument(
         "surface", default_value="dry", choices=list(graph.SURFACES), description="road of the plant"
     )
+    law = DeclareLaunchArgument(
+        "law", default_value=graph.LAWS[0], choices=list(graph.LAWS), description="what commands the brake"
+    )
     shared = common_arguments(str(shipped_file("friction_bringup", "demo")), graph.DEMO_VEHICLE)
-    return LaunchDescription([surface, *shared, OpaqueFunction(function=_nodes)])
+    return LaunchDescription([surface, law, *shared, OpaqueFunction(function=_nodes)])

@@ -51,10 +51,10 @@ def read_parameters(
     return found
 
 
-def closed_loop_parameters(estimators: Iterable[str]) -> dict[str, Any]:
-    """Return the shipped parameters of some estimators, by name; abs_supervisor is among them, and commands."""
+def closed_loop_parameters(estimators: Iterable[str], law: str = "slope_sign") -> dict[str, Any]:
+    """Return the shipped parameters of some estimators, by name; abs_supervisor, among them, commands by `law`."""
     found = read_parameters(estimators, (), silent)
-    found["abs_supervisor"] = replace(found["abs_supervisor"], shadow=False)
+    found["abs_supervisor"] = replace(found["abs_supervisor"], shadow=False, law=law)
     return found
 
 

@@ -39,12 +39,18 @@ class Controller:
     """The shipped processors of one run, from its sensors to the command. The car has one wheel."""
 
     def __init__(
-        self, vehicle: Vehicle, noise: SensorNoise, slope: FrictionSlopeParameters, supervisor: SupervisorParameters
+        self,
+        vehicle: Vehicle,
+        noise: SensorNoise,
+        slope: FrictionSlopeParameters,
+        supervisor: SupervisorParameters,
+        *,
+        speed_sensor: bool = True,
     ) -> None:
         """Build all of them for the first wheel of a car, whose sensors state the variances of `noise`."""
         wheel = vehicle.wheels[0].name
         alone = one_wheel(vehicle)
-        self._vehicle, self._noise = alone, noise
+        self._vehicle, self._noise, self._speed_sensor = alone, noise, speed_sensor
         self.supervisor = SupervisorProcessor(wheel, alone, supervisor)
         self._graph = OfflineGraph(
             [
@@ -60,6 +66,8 @@ class Controller:
         found: int | None = None
         sensors = messages.sensors(stamp, self._vehicle, measured, self._noise, 0.0)
         for topic, message in (("brake_demand", messages.brake_demand(stamp, demand)), *sensors):
+            if topic == "vehicle_velocity" and not self._speed_sensor:
+                continue
             for _, answer in self._graph.feed(topic, message):
                 if isinstance(answer, BrakeCommand):
                     found = int(answer.command)

@@ -3,13 +3,18 @@
 The plant is one corner of a car: the chapter's, or the first wheel of --vehicle. The driver's demand is a step to 1.5
 times the peak torque. Utilisation is the mean of mu / mu_max from the brake onset to 5 m/s; the ideal stop holds mu_max
 all the way. A lock is a slip above 0.95 for 50 ms.
+
+With --law the rows are those of law_rows: to standstill, without speed sensor, beside the bound of the brake.
 """
 
 import argparse
+from functools import partial
 
 from rich.progress import Progress
 
+from abs_supervisor.parameters import CURVE, SLOPE_SIGN
 from friction_evaluation.closed_loop.controller import shipped
+from friction_evaluation.closed_loop.law_rows import chosen, law_rows
 from friction_evaluation.closed_loop.stops import END_SPEED, Stops, stops
 from friction_evaluation.protocol import SPEED, VEHICLE
 from friction_evaluation.rows import Row, at_least, at_most
@@ -33,10 +38,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--vehicle", default=VEHICLE, help="vehicle file or name of a shipped one: its first wheel brakes"
     )
+    parser.add_argument("--law", choices=(SLOPE_SIGN, CURVE), help="instead: stops to standstill under this law")
+    for name in ("surface", "case"):
+        parser.add_argument(f"--{name}", action="append", default=[], help="only these rows of --law; repeatable")
 
 
 def run(options: argparse.Namespace) -> list[Row]:
     """Make all runs; return a row per surface, and with the chapter's corner what has to hold there."""
+    if options.law:
+        return _of_law(options)
     rows: list[Row] = []
     vehicle = load_vehicle(options.vehicle)
     with Progress() as progress:
@@ -48,6 +58,14 @@ def run(options: argparse.Namespace) -> list[Row]:
             if options.vehicle == VEHICLE:
                 rows += _judged(name, found)
     return rows
+
+
+def _of_law(options: argparse.Namespace) -> list[Row]:
+    with Progress() as progress:
+        task = progress.add_task(options.law, total=len(chosen(options.surface, options.case)))
+        done = partial(progress.advance, task)
+        judged = options.law == CURVE
+        return law_rows(options.law, options.seeds, options.surface, options.case, judged, done)
 
 
 def _judged(name: str, found: Stops) -> list[Row]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from friction_msgs.msg import BrakeCommand, SupervisorState
 
+from abs_supervisor.parameters import SLOPE_SIGN
 from corner_sim.plant import SAMPLE_TIME
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
 from friction_evaluation.faults.case import Case
@@ -30,13 +31,13 @@ class Loop:
     before the messages of the first sample that is not earlier.
     """
 
-    def __init__(self, manoeuvre: Manoeuvre, case: Case, seed: int) -> None:
-        """Put the car at the start of the road."""
+    def __init__(self, manoeuvre: Manoeuvre, case: Case, seed: int, law: str = SLOPE_SIGN) -> None:
+        """Put the car at the start of the road; `law` is that of abs_supervisor."""
         vehicle = manoeuvre.vehicle
         self._case = case
         self._simulation = manoeuvre.simulation(seed)
         self._fault = case.make(Site(vehicle, np.random.default_rng([seed, 13])))
-        self._processors = make_processors(closed_loop_parameters(WHEEL_ESTIMATORS), vehicle, silent)
+        self._processors = make_processors(closed_loop_parameters(WHEEL_ESTIMATORS, law), vehicle, silent)
         self._readers: dict[str, list[Processor]] = {}
         for processor in self._processors:
             for topic in (*processor.sensors, *processor.estimates):

@@ -10,12 +10,13 @@ from time import process_time
 
 from rich.progress import Progress
 
+from abs_supervisor.parameters import CURVE, SLOPE_SIGN
 from friction_evaluation.faults.plan import Plan, quick, whole
 from friction_evaluation.faults.rows import rows_of
 from friction_evaluation.rows import Row
 
-LAWS = ("slope_sign",)
-"""What may ask for a release: the sign of the slope, section 8.2.2."""
+LAWS = (SLOPE_SIGN, CURVE)
+"""What may ask for a release: the sign of the slope, section 8.2.2, or the slip control on the identified curve."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,7 +44,7 @@ def run(options: argparse.Namespace) -> list[Row]:
         plan = _chosen(options)
         task = progress.add_task("faults", total=sum(len(cases) for _, cases in plan))
         for manoeuvre, cases in plan:
-            rows += rows_of(manoeuvre, cases, options.seeds, lambda: progress.advance(task))
+            rows += rows_of(manoeuvre, cases, options.seeds, options.law, lambda: progress.advance(task))
     print(f"{len(rows)} rows, {process_time() - begun:.0f} s of CPU")
     return rows
 

@@ -16,25 +16,25 @@ _FIRST_SEED = 40_000
 """Far from the seeds of the tuning and of the other parts."""
 
 
-def rows_of(manoeuvre: Manoeuvre, cases: Sequence[Case], seeds: int, done: Callable[[], None]) -> list[Row]:
-    """Make all stops of a manoeuvre; return a row per case. The stop without fault is made once for all of them.
+def rows_of(manoeuvre: Manoeuvre, cases: Sequence[Case], seeds: int, law: str, done: Callable[[], None]) -> list[Row]:
+    """Make all stops of a manoeuvre under a law; return a row per case.
 
-    `done` is called after each row.
+    The stop without fault is made once for all of them. `done` is called after each row.
     """
-    no_fault, quiet = _stops(manoeuvre, NO_FAULT, seeds)
+    no_fault, quiet = _stops(manoeuvre, NO_FAULT, seeds, law)
     rows: list[Row] = []
     for case in cases:
-        found, said = (no_fault, quiet) if case is NO_FAULT else _stops(manoeuvre, case, seeds)
+        found, said = (no_fault, quiet) if case is NO_FAULT else _stops(manoeuvre, case, seeds, law)
         rows.append(_row(manoeuvre, case, seeds, found, no_fault, said))
         done()
     return rows
 
 
-def _stops(manoeuvre: Manoeuvre, case: Case, seeds: int) -> tuple[Measures, str]:
+def _stops(manoeuvre: Manoeuvre, case: Case, seeds: int, law: str) -> tuple[Measures, str]:
     """Return the worst numbers over the seeds, and what diagnostics said first in the first run."""
     reference = without_abs(manoeuvre)
     longest = 1.3 * reference.duration + 2.0
-    records = [Loop(manoeuvre, case, seed).run(longest) for seed in range(_FIRST_SEED, _FIRST_SEED + seeds)]
+    records = [Loop(manoeuvre, case, seed, law).run(longest) for seed in range(_FIRST_SEED, _FIRST_SEED + seeds)]
     return worst([measure(record, case, manoeuvre, reference) for record in records]), records[0].said
 
 

@@ -1,0 +1,70 @@
+"""The law on the identified curve at one wheel: messages in, what it asks for and the fields of the state out."""
+
+from math import isfinite, nan
+
+from friction_msgs.msg import FrictionCurve, SupervisorState
+
+from abs_supervisor.curve_reports import CurveReports
+from abs_supervisor.fsm import Command
+from abs_supervisor.guard import Seen
+from abs_supervisor.law.choice import Change, Law
+from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
+from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.single_corner import CornerParameters
+
+
+class CurveControl:
+    """Stands between the processor and the law."""
+
+    def __init__(self, corner: CornerParameters, actuator: ActuatorParameters, parameters: CurveLawParameters) -> None:
+        """Choose a wheel and its hydraulics."""
+        self.law = CurveLaw(corner, actuator, parameters)
+        self._reports = CurveReports()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.law.reset()
+        self._reports.reset()
+
+    def take(self, message: FrictionCurve) -> None:
+        """Take a curve."""
+        self._reports.take(message)
+
+    def ask(self, stamp: int, seen: Seen, otherwise: Command, pressure: bool, release: bool) -> Command:
+        """Return what is asked for at a stamp [ns], later than the last.
+
+        Args:
+            stamp: of the sample [ns].
+            seen: what is known there; its wheel speed is finite.
+            otherwise: what the machine asks for. NONE: the driver does not brake, or an input failed.
+            pressure: whether the pressure follows demand and commands.
+            release: whether the envelope would let a release pass; where it would not, the pressure is held.
+        """
+        for report in self._reports.until(stamp):
+            self.law.learn(report)
+        asked = self.law.ask(
+            stamp,
+            wheel_speed=seen.wheel_speed,
+            speed=seen.car_speed,
+            slip=seen.slip,
+            torque=seen.torque,
+            demand=seen.demand if isfinite(seen.demand) else seen.torque,
+            braking=otherwise is not Command.NONE,
+            pressure=pressure and isfinite(seen.torque),
+        )
+        if asked is None:
+            return otherwise
+        return Command.HOLD if asked is Command.DECREASE and not release else asked
+
+    def commanded(self, stamp: int, command: Command, demand: float) -> None:
+        """Note the command that was given at a stamp [ns], with the driver's demand [N m], NaN where unknown."""
+        self.law.commanded(stamp, command, demand if isfinite(demand) else 0.0)
+
+
+def describe(state: SupervisorState, control: CurveControl | None) -> None:
+    """Fill in the law's fields of the state; None: the slope's sign is the only law."""
+    state.law = int(Law.SLOPE_SIGN if control is None else control.law.choice.law)
+    state.law_cause = int(Change.NONE if control is None else control.law.choice.cause)
+    state.slip_set_point = nan if control is None else control.law.slip_set_point
+    state.torque_set_point = nan if control is None else control.law.torque_set_point
+    state.disturbance_torque = nan if control is None else control.law.disturbance

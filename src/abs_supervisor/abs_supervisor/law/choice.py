@@ -1,0 +1,69 @@
+"""Which law is in force, and why it changed."""
+
+from enum import IntEnum
+
+from vehicle_models.nanoseconds import NANOSECONDS
+
+_WITHOUT_SLIP = round(0.02 * NANOSECONDS)
+_WITHOUT_CURVE = round(0.15 * NANOSECONDS)
+"""[ns] of braking."""
+
+
+class Law(IntEnum):
+    """The values are those of friction_msgs/SupervisorState."""
+
+    SLOPE_SIGN = 0
+    CURVE = 1
+
+
+class Change(IntEnum):
+    """Cause of a change of the law; the values are those of friction_msgs/SupervisorState."""
+
+    NONE = 0
+    SLIP_LOST = 1
+    NO_CURVE = 2
+    PRESSURE = 3
+    RETURNED = 4
+
+
+class LawChoice:
+    """Chooses for one wheel."""
+
+    def __init__(self) -> None:
+        """Start with the curve."""
+        self.reset()
+
+    def reset(self) -> None:
+        """Start again."""
+        self.law = Law.CURVE
+        self.cause = Change.NONE
+        """Of the last change."""
+        self._slip_at: int | None = None
+        self._curve_at: int | None = None
+
+    def update(self, stamp: int, braking: bool, slip: bool, curve: bool, pressure: bool) -> Law:
+        """Return the law for a sample.
+
+        Args:
+            stamp: [ns], later than the last.
+            braking: whether the driver brakes.
+            slip: whether it is known.
+            curve: whether one is known.
+            pressure: whether it follows demand and commands.
+        """
+        if slip or self._slip_at is None:
+            self._slip_at = stamp
+        if curve or not braking or self._curve_at is None:
+            self._curve_at = stamp
+        lost = Change.NONE
+        if not pressure:
+            lost = Change.PRESSURE
+        elif stamp - self._slip_at >= _WITHOUT_SLIP:
+            lost = Change.SLIP_LOST
+        elif stamp - self._curve_at >= _WITHOUT_CURVE:
+            lost = Change.NO_CURVE
+        if self.law is Law.CURVE and lost is not Change.NONE:
+            self.law, self.cause = Law.SLOPE_SIGN, lost
+        elif self.law is Law.SLOPE_SIGN and lost is Change.NONE and slip and (curve or not braking):
+            self.law, self.cause = Law.CURVE, Change.RETURNED
+        return self.law

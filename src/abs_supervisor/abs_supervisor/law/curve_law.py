@@ -1,0 +1,126 @@
+"""The law of one wheel: from what is known at a sample to what it asks for."""
+
+from dataclasses import dataclass
+from math import isfinite, nan
+
+from abs_supervisor.fsm import Command
+from abs_supervisor.law.choice import Law, LawChoice
+from abs_supervisor.law.disturbance import DisturbanceFilter
+from abs_supervisor.law.set_point import slip_set_point
+from abs_supervisor.law.three_commands import command_towards
+from abs_supervisor.law.torque_set_point import steady_torque, torque_set_point
+from abs_supervisor.law.usable_curve import CurveReport, UsableCurve
+from abs_supervisor.law.wheel_observer import WheelObserver
+from friction_parameters.parameter import parameter
+from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.single_corner import CornerParameters
+
+_LEARNS_ABOVE = 5.0
+"""[m/s] below this speed of the car the slow part of the disturbance is kept."""
+_NEAR = 0.5
+"""Of the set-point: the slow part is learned while the slip is nearer to it."""
+_LONGEST_STEP = 0.02
+"""[s]"""
+
+
+@dataclass(frozen=True)
+class CurveLawParameters:
+    """How finely the law answers."""
+
+    band: float = parameter(
+        20.0, "smallest error of the brake torque that a command answers", unit="N m", minimum=0.1, maximum=1e4
+    )
+
+
+class CurveLaw:
+    """Slip control on the identified curve. `ask` at every sample, then `commanded`."""
+
+    def __init__(self, corner: CornerParameters, actuator: ActuatorParameters, parameters: CurveLawParameters) -> None:
+        """Choose a wheel and its hydraulics."""
+        self._corner, self._band = corner, parameters.band
+        self._observer = WheelObserver(corner, actuator)
+        self._filter = DisturbanceFilter()
+        self.known = UsableCurve()
+        self.choice = LawChoice()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._observer.reset()
+        self._filter.reset()
+        self.known.reset()
+        self.choice.reset()
+        self._stamp: int | None = None
+        self.slip_set_point = nan
+        """[-]; NaN while it is not in force."""
+        self.torque_set_point = nan
+        """[N m]; NaN while it is not in force."""
+
+    @property
+    def disturbance(self) -> float:
+        """Torque that the curve does not explain [N m]; NaN without a curve."""
+        return self._observer.disturbance if self.known.curve is not None else nan
+
+    def learn(self, report: CurveReport) -> None:
+        """Take what the estimator said; their stamps do not go back."""
+        self.known.take(report)
+        if self.known.changed:
+            self._observer.forget_disturbance()
+            self._filter.reset()
+
+    def ask(
+        self,
+        stamp: int,
+        wheel_speed: float,
+        speed: float,
+        slip: float,
+        torque: float,
+        demand: float,
+        braking: bool,
+        pressure: bool,
+    ) -> Command | None:
+        """Return what the law asks for; None where it is not in force.
+
+        Args:
+            stamp: [ns], later than the last.
+            wheel_speed: [rad/s].
+            speed: of the car [m/s]; NaN where unknown.
+            slip: [-]; NaN where unknown.
+            torque: of the brake, measured [N m].
+            demand: of the driver [N m].
+            braking: whether he brakes.
+            pressure: whether it follows demand and commands.
+        """
+        dt = 0.0 if self._stamp is None else min((stamp - self._stamp) / NANOSECONDS, _LONGEST_STEP)
+        self._stamp = stamp
+        if not braking:
+            self.known.reset()
+            self._filter.reset()
+            self._observer.forget_disturbance()
+        curve = self.known.curve
+        known = isfinite(slip) and isfinite(speed)
+        self.slip_set_point = self.torque_set_point = nan
+        law = self.choice.update(stamp, braking, known, curve is not None, pressure)
+        if known:
+            self._observer.update(stamp, wheel_speed, speed, torque, curve)
+        if not braking:
+            return Command.NONE
+        if law is not Law.CURVE:
+            return None
+        if not known or curve is None:
+            # Not yet a reason for the other law: the driver's demand passes.
+            return Command.INCREASE
+        ahead = self._observer.ahead(curve)
+        wanted = slip_set_point(curve, self.known.seen, ahead.speed)
+        disturbance = self._observer.disturbance
+        if speed > _LEARNS_ABOVE and self.known.seen and abs(slip - wanted) < _NEAR * wanted:
+            self._filter.learn(disturbance, dt)
+        followed = self._filter.followed(disturbance, steady_torque(self._corner, curve, wanted))
+        aim = torque_set_point(self._corner, curve, ahead, wanted, followed, disturbance)
+        self.slip_set_point, self.torque_set_point = wanted, min(aim, demand)
+        return command_towards(aim, ahead.torque, demand, self._band)
+
+    def commanded(self, stamp: int, command: Command, demand: float) -> None:
+        """Note the command that was given at a stamp [ns], with the driver's demand [N m]."""
+        self._observer.ordered(stamp, command, demand)

@@ -1,0 +1,32 @@
+"""How much of the disturbance torque the law follows: its slow part, and what cannot be noise of the fast one."""
+
+_TIME = 0.3
+"""[s] of the slow part."""
+_NOISE = 0.25
+"""Of the torque at the set-point: a faster part up to this counts as noise."""
+
+
+class DisturbanceFilter:
+    """Follows the disturbance torque of one wheel."""
+
+    def __init__(self) -> None:
+        """Start without."""
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget it."""
+        self._slow = 0.0
+
+    def learn(self, disturbance: float, dt: float) -> None:
+        """Take the disturbance torque [N m] of a sample, `dt` [s] after the last, into the slow part."""
+        self._slow += (disturbance - self._slow) * min(dt / _TIME, 1.0)
+
+    def followed(self, disturbance: float, steady: float) -> float:
+        """Return the torque to follow [N m] of a disturbance torque [N m]; `steady` is that at the set-point [N m].
+
+        Continuous: nothing of a fast part below a quarter of `steady`, all of it above a half.
+        """
+        fast = disturbance - self._slow
+        size = abs(fast)
+        share = min(max(2.0 * (size - _NOISE * steady), 0.0), size)
+        return self._slow + (share if fast > 0.0 else -share)

@@ -1,0 +1,400 @@
+"""The law on the identified curve: closed forms, bounds, symmetry, and whatever inputs may come."""
+
+from math import exp, inf, isfinite, nan
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from abs_supervisor.fsm import Command
+from abs_supervisor.law.brake_line import BrakeLine
+from abs_supervisor.law.choice import Change, Law, LawChoice
+from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
+from abs_supervisor.law.disturbance import DisturbanceFilter
+from abs_supervisor.law.road_curve import RoadCurve
+from abs_supervisor.law.set_point import slip_set_point
+from abs_supervisor.law.three_commands import command_towards
+from abs_supervisor.law.torque_set_point import steady_torque, torque_set_point
+from abs_supervisor.law.usable_curve import CurveReport, Estimate, UsableCurve
+from abs_supervisor.law.wheel_observer import WheelObserver, WheelState
+from abs_supervisor.law.wheel_step import slip_of, wheel_step
+from vehicle_models import burckhardt
+from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
+from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.surfaces import TABLE_8_1, surface
+
+CORNER = CornerParameters(radius=0.3, inertia=1.0, mass=225.0, vertical_load=225.0 * 9.81)
+ACTUATOR = ActuatorParameters()
+STEP = 5_000_000
+DT = 0.005
+SLIPS = st.floats(-2.0, 2.0)
+ANY = st.floats(allow_nan=True, allow_infinity=True)
+
+
+def road(name: str) -> RoadCurve:
+    theta = surface(name)
+    theta_1, theta_2, theta_3 = (float(value) for value in theta)
+    return RoadCurve(theta_1, theta_2, theta_3, float(burckhardt.peak(theta)[0]))
+
+
+DRY = road("dry")
+
+
+def report(
+    stamp: int,
+    estimate: Estimate,
+    curve: RoadCurve | None = DRY,
+    stddev: float = 0.001,
+    restarts: int = 0,
+    samples: int = 50,
+) -> CurveReport:
+    return CurveReport(stamp, estimate, curve, stddev, 0.0, samples, restarts)
+
+
+# the road
+
+
+@pytest.mark.parametrize("name", TABLE_8_1)
+def test_a_road_has_friction_slope_and_peak_of_its_burckhardt_curve(name: str) -> None:
+    curve, theta = road(name), surface(name)
+    for slip in (-0.2, 0.0, 0.03, 0.1, 0.4, 1.0):
+        assert curve.friction(slip) == pytest.approx(float(burckhardt.friction(theta, slip)), abs=1e-12)
+        assert curve.slope(slip) == pytest.approx(float(burckhardt.slope(theta, slip)), abs=1e-12)
+    assert curve.mu_max == pytest.approx(float(burckhardt.peak(theta)[1]))
+
+
+@given(ANY, ANY, ANY, ANY)
+def test_a_curve_is_refused_or_finite(theta_1: float, theta_2: float, theta_3: float, lambda_max: float) -> None:
+    try:
+        curve = RoadCurve(theta_1, theta_2, theta_3, lambda_max)
+    except ValueError:
+        return
+    assert 0.02 <= curve.lambda_max <= 0.5
+    assert curve.mu_max > 0.0
+
+
+# one step of the wheel
+
+
+@pytest.mark.parametrize("name", TABLE_8_1)
+@pytest.mark.parametrize("speed", [30.0, 5.0])
+def test_two_samples_ahead_agree_with_an_exact_integration(name: str, speed: float) -> None:
+    curve, theta = road(name), surface(name)
+    slip = 0.8 * curve.lambda_max
+    plant = SingleCorner(CORNER, [speed], [(1.0 - slip) * speed / CORNER.radius], max_step=1e-5)
+    torque = 1.05 * steady_torque(CORNER, curve, slip)
+    wheel_speed, car = float(plant.wheel_speed[0]), speed
+    for _ in range(2):
+        plant.step(torque, torque, theta, DT)
+        wheel_speed, car = wheel_step(CORNER, curve, wheel_speed, car, torque, 0.0, DT)
+    assert car == pytest.approx(float(plant.speed[0]), abs=2e-3)
+    assert slip_of(car, CORNER.radius * wheel_speed) == pytest.approx(float(plant.slip[0]), abs=0.04 * curve.lambda_max)
+
+
+@given(SLIPS, st.floats(0.0, 60.0), st.floats(0.0, 5000.0), st.floats(-2000.0, 2000.0), st.floats(1e-3, 0.02))
+def test_a_step_is_finite_and_never_turns_backwards(
+    slip: float, speed: float, torque: float, disturbance: float, dt: float
+) -> None:
+    for name in TABLE_8_1:
+        wheel, car = wheel_step(
+            CORNER, road(name), max((1.0 - slip) * speed / 0.3, 0.0), speed, torque, disturbance, dt
+        )
+        assert isfinite(wheel)
+        assert wheel >= 0.0
+        assert 0.0 <= car <= speed + 20.0 * dt
+
+
+# the brake
+
+
+@given(st.lists(st.sampled_from(list(Command)), min_size=3, max_size=40), st.floats(100.0, 2000.0))
+def test_orders_under_way_do_what_the_hydraulics_do(commands: list[Command], demand: float) -> None:
+    line, actuator = BrakeLine(ACTUATOR), BrakeActuator(1, DT, ACTUATOR)
+    torque = 0.0
+    for sample, command in enumerate(commands):
+        stamp = sample * STEP
+        line.order(stamp, command, demand)
+        torque = line.torque_at(torque, stamp, stamp + STEP)
+        line.forget_before(stamp + STEP)
+        assert torque == pytest.approx(float(actuator.step(demand, int(command))[0]), abs=1e-9)
+
+
+# feed-forward, disturbance, commands
+
+
+@pytest.mark.parametrize("name", TABLE_8_1)
+def test_the_steady_torque_holds_its_slip(name: str) -> None:
+    curve, theta = road(name), surface(name)
+    slip = 0.9 * curve.lambda_max
+    plant = SingleCorner(CORNER, [25.0], [(1.0 - slip) * 25.0 / CORNER.radius])
+    torque = steady_torque(CORNER, curve, slip)
+    for _ in range(40):
+        plant.step(torque, torque, theta, DT)
+    assert float(plant.slip[0]) == pytest.approx(slip, rel=0.02)
+    assert steady_torque(CORNER, curve, curve.lambda_max) == pytest.approx(float(CORNER.peak_torque(theta)))
+
+
+def test_an_error_of_the_brake_gain_cancels() -> None:
+    """A gain that is 20 % too low in the file scales curve and torque alike: the pressure asked for is the same."""
+    low = RoadCurve(0.8 * DRY.theta_1, DRY.theta_2, 0.8 * DRY.theta_3, DRY.lambda_max)
+    slip = 0.92 * DRY.lambda_max
+    assert steady_torque(CORNER, low, slip) / 0.8 == pytest.approx(steady_torque(CORNER, DRY, slip))
+
+
+def test_slow_disturbances_are_followed_and_fast_ones_only_where_they_are_large() -> None:
+    found = DisturbanceFilter()
+    for _ in range(60):
+        found.learn(40.0, DT)
+    slow = 40.0 * (1.0 - (1.0 - DT / 0.3) ** 60)
+    assert slow == pytest.approx(40.0 * (1.0 - exp(-1.0)), rel=0.02)
+    assert found.followed(slow, 800.0) == pytest.approx(slow)
+    assert found.followed(slow + 190.0, 800.0) == pytest.approx(slow)
+    assert found.followed(slow + 300.0, 800.0) == pytest.approx(slow + 200.0)
+    assert found.followed(slow - 500.0, 800.0) == pytest.approx(slow - 500.0)
+
+
+@given(st.floats(-1e4, 1e4), st.floats(0.0, 1e4))
+def test_no_more_is_followed_than_there_is(disturbance: float, steady: float) -> None:
+    followed = DisturbanceFilter().followed(disturbance, steady)
+    assert 0.0 <= followed / disturbance <= 1.0 if disturbance else followed == 0.0
+
+
+@given(st.floats(0.0, 3000.0), st.floats(0.0, 3000.0), st.floats(0.0, 3000.0), st.floats(0.1, 50.0))
+def test_the_demand_is_the_ceiling(wanted: float, torque: float, demand: float, band: float) -> None:
+    command = command_towards(wanted, torque, demand, band)
+    if wanted >= demand or torque > demand:
+        assert command is Command.INCREASE  # which is the driver's own pressure
+    elif command is Command.INCREASE:
+        assert wanted > torque or wanted >= demand - band
+
+
+def test_a_torque_within_the_band_is_held() -> None:
+    assert command_towards(500.0, 490.0, 900.0, 20.0) is Command.HOLD
+    assert command_towards(500.0, 470.0, 900.0, 20.0) is Command.INCREASE
+    assert command_towards(500.0, 530.0, 900.0, 20.0) is Command.DECREASE
+
+
+# the set-point
+
+
+def test_the_peak_is_passed_until_it_is_seen_and_kept_away_from_afterwards_and_at_low_speed() -> None:
+    assert slip_set_point(DRY, False, 30.0) == pytest.approx(1.10 * DRY.lambda_max)
+    assert slip_set_point(DRY, True, 30.0) == pytest.approx(0.92 * DRY.lambda_max)
+    assert slip_set_point(DRY, False, 4.0) == slip_set_point(DRY, True, 4.0) == pytest.approx(0.81 * DRY.lambda_max)
+    assert slip_set_point(DRY, True, 0.0) == pytest.approx(0.70 * DRY.lambda_max)
+
+
+def test_far_beyond_the_peak_the_torque_stays_below_what_the_road_gives() -> None:
+    slip = 0.92 * DRY.lambda_max
+    ahead = WheelState(wheel_speed=0.4 * 20.0 / 0.3, speed=20.0, torque=900.0, slip=0.6)
+    given_by_road = CORNER.radius * CORNER.vertical_load * DRY.friction(0.6)
+    assert torque_set_point(CORNER, DRY, ahead, slip, 0.0, 0.0) < given_by_road
+
+
+# which curve, which law
+
+
+def test_a_curve_counts_from_twenty_samples_and_its_peak_as_seen_after_three_valid_ones() -> None:
+    known = UsableCurve()
+    known.take(report(STEP, Estimate.VALID, samples=19))
+    assert known.curve is None
+    for sample in range(3):
+        assert not known.seen
+        known.take(report((sample + 2) * STEP, Estimate.VALID))
+    assert known.curve is DRY
+    assert known.seen
+
+
+def test_a_vague_estimate_does_not_displace_a_peak_that_was_seen() -> None:
+    known, vague = UsableCurve(), road("snow")
+    for sample in range(3):
+        known.take(report(sample * STEP, Estimate.VALID))
+    known.take(report(4 * STEP, Estimate.VAGUE, vague, stddev=0.3 * vague.lambda_max))
+    assert known.curve is DRY
+    known.take(report(5 * STEP, Estimate.VAGUE, vague, stddev=0.2 * vague.lambda_max))
+    assert known.curve is vague
+
+
+def test_the_old_road_serves_until_the_new_one_has_twenty_samples() -> None:
+    known, snow = UsableCurve(), road("snow")
+    for sample in range(3):
+        known.take(report(sample * STEP, Estimate.VALID))
+    known.take(report(3 * STEP, Estimate.VAGUE, snow, restarts=1, samples=8))
+    assert (known.curve, known.changed, known.seen) == (DRY, False, True)
+    known.take(report(4 * STEP, Estimate.VAGUE, snow, restarts=1, samples=20))
+    assert (known.curve, known.changed, known.seen) == (snow, True, False)
+
+
+def test_a_curve_outlives_quiet_but_not_an_estimator_that_has_none() -> None:
+    known = UsableCurve()
+    known.take(report(0, Estimate.VALID))
+    known.take(report(400 * STEP, Estimate.QUIET, None))
+    assert known.curve is DRY
+    known.take(report(430 * STEP, Estimate.NONE, None))
+    assert known.curve is DRY
+    known.take(report(431 * STEP, Estimate.NONE, None))
+    assert known.curve is None
+
+
+@pytest.mark.parametrize(
+    ("lost", "after", "cause"),
+    [
+        ({"slip": False}, 0.02, Change.SLIP_LOST),
+        ({"curve": False}, 0.15, Change.NO_CURVE),
+        ({"pressure": False}, 0.0, Change.PRESSURE),
+    ],
+)
+def test_the_slope_takes_over_when_something_is_lost_and_gives_back(
+    lost: dict[str, bool], after: float, cause: Change
+) -> None:
+    choice = LawChoice()
+    good = {"braking": True, "slip": True, "curve": True, "pressure": True}
+    choice.update(0, **good)
+    stamps = range(STEP, round(after * 1e9) + STEP, STEP) or [STEP]
+    for stamp in stamps:
+        assert choice.law is Law.CURVE
+        choice.update(stamp, **{**good, **lost})
+    assert (choice.law, choice.cause) == (Law.SLOPE_SIGN, cause)
+    choice.update(stamps[-1] + STEP, **good)
+    assert (choice.law, choice.cause) == (Law.CURVE, Change.RETURNED)
+
+
+def test_without_braking_no_curve_is_missed() -> None:
+    choice = LawChoice()
+    for sample in range(400):
+        choice.update(sample * STEP, braking=False, slip=True, curve=False, pressure=True)
+    assert choice.law is Law.CURVE
+
+
+# the whole law
+
+
+def _stop(name: str, speed: float = 30.0) -> tuple[np.ndarray, np.ndarray]:
+    """Brake with everything known; return the slips and the speeds."""
+    curve, theta = road(name), surface(name)
+    law, plant, actuator = (
+        CurveLaw(CORNER, ACTUATOR, CurveLawParameters()),
+        SingleCorner(CORNER, [speed]),
+        BrakeActuator(1, DT),
+    )
+    demand, torque = 1.5 * float(CORNER.peak_torque(theta)), np.zeros(1)
+    slips, speeds = [], []
+    for sample in range(1, 12_000):
+        stamp = sample * STEP
+        law.learn(report(stamp, Estimate.VALID, curve))
+        car = float(plant.speed[0])
+        asked = law.ask(
+            stamp, float(plant.wheel_speed[0]), car, float(plant.slip[0]), float(torque[0]), demand, True, True
+        )
+        assert asked is not None
+        law.commanded(stamp, asked, demand)
+        after = actuator.step(demand, int(asked))
+        plant.step(torque, after, theta, DT)
+        torque = after
+        slips.append(float(plant.slip[0]))
+        speeds.append(car)
+        if car < 1.5:
+            break
+    return np.array(slips), np.array(speeds)
+
+
+@pytest.mark.parametrize("name", TABLE_8_1)
+def test_with_everything_known_the_slip_is_held_and_no_wheel_locks(name: str) -> None:
+    slips, speeds = _stop(name)
+    held = slips[(speeds > 8.0) & (speeds < 24.0)]
+    lambda_max = road(name).lambda_max
+    assert held.mean() == pytest.approx(0.92 * lambda_max, rel=0.05)
+    assert held.max() < 1.3 * lambda_max
+    assert slips.max() < 0.9
+
+
+def test_until_a_curve_is_known_the_drivers_pressure_passes() -> None:
+    law = CurveLaw(CORNER, ACTUATOR, CurveLawParameters())
+    asked = [law.ask(k * STEP, 100.0, 30.0, 0.0, 100.0, 1000.0, True, True) for k in range(1, 30)]
+    assert set(asked) == {Command.INCREASE}
+    assert law.ask(40 * STEP, 100.0, 30.0, 0.0, 100.0, 1000.0, True, True) is None
+    assert law.choice.cause is Change.NO_CURVE
+
+
+def test_below_the_peak_the_demand_passes_whatever_it_is() -> None:
+    """Ordinary braking: the law asks for nothing but the driver's pressure."""
+    for share in (0.1, 0.5, 0.9):
+        law, plant, actuator = (
+            CurveLaw(CORNER, ACTUATOR, CurveLawParameters()),
+            SingleCorner(CORNER, [30.0]),
+            BrakeActuator(1, DT),
+        )
+        demand, torque = share * float(CORNER.peak_torque(surface("wet"))), np.zeros(1)
+        for sample in range(1, 400):
+            stamp = sample * STEP
+            law.learn(report(stamp, Estimate.VALID, road("wet")))
+            asked = law.ask(
+                stamp,
+                float(plant.wheel_speed[0]),
+                float(plant.speed[0]),
+                float(plant.slip[0]),
+                float(torque[0]),
+                demand,
+                True,
+                True,
+            )
+            assert asked is Command.INCREASE
+            law.commanded(stamp, asked, demand)
+            after = actuator.step(demand, int(asked))
+            plant.step(torque, after, surface("wet"), DT)
+            torque = after
+
+
+NUMBERS = st.one_of(st.floats(-1e6, 1e6), st.sampled_from([nan, inf, -inf, 0.0]))
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.lists(
+        st.tuples(
+            st.integers(1, 10 * STEP),
+            st.floats(-10.0, 400.0),
+            NUMBERS,
+            NUMBERS,
+            st.floats(-1e4, 1e4),
+            st.floats(0.0, 1e4),
+            st.booleans(),
+            st.booleans(),
+            st.sampled_from(list(Estimate)),
+            st.sampled_from(TABLE_8_1),
+            NUMBERS,
+            st.integers(0, 3),
+            st.integers(0, 100),
+        ),
+        max_size=40,
+    )
+)
+def test_whatever_comes_the_law_answers_with_a_command_or_gives_way(rows: list[tuple]) -> None:
+    law, stamp = CurveLaw(CORNER, ACTUATOR, CurveLawParameters()), 0
+    for ahead, wheel, speed, slip, torque, demand, braking, pressure, estimate, name, stddev, restarts, samples in rows:
+        stamp += ahead
+        told = estimate in (Estimate.VALID, Estimate.VAGUE)
+        law.learn(CurveReport(stamp, estimate, road(name) if told else None, stddev, stddev, samples, restarts))
+        asked = law.ask(stamp, wheel, speed, slip, torque, demand, braking, pressure)
+        assert asked is None or isinstance(asked, Command)
+        assert not braking or law.choice.law is Law.CURVE or asked is None
+        assert not law.torque_set_point > demand
+        law.commanded(stamp, Command.HOLD if asked is None else asked, demand)
+
+
+def test_the_observer_finds_a_torque_that_the_curve_does_not_explain() -> None:
+    """The road gives 10 % more than the curve says: that is the disturbance torque."""
+    theta = np.asarray(surface("dry"), dtype=np.float64)
+    weak = RoadCurve(DRY.theta_1 / 1.1, DRY.theta_2, DRY.theta_3 / 1.1, DRY.lambda_max)
+    torque = 0.8 * float(CORNER.peak_torque(theta))
+    plant = SingleCorner(CORNER, [30.0])
+    observer = WheelObserver(CORNER, ACTUATOR)
+    for sample in range(1, 120):
+        observer.ordered((sample - 3) * STEP, Command.HOLD, torque)
+        observer.update(sample * STEP, float(plant.wheel_speed[0]), float(plant.speed[0]), torque, weak)
+        plant.step(torque, torque, theta, DT)
+    missing = (
+        CORNER.radius * CORNER.vertical_load * (float(plant.friction(theta)[0]) - weak.friction(float(plant.slip[0])))
+    )
+    assert observer.disturbance == pytest.approx(missing, rel=0.05)

@@ -1,0 +1,48 @@
+"""The law with everything known: true curve, speeds and torque, no envelope. What is lost beyond it is estimation."""
+
+import numpy as np
+
+from abs_supervisor.fsm import Command
+from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
+from abs_supervisor.law.road_curve import RoadCurve
+from abs_supervisor.law.usable_curve import CurveReport, Estimate
+from friction_evaluation.closed_loop.panic_stop import Commands, Flags, PanicPlant, PanicStops, brake_to_rest
+from friction_evaluation.closed_loop.trouble import Trouble
+from friction_evaluation.protocol import STEP
+from vehicle_models import burckhardt
+
+_SEEN = 3
+"""Valid reports after which the law takes the peak as seen."""
+
+
+def oracle(surface: str, trouble: Trouble) -> PanicStops:
+    """Return the stop of the oracle, arrays of shape (1,); a load that varies does not count."""
+    steady = Trouble(**{**trouble.__dict__, "load_variation": 0.0})
+    plant = PanicPlant(surface, steady, np.zeros((1, 1)))
+    corner = plant.corner
+    law = CurveLaw(steady.corner, steady.actuator, CurveLawParameters())
+    theta_1, theta_2, theta_3 = (float(value) for value in plant.theta)
+    curve = RoadCurve(theta_1, theta_2, theta_3, float(burckhardt.peak(plant.theta)[0]))
+
+    def command(since: float, running: Flags) -> Commands:
+        stamp = round(since * 1e9) + STEP
+        while law.known.valid < _SEEN:
+            law.learn(CurveReport(stamp, Estimate.VALID, curve, 0.0, 0.0, 1000, 0))
+        law.learn(CurveReport(stamp, Estimate.QUIET, None, 0.0, 0.0, 1000, 0))
+        speed = float(corner.speed[0])
+        demand = plant.demand * steady.gain_at(since)
+        asked = law.ask(
+            stamp,
+            float(corner.wheel_speed[0]),
+            speed,
+            float(corner.slip[0]),
+            float(plant.torque[0]),
+            demand,
+            True,
+            True,
+        )
+        given = Command.NONE if asked is None else asked
+        law.commanded(stamp, given, demand)
+        return np.array([int(given)])
+
+    return brake_to_rest(plant, command)
