@@ -107,7 +107,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
     def hand_over(self) -> Sequence[Output]:
         """Return NONE for the newest sample: the brake is the driver's."""
         self._command = Command.NONE
-        return [] if self._p.shadow or self._stamp == 0 else [self._heartbeat()]
+        return [] if self._p.shadow or self._stamp == 0 else [self._heartbeat(header_at(self._stamp, self._wheel))]
 
     def _fail(self, loss: Loss, said: str) -> list[Output]:
         """Go to S0 because of a loss; return the outputs if that is a transition."""
