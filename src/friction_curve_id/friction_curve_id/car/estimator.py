@@ -15,15 +15,7 @@ from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_model import LEAST_RELAXATION, SPEED_UNKNOWNS, CarConstants, Nodes
 from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
-from friction_curve_id.car.evidence import (
-    LAMBDA_FLOOR,
-    SEEN_FACTOR,
-    UNSEEN_FACTOR,
-    UNSEEN_FLOOR,
-    Peak,
-    mixture,
-    normal_probability,
-)
+from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.node_signals import Start, node_signals, rolling_noise
 from friction_curve_id.car.parameters import CarEstimatorParameters
@@ -37,8 +29,8 @@ Answers = tuple[CurveEstimate | Refusal, ...]
 
 _INTERVAL = 0.0045
 """Least time between two samples of the window [s]; faster ones are averaged."""
-_STEP_INTERVAL = 0.018
-"""Least time between two Gauss-Newton steps [s]."""
+_STEP_INTERVAL = 0.0045
+"""Least time between two Gauss-Newton steps for each wheel of the car [s]: what they cost goes with the wheels."""
 _BEFORE = 0.4
 """Time before the braking that is kept [s]."""
 _LEAST_BEFORE = 0.1
@@ -53,7 +45,8 @@ _FIRST_STEP = 0.06
 _BRAKES, _RELEASED = 0.4, 0.2
 """Deceleration by the brakes at which a braking begins, and ends [m/s^2]."""
 _RELEASE_TIME = 0.15
-_NEWEST_SPEED_STDDEV = 0.05
+_SAME_TIME = 1e-6
+"""Times are equal within this [s]."""
 _PASSED = 1.05
 """Slip over lambda_max that counts as beyond the peak for validity."""
 _SURE = 1.645
@@ -162,13 +155,13 @@ class CarEstimator:
         if not self._braking:
             self._with_accelerometer = isfinite(sample.acceleration)
         acceleration = sample.acceleration
-        if not self._with_accelerometer:
-            growth = np.zeros_like(speed)
-            if last is not None:
-                growth = (speed - last.wheel_speed[index]) / (sample.time - last.time)
-            inertia = self._car.inertia[:, 0]
-            acceleration = -float(self._per_torque @ (inertia * growth + torque))
         interval = 0.0 if last is None else sample.time - last.time
+        if not self._with_accelerometer:
+            growth, mean_torque = np.zeros_like(speed), torque
+            if last is not None:
+                growth = (speed - last.wheel_speed[index]) / interval
+                mean_torque = 0.5 * (torque + last.brake_pressure[index] * self._gain[index])
+            acceleration = -float(self._per_torque @ (self._car.inertia[:, 0] * growth + mean_torque))
         before = acceleration if last is None or not isfinite(last.acceleration) else last.acceleration
         self._gained += interval * 0.5 * (acceleration + before if self._with_accelerometer else 2.0 * acceleration)
         self._gathered_time += interval
@@ -188,7 +181,7 @@ class CarEstimator:
         if not self._braking:
             text = "the speed at the start of the braking is not known" if self._unknown_start else "no braking"
             return Refusal(Reason.NO_EXCITATION, text)
-        if complete and sample.time - self._stepped_at >= _STEP_INTERVAL:
+        if complete and sample.time - self._stepped_at >= _STEP_INTERVAL * len(index):
             self._step(sample.time)
         return self._answer(sample.time, speed)
 
@@ -231,14 +224,14 @@ class CarEstimator:
         self._fits = [
             CurveFit(
                 self._car,
-                car_prior(self._vehicle, self._present, family, p.slope_stddev, self._with_accelerometer),
+                car_prior(self._vehicle, self._present, shape, p.slope_stddev, self._with_accelerometer),
                 family,
                 p.torque_stddev,
                 balanced,
             )
-            for family in p.families()
+            for family, shape in p.families().items()
         ]
-        self._families = p.families()
+        self._families = tuple(p.families())
         unknown = int(np.count_nonzero(self._fits[0].known_to > 0.0))
         self._most_surprise = unknown + _SURPRISE * sqrt(2.0 * unknown)
         self._mu_floor = radius_deviation(self._vehicle)
@@ -268,7 +261,7 @@ class CarEstimator:
         nodes = self._nodes()
         # The torque of the newest nodes has not been measured yet where pressures come late.
         known = self._samples.time[-1] - max(float(fit.unknowns[Unknown.PRESSURE_DELAY]), 0.0) - self._start.time
-        keep = int(np.searchsorted(nodes.time + 0.5 * nodes.interval, known))
+        keep = int(np.searchsorted(nodes.time + 0.5 * nodes.interval, known + _SAME_TIME))
         if keep < 5:
             return
         try:
@@ -342,7 +335,7 @@ class CarEstimator:
         wheels = len(self._index)
         mean = np.zeros(wheels)
         beyond = [0.0] * wheels
-        factor, floor = (SEEN_FACTOR, LAMBDA_FLOOR) if self._seen >= _SEEN_TIME else (UNSEEN_FACTOR, UNSEEN_FLOOR)
+        factor, floor = doubt(self._seen >= _SEEN_TIME, len(self._fits) == 1)
         changed = float(self._samples.speed_change[-1]) + self._gained
         for weight, fit in zip(peak.weights, self._fits, strict=True):
             p, moved = fit.unknowns, fit.moved

@@ -4,7 +4,7 @@ The cost is that of the wheel equations, whitened by their tridiagonal covarianc
 prior in z = (unknown - mean) / stddev, with what older samples said as a quadratic in z.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +53,9 @@ class Linearised:
     cost: float
     """- ln likelihood, without constants."""
     moved: Motion
+    noise: "WheelSpeedNoise"
+    white: Array
+    """C^-1 of the Jacobian in z and, last, of the error, shape (W n, P + 1)."""
 
 
 class CurveFit:
@@ -75,6 +78,7 @@ class CurveFit:
         self.log_evidence = 0.0
         self.steps = 0
         self.carried = Carried()
+        self._correction = np.zeros((self._car.wheels, 0))
         self._damping = 0.0
         self._last_move = np.zeros(n)
 
@@ -96,17 +100,22 @@ class CurveFit:
     def linearise(self, samples: BrakingSamples, nodes: Nodes, start: Start, adapt: bool = True) -> Linearised:
         """Linearise about the present estimate; `adapt`: move the load variation towards its likelihood's maximum."""
         p, sd = self.unknowns, self._prior.stddev
-        moved = motion(self._car, nodes, p, self.carried)
+        # Slips are taken at the wheel speeds that the last step found, not at the measured ones: the curve bends, and
+        # their noise would be in the residual and in its derivatives alike.
+        correction = self._at_nodes(nodes)
+        moved = motion(self._car, replace(nodes, wheel_speed=nodes.wheel_speed + correction), p, self.carried)
         torque, rate = delayed(samples, nodes, start, float(p[Unknown.PRESSURE_DELAY]))
         equation = wheel_equation(self._car, nodes, moved, torque, rate, self.family, p, self._torque_stddev)
+        noise = WheelSpeedNoise(nodes, equation.by_wheel_speed)
+        error = equation.error - equation.by_wheel_speed * correction
         if adapt:
-            self._adapt(equation, nodes)
-        pivots, factors, log_determinant = _factorised(equation, nodes, LOAD_VARIATIONS[self.load_variation])
+            self._adapt(equation, error, noise)
+        pivots, factors, log_determinant = noise.factorised(equation, LOAD_VARIATIONS[self.load_variation])
         size = p.size
         columns = np.empty((equation.error.size, size + 1), order="F")
         columns[:, :size] = equation.jacobian.reshape(-1, size)
         columns[:, :size] *= sd
-        columns[:, size] = equation.error.ravel()
+        columns[:, size] = error.ravel()
         white, _ = dpttrs(pivots, factors, columns)
         full = columns.T @ white
         cost = 0.5 * float(full[size, size]) + 0.5 * log_determinant
@@ -121,7 +130,7 @@ class CurveFit:
             full[:size, :size] += rows.T @ rows
             full[:size, size] += rows.T @ errors
             cost += 0.5 * float(errors @ errors)
-        return Linearised(full[:size, :size], full[:size, size], spread, cost, moved)
+        return Linearised(full[:size, :size], full[:size, size], spread, cost, moved, noise, white)
 
     def step(self, samples: BrakingSamples, nodes: Nodes, start: Start) -> float:
         """Make a Gauss-Newton step; return its length in ln lambda_max and ln mu_max."""
@@ -161,6 +170,7 @@ class CurveFit:
             self._damping = 0.0
         self._last_move = move
         self.z = self.z + move
+        self._correction = at.noise.correction(at.white[:, size] + at.white[:, :size] @ move)
         self.steps += 1
         self.moved = at.moved
         return curve
@@ -186,37 +196,63 @@ class CurveFit:
             memory * past.spread + at.spread,
             likelihood,
         )
-        moved = motion(self._car, nodes.subset(slice(0, number + 1)), self.unknowns, self.carried)
+        leaving = nodes.subset(slice(0, number + 1))
+        leaving = replace(leaving, wheel_speed=leaving.wheel_speed + self._at_nodes(leaving))
+        moved = motion(self._car, leaving, self.unknowns, self.carried)
         self.carried = carried_over(nodes, moved, self.carried, number)
+        self._correction = self._correction[:, number:]
 
-    def _adapt(self, equation: WheelEquation, nodes: Nodes) -> None:
+    def _at_nodes(self, nodes: Nodes) -> Array:
+        """Corrections of the wheel speeds at the nodes [rad/s], shape (W, n); zero at those that are new."""
+        found = np.zeros((self._car.wheels, nodes.time.size))
+        count = min(self._correction.shape[1] - 1, nodes.time.size)
+        if count > 0:
+            found[:, :count] = 0.5 * (self._correction[:, :count] + self._correction[:, 1 : count + 1])
+        return found
+
+    def _adapt(self, equation: WheelEquation, error: Array, noise: "WheelSpeedNoise") -> None:
         """Move the load variation by at most a step towards the maximum of its likelihood."""
         here = self.load_variation
         candidates = [each for each in (here - 1, here, here + 1) if 0 <= each < LOAD_VARIATIONS.size]
         costs = []
-        error = equation.error.ravel()
         for each in candidates:
-            pivots, factors, log_determinant = _factorised(equation, nodes, LOAD_VARIATIONS[each])
-            white, _ = dpttrs(pivots, factors, error)
-            costs.append(float(error @ white) + log_determinant)
+            pivots, factors, log_determinant = noise.factorised(equation, LOAD_VARIATIONS[each])
+            white, _ = dpttrs(pivots, factors, error.ravel())
+            costs.append(float(error.ravel() @ white) + log_determinant)
         self.load_variation = candidates[int(np.argmin(costs))]
 
 
-def _factorised(equation: WheelEquation, nodes: Nodes, load_variation: float) -> tuple[Array, Array, float]:
-    """Factorise the covariance of the errors; wheel after wheel."""
-    noise = nodes.wheel_noise**2
-    per = 1.0 / nodes.interval
-    diagonal = (
-        equation.fixed_variance
-        + load_variation**2 * equation.load_variance
-        + (noise[:, 1:] + noise[:, :-1]) * (per * per)
-    )
-    off = np.zeros_like(diagonal)
-    off[:, :-1] = -noise[:, 1:-1] * (per[1:] * per[:-1])
-    pivots, factors, info = dpttrf(diagonal.ravel(), off.ravel()[:-1])
-    if info != 0:
-        raise np.linalg.LinAlgError("the covariance is not positive definite")
-    return pivots, factors, float(np.log(pivots).sum())
+class WheelSpeedNoise:
+    """What the noise of the n + 1 wheel speeds about n nodes makes of e: by their difference and by the slip."""
+
+    def __init__(self, nodes: Nodes, by_wheel_speed: Array) -> None:
+        """`by_wheel_speed`: d e / d wheel speed at the node by the slip [1/s], shape (W, n)."""
+        self._variance = nodes.wheel_noise**2
+        per, half = 1.0 / nodes.interval, 0.5 * by_wheel_speed
+        self._by_before, self._by_after = half - per, half + per
+
+    def factorised(self, equation: WheelEquation, load_variation: float) -> tuple[Array, Array, float]:
+        """Factorise the covariance C of the errors, wheel after wheel; the last number is its log determinant."""
+        variance, before, after = self._variance, self._by_before, self._by_after
+        diagonal = equation.fixed_variance + load_variation**2 * equation.load_variance
+        diagonal += variance[:, 1:] * after**2 + variance[:, :-1] * before**2
+        off = np.zeros_like(diagonal)
+        off[:, :-1] = variance[:, 1:-1] * after[:, :-1] * before[:, 1:]
+        pivots, factors, info = dpttrf(diagonal.ravel(), off.ravel()[:-1])
+        if info != 0:
+            raise np.linalg.LinAlgError("the covariance is not positive definite")
+        return pivots, factors, float(np.log(pivots).sum())
+
+    def correction(self, white: Array) -> Array:
+        """Most likely corrections of the wheel speeds [rad/s], shape (W, n + 1).
+
+        `white`: C^-1 e, shape (W n,).
+        """
+        by_node = white.reshape(self._by_before.shape)
+        gradient = np.zeros_like(self._variance)
+        gradient[:, :-1] = self._by_before * by_node
+        gradient[:, 1:] += self._by_after * by_node
+        return np.asarray(-self._variance * gradient)
 
 
 def _loosened(information: Array, gradient: Array, index: int, variance: float) -> tuple[Array, Array]:
