@@ -9,7 +9,7 @@ from math import hypot, log, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.car.curve_family import Family, ShapePrior
+from friction_curve_id.car.curve_family import ShapePrior
 from friction_curve_id.car.unknowns import SHARED, Unknown
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.vehicle import FRONT, Deviations, Vehicle, Wheel

@@ -5,7 +5,6 @@ speed of the car from the wheels before the brakes act. Without accelerometer an
 and the formula of the tyre is known.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import nan
 
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
-from friction_curve_id.interface import CurveEstimate, Refusal, Sample
+from friction_curve_id.interface import Refusal, Sample
 from friction_curve_id.methods import DEFAULT, make_estimator
 from friction_evaluation.manoeuvres import SAMPLES, braking, noisy
 from friction_evaluation.protocol import CAR, CORNER, DT, SPEED
