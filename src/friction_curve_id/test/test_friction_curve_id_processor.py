@@ -465,12 +465,12 @@ def test_a_changed_parameter_makes_processors_on_the_same_topics() -> None:
 
 
 def test_a_car_that_is_not_known_exactly_gets_the_method_that_counts_it() -> None:
-    rigid = {"centre_of_gravity_height": 0.0}
+    rigid = replace(CAR, centre_of_gravity_height=0.0)
     for vehicle, method in (
         (CORNER, "default"),
-        (exact(CAR, **rigid), "default"),
+        (exact(rigid), "default"),
         (exact(CAR), "car"),  # braking moves its load
-        (replace(CAR, **rigid), "car"),  # says nothing of its deviations
+        (rigid, "car"),  # says nothing of its deviations
         (load_vehicle("compact_car"), "car"),
     ):
         assert FrictionCurveParameters().serving(vehicle).method == method
