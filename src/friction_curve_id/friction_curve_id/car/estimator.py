@@ -1,7 +1,7 @@
 """The friction curve of a car that is not known exactly, sample by sample.
 
 One curve is fitted for all wheels of the car: that they are on the same road is an assumption. While the car brakes,
-each family of curves takes one Gauss-Newton step in turn, at most every 18 ms whatever the rate of the samples; in
+each family of curves takes one Gauss-Newton step in turn, with four wheels every 18 ms at most whatever the rate; in
 between, the present slip is followed with the last fit. What leaves the window of the newest second stays as a
 quadratic, which fades.
 """
