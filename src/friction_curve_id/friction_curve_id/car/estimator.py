@@ -59,6 +59,8 @@ _LEAST_AGE = 0.1
 """Time since the slip first was beyond the peak before it is seen [s]."""
 _SURPRISE = 2.5
 """Most deviations by which the sum of the squared unknowns may exceed its mean, each in deviations of its prior."""
+_ASTRAY, _STEPS_BACK = 50.0, 5
+"""A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""
 
@@ -240,6 +242,7 @@ class CarEstimator:
         self._seen = 0.0
         self._beyond_since = inf
         self._move = [inf] * len(self._fits)
+        self._gone_back = [0] * len(self._fits)
 
     def _fold(self) -> None:
         """Let the oldest samples leave the window."""
@@ -258,6 +261,11 @@ class CarEstimator:
         self._turn += 1
         self._stepped_at = time
         fit = self._fits[which]
+        evidence = self._log_evidence()
+        best = int(np.argmax(evidence))
+        if fit.steps - self._gone_back[which] >= _STEPS_BACK and evidence[which] < evidence[best] - _ASTRAY:
+            fit.begin_at(self._fits[best])
+            self._gone_back[which] = fit.steps
         nodes = self._nodes()
         # The torque of the newest nodes has not been measured yet where pressures come late.
         known = self._samples.time[-1] - max(float(fit.unknowns[Unknown.PRESSURE_DELAY]), 0.0) - self._start.time
@@ -272,12 +280,17 @@ class CarEstimator:
         if all(each.steps for each in self._fits):
             fits = self._fits
             found = [each.unknowns for each in fits], [each.covariance for each in fits]
-            evidence = [each.log_evidence for each in fits]
+            evidence = self._log_evidence()
             self._peak = mixture(*found, evidence, self._mu_floor, True)
             self._seen = self._time_beyond(fit, self._peak, nodes.subset(slice(0, keep)))
             if self._seen < _SEEN_TIME:
                 self._peak = mixture(*found, evidence, self._mu_floor, False)
         self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
+
+    def _log_evidence(self) -> list[float]:
+        """Log evidence of the fits for the nodes that all of them have seen."""
+        common = min(fit.newest for fit in self._fits)
+        return [fit.log_evidence_until(common) for fit in self._fits]
 
     def _time_beyond(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> float:
         """Time for which the slips of the window were surely beyond the peak, summed over wheels [s]."""

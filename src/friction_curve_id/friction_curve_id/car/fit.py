@@ -56,6 +56,8 @@ class Linearised:
     noise: "WheelSpeedNoise"
     white: Array
     """C^-1 of the Jacobian in z and, last, of the error, shape (W n, P + 1)."""
+    of_node: Array
+    """What each node adds to the cost of those before it, of all wheels, shape (n,)."""
 
 
 class CurveFit:
@@ -76,6 +78,7 @@ class CurveFit:
         self.past = Quadratic(np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros((n, n)))
         self.covariance = np.diag(self._prior.stddev**2)
         self.log_evidence = 0.0
+        self._node_time = self._of_node = np.zeros(0)
         self.steps = 0
         self.carried = Carried()
         self._correction = np.zeros((self._car.wheels, 0))
@@ -96,6 +99,15 @@ class CurveFit:
     def surprise(self) -> float:
         """Sum of the squares of the unknowns, each in deviations of its prior."""
         return float(self.z @ self.z)
+
+    @property
+    def newest(self) -> float:
+        """Time of the newest node of the last step [s]."""
+        return float(self._node_time[-1]) if self._node_time.size else 0.0
+
+    def log_evidence_until(self, time: float) -> float:
+        """Log evidence without the nodes later than `time` [s]: fits in turn have not seen the same nodes."""
+        return self.log_evidence + float(self._of_node[self._node_time > time + 1e-6].sum())
 
     def linearise(self, samples: BrakingSamples, nodes: Nodes, start: Start, adapt: bool = True) -> Linearised:
         """Linearise about the present estimate; `adapt`: move the load variation towards its likelihood's maximum."""
@@ -119,6 +131,9 @@ class CurveFit:
         white, _ = dpttrs(pivots, factors, columns)
         full = columns.T @ white
         cost = 0.5 * float(full[size, size]) + 0.5 * log_determinant
+        onward = white[:, size].copy()
+        onward[:-1] += factors * white[1:, size]
+        of_node = 0.5 * (pivots * onward**2 + np.log(pivots)).reshape(error.shape).sum(axis=0)
         variation = LOAD_VARIATIONS[self.load_variation]
         spread = _spread(white[:, :size], variation * np.sqrt(equation.load_variance), nodes.interval)
         if self._balanced:
@@ -130,7 +145,7 @@ class CurveFit:
             full[:size, :size] += rows.T @ rows
             full[:size, size] += rows.T @ errors
             cost += 0.5 * float(errors @ errors)
-        return Linearised(full[:size, :size], full[:size, size], spread, cost, moved, noise, white)
+        return Linearised(full[:size, :size], full[:size, size], spread, cost, moved, noise, white, of_node)
 
     def step(self, samples: BrakingSamples, nodes: Nodes, start: Start) -> float:
         """Make a Gauss-Newton step; return its length in ln lambda_max and ln mu_max."""
@@ -158,6 +173,7 @@ class CurveFit:
         before = float(offset @ (0.5 * past.information @ offset + past.gradient)) + 0.5 * float(self.z @ self.z)
         self.cost = at.cost + before - past.log_likelihood
         self.log_evidence = -self.cost - float(np.log(np.diag(lower)).sum())
+        self._node_time, self._of_node = nodes.time, at.of_node
         curve = float(np.abs(move[:2] * sd[:2]).max())
         longest = max(curve / 0.4, float(np.abs(move[2:]).max()) / 1.5, 1.0)
         move /= longest
@@ -174,6 +190,15 @@ class CurveFit:
         self.steps += 1
         self.moved = at.moved
         return curve
+
+    def begin_at(self, other: "CurveFit") -> None:
+        """Go where the fit of another formula is, with a shape of the prior: this one has gone astray."""
+        self.z = other.z.copy()
+        self.z[[Unknown.SHAPE_1, Unknown.SHAPE_2]] = 0.0
+        self.load_variation = other.load_variation
+        self._correction = other._correction.copy()
+        self._damping = 0.0
+        self._last_move = np.zeros_like(self.z)
 
     def fold(self, samples: BrakingSamples, nodes: Nodes, start: Start, number: int, memory: float) -> None:
         """Keep what the oldest `number` nodes say as a quadratic; `memory`: share kept of what was said before."""
