@@ -1,13 +1,14 @@
 """Parameters of friction_curve_id: of the node, the bag runner and the parameter file."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.chapter.tyre_force import TyreForceParameters
 from friction_curve_id.interface import CurveEstimator
+from friction_curve_id.known_car import not_known
 from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.methods import CHAPTER_METHODS, DEFAULT, METHODS, ChapterParameters, make_estimator
 from friction_curve_id.sample_gate import GateParameters
@@ -16,9 +17,10 @@ from friction_parameters import shared
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import group, parameter
 from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import moved, vehicle_file_parameter
 
-CAR, VEHICLE, TYRE_FORCE = "car", "vehicle", "tyre_force"
+AUTO, CAR, VEHICLE, TYRE_FORCE = "auto", "car", "vehicle", "tyre_force"
 SLIP, VEHICLE_VELOCITY, NO_SPEED = "slip", "vehicle_velocity", "none"
 
 
@@ -27,7 +29,11 @@ class FrictionCurveParameters:
     """All of them, with unit and range; the car is in the vehicle file."""
 
     vehicle_file: str = vehicle_file_parameter()
-    method: str = parameter(DEFAULT, "how the curve is identified", choices=(*METHODS, CAR, VEHICLE, TYRE_FORCE))
+    method: str = parameter(
+        AUTO,
+        "how the curve is identified; auto: car, or default where the vehicle file says that it is exact",
+        choices=(AUTO, *METHODS, CAR, VEHICLE, TYRE_FORCE),
+    )
     speed_source: str = parameter(
         SLIP,
         "where the vehicle speed comes from: the topic <wheel>/slip, vehicle_velocity, or none",
@@ -35,10 +41,10 @@ class FrictionCurveParameters:
     )
     abs_activation_slip: float = parameter(0.15, "slip whose first passing is marked", minimum=0.01, maximum=0.9)
     deadline: float = shared.deadline()
-    gate: GateParameters = group(GateParameters(), selector="method", methods=METHODS)
-    noise: MeasurementNoise = group(MeasurementNoise(), selector="method", methods=METHODS)
+    gate: GateParameters = group(GateParameters(), selector="method", methods=(AUTO, *METHODS))
+    noise: MeasurementNoise = group(MeasurementNoise(), selector="method", methods=(AUTO, *METHODS))
     chapter: ChapterParameters = group(ChapterParameters(), selector="method", methods=tuple(CHAPTER_METHODS))
-    car: CarEstimatorParameters = group(CarEstimatorParameters(), selector="method", methods=(CAR,))
+    car: CarEstimatorParameters = group(CarEstimatorParameters(), selector="method", methods=(AUTO, CAR))
     vehicle: WholeVehicleParameters = group(WholeVehicleParameters(), selector="method", methods=(VEHICLE,))
     tyre_force: TyreForceParameters = group(TyreForceParameters(), selector="method", methods=(TYRE_FORCE,))
 
@@ -72,6 +78,12 @@ class FrictionCurveParameters:
         """Refuse combinations that cannot work."""
         if self.method == VEHICLE and self.speed_source == NO_SPEED:
             raise ValueError("parameter 'speed_source' = 'none' does not serve the method 'vehicle'")
+
+    def serving(self, vehicle: Vehicle) -> "FrictionCurveParameters":
+        """Return the parameters with the method that AUTO stands for on this car."""
+        if self.method != AUTO:
+            return self
+        return replace(self, method=CAR if not_known(vehicle) else DEFAULT)
 
     def estimator(self, wheel: CornerParameters) -> CurveEstimator:
         """Make the estimator of one wheel by the method, one of METHODS."""

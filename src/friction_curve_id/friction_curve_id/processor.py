@@ -101,6 +101,7 @@ def build(
     parameters: FrictionCurveParameters, vehicle: Vehicle, report: Report = silent
 ) -> list[CurveProcessor] | list[CarProcessor]:
     """Make the processors: one for each wheel of the car, or a single one for the methods 'car' and 'vehicle'."""
+    parameters = parameters.serving(vehicle)
     if parameters.method == CAR:
         return [CarProcessor(vehicle, parameters, report)]
     if parameters.method == VEHICLE:

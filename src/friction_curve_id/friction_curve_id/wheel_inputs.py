@@ -17,6 +17,7 @@ from friction_curve_id.inputs import (
     wheel_slip,
 )
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, Sample
+from friction_curve_id.known_car import not_known
 from friction_curve_id.parameters import SLIP, FrictionCurveParameters
 from friction_curve_id.parameters import VEHICLE_VELOCITY as SPEED_SENSOR
 from friction_runtime.aligner import AlignedInput, AlignedSample
@@ -36,6 +37,7 @@ class WheelInputs:
         self.primary = WHEEL_STATES
         self._wheel_speeds = WheelSpeeds(vehicle, (wheel,), report)
         self._estimator = parameters.estimator(vehicle.corner(wheel))
+        self._not_known = not_known(vehicle)
         self._brake_torque = BrakeTorque(vehicle, wheel)
         self._pressure = self._brake_torque.topic
         self._slip = f"{wheel}/slip"
@@ -72,7 +74,12 @@ class WheelInputs:
         if torque is None:
             return Refusal(Reason.NO_TORQUE, sample.missing[self._pressure]), slip
         speed = known_speed(sample, self._speed)
-        return self._estimator.update(Sample(sample.stamp / NANOSECONDS, sample.payload, speed, torque[0])), slip
+        answer = self._estimator.update(Sample(sample.stamp / NANOSECONDS, sample.payload, speed, torque[0]))
+        if self._not_known and isinstance(answer, CurveEstimate) and answer.valid:
+            # Its interval counts noise alone.
+            text = f"{self._not_known}: the interval does not count that, method 'car' does"
+            answer = answer._replace(reason=Reason.UNCERTAIN, text=text)
+        return answer, slip
 
     def reset(self) -> None:
         """Reset the estimator."""

@@ -76,7 +76,7 @@ def test_published_roads_are_of_the_burckhardt_family(name: str) -> None:
 
 
 def test_a_steady_deceleration_moves_its_load_in_the_end_and_overshoots_first() -> None:
-    unknowns = car_prior(CAR, WHEELS, Family.PACEJKA, 0.0, True).mean
+    unknowns = car_prior(CAR, WHEELS, SHAPE_PRIORS[Family.PACEJKA], 0.0, True).mean
     pitch = pitch_of_body(np.full(2000, 5.0), 0.005, unknowns, PitchState())
     assert pitch.load[-1] == pytest.approx(5.0, rel=1e-6)
     damping = unknowns[Unknown.PITCH_DAMPING]
@@ -85,7 +85,7 @@ def test_a_steady_deceleration_moves_its_load_in_the_end_and_overshoots_first() 
 
 
 def test_pitch_goes_on_from_where_older_samples_left_it() -> None:
-    unknowns = car_prior(CAR, WHEELS, Family.PACEJKA, 0.0, True).mean
+    unknowns = car_prior(CAR, WHEELS, SHAPE_PRIORS[Family.PACEJKA], 0.0, True).mean
     force = np.random.default_rng(1).normal(3.0, 2.0, 80)
     whole = pitch_of_body(force, 0.005, unknowns, PitchState())
     state = PitchState((force[39], force[38]), (whole.pitch[39], whole.pitch[38]), (whole.load[39], whole.load[38]))
@@ -113,7 +113,7 @@ def test_the_jacobian_of_the_wheel_equation_is_that_of_its_errors(family: Family
     samples, start = samples_of_a_braking()
     car = CarConstants(CAR, WHEELS)
     nodes = node_signals(car, samples, start, np.full(4, 0.01), True).subset(slice(0, 80))
-    p = car_prior(CAR, WHEELS, family, 0.023, True).mean
+    p = car_prior(CAR, WHEELS, SHAPE_PRIORS[family], 0.023, True).mean
     p[Unknown.ENGINE_DRAG], p[Unknown.PRESSURE_DELAY] = 30.0, 0.0072
 
     def equation(unknowns: Array) -> tuple[Array, Array]:
@@ -139,7 +139,7 @@ def test_the_scale_of_torque_moves_no_error() -> None:
     samples, start = samples_of_a_braking()
     car = CarConstants(CAR, WHEELS)
     nodes = node_signals(car, samples, start, np.full(4, 0.01), True)
-    p = car_prior(CAR, WHEELS, Family.PACEJKA, 0.023, True).mean
+    p = car_prior(CAR, WHEELS, SHAPE_PRIORS[Family.PACEJKA], 0.023, True).mean
     moved = motion(car, nodes, p, Carried())
     torque, rate = delayed(samples, nodes, start, 0.0)
     found = wheel_equation(car, nodes, moved, torque, rate, Family.PACEJKA, p, 5.0)
@@ -168,7 +168,7 @@ def test_the_balance_of_a_car_that_brakes_as_it_reads_is_level() -> None:
         samples.append(0.005 * k, np.full(4, speed / 0.3), torque, -deceleration, -deceleration * 0.005, True)
     start = Start(0.0, 25.0, -deceleration, 0.0)
     nodes = node_signals(car, samples, start, np.full(4, 0.01), False)
-    p = car_prior(vehicle, WHEELS, Family.PACEJKA, 0.023, True).mean
+    p = car_prior(vehicle, WHEELS, SHAPE_PRIORS[Family.PACEJKA], 0.023, True).mean
     p[Unknown.PITCH_READING] = 0.0
     moved = motion(car, nodes, p, Carried())
     errors, rows = car_balance(car, nodes, moved, np.full((4, 59), 350.0), np.zeros((4, 59, 4)), p)
@@ -179,8 +179,8 @@ def test_the_balance_of_a_car_that_brakes_as_it_reads_is_level() -> None:
 def test_what_a_file_does_not_state_has_a_stated_deviation_and_zero_means_exactly() -> None:
     exact = replace(CAR, deviations={"mass": Deviation(0.0, SharedBy.ALL)})
     silent = replace(CAR, deviations={})
-    assert car_prior(exact, WHEELS, Family.PACEJKA, 0.0, True).stddev[Unknown.LOG_MASS] == 0.0
-    assert car_prior(silent, WHEELS, Family.PACEJKA, 0.0, True).stddev[Unknown.LOG_MASS] == pytest.approx(
+    assert car_prior(exact, WHEELS, SHAPE_PRIORS[Family.PACEJKA], 0.0, True).stddev[Unknown.LOG_MASS] == 0.0
+    assert car_prior(silent, WHEELS, SHAPE_PRIORS[Family.PACEJKA], 0.0, True).stddev[Unknown.LOG_MASS] == pytest.approx(
         STATED["mass"]
     )
 

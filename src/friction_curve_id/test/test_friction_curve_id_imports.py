@@ -29,9 +29,10 @@ ROS_LAYER = {
 LAYER_1: dict[str, set[str]] = {
     **{module: INTERFACE for module in INTERFACE},
     "activation": INTERFACE,
+    "known_car": set(),
     "curve": INTERFACE | {"curve"},
     **{room: INTERFACE | {"curve", room} for room in METHODS},
-    **{module: INTERFACE | {"curve"} | METHODS | CHOICE for module in CHOICE},
+    **{module: INTERFACE | {"curve", "known_car"} | METHODS | CHOICE for module in CHOICE},
 }
 """Allowed imports, within the package, of a subpackage or a module beside them that must not depend on ROS."""
 PACKAGES = {"friction_curve_id", "friction_parameters", "vehicle_models", "numpy", "scipy", *sys.stdlib_module_names}

@@ -22,12 +22,16 @@ Brake = Callable[..., Any]
 
 TWO_WHEELS = """
 name: two corners
-mass: 450.0
+mass: {value: 450.0, stddev: 0.0}
+brake_pressure_delay: {value: 0.0, stddev: 0.0}
 front_load_share: 0.5
 wheelbase: 2.7
 centre_of_gravity_height: 0.0
 track: 1.5
-all_wheels: {radius: 0.3, inertia: 1.0, brake_gain: 1.0e-4}
+all_wheels:
+  radius: {value: 0.3, stddev: 0.0}
+  inertia: {value: 1.0, stddev: 0.0}
+  brake_gain: {value: 1.0e-4, stddev: 0.0}
 wheels:
   front_left: {axle: front, side: left}
   rear_left: {axle: rear, side: left}

@@ -16,6 +16,7 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
 
 from friction_curve_id.activation import ActivationMark
+from friction_curve_id.car_processor import CarProcessor
 from friction_curve_id.interface import Reason, RestartCause
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.processor import CurveProcessor, build
@@ -25,7 +26,7 @@ from friction_parameters.values import declared, from_mapping, ignored
 from friction_runtime.processor import Level, Report, silent
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.vehicle import Accelerometer, Vehicle
+from vehicle_models.vehicle import Accelerometer, Deviation, SharedBy, Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
 Brake = Callable[..., Any]
@@ -64,6 +65,16 @@ def braking(clean: Brake, name: str = "dry", start: int = START, wheel: str = "f
 def made_by(values: dict[str, Any], vehicle: Vehicle = CORNER, report: Report = silent) -> list[CurveProcessor]:
     made = build(from_mapping(FrictionCurveParameters, values), vehicle, report)
     return [each for each in made if isinstance(each, CurveProcessor)]
+
+
+def exact(vehicle: Vehicle, **changes: Any) -> Vehicle:
+    """The vehicle with all that a wheel method takes for granted stated as exact."""
+    zero = Deviation(0.0, SharedBy.ALL)
+    changed = replace(vehicle, **changes)
+    of_wheel = dict.fromkeys(("radius", "inertia", "brake_gain"), zero)
+    of_car = dict.fromkeys(("mass", "brake_pressure_delay", "engine_drag_torque"), zero)
+    wheels = tuple(replace(wheel, deviations=of_wheel) for wheel in changed.wheels)
+    return replace(changed, wheels=wheels, deviations=of_car)
 
 
 def processor(**values: Any) -> CurveProcessor:
@@ -235,7 +246,7 @@ def test_an_activation_ends_with_the_braking() -> None:
 
 def test_wheels_have_parameters_of_their_own(clean: Brake) -> None:
     wheels = tuple(replace(each, brake_gain=2 * GAIN) if each.axle == "rear" else each for each in CAR.wheels)
-    made = made_by({"method": "ml"}, replace(CAR, wheels=wheels))
+    made = made_by({"method": "ml"}, exact(CAR, wheels=wheels, centre_of_gravity_height=0.0))
     left = drive(made[0], braking(clean, wheel="front_left"))[-1]
     rear = drive(made[2], braking(clean, wheel="rear_left"))[-1]
     assert left.valid
@@ -451,3 +462,30 @@ def test_a_changed_parameter_makes_processors_on_the_same_topics() -> None:
         return [{*each.sensors, *each.estimates, *each.outputs} for each in made_by(values)]
 
     assert topics({}) == topics({"chapter.friction_source": "slip_equation", "gate.max_gap": 0.1})
+
+
+def test_a_car_that_is_not_known_exactly_gets_the_method_that_counts_it() -> None:
+    rigid = replace(CAR, centre_of_gravity_height=0.0)
+    for vehicle, method in (
+        (CORNER, "default"),
+        (exact(rigid), "default"),
+        (exact(CAR), "car"),  # braking moves its load
+        (rigid, "car"),  # says nothing of its deviations
+        (load_vehicle("compact_car"), "car"),
+    ):
+        assert FrictionCurveParameters().serving(vehicle).method == method
+        assert isinstance(build(FrictionCurveParameters(), vehicle)[0], CarProcessor) is (method == "car")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_wheel_method_is_never_valid_on_a_car_that_is_not_known_exactly(method: str, clean: Brake) -> None:
+    unsure = {"mass": Deviation(10.0, SharedBy.ALL), "brake_pressure_delay": Deviation(0.0, SharedBy.ALL)}
+    known, unknown = (
+        drive(made_by({"method": method}, vehicle)[0], braking(clean))
+        for vehicle in (CORNER, replace(CORNER, deviations=unsure))
+    )
+    assert known[-1].valid
+    assert not any(message.valid for message in unknown)
+    assert unknown[-1].lambda_max == known[-1].lambda_max
+    assert unknown[-1].reason == FrictionCurve.UNCERTAIN
+    assert "'mass' has the stddev 10" in unknown[-1].reason_text and "'car'" in unknown[-1].reason_text

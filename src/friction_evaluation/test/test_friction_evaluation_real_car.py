@@ -22,6 +22,7 @@ from friction_evaluation.real_car.stops import judge
 from friction_evaluation.real_car.troubles import TROUBLES, troubled_car
 from friction_evaluation.rows import Row
 from friction_evaluation.run_lengths import run_lengths
+from vehicle_models.surfaces import TABLE_8_1
 
 Array = NDArray[np.float64]
 
@@ -170,7 +171,8 @@ def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None
     assert {row["case"] for row in rows} == {
         *("48 teeth at 100 Hz", "random cars", "ordinary driving"),
         *("before the peak, burckhardt", "before the peak, pacejka"),
+        *("known exactly, default", "known exactly, car", "cost, default", "cost, car"),
     }
-    assert {row["road"] for row in rows} == {"wet", "all"}
+    assert {row["road"] for row in rows} == {"wet", "all", *TABLE_8_1}
     for row in rows:
         assert {"value", "limit", "passed"} <= set(row)

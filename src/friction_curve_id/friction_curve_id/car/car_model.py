@@ -90,6 +90,8 @@ class Nodes:
     """Speed of the wheels at time 0 [m/s]."""
     closed: Array
     """1 where the throttle is closed, shape (n,)."""
+    spread: float
+    """Share of its second difference that a torque's mean between the wheel speeds has more than its node [-]."""
 
     def subset(self, nodes: slice) -> "Nodes":
         """Return some neighbouring nodes."""
@@ -105,6 +107,7 @@ class Nodes:
             self.acceleration_change[nodes],
             self.start_speed,
             self.closed[nodes],
+            self.spread,
         )
 
 
@@ -152,6 +155,8 @@ class Motion:
     """Specific force, braking positive [m/s^2], shape (n,)."""
     pitch: Pitch
     """Pitch, in units of the specific force, braking positive."""
+    immediate: Array
+    """d s / d slip at the same node [-], shape (n,)."""
 
 
 def speeds(nodes: Nodes, unknowns: Array, pitch: Array, pitched: float) -> tuple[Array, Array]:
@@ -209,6 +214,8 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
     if carried.slip is not None:
         held[0, :wheels] = carried.slip
     relaxed = recursion(keep, held).T
+    immediate = np.ones(n)
+    immediate[1:] = after
     s = relaxed[:wheels]
     by_x = -keep * s[:, :-1]
     decay_by_x = (keep - mean_decay) / x
@@ -237,6 +244,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
         mass * height * pitch.load_gradient[:, np.newaxis, :],
         force,
         pitch,
+        immediate,
     )
 
 

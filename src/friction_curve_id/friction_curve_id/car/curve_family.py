@@ -47,6 +47,8 @@ SHAPE_PRIORS = {
     Family.PACEJKA: ShapePrior((1.87, -2.0), (0.25, 1.3)),
 }
 """Burckhardt: u, unused. Pacejka: C, ln(1 - E), held above -4.5. Published curves lie within two deviations."""
+PUBLISHED_ROADS = ShapePrior((0.0, 0.0), (0.18, 0.0))
+"""Burckhardt alone: u as on his six roads, as for the default (CurvePrior). No tyre of another formula is to be met."""
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """The friction curve of a car that is not known exactly, sample by sample.
 
 One curve is fitted for all wheels of the car: that they are on the same road is an assumption. While the car brakes,
-each family of curves takes one Gauss-Newton step in turn, at most every 18 ms whatever the rate of the samples; in
+each family of curves takes one Gauss-Newton step in turn, with four wheels every 18 ms at most whatever the rate; in
 between, the present slip is followed with the last fit. What leaves the window of the newest second stays as a
 quadratic, which fades.
 """
@@ -15,15 +15,7 @@ from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_model import LEAST_RELAXATION, SPEED_UNKNOWNS, CarConstants, Nodes
 from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
-from friction_curve_id.car.evidence import (
-    LAMBDA_FLOOR,
-    SEEN_FACTOR,
-    UNSEEN_FACTOR,
-    UNSEEN_FLOOR,
-    Peak,
-    mixture,
-    normal_probability,
-)
+from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.node_signals import Start, node_signals, rolling_noise
 from friction_curve_id.car.parameters import CarEstimatorParameters
@@ -37,8 +29,8 @@ Answers = tuple[CurveEstimate | Refusal, ...]
 
 _INTERVAL = 0.0045
 """Least time between two samples of the window [s]; faster ones are averaged."""
-_STEP_INTERVAL = 0.018
-"""Least time between two Gauss-Newton steps [s]."""
+_STEP_INTERVAL = 0.0045
+"""Least time between two Gauss-Newton steps for each wheel of the car [s]: what they cost goes with the wheels."""
 _BEFORE = 0.4
 """Time before the braking that is kept [s]."""
 _LEAST_BEFORE = 0.1
@@ -53,7 +45,8 @@ _FIRST_STEP = 0.06
 _BRAKES, _RELEASED = 0.4, 0.2
 """Deceleration by the brakes at which a braking begins, and ends [m/s^2]."""
 _RELEASE_TIME = 0.15
-_NEWEST_SPEED_STDDEV = 0.05
+_SAME_TIME = 1e-6
+"""Times are equal within this [s]."""
 _PASSED = 1.05
 """Slip over lambda_max that counts as beyond the peak for validity."""
 _SURE = 1.645
@@ -66,6 +59,8 @@ _LEAST_AGE = 0.1
 """Time since the slip first was beyond the peak before it is seen [s]."""
 _SURPRISE = 2.5
 """Most deviations by which the sum of the squared unknowns may exceed its mean, each in deviations of its prior."""
+_ASTRAY, _STEPS_BACK = 50.0, 5
+"""A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""
 
@@ -162,13 +157,13 @@ class CarEstimator:
         if not self._braking:
             self._with_accelerometer = isfinite(sample.acceleration)
         acceleration = sample.acceleration
-        if not self._with_accelerometer:
-            growth = np.zeros_like(speed)
-            if last is not None:
-                growth = (speed - last.wheel_speed[index]) / (sample.time - last.time)
-            inertia = self._car.inertia[:, 0]
-            acceleration = -float(self._per_torque @ (inertia * growth + torque))
         interval = 0.0 if last is None else sample.time - last.time
+        if not self._with_accelerometer:
+            growth, mean_torque = np.zeros_like(speed), torque
+            if last is not None:
+                growth = (speed - last.wheel_speed[index]) / interval
+                mean_torque = 0.5 * (torque + last.brake_pressure[index] * self._gain[index])
+            acceleration = -float(self._per_torque @ (self._car.inertia[:, 0] * growth + mean_torque))
         before = acceleration if last is None or not isfinite(last.acceleration) else last.acceleration
         self._gained += interval * 0.5 * (acceleration + before if self._with_accelerometer else 2.0 * acceleration)
         self._gathered_time += interval
@@ -188,7 +183,7 @@ class CarEstimator:
         if not self._braking:
             text = "the speed at the start of the braking is not known" if self._unknown_start else "no braking"
             return Refusal(Reason.NO_EXCITATION, text)
-        if complete and sample.time - self._stepped_at >= _STEP_INTERVAL:
+        if complete and sample.time - self._stepped_at >= _STEP_INTERVAL * len(index):
             self._step(sample.time)
         return self._answer(sample.time, speed)
 
@@ -231,14 +226,14 @@ class CarEstimator:
         self._fits = [
             CurveFit(
                 self._car,
-                car_prior(self._vehicle, self._present, family, p.slope_stddev, self._with_accelerometer),
+                car_prior(self._vehicle, self._present, shape, p.slope_stddev, self._with_accelerometer),
                 family,
                 p.torque_stddev,
                 balanced,
             )
-            for family in p.families()
+            for family, shape in p.families().items()
         ]
-        self._families = p.families()
+        self._families = tuple(p.families())
         unknown = int(np.count_nonzero(self._fits[0].known_to > 0.0))
         self._most_surprise = unknown + _SURPRISE * sqrt(2.0 * unknown)
         self._mu_floor = radius_deviation(self._vehicle)
@@ -247,6 +242,7 @@ class CarEstimator:
         self._seen = 0.0
         self._beyond_since = inf
         self._move = [inf] * len(self._fits)
+        self._gone_back = [0] * len(self._fits)
 
     def _fold(self) -> None:
         """Let the oldest samples leave the window."""
@@ -265,10 +261,15 @@ class CarEstimator:
         self._turn += 1
         self._stepped_at = time
         fit = self._fits[which]
+        evidence = self._log_evidence()
+        best = int(np.argmax(evidence))
+        if fit.steps - self._gone_back[which] >= _STEPS_BACK and evidence[which] < evidence[best] - _ASTRAY:
+            fit.begin_at(self._fits[best])
+            self._gone_back[which] = fit.steps
         nodes = self._nodes()
         # The torque of the newest nodes has not been measured yet where pressures come late.
         known = self._samples.time[-1] - max(float(fit.unknowns[Unknown.PRESSURE_DELAY]), 0.0) - self._start.time
-        keep = int(np.searchsorted(nodes.time + 0.5 * nodes.interval, known))
+        keep = int(np.searchsorted(nodes.time + 0.5 * nodes.interval, known + _SAME_TIME))
         if keep < 5:
             return
         try:
@@ -279,12 +280,17 @@ class CarEstimator:
         if all(each.steps for each in self._fits):
             fits = self._fits
             found = [each.unknowns for each in fits], [each.covariance for each in fits]
-            evidence = [each.log_evidence for each in fits]
+            evidence = self._log_evidence()
             self._peak = mixture(*found, evidence, self._mu_floor, True)
             self._seen = self._time_beyond(fit, self._peak, nodes.subset(slice(0, keep)))
             if self._seen < _SEEN_TIME:
                 self._peak = mixture(*found, evidence, self._mu_floor, False)
         self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
+
+    def _log_evidence(self) -> list[float]:
+        """Log evidence of the fits for the nodes that all of them have seen."""
+        common = min(fit.newest for fit in self._fits)
+        return [fit.log_evidence_until(common) for fit in self._fits]
 
     def _time_beyond(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> float:
         """Time for which the slips of the window were surely beyond the peak, summed over wheels [s]."""
@@ -342,7 +348,7 @@ class CarEstimator:
         wheels = len(self._index)
         mean = np.zeros(wheels)
         beyond = [0.0] * wheels
-        factor, floor = (SEEN_FACTOR, LAMBDA_FLOOR) if self._seen >= _SEEN_TIME else (UNSEEN_FACTOR, UNSEEN_FLOOR)
+        factor, floor = doubt(self._seen >= _SEEN_TIME, len(self._fits) == 1)
         changed = float(self._samples.speed_change[-1]) + self._gained
         for weight, fit in zip(peak.weights, self._fits, strict=True):
             p, moved = fit.unknowns, fit.moved

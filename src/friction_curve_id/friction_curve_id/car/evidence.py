@@ -38,6 +38,13 @@ class Peak:
     """Of the families, sum 1."""
 
 
+def doubt(seen: bool, formula_known: bool) -> tuple[float, float]:
+    """Factor and floor of the relative deviation of lambda_max, for what a formula leaves out."""
+    if formula_known:
+        return 1.0, 0.0
+    return (SEEN_FACTOR, LAMBDA_FLOOR) if seen else (UNSEEN_FACTOR, UNSEEN_FLOOR)
+
+
 def mixture(
     unknowns: list[Array], covariances: list[Array], log_evidence: list[float], mu_floor: float, seen: bool
 ) -> Peak:
@@ -57,8 +64,10 @@ def mixture(
     kept = _KEPT if seen else _UNSEEN_KEPT
     weights = [(each / total + kept) / (1.0 + count * kept) for each in raw] if count > 1 else [1.0]
     found = []
-    of_lambda = (SEEN_FACTOR, LAMBDA_FLOOR) if seen else (UNSEEN_FACTOR, UNSEEN_FLOOR)
-    of_mu = (1.0 if seen else _UNSEEN_MU_FACTOR, hypot(_MU_FLOOR, mu_floor))
+    of_lambda = doubt(seen, count == 1)
+    of_mu = (1.0, mu_floor)
+    if count > 1:
+        of_mu = (1.0 if seen else _UNSEEN_MU_FACTOR, hypot(_MU_FLOOR, mu_floor))
     for index, (factor, floor) in ((Unknown.LOG_LAMBDA_MAX, of_lambda), (Unknown.LOG_MU_MAX, of_mu)):
         values = [float(each[index]) for each in unknowns]
         mean = sum(w * value for w, value in zip(weights, values, strict=True))

@@ -4,7 +4,7 @@ The cost is that of the wheel equations, whitened by their tridiagonal covarianc
 prior in z = (unknown - mean) / stddev, with what older samples said as a quadratic in z.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +53,11 @@ class Linearised:
     cost: float
     """- ln likelihood, without constants."""
     moved: Motion
+    noise: "WheelSpeedNoise"
+    white: Array
+    """C^-1 of the Jacobian in z and, last, of the error, shape (W n, P + 1)."""
+    of_node: Array
+    """What each node adds to the cost of those before it, of all wheels, shape (n,)."""
 
 
 class CurveFit:
@@ -73,8 +78,10 @@ class CurveFit:
         self.past = Quadratic(np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros((n, n)))
         self.covariance = np.diag(self._prior.stddev**2)
         self.log_evidence = 0.0
+        self._node_time = self._of_node = np.zeros(0)
         self.steps = 0
         self.carried = Carried()
+        self._correction = np.zeros((self._car.wheels, 0))
         self._damping = 0.0
         self._last_move = np.zeros(n)
 
@@ -93,23 +100,40 @@ class CurveFit:
         """Sum of the squares of the unknowns, each in deviations of its prior."""
         return float(self.z @ self.z)
 
+    @property
+    def newest(self) -> float:
+        """Time of the newest node of the last step [s]."""
+        return float(self._node_time[-1]) if self._node_time.size else 0.0
+
+    def log_evidence_until(self, time: float) -> float:
+        """Log evidence without the nodes later than `time` [s]: fits in turn have not seen the same nodes."""
+        return self.log_evidence + float(self._of_node[self._node_time > time + 1e-6].sum())
+
     def linearise(self, samples: BrakingSamples, nodes: Nodes, start: Start, adapt: bool = True) -> Linearised:
         """Linearise about the present estimate; `adapt`: move the load variation towards its likelihood's maximum."""
         p, sd = self.unknowns, self._prior.stddev
-        moved = motion(self._car, nodes, p, self.carried)
+        # Slips are taken at the wheel speeds that the last step found, not at the measured ones: the curve bends, and
+        # their noise would be in the residual and in its derivatives alike.
+        correction = self._at_nodes(nodes)
+        moved = motion(self._car, replace(nodes, wheel_speed=nodes.wheel_speed + correction), p, self.carried)
         torque, rate = delayed(samples, nodes, start, float(p[Unknown.PRESSURE_DELAY]))
         equation = wheel_equation(self._car, nodes, moved, torque, rate, self.family, p, self._torque_stddev)
+        noise = WheelSpeedNoise(nodes, equation.by_wheel_speed)
+        error = equation.error - equation.by_wheel_speed * correction
         if adapt:
-            self._adapt(equation, nodes)
-        pivots, factors, log_determinant = _factorised(equation, nodes, LOAD_VARIATIONS[self.load_variation])
+            self._adapt(equation, error, noise)
+        pivots, factors, log_determinant = noise.factorised(equation, LOAD_VARIATIONS[self.load_variation])
         size = p.size
         columns = np.empty((equation.error.size, size + 1), order="F")
         columns[:, :size] = equation.jacobian.reshape(-1, size)
         columns[:, :size] *= sd
-        columns[:, size] = equation.error.ravel()
+        columns[:, size] = error.ravel()
         white, _ = dpttrs(pivots, factors, columns)
         full = columns.T @ white
         cost = 0.5 * float(full[size, size]) + 0.5 * log_determinant
+        onward = white[:, size].copy()
+        onward[:-1] += factors * white[1:, size]
+        of_node = 0.5 * (pivots * onward**2 + np.log(pivots)).reshape(error.shape).sum(axis=0)
         variation = LOAD_VARIATIONS[self.load_variation]
         spread = _spread(white[:, :size], variation * np.sqrt(equation.load_variance), nodes.interval)
         if self._balanced:
@@ -121,7 +145,7 @@ class CurveFit:
             full[:size, :size] += rows.T @ rows
             full[:size, size] += rows.T @ errors
             cost += 0.5 * float(errors @ errors)
-        return Linearised(full[:size, :size], full[:size, size], spread, cost, moved)
+        return Linearised(full[:size, :size], full[:size, size], spread, cost, moved, noise, white, of_node)
 
     def step(self, samples: BrakingSamples, nodes: Nodes, start: Start) -> float:
         """Make a Gauss-Newton step; return its length in ln lambda_max and ln mu_max."""
@@ -149,6 +173,7 @@ class CurveFit:
         before = float(offset @ (0.5 * past.information @ offset + past.gradient)) + 0.5 * float(self.z @ self.z)
         self.cost = at.cost + before - past.log_likelihood
         self.log_evidence = -self.cost - float(np.log(np.diag(lower)).sum())
+        self._node_time, self._of_node = nodes.time, at.of_node
         curve = float(np.abs(move[:2] * sd[:2]).max())
         longest = max(curve / 0.4, float(np.abs(move[2:]).max()) / 1.5, 1.0)
         move /= longest
@@ -161,9 +186,19 @@ class CurveFit:
             self._damping = 0.0
         self._last_move = move
         self.z = self.z + move
+        self._correction = at.noise.correction(at.white[:, size] + at.white[:, :size] @ move)
         self.steps += 1
         self.moved = at.moved
         return curve
+
+    def begin_at(self, other: "CurveFit") -> None:
+        """Go where the fit of another formula is, with a shape of the prior: this one has gone astray."""
+        self.z = other.z.copy()
+        self.z[[Unknown.SHAPE_1, Unknown.SHAPE_2]] = 0.0
+        self.load_variation = other.load_variation
+        self._correction = other._correction.copy()
+        self._damping = 0.0
+        self._last_move = np.zeros_like(self.z)
 
     def fold(self, samples: BrakingSamples, nodes: Nodes, start: Start, number: int, memory: float) -> None:
         """Keep what the oldest `number` nodes say as a quadratic; `memory`: share kept of what was said before."""
@@ -186,37 +221,63 @@ class CurveFit:
             memory * past.spread + at.spread,
             likelihood,
         )
-        moved = motion(self._car, nodes.subset(slice(0, number + 1)), self.unknowns, self.carried)
+        leaving = nodes.subset(slice(0, number + 1))
+        leaving = replace(leaving, wheel_speed=leaving.wheel_speed + self._at_nodes(leaving))
+        moved = motion(self._car, leaving, self.unknowns, self.carried)
         self.carried = carried_over(nodes, moved, self.carried, number)
+        self._correction = self._correction[:, number:]
 
-    def _adapt(self, equation: WheelEquation, nodes: Nodes) -> None:
+    def _at_nodes(self, nodes: Nodes) -> Array:
+        """Corrections of the wheel speeds at the nodes [rad/s], shape (W, n); zero at those that are new."""
+        found = np.zeros((self._car.wheels, nodes.time.size))
+        count = min(self._correction.shape[1] - 1, nodes.time.size)
+        if count > 0:
+            found[:, :count] = 0.5 * (self._correction[:, :count] + self._correction[:, 1 : count + 1])
+        return found
+
+    def _adapt(self, equation: WheelEquation, error: Array, noise: "WheelSpeedNoise") -> None:
         """Move the load variation by at most a step towards the maximum of its likelihood."""
         here = self.load_variation
         candidates = [each for each in (here - 1, here, here + 1) if 0 <= each < LOAD_VARIATIONS.size]
         costs = []
-        error = equation.error.ravel()
         for each in candidates:
-            pivots, factors, log_determinant = _factorised(equation, nodes, LOAD_VARIATIONS[each])
-            white, _ = dpttrs(pivots, factors, error)
-            costs.append(float(error @ white) + log_determinant)
+            pivots, factors, log_determinant = noise.factorised(equation, LOAD_VARIATIONS[each])
+            white, _ = dpttrs(pivots, factors, error.ravel())
+            costs.append(float(error.ravel() @ white) + log_determinant)
         self.load_variation = candidates[int(np.argmin(costs))]
 
 
-def _factorised(equation: WheelEquation, nodes: Nodes, load_variation: float) -> tuple[Array, Array, float]:
-    """Factorise the covariance of the errors; wheel after wheel."""
-    noise = nodes.wheel_noise**2
-    per = 1.0 / nodes.interval
-    diagonal = (
-        equation.fixed_variance
-        + load_variation**2 * equation.load_variance
-        + (noise[:, 1:] + noise[:, :-1]) * (per * per)
-    )
-    off = np.zeros_like(diagonal)
-    off[:, :-1] = -noise[:, 1:-1] * (per[1:] * per[:-1])
-    pivots, factors, info = dpttrf(diagonal.ravel(), off.ravel()[:-1])
-    if info != 0:
-        raise np.linalg.LinAlgError("the covariance is not positive definite")
-    return pivots, factors, float(np.log(pivots).sum())
+class WheelSpeedNoise:
+    """What the noise of the n + 1 wheel speeds about n nodes makes of e: by their difference and by the slip."""
+
+    def __init__(self, nodes: Nodes, by_wheel_speed: Array) -> None:
+        """`by_wheel_speed`: d e / d wheel speed at the node by the slip [1/s], shape (W, n)."""
+        self._variance = nodes.wheel_noise**2
+        per, half = 1.0 / nodes.interval, 0.5 * by_wheel_speed
+        self._by_before, self._by_after = half - per, half + per
+
+    def factorised(self, equation: WheelEquation, load_variation: float) -> tuple[Array, Array, float]:
+        """Factorise the covariance C of the errors, wheel after wheel; the last number is its log determinant."""
+        variance, before, after = self._variance, self._by_before, self._by_after
+        diagonal = equation.fixed_variance + load_variation**2 * equation.load_variance
+        diagonal += variance[:, 1:] * after**2 + variance[:, :-1] * before**2
+        off = np.zeros_like(diagonal)
+        off[:, :-1] = variance[:, 1:-1] * after[:, :-1] * before[:, 1:]
+        pivots, factors, info = dpttrf(diagonal.ravel(), off.ravel()[:-1])
+        if info != 0:
+            raise np.linalg.LinAlgError("the covariance is not positive definite")
+        return pivots, factors, float(np.log(pivots).sum())
+
+    def correction(self, white: Array) -> Array:
+        """Most likely corrections of the wheel speeds [rad/s], shape (W, n + 1).
+
+        `white`: C^-1 e, shape (W n,).
+        """
+        by_node = white.reshape(self._by_before.shape)
+        gradient = np.zeros_like(self._variance)
+        gradient[:, :-1] = self._by_before * by_node
+        gradient[:, 1:] += self._by_after * by_node
+        return np.asarray(-self._variance * gradient)
 
 
 def _loosened(information: Array, gradient: Array, index: int, variance: float) -> tuple[Array, Array]:

@@ -57,7 +57,7 @@ def node_signals(
         acceleration = 0.5 * (samples.acceleration[1:] + samples.acceleration[:-1])
         change = 0.5 * (samples.speed_change[1:] + samples.speed_change[:-1])
         closed = samples.closed[:-1]
-        near, far = 9.0 / 16.0, -1.0 / 16.0
+        near, far = 0.5, 0.0
     speed = 0.5 * (w[:, 1:] + w[:, :-1])
     speed[:, 1:-1] = near * (w[:, 1:-2] + w[:, 2:-1]) + far * (w[:, :-3] + w[:, 3:])
     growth = np.diff(w, axis=1) / interval
@@ -83,6 +83,7 @@ def node_signals(
         acceleration - start.acceleration,
         start.speed,
         closed,
+        1.0 / 6.0 if counted else 1.0 / 24.0,
     )
 
 

@@ -1,8 +1,9 @@
 """Parameters of the car's estimator."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from friction_curve_id.car.curve_family import Family
+from friction_curve_id.car.curve_family import PUBLISHED_ROADS, SHAPE_PRIORS, Family, ShapePrior
 from friction_parameters import shared
 from friction_parameters.parameter import parameter
 
@@ -28,6 +29,6 @@ class CarEstimatorParameters:
     minimum_speed: float = shared.minimum_speed(3.0)
     max_gap: float = shared.max_gap(0.05)
 
-    def families(self) -> tuple[Family, ...]:
-        """Formulas to fit."""
-        return tuple(Family) if self.family == ANY else (Family(self.family),)
+    def families(self) -> Mapping[Family, ShapePrior]:
+        """Formulas to fit, each with the prior of its shape."""
+        return SHAPE_PRIORS if self.family == ANY else {Family.BURCKHARDT: PUBLISHED_ROADS}

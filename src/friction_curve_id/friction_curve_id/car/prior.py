@@ -9,7 +9,7 @@ from math import hypot, log, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.car.curve_family import SHAPE_PRIORS, Family
+from friction_curve_id.car.curve_family import ShapePrior
 from friction_curve_id.car.unknowns import SHARED, Unknown
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.vehicle import FRONT, Deviations, Vehicle, Wheel
@@ -63,14 +63,14 @@ class Prior:
 
 
 def car_prior(
-    vehicle: Vehicle, present: tuple[int, ...], family: Family, slope_stddev: float, with_accelerometer: bool
+    vehicle: Vehicle, present: tuple[int, ...], shape: ShapePrior, slope_stddev: float, with_accelerometer: bool
 ) -> Prior:
     """Return the prior of a car.
 
     Args:
         vehicle: the car.
         present: the wheels that are measured, by index.
-        family: formula of the curve.
+        shape: prior of the shape of the curve.
         slope_stddev: standard deviation of the slope of the road [-], >= 0.
         with_accelerometer: whether the speed comes from an accelerometer, or from the wheels at nominal values.
     """
@@ -80,7 +80,6 @@ def car_prior(
     def put(unknown: Unknown, value: float, deviation: float) -> None:
         mean[unknown], stddev[unknown] = value, deviation
 
-    shape = SHAPE_PRIORS[family]
     radius = max(_relative(wheel, "radius") for wheel in wheels)
     gains = [
         max((_relative(w, "brake_gain") for w in wheels if (w.axle == FRONT) is front), default=0.0)

@@ -39,12 +39,14 @@ class WheelEquation:
     """Variance of e for a load that varies by 1, shape (W, n)."""
     torque: Array
     """Torque of the brake and the engine at the nodes, weighed [N m], shape (W, n)."""
+    by_wheel_speed: Array
+    """d e / d wheel speed at the node by the slip there [1/s], shape (W, n)."""
 
 
-def weighed(values: Array) -> Array:
-    """Weigh by 1/6, 2/3, 1/6 along the second axis; the ends are extended straight."""
+def weighed(values: Array, share: float) -> Array:
+    """Add a share of the second difference along the second axis; the ends are extended straight."""
     result = values.copy()
-    result[:, 1:-1] += (values[:, :-2] - 2.0 * values[:, 1:-1] + values[:, 2:]) * (1.0 / 6.0)
+    result[:, 1:-1] += (values[:, :-2] - 2.0 * values[:, 1:-1] + values[:, 2:]) * share
     return result
 
 
@@ -113,26 +115,28 @@ def wheel_equation(
     tyre_jacobian[:, :, Unknown.CURVE] = tyre_by_slip * car.left * moved.relaxed_by_offset
     for wheel in range(wheels):
         tyre_jacobian[wheel, :, SHARED + wheel] = tyre_by_slip[wheel] * moved.relaxed_by_offset
-    jacobian = weighed(tyre_jacobian)
+    jacobian = weighed(tyre_jacobian, nodes.spread)
     jacobian *= -1.0
     # The noise of a torque is part of e: a Jacobian that held it would draw inertia and gain to where noise is least.
     smooth = _mean_of_five(brake)
     acting = brake + p[Unknown.ENGINE_DRAG] * car.driven
-    balance = acting - weighed(tyre)
+    passed = weighed(tyre, nodes.spread)
+    balance = acting - passed
     jacobian[:, :, Unknown.LOG_GAIN_FRONT] = car.front * smooth
     jacobian[:, :, Unknown.LOG_GAIN_REAR] = (1.0 - car.front) * smooth
     jacobian[:, :, Unknown.PRESSURE_DELAY] = gain * torque_rate
     jacobian[:, :, Unknown.ENGINE_DRAG] = car.driven
-    jacobian[:, :, Unknown.LOG_INERTIA] = -(smooth + p[Unknown.ENGINE_DRAG] * car.driven - weighed(tyre))
+    jacobian[:, :, Unknown.LOG_INERTIA] = -(smooth + p[Unknown.ENGINE_DRAG] * car.driven - passed)
     jacobian *= 1.0 / inertia[:, :, np.newaxis]
 
-    missed = (second_difference(brake) ** 2 + second_difference(tyre) ** 2) * (1.0 / 36.0)
-    slip_noise = tyre_by_slip * car.radius * nodes.wheel_noise[:, 1:] / moved.speed
+    missed = (second_difference(brake) ** 2 + second_difference(tyre) ** 2) * nodes.spread**2
+    by_wheel_speed = tyre_by_slip * car.radius / moved.speed
+    slip_noise = by_wheel_speed * (1.0 - moved.immediate) * nodes.wheel_noise[:, 1:]
     drive = np.where(nodes.closed > 0.0, 0.0, _UNKNOWN_DRIVE**2) * car.driven
     fixed = (torque_stddev**2 + missed + 0.5 * slip_noise**2 + drive) / inertia**2
     load_variance = (tyre / inertia) ** 2
     error = nodes.wheel_acceleration + balance / inertia
-    return WheelEquation(error, jacobian, fixed, load_variance, acting)
+    return WheelEquation(error, jacobian, fixed, load_variance, acting, by_wheel_speed * moved.immediate / inertia)
 
 
 def _mean_of_five(values: Array) -> Array:

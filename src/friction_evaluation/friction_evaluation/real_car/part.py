@@ -19,16 +19,23 @@ from friction_curve_id.methods import DEFAULT
 from friction_evaluation.pool import in_processes
 from friction_evaluation.real_car.before_peak import Rise, make_rise, rise_rows
 from friction_evaluation.real_car.bound import Bound, bound, bound_rows
+from friction_evaluation.real_car.cost import cost_rows, timed
 from friction_evaluation.real_car.driving import DRIVE, Drive, drive_rows, make_drive
+from friction_evaluation.real_car.known import Known, known_rows, make_known
 from friction_evaluation.real_car.methods import METHODS
 from friction_evaluation.real_car.stop_rows import stop_rows
 from friction_evaluation.real_car.stops import Stop, make_stop
 from friction_evaluation.real_car.troubles import ROADS, TROUBLES, troubled_car
 from friction_evaluation.rows import Row
+from vehicle_models.surfaces import TABLE_8_1
 
 _FIRST_SEED = 40_000
 """Far from the seeds of the tuning."""
-_STUDIES = ("troubles", "random", "before_peak", "driving")
+_STUDIES = ("troubles", "random", "before_peak", "driving", "known", "cost")
+_KNOWN_RUNS = 20
+"""Runs of a known corner in one task of a process."""
+_TIMED = 2
+"""Stops a road of the cost."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,7 +50,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> list[Row]:
     """Make the studies and return their rows."""
-    studies = {"troubles": _troubles, "random": _random, "before_peak": _before_peak, "driving": _driving}
+    studies = {
+        "troubles": _troubles,
+        "random": _random,
+        "before_peak": _before_peak,
+        "driving": _driving,
+        "known": _known,
+        "cost": _cost,
+    }
     return [row for name in options.studies for row in studies[name](options)]
 
 
@@ -98,6 +112,27 @@ def _driving(options: argparse.Namespace) -> list[Row]:
         for k in range(int(-(-total // DRIVE)))
     ]
     return drive_rows(in_processes(make_drive, jobs, "ordinary driving", options.processes)) if jobs else []
+
+
+def _known(options: argparse.Namespace) -> list[Row]:
+    """Both methods, whichever is judged elsewhere."""
+    rows: list[Row] = []
+    seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
+    for method in METHODS:
+        jobs = [
+            Known(road, method, tuple(seeds[first : first + _KNOWN_RUNS]))
+            for road in TABLE_8_1
+            for first in range(0, options.seeds, _KNOWN_RUNS)
+        ]
+        found = in_processes(make_known, jobs, f"known exactly, {method}", options.processes)
+        parts = zip(jobs, found, strict=True)
+        rows += known_rows(method, [(job.road, answers) for job, answers in parts])
+    return rows
+
+
+def _cost(options: argparse.Namespace) -> list[Row]:
+    jobs = [Bound(_FIRST_SEED + seed, road, _family(seed)) for road in ROADS for seed in range(_TIMED)]
+    return cost_rows(in_processes(timed, jobs, "cost", 1))
 
 
 def _family(number: int) -> str:
