@@ -52,7 +52,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
     def __init__(self, wheel: str, vehicle: Vehicle, parameters: SupervisorParameters, report: Report = silent) -> None:
         """Build for one wheel of a car; `report` is the log function."""
         self._wheel, self._p = wheel, parameters
-        self._inputs = inputs = WheelInputs(wheel, vehicle, report)
+        self._inputs = inputs = WheelInputs(wheel, vehicle, report, fine=parameters.law == CURVE)
         self._slope = f"{wheel}/friction_slope"
         by_demand = parameters.braking_source == "demand"
         self._demand = BRAKE_DEMAND if by_demand else inputs.pressure
