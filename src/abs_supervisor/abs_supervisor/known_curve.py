@@ -46,8 +46,9 @@ class _Curve:
 class KnownCurve:
     """The curves of one wheel by their stamps."""
 
-    def __init__(self) -> None:
-        """Start without curves."""
+    def __init__(self, foresees: bool) -> None:
+        """Start without curves; `foresees`: a peak ahead counts where the fit is sure of it."""
+        self._foresees = foresees
         self.reset()
 
     def reset(self) -> None:
@@ -90,7 +91,7 @@ class KnownCurve:
                 continue
             if self._known is not None and (self._known.ahead or _contradicts(curve.peak, self._known.peak)):
                 self._known = None
-            if self._known is None and curve.peak[1] <= _FORESEEN * curve.peak[0]:
+            if self._foresees and self._known is None and curve.peak[1] <= _FORESEEN * curve.peak[0]:
                 self._known = _Curve(curve.stamp, (curve.peak[0], _DOUBT * curve.peak[1]), True)
         known = self._known
         return known.peak if known is not None and known.stamp >= stamp - _KEPT else (nan, nan)

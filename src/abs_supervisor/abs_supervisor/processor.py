@@ -54,7 +54,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         """Build for one wheel of a car; `report` is the log function."""
         self._wheel, self._p = wheel, parameters
         self._state_topic, self._command_topic = f"{wheel}/abs_supervisor", f"{wheel}/brake_command"
-        self._inputs = inputs = WheelInputs(wheel, vehicle, report)
+        self._inputs = inputs = WheelInputs(wheel, vehicle, report, fine=parameters.law == CURVE)
         self._slope = f"{wheel}/friction_slope"
         by_demand = parameters.braking_source == "demand"
         self._demand = BRAKE_DEMAND if by_demand else inputs.pressure

@@ -28,8 +28,13 @@ Reading = tuple[int, tuple[float, ...]]
 class WheelInputs:
     """Reads the messages of one wheel."""
 
-    def __init__(self, wheel: str, vehicle: Vehicle, report: Report) -> None:
-        """Choose a wheel of the car; messages without its speed go to `report`."""
+    def __init__(self, wheel: str, vehicle: Vehicle, report: Report, fine: bool) -> None:
+        """Choose a wheel of the car; messages without its speed go to `report`.
+
+        With `fine`, as a law that trims the pressure needs it, a slip that wheel_slip is not sure of and a peak that
+        the fit foresees count, with their standard deviations.
+        """
+        self._fine = fine
         self.brake = BrakeTorque(vehicle, wheel)
         self.slip, self.curve = f"{wheel}/slip", f"{wheel}/friction_curve"
         self.pressure = self.brake.topic
@@ -40,7 +45,7 @@ class WheelInputs:
         # Reports on the other wheels are left to the processors of these.
         self._own = WheelSpeeds(vehicle, (wheel,), report)
         self._all = WheelSpeeds(vehicle, vehicle.wheel_names, silent)
-        self._curve = KnownCurve()
+        self._curve = KnownCurve(foresees=fine)
         self.reset()
 
     def reset(self) -> None:
@@ -73,7 +78,7 @@ class WheelInputs:
         if not message.valid:
             self._slip_text = message.reason_text
             slip, variance = nan, nan
-            if message.reason == _UNCERTAIN:
+            if self._fine and message.reason == _UNCERTAIN:
                 slip, variance = self._uncertain(message)
         known = abs(slip) <= HIGHEST_SLIP and 0.0 <= variance < inf
         measured = float(message.speed_source == _SPEED_SENSOR)

@@ -22,7 +22,7 @@ def curve(
 
 
 def known(at: int, *curves: FrictionCurve) -> float:
-    found = KnownCurve()
+    found = KnownCurve(foresees=False)
     for each in curves:
         found.take(each)
     return found.at(START + at * MS)[0]
@@ -41,23 +41,23 @@ def test_what_tells_no_peak_changes_nothing(reason: int, samples: int) -> None:
 def test_a_peak_that_is_seen_to_be_ahead_ends_what_was_taken_for_one() -> None:
     ahead = FrictionCurve.PEAK_NOT_PASSED
     early = curve(0, 0.12, 0.01)
-    assert isnan(known(200, early, curve(100, 0.41, 0.08, ahead)))
+    assert isnan(known(200, early, curve(100, 0.41, 0.03, ahead)))
     assert known(200, early, curve(100, 0.14, 0.03, ahead)) == 0.12
-    assert known(140, early, curve(100, 0.41, 0.08, ahead)) == 0.12
-    assert known(300, early, curve(100, 0.41, 0.08, ahead), curve(200, 0.3, 0.01)) == 0.3
-    assert isnan(known(200, curve(100, 0.41, 0.08, ahead)))
+    assert known(140, early, curve(100, 0.41, 0.03, ahead)) == 0.12
+    assert known(300, early, curve(100, 0.41, 0.03, ahead), curve(200, 0.3, 0.01)) == 0.3
+    assert isnan(known(200, curve(100, 0.41, 0.03, ahead)))
 
 
 def test_the_order_of_arrival_does_not_matter() -> None:
     ahead = FrictionCurve.PEAK_NOT_PASSED
-    curves = [curve(0, 0.12, 0.01), curve(20, 0.41, 0.08, ahead), curve(40, 0.35, 0.02, FrictionCurve.UNCERTAIN)]
+    curves = [curve(0, 0.12, 0.01), curve(20, 0.41, 0.03, ahead), curve(40, 0.35, 0.02, FrictionCurve.UNCERTAIN)]
     for order in permutations(curves):
         assert known(90, *order) == 0.35
         assert isnan(known(80, *order))
 
 
 def test_a_peak_that_the_fit_foresees_counts_with_three_times_its_deviation() -> None:
-    ahead, found = FrictionCurve.PEAK_NOT_PASSED, KnownCurve()
+    ahead, found = FrictionCurve.PEAK_NOT_PASSED, KnownCurve(foresees=True)
     found.take(curve(0, 0.17, 0.02, ahead))
     assert found.at(START + 60 * MS) == pytest.approx((0.17, 0.06))
     found.take(curve(20, 0.16, 0.01, ahead))
