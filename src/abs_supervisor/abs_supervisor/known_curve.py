@@ -1,7 +1,7 @@
 """lambda_max of <wheel>/friction_curve as far as the supervisor may rely on it."""
 
 from collections import deque
-from math import hypot, isfinite, nan
+from math import hypot, inf, isfinite, nan
 from typing import Final
 
 from friction_msgs.msg import FrictionCurve
@@ -12,35 +12,44 @@ from vehicle_models.nanoseconds import NANOSECONDS
 _OLDER: Final = round(0.05 * NANOSECONDS)
 """[ns] a curve counts for samples at least this much later: by then it has come, so that the answer to a sample does
 not depend on which of the two came first."""
-_KEPT: Final = round(0.5 * NANOSECONDS)
-"""[ns] for which a curve counts after the last that told a peak: while a wheel dives the fit has none, or takes the
-dive for another road and begins anew."""
+_KEPT: Final = 15.0
+"""[m] for which a curve counts after the last that told or confirmed its peak (half a second at 30 m/s): while a wheel
+dives the fit has none, or takes the dive for another road and begins anew, and near standstill there is none at all.
+Another road comes with the distance, not with the time."""
 _FEWEST: Final = 20
 """Samples of a fit that says something about the road."""
-_USED = (int(FrictionCurve.OK), int(FrictionCurve.UNCERTAIN))
-"""Reasons with which lambda_max speaks of the road: an uncertain one does so with its standard deviation."""
+_OK = int(FrictionCurve.OK)
+_UNCERTAIN = int(FrictionCurve.UNCERTAIN)
+"""lambda_max speaks of the road, with its standard deviation."""
 _AHEAD = int(FrictionCurve.PEAK_NOT_PASSED)
-"""The peak is still ahead: that may contradict an earlier curve, and tells no peak itself."""
+"""The peak is still ahead: that tells no peak itself, but may confirm an earlier one or contradict an uncertain one."""
+_USED = (_OK, _UNCERTAIN, _AHEAD)
 _CONTRADICTS: Final = 3.0
-"""Standard deviations of both by which it then lies beyond the earlier one."""
-
-_FORESEEN = 0.15
-"""Standard deviation over lambda_max up to which a peak that lies ahead is foreseen, not guessed by the prior."""
-_DOUBT = 3.0
+"""Standard deviations of both by which a peak that is ahead then lies beyond the earlier one."""
+_PRECISE: Final = 0.25
+"""Standard deviation relative to lambda_max up to which a fit says so much that it confirms an earlier one."""
+_SETTLED: Final = round(0.05 * NANOSECONDS)
+"""[ns] for which the fits must have told a peak before an uncertain one counts. When braking begins, the first can be
+off by any number of its standard deviations: where the wheel speed has more noise than the sensor's data say, the slips
+that it was fitted to are not the true ones."""
+_FORESEEN: Final = 0.15
+"""Standard deviation relative to lambda_max up to which a peak ahead is foreseen, not guessed by the prior."""
+_DOUBT: Final = 3.0
 """By so much its standard deviation is raised: the model it relies on has not been tried yet."""
 
 Peak = tuple[float, float]
+"""lambda_max and its standard deviation [-]."""
 
 
 class _Curve:
-    """lambda_max with its standard deviation [-] as of a stamp [ns]."""
+    """What a fit says of the peak as of a stamp [ns]; None where it says nothing."""
 
-    __slots__ = ("ahead", "peak", "stamp")
+    __slots__ = ("peak", "reason", "stamp")
 
-    def __init__(self, stamp: int, peak: Peak, ahead: bool) -> None:
+    def __init__(self, stamp: int, peak: Peak | None, reason: int) -> None:
         self.stamp = stamp
         self.peak = peak
-        self.ahead = ahead
+        self.reason = reason
 
 
 class KnownCurve:
@@ -54,7 +63,13 @@ class KnownCurve:
     def reset(self) -> None:
         """Forget everything."""
         self._curves: deque[_Curve] = deque()
-        self._known: _Curve | None = None
+        self._known: Peak | None = None
+        self._known_at = 0.0
+        self._uncertain = False
+        self._ahead = False
+        self._driven = 0.0
+        self._stamp: int | None = None
+        self._told_since: int | None = None
 
     def take(self, message: FrictionCurve) -> int:
         """Take a curve, in whichever order they come; return from which stamp on it counts [ns].
@@ -64,11 +79,11 @@ class KnownCurve:
         stamp = to_nanoseconds(message.header.stamp)
         if stamp <= 0:
             return stamp
-        ahead = message.reason == _AHEAD
-        told = message.samples >= _FEWEST and 0.0 < message.lambda_max < 1.0
-        if told and (ahead or message.reason in _USED):
+        peak: Peak | None = None
+        if message.reason in _USED and message.samples >= _FEWEST and 0.0 < message.lambda_max < 1.0:
             doubt = message.lambda_max_stddev
-            self._insert(_Curve(stamp, (message.lambda_max, doubt if isfinite(doubt) else 0.0), ahead))
+            peak = message.lambda_max, doubt if isfinite(doubt) else 0.0
+        self._insert(_Curve(stamp, peak, message.reason))
         return stamp + _OLDER
 
     def _insert(self, curve: _Curve) -> None:
@@ -78,24 +93,66 @@ class KnownCurve:
         self._curves.append(curve)
         self._curves.extend(later)
 
-    def at(self, stamp: int) -> Peak:
-        """Return lambda_max and its standard deviation for a sample at a stamp [ns], NaN where it is not known.
+    def at(self, stamp: int, speed: float) -> Peak:
+        """Return lambda_max and its standard deviation for a sample, NaN where it is not known.
 
-        Stamps do not go back, but with a reset.
+        Args:
+            stamp: of the sample [ns]; it does not go back, but with a reset.
+            speed: of the car [m/s], NaN where unknown.
         """
+        if self._stamp is not None and speed > 0.0:
+            self._driven += speed * (stamp - self._stamp) / NANOSECONDS
+        self._stamp = stamp
         curves = self._curves
         while curves and curves[0].stamp <= stamp - _OLDER:
-            curve = curves.popleft()
-            if not curve.ahead:
-                self._known = curve
-                continue
-            if self._known is not None and (self._known.ahead or _contradicts(curve.peak, self._known.peak)):
-                self._known = None
-            if self._foresees and self._known is None and curve.peak[1] <= _FORESEEN * curve.peak[0]:
-                self._known = _Curve(curve.stamp, (curve.peak[0], _DOUBT * curve.peak[1]), True)
-        known = self._known
-        return known.peak if known is not None and known.stamp >= stamp - _KEPT else (nan, nan)
+            self._follow(curves.popleft())
+        if self._known is not None and self._driven - self._known_at > _KEPT:
+            self._known = None
+        return self._known or (nan, nan)
+
+    def _follow(self, curve: _Curve) -> None:
+        peak, known = curve.peak, self._known
+        if peak is None or curve.reason == _AHEAD:
+            self._told_since = None
+            if peak is not None and known is not None and not self._ahead:
+                self._compare(peak, known)
+            if peak is not None and self._foresees and (self._known is None or self._ahead):
+                self._foresee(peak)
+            return
+        if self._told_since is None:
+            self._told_since = curve.stamp
+        if curve.reason == _UNCERTAIN and curve.stamp - self._told_since < _SETTLED:
+            return
+        if known is not None and not self._ahead and _only_vaguer(peak, known):
+            if _is_precise(peak):
+                self._known_at = self._driven
+            return
+        self._known, self._known_at, self._uncertain = peak, self._driven, curve.reason == _UNCERTAIN
+        self._ahead = False
+
+    def _foresee(self, peak: Peak) -> None:
+        self._ahead = peak[1] <= _FORESEEN * peak[0]
+        self._known, self._known_at = (peak[0], _DOUBT * peak[1]) if self._ahead else None, self._driven
+
+    def _compare(self, ahead: Peak, known: Peak) -> None:
+        if _further(ahead, known) <= _CONTRADICTS:
+            if _is_precise(ahead):
+                self._known_at = self._driven
+        elif self._uncertain:  # else a guess does not outweigh what was seen
+            self._known = None
 
 
-def _contradicts(ahead: Peak, known: Peak) -> bool:
-    return ahead[0] - known[0] > _CONTRADICTS * hypot(ahead[1], known[1])
+def _further(newer: Peak, known: Peak) -> float:
+    """Return by how many standard deviations of both a newer peak lies beyond an earlier one."""
+    beyond = newer[0] - known[0]
+    doubt = hypot(newer[1], known[1])
+    return beyond / doubt if doubt > 0.0 else 0.0 if beyond <= 0.0 else inf
+
+
+def _only_vaguer(newer: Peak, known: Peak) -> bool:
+    """Whether a newer peak is less certain than an earlier one, and does not lie beyond it."""
+    return newer[1] > known[1] and newer[0] - known[0] <= newer[1]
+
+
+def _is_precise(peak: Peak) -> bool:
+    return peak[1] <= _PRECISE * peak[0]

@@ -6,7 +6,7 @@ from math import isfinite, nan, sqrt
 from typing import Final
 
 from abs_supervisor.rolling_scatter import RollingScatter
-from abs_supervisor.wheel_motion import WheelMotion
+from abs_supervisor.wheel_motion import ORDINARY_STDDEV, WheelMotion
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
@@ -89,6 +89,8 @@ class Wheel:
 
 _PEAK_PER_SLIP: Final = 60.0
 """Error of lambda_max over an error of slip that the curve does not know of: a peak is flat."""
+_NOISY: Final = 1.5
+"""Noise of the wheel speed, in units of the ordinary, from which the curve does not know of it: less may be chance."""
 _DEEP: Final = 2.0
 """A slip above its threshold by this factor is deep."""
 _STEADY: Final = 2.0
@@ -202,12 +204,20 @@ class ReleaseEvidence:
         base = p.slip_without_curve
         if isfinite(wheel.lambda_max):
             stated = wheel.lambda_max_stddev if isfinite(wheel.lambda_max_stddev) else 0.0
-            doubt = sqrt(stated**2 + (_PEAK_PER_SLIP * self._scatter.slip_of_curve) ** 2)
+            unknown = self._scatter.slip_of_curve**2 + self._noise_of_slip(wheel.speed) ** 2
+            doubt = sqrt(stated**2 + _PEAK_PER_SLIP**2 * unknown)
             known = p.lambda_max_share * (wheel.lambda_max + doubt)
             # A curve can only tell that less slip is enough: a peak that is far too large must not cost a lock.
             base = min(base, max(p.least_slip, known))
         stddev = wheel.slip_stddev if isfinite(wheel.slip_stddev) else 0.0
         return base, sqrt(stddev**2 + self._scatter.slip**2)
+
+    def _noise_of_slip(self, wheel_speed: float) -> float:
+        """Return the standard deviation of slip from a noise of the wheel speed that a curve does not know of [-]."""
+        noise = self._motion.noise
+        if noise < _NOISY * ORDINARY_STDDEV:
+            return 0.0
+        return min(sqrt(noise**2 - ORDINARY_STDDEV**2) / max(wheel_speed, noise), 1.0)
 
     def _lag(self, stamp: int, wheel: Wheel) -> float:
         """Return the least slip [-] that is possible: behind the wheel's own fastest speed, braked as hard as can be.

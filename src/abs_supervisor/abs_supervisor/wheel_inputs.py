@@ -115,7 +115,8 @@ class WheelInputs:
         text = ""
         if known != 1.0:
             slip, text = nan, sample.missing.get(self.slip) or of_topic(self.slip, self._slip_text or "not valid")
-        lambda_max, doubt = self._curve.at(sample.stamp)
+        car_speed = car if car_known == 1.0 else nan
+        lambda_max, doubt = self._curve.at(sample.stamp, car_speed)
         return Seen(
             wheel_speed=own,
             demand=demand,
@@ -123,7 +124,7 @@ class WheelInputs:
             torque=sample.values.get(self.pressure, (nan,))[0],
             slip=slip,
             slip_stddev=sqrt(max(variance, 0.0)) if known == 1.0 else nan,
-            car_speed=car if car_known == 1.0 else nan,
+            car_speed=car_speed,
             car_is_measured=measured == 1.0,
             lambda_max=lambda_max,
             lambda_max_stddev=doubt,

@@ -12,8 +12,8 @@ from vehicle_models.nanoseconds import NANOSECONDS
 WINDOW: Final = 0.035
 """[s] long enough for the noise of a sample, short against a dive of a wheel, which takes 0.1 s."""
 _FEWEST: Final = 4
-_INITIAL_STDDEV: Final = 0.07
-"""[rad/s] before anything is learned: the wheel speed of section 8.3.2."""
+ORDINARY_STDDEV: Final = 0.07
+"""[rad/s] of the wheel speed of section 8.3.2, taken before anything is learned."""
 _LEAST_STDDEV: Final = 0.02
 """[rad/s] no encoder is better."""
 _MEMORY: Final = 100.0
@@ -35,12 +35,17 @@ class WheelMotion:
         """Forget everything."""
         self._times: list[float] = []
         self._speeds: list[float] = []
-        self._variance = _INITIAL_STDDEV**2
+        self._variance = ORDINARY_STDDEV**2
         self._origin: int | None = None
         self.rate = nan
         """[rad/s^2] of the wheel speed over the window; NaN until it is full."""
         self.rate_stddev = nan
         """[rad/s^2]"""
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of the noise of a sample [rad/s]."""
+        return sqrt(self._variance)
 
     def update(self, stamp: int, wheel_speed: float) -> None:
         """Take the wheel speed [rad/s] at a stamp [ns], later than the last."""

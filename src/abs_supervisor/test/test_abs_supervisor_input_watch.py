@@ -236,6 +236,23 @@ def test_a_clock_that_leaps_ahead_everywhere_costs_half_a_second_at_most(by: int
     assert bench.newest == BrakeCommand.INCREASE
 
 
+@pytest.mark.parametrize("lost", list(PERIODS))
+@pytest.mark.parametrize("demand_period", [5, 20, 33])
+def test_a_sample_that_is_lost_on_the_way_changes_nothing(
+    lost: str, demand_period: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(PERIODS, DEMAND, demand_period)
+    bench = Bench()
+    bench.run(1000)
+    begun = len(bench.commands)
+    for at in range(1000, 2000, 200):
+        bench.run(at + PERIODS[lost], None, lost)
+        bench.run(at + 200)
+    assert {command.command for _, command in bench.commands[begun:]} == {BrakeCommand.INCREASE}
+    assert bench.state.fail_safes == 0
+    assert bench.state.reason == SupervisorState.OK
+
+
 @pytest.mark.parametrize("parameters", [replace(P, shadow=True), replace(P, real_time=False)])
 def test_where_stamps_need_not_follow_the_clock_only_silence_counts(parameters: SupervisorParameters) -> None:
     bench = Bench(parameters)

@@ -2,9 +2,11 @@
 
 import time
 
+import pytest
 from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState, WheelSlip
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
+from rclpy.qos import ReliabilityPolicy
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
@@ -109,6 +111,26 @@ def test_node_commands_nothing_unless_started_to_do_so() -> None:
         output = stop(process)
     assert process.returncode == 0
     assert "Traceback" not in output
+
+
+@pytest.mark.parametrize(
+    ("shadow", "real_time", "asked"),
+    [
+        ("false", "true", ReliabilityPolicy.BEST_EFFORT),
+        ("false", "false", ReliabilityPolicy.RELIABLE),
+        ("true", "true", ReliabilityPolicy.RELIABLE),
+    ],
+)
+def test_only_a_node_that_commands_by_the_clock_gives_up_what_is_late(
+    shadow: str, real_time: str, asked: ReliabilityPolicy
+) -> None:
+    estimates = ("brake_demand", "front_left/friction_slope", "front_left/slip", "front_left/friction_curve")
+    with dds_client() as client:
+        arguments = (*CAR, "-p", f"shadow:={shadow}", "-p", f"real_time:={real_time}")
+        client.start("-m", "abs_supervisor", "--ros-args", *arguments)
+        client.until(lambda: all(client.node.count_subscribers(topic) == 1 for topic in estimates))
+        found = [client.node.get_subscriptions_info_by_topic(topic)[0] for topic in estimates]
+    assert [each.qos_profile.reliability for each in found] == [asked] * len(estimates)
 
 
 def test_node_without_a_car_ends_and_names_the_shipped_ones() -> None:

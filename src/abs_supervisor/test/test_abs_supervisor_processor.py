@@ -535,11 +535,11 @@ def test_a_curve_that_counts_is_waited_for_where_no_clock_tells_that_it_has_come
     )
 
 
-def test_curve_counts_for_half_a_second_after_the_last_one_that_had_a_peak() -> None:
+def test_curve_counts_for_15_m_after_the_last_one_that_had_a_peak() -> None:
     bench = Bench()
     bench.slip = 0.05
     came = {}
-    for k in range(200):
+    for k in range(260):
         bench.sample(500.0)
         header = Header(stamp=from_nanoseconds(bench.stamp))
         curve = FrictionCurve(header=header, lambda_max=0.12, lambda_max_stddev=0.01, samples=30, valid=k < 20)
@@ -547,8 +547,8 @@ def test_curve_counts_for_half_a_second_after_the_last_one_that_had_a_peak() -> 
         bench.processor.process("front_left/friction_curve", curve)
         came[k] = bench.state.release_slip
     assert came[19] < 0.15
-    assert max(came[k] for k in range(20, 115)) < 0.15
-    assert min(came[k] for k in range(125, 200)) >= 0.2
+    assert max(came[k] for k in range(20, 170)) < 0.15
+    assert min(came[k] for k in range(190, 260)) >= 0.2
 
 
 def test_dead_wheel_sensor_gives_the_brake_to_the_driver_and_says_so() -> None:

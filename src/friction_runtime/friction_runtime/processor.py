@@ -62,7 +62,10 @@ class Processor(Protocol):
 
     @property
     def estimates(self) -> Mapping[str, type]:
-        """Relative topics and types of the inputs with reliable QoS: other nodes' estimates, demands, tyre blocks."""
+        """Relative topics and types of the inputs with reliable QoS: other nodes' estimates, demands, tyre blocks.
+
+        Best effort as well where the processor has `commands`.
+        """
 
     @property
     def optional(self) -> Collection[str]:

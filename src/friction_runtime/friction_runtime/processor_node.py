@@ -1,6 +1,6 @@
 """Layer 3, the same for every estimator: parameters, subscriptions, publishers, diagnostics around processors."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from math import inf
 from time import monotonic
@@ -103,7 +103,7 @@ class ProcessorNode(Node, Generic[Parameters]):
             for topic, kind in processor.outputs.items():
                 if topic not in self._publishers_by_topic:
                     self._publishers_by_topic[topic] = qos.publish(self, kind, topic, _offered(processor, topic))
-            for inputs, profile in ((processor.sensors, qos.SENSOR), (processor.estimates, qos.ESTIMATE)):
+            for inputs, profile in ((processor.sensors, qos.SENSOR), (processor.estimates, _asked(processor))):
                 for topic, kind in inputs.items():
                     if topic not in self._counts:
                         self._counts[topic] = 0
@@ -199,7 +199,20 @@ class ProcessorNode(Node, Generic[Parameters]):
         )
 
 
+def _commands(processor: Processor) -> Mapping[str, float]:
+    return processor.commands if isinstance(processor, CommandingProcessor) else {}
+
+
 def _offered(processor: Processor, topic: str) -> QoSProfile:
     """Return the QoS with which an output is published."""
-    commands = processor.commands if isinstance(processor, CommandingProcessor) else {}
+    commands = _commands(processor)
     return qos.command(commands[topic]) if topic in commands else qos.ESTIMATE
+
+
+def _asked(processor: Processor) -> QoSProfile:
+    """Return the QoS with which estimates are subscribed to.
+
+    Whoever commands by the clock of the machine has no use for what is old. A reliable reader that has been stopped
+    gets nothing new for half a second, until the middleware has sorted out what it has missed.
+    """
+    return qos.SENSOR if _commands(processor) else qos.ESTIMATE

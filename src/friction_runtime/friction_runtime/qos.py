@@ -41,7 +41,8 @@ def _profile(reliability: ReliabilityPolicy) -> QoSProfile:
 
 
 SENSOR = _profile(ReliabilityPolicy.BEST_EFFORT)
-"""For subscriptions to sensors: matches best-effort and reliable publishers."""
+"""For subscriptions to sensors, and to whatever a node reads that commands in real time: matches best-effort and
+reliable publishers."""
 ESTIMATE = _profile(ReliabilityPolicy.RELIABLE)
 """For estimates, tyre blocks, replay and recording. It matches commands too, and asks nothing of them."""
 
