@@ -7,27 +7,28 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from corner_sim.car.car_parameters import CarParameters
 from corner_sim.car.pressure_prescription import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
 from corner_sim.car.tyre import TYRES, Burckhardt, Pacejka
 from corner_sim.car.unevenness import load_variation
 from friction_evaluation.real_car import part
-from friction_evaluation.real_car.answers import Answers
+from friction_evaluation.real_car.answers import VEHICLE, Answers
 from friction_evaluation.real_car.before_peak import rise_rows
 from friction_evaluation.real_car.bound import Bound, _burckhardt, _correlation, _pacejka, _sensitivities, bound
 from friction_evaluation.real_car.driving import DriveResult, drive_rows, runs_of
+from friction_evaluation.real_car.methods import METHODS
 from friction_evaluation.real_car.stop_rows import stop_rows
 from friction_evaluation.real_car.stops import judge
-from friction_evaluation.real_car.troubles import TROUBLES, troubled_car
+from friction_evaluation.real_car.troubles import BELIEVED, TROUBLES, troubled_car
 from friction_evaluation.rows import Row
+from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")
 def run() -> Recording:
-    parameters, cycling = troubled_car("none", "dry")
+    parameters, cycling = troubled_car("none", "dry", "default")
     return record(parameters, SlipCycle(parameters, cycling), 1)
 
 
@@ -93,12 +94,29 @@ def test_what_is_valid_before_50_ms_fails(run: Recording) -> None:
     assert not quantities(rows)["valid before 0.05 s [%]"]["passed"]
 
 
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("trouble", TROUBLES)
-def test_a_trouble_is_alone(trouble: str) -> None:
-    (car, cycling), (none, plain) = troubled_car(trouble, "snow"), troubled_car("none", "snow")
-    assert none == replace(CarParameters(), tyres=(TYRES["burckhardt"]["snow"],) * 4, height=0.0)
+def test_a_trouble_is_alone(trouble: str, method: str) -> None:
+    (car, cycling), (none, plain) = (troubled_car(each, "snow", method) for each in (trouble, "none"))
+    assert none == replace(BELIEVED[method], tyres=(TYRES["burckhardt"]["snow"],) * 4)
     changed = {each.name for each in fields(car) if getattr(car, each.name) != getattr(none, each.name)}
-    assert len(changed) + (cycling != plain) == (trouble != "none")
+    believed = trouble == "none" or (method, trouble) == ("car", "relaxation 0.3 m")
+    assert len(changed) + (cycling != plain) == (not believed)
+
+
+def test_the_car_without_trouble_is_that_of_the_vehicle_file() -> None:
+    car, vehicle = BELIEVED["car"], load_vehicle(VEHICLE)
+    for name in ("mass", "front_load_share", "wheelbase", "track", "drag_area", "rolling_resistance"):
+        assert getattr(car, name) == getattr(vehicle, name), name
+    for name in ("radius", "inertia", "brake_gain", "relaxation_length"):
+        assert getattr(car, name) == tuple(getattr(wheel, name) for wheel in vehicle.wheels), name
+    assert {car.sensors.encoder_teeth} == {wheel.encoder_teeth for wheel in vehicle.wheels}
+    assert (car.height, car.engine_drag) == (vehicle.centre_of_gravity_height, vehicle.engine_drag_torque)
+    assert (car.pitch_gain, car.sensors.acceleration_delay) == (
+        vehicle.accelerometer.pitch_gain,
+        vehicle.accelerometer.delay,
+    )
+    assert car.sensors.pressure_delay == vehicle.brake_pressure_delay
 
 
 def test_runs_are_counted_by_wheel() -> None:
@@ -139,7 +157,7 @@ def test_the_load_of_the_bound_has_the_correlation_of_the_road() -> None:
 
 
 def test_torques_and_forces_of_the_bound_are_those_of_the_plant() -> None:
-    car, _ = troubled_car("relaxation 0.3 m", "dry")
+    car, _ = troubled_car("relaxation 0.3 m", "dry", "default")
     car = replace(car, sensors=replace(car.sensors, sample_rate=1000))
     run = record(car, SlipCycle(car, Cycling()), 1)
     n = int(np.searchsorted(run.time, first_passing(run) + 0.4))

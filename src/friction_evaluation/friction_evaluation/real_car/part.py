@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> list[Row]:
 def _troubles(options: argparse.Namespace) -> list[Row]:
     cases = [(trouble, road) for trouble in options.troubles for road in ROADS]
     jobs = [
-        Stop(*troubled_car(trouble, road), _FIRST_SEED + seed, options.method)
+        Stop(*troubled_car(trouble, road, options.method), _FIRST_SEED + seed, options.method)
         for trouble, road in cases
         for seed in range(options.seeds)
     ]
