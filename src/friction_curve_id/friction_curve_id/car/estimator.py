@@ -25,6 +25,7 @@ from friction_curve_id.car.evidence import (
     normal_probability,
 )
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
+from friction_curve_id.car.gain_over_mass import GainOverMassLearner
 from friction_curve_id.car.node_signals import Start, node_signals, rolling_noise
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.prior import car_prior, radius_deviation
@@ -76,6 +77,8 @@ class CarEstimator:
     def __init__(self, vehicle: Vehicle, parameters: CarEstimatorParameters = CarEstimatorParameters()) -> None:
         """Take the car with its deviations."""
         self._vehicle, self._p = vehicle, parameters
+        self.learner = GainOverMassLearner(vehicle)
+        """What is learned from braking to braking."""
         self._gate = CarGate(vehicle.wheel_names, vehicle.radii, parameters.max_gap)
         self._radii = np.array(vehicle.radii)
         self._gain = np.array([wheel.brake_gain for wheel in vehicle.wheels])
@@ -85,6 +88,7 @@ class CarEstimator:
     def reset(self) -> None:
         """Forget everything; the next estimate reports a restart on request."""
         self._gate.reset()
+        self.learner.reset()
         self._cause = RestartCause.REQUEST
         self._begin_again(())
 
@@ -94,6 +98,7 @@ class CarEstimator:
         count = len(self._vehicle.wheels)
         if isinstance(checked, Refusal):
             return (checked,) * count
+        self.learner.update(checked)
         present = tuple(int(each) for each in np.flatnonzero(np.isfinite(checked.wheel_speed)))
         if checked.after_gap:
             if self._braking:
@@ -117,23 +122,6 @@ class CarEstimator:
         for each, estimate in zip(self._present, answer, strict=True):
             by_wheel[each] = estimate
         return tuple(by_wheel)
-
-    @property
-    def gain_over_mass(self) -> tuple[tuple[float, float], tuple[float, float]] | None:
-        """Brake gain over mass, over that of the vehicle file, less 1, with its deviation: front and rear axle.
-
-        None before the first fit of the braking.
-        """
-        if not self._fits or not self._fits[0].steps:
-            return None
-        fit = self._fits[0]
-        found = []
-        for gain in (Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR):
-            c = fit.covariance
-            variance = c[gain, gain] + c[Unknown.LOG_MASS, Unknown.LOG_MASS] - 2.0 * c[gain, Unknown.LOG_MASS]
-            ratio = exp(float(fit.unknowns[gain] - fit.unknowns[Unknown.LOG_MASS]))
-            found.append((ratio - 1.0, ratio * sqrt(max(float(variance), 0.0))))
-        return found[0], found[1]
 
     def _begin_again(self, present: tuple[int, ...]) -> None:
         """Forget the samples; go on with these wheels."""
