@@ -75,7 +75,7 @@ def test_every_wheel_has_its_curve_from_one_processor() -> None:
     last = valid[-1]
     assert abs(last.lambda_max - stop().lambda_max[0]) < 3.0 * last.lambda_max_stddev
     assert abs(last.mu_max - stop().mu_max[0]) < 3.0 * last.mu_max_stddev
-    assert "brake gain over mass, front [%]" in processor.health().values
+    assert "brake gain over mass, front [N m/(Pa kg)]" in processor.health().values
 
 
 def test_the_order_of_arrival_does_not_matter() -> None:

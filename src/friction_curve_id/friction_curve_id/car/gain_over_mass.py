@@ -146,6 +146,7 @@ class GainOverMassLearner:
         self._last: Checked | None = None
         self._began_at = self._braked_at = self._locked_at = -inf
         self._speed = self._pitched = 0.0
+        self._braking: bool = False
         self._candidates = [self._learned]
         self._rows: list[tuple[float, ...]] = []
         self._wait()
