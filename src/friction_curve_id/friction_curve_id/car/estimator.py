@@ -26,7 +26,8 @@ from friction_curve_id.car.evidence import (
 )
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
-from friction_curve_id.car.node_signals import Start, node_signals, rolling_noise
+from friction_curve_id.car.node_signals import Start, delayed, node_signals, rolling_noise
+from friction_curve_id.car.one_road import RoadWatch, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.prior import car_prior, radius_deviation
 from friction_curve_id.car.unknowns import SHARED, Unknown
@@ -231,6 +232,7 @@ class CarEstimator:
         self._most_surprise = unknown + _SURPRISE * sqrt(2.0 * unknown)
         self._mu_floor = radius_deviation(self._vehicle)
         self._peak: Peak | None = None
+        self._road_watch, self._two_roads = RoadWatch(), ""
         self._seen_before = 0.0
         self._seen = 0.0
         self._beyond_since = inf
@@ -272,7 +274,15 @@ class CarEstimator:
             self._seen = self._time_beyond(fit, self._peak, nodes.subset(slice(0, keep)))
             if self._seen < _SEEN_TIME:
                 self._peak = mixture(*found, evidence, self._mu_floor, False)
+            else:
+                self._watch_road(fit, nodes.subset(slice(0, keep)))
         self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
+
+    def _watch_road(self, fit: CurveFit, nodes: Nodes) -> None:
+        delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
+        torque, _ = delayed(self._samples, nodes, self._start, delay)
+        used, fitted = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
+        self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time)
 
     def _time_beyond(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> float:
         """Time for which the slips of the window were surely beyond the peak, summed over wheels [s]."""
@@ -298,7 +308,7 @@ class CarEstimator:
         reason, text = self._reason(time, peak)
         lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
         best = int(np.argmax(peak.weights))
-        surprised = max(fit.surprise for fit in self._fits) > self._most_surprise
+        surprised = max(fit.surprise for fit in self._fits) > self._most_surprise or bool(self._two_roads)
         u = self._fits[best].unknowns
         shape = (float(u[Unknown.SHAPE_1]), float(u[Unknown.SHAPE_2]))
         curve = curve_values(self._families[best], peak.log_lambda_max, shape, slips / lambda_max)
@@ -366,6 +376,8 @@ class CarEstimator:
         best = int(np.argmax(peak.weights))
         if max(fit.surprise for fit in self._fits) > self._most_surprise:
             return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
+        if self._two_roads:
+            return Reason.UNCERTAIN, self._two_roads
         if self._move[best] > _SETTLED:
             return Reason.UNCERTAIN, "the fit has not settled"
         if self._fits[best].load_variation == LOAD_VARIATIONS.size - 1:
