@@ -17,6 +17,8 @@ from friction_evaluation.real_car.before_peak import rise_rows
 from friction_evaluation.real_car.bound import Bound, _burckhardt, _correlation, _pacejka, _sensitivities, bound
 from friction_evaluation.real_car.driving import DriveResult, drive_rows, runs_of
 from friction_evaluation.real_car.methods import METHODS
+from friction_evaluation.real_car.road_change import TwoRoads, TwoRoadsResult, make_two_roads, two_roads_rows
+from friction_evaluation.real_car.slope_driving import SlopeDrive, slope_drive_rows
 from friction_evaluation.real_car.stop_rows import stop_rows
 from friction_evaluation.real_car.stops import judge
 from friction_evaluation.real_car.troubles import BELIEVED, TROUBLES, troubled_car
@@ -131,6 +133,30 @@ def test_a_claim_in_ordinary_driving_fails() -> None:
     assert [row["quantity"] for row in drive_rows([quiet, loud]) if row["passed"] is False] == ["valid peaks"]
 
 
+def test_a_lasting_slope_sign_in_ordinary_driving_fails() -> None:
+    quiet = SlopeDrive(1.0, {"slip": 0, "no_slip": 0}, {"slip": 0, "no_slip": 0}, {"slip": 0.0, "no_slip": 0.02})
+    loud = replace(quiet, lasting={"slip": 1, "no_slip": 0})
+    assert all(row["passed"] in (None, True) for row in slope_drive_rows([quiet]))
+    failed = [row for row in slope_drive_rows([quiet, loud]) if row["passed"] is False]
+    assert [row["case"] for row in failed] == ["ordinary driving, friction_slope slip"]
+
+
+def test_what_stays_valid_and_wrong_on_a_new_road_fails() -> None:
+    silent = TwoRoadsResult(10, 10, 10, 10, 0.05, np.inf)
+    late = TwoRoadsResult(10, 30, 12, 12, 0.4, np.inf)
+    assert all(row["passed"] in (None, True) for row in two_roads_rows(("dry", "snow"), False, [silent] * 10))
+    rows = quantities(two_roads_rows(("dry", "snow"), False, [silent, late]))
+    assert not rows["valid and wrong later than 0.1 s [% of stops]"]["passed"]
+    assert not rows["coverage of mu_max, all valid messages [%]"]["passed"]
+    nothing = TwoRoadsResult(0, 0, 0, 0, 0.0, np.inf)
+    assert all(row["passed"] in (None, True) for row in two_roads_rows(("dry", "wet"), True, [nothing]))
+
+
+def test_snow_after_dry_is_never_valid_with_the_peak_of_dry() -> None:
+    found = make_two_roads(TwoRoads(77_001, ("dry", "snow"), False, "burckhardt", "car"))
+    assert found.last_old < 0.1
+
+
 def test_mu_max_that_is_not_given_before_the_peak_is_not_covered() -> None:
     rows = quantities(rise_rows("pacejka", [(0.5, 0.1, True), (0.5, float("nan"), False)]))
     assert rows["coverage of mu_max at 50 % of it [%]"]["value"] == 50.0
@@ -180,6 +206,8 @@ def test_a_bound_is_a_few_percent_and_snow_leaves_most() -> None:
 
 def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(part, "ROADS", ("wet",))
+    monkeypatch.setattr(part, "CHANGES", (("dry", "wet"),))
+    monkeypatch.setattr(part, "SPLITS", ())
     parser = argparse.ArgumentParser()
     part.add_arguments(parser)
     arguments = ["--seeds", "1", "--hours", "0.002", "--processes", "1", "--troubles", "48 teeth at 100 Hz"]
@@ -187,7 +215,8 @@ def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None
     assert {row["case"] for row in rows} == {
         *("48 teeth at 100 Hz", "random cars", "ordinary driving"),
         *("before the peak, burckhardt", "before the peak, pacejka"),
+        *("road change", "ordinary driving, friction_slope slip", "ordinary driving, friction_slope no_slip"),
     }
-    assert {row["road"] for row in rows} == {"wet", "all"}
+    assert {row["road"] for row in rows} == {"wet", "all", "dry to wet"}
     for row in rows:
         assert {"value", "limit", "passed"} <= set(row)
