@@ -4,7 +4,8 @@ SURFACE ?= dry
 LAW ?= curve
 OUT ?= out
 EFFORT ?= 1
-PARTS ?= slope abs identification slip smart_tyre measured fuzz bags live
+PARTS ?= slope abs identification real_car slip smart_tyre measured fuzz bags live
+options_real_car ?= --method car --seeds 2 --hours 0.1
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
@@ -35,12 +36,12 @@ demo: ready ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow LA
 		$(if $(VEHICLE),--vehicle "$(VEHICLE)") --out "$(OUT)/demo"
 
 bench: build ## every table of the evaluation as text and JSON, or PARTS="slope abs"
-	@failed=0; for part in $(PARTS); do \
-		$(run) python -m friction_evaluation $$part --json "$(OUT)/bench/$$part.json" || failed=1; done; exit $$failed
+	@failed=0; $(foreach part,$(PARTS),$(run) python -m friction_evaluation $(part) $(options_$(part)) \
+		--json "$(OUT)/bench/$(part).json" || failed=1;) exit $$failed
 
 results: build ## the same tables as pages in docs/results, or PARTS="slope abs"
-	@failed=0; for part in $(PARTS); do \
-		$(run) python -m friction_evaluation $$part --page docs/results/$$part.md || failed=1; done; exit $$failed
+	@failed=0; $(foreach part,$(PARTS),$(run) python -m friction_evaluation $(part) $(options_$(part)) \
+		--page docs/results/$(part).md || failed=1;) exit $$failed
 
 report: build ## every table and figure of the chapter as one page; EFFORT=0.1 for a quick one
 	@$(run) python -m friction_evaluation report --out build/report --effort $(EFFORT)

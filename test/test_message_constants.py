@@ -17,6 +17,7 @@ from friction_msgs.msg import (
     FrictionSlope,
     SupervisorState,
     TyreForce,
+    VehicleFit,
     WheelSlip,
 )
 
@@ -24,6 +25,7 @@ import abs_supervisor.fsm
 import abs_supervisor.release_caps
 import abs_supervisor.release_evidence
 import abs_supervisor.supervisor
+import friction_curve_id.car.gain_over_mass
 import friction_curve_id.interface
 import friction_runtime.processor
 import friction_slope.estimate
@@ -40,6 +42,7 @@ MIRRORED: list[tuple[type[IntEnum], Any, str]] = [
     (abs_supervisor.release_caps.Cap, SupervisorState, "CAP_"),
     (abs_supervisor.release_evidence.Release, SupervisorState, "RELEASE_"),
     (abs_supervisor.supervisor.Reason, SupervisorState, ""),
+    (friction_curve_id.car.gain_over_mass.LearnedReason, VehicleFit, ""),
     (friction_curve_id.interface.Reason, FrictionCurve, ""),
     (friction_curve_id.interface.RestartCause, FrictionCurve, "RESTART_"),
     (friction_runtime.processor.Level, DiagnosticStatus, ""),
@@ -83,7 +86,7 @@ def test_enum_has_the_constants_of_the_message(enum: type[IntEnum], message: Any
 def test_messages_that_may_be_invalid_say_why_in_one_way() -> None:
     kinds = [kind for name, kind in vars(friction_msgs.msg).items() if name[0].isupper()]
     fields = [kind.get_fields_and_field_types() for kind in kinds]
-    assert sum("valid" in each for each in fields) == 6
+    assert sum("valid" in each for each in fields) == 7
     for kind, each in zip(kinds, fields, strict=True):
         assert {"valid", "reason", "reason_text"} & each.keys() in (set(), {"valid", "reason", "reason_text"}), kind
         if "valid" in each:

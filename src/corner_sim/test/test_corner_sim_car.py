@@ -341,3 +341,20 @@ def test_an_ordinary_driver_uses_a_part_of_the_friction_and_all_of_the_drive(roa
 def test_a_sample_rate_that_is_no_whole_number_of_steps_is_refused() -> None:
     with pytest.raises(ValueError, match="sample_rate = 300 Hz must divide 1000 Hz"):
         MeasuredCar(replace(SMOOTH, sensors=SensorParameters(sample_rate=300)), 25.0, 0)
+
+
+def test_slips_are_cycled_through_the_peak_of_the_road_on_which_a_wheel_has_come() -> None:
+    dry, snow = TYRES["burckhardt"]["dry"], TYRES["burckhardt"]["snow"]
+    parameters = replace(CarParameters(), tyres=(dry,) * 4)
+
+    def change(time: float, car: Car) -> Surroundings:
+        if time > 1.5:
+            car.tyres = [snow] * 4
+        return Surroundings()
+
+    run = record(parameters, SlipCycle(parameters, Cycling()), 0, duration=3.5, surroundings=change)
+    after = run.time > 2.0
+    peak = peak_pressures(replace(parameters, tyres=(snow,) * 4))
+    assert (run.brake_pressure[after].max(axis=0) < 2.0 * np.array(peak)).all()
+    ratio = run.tyre_slip[after] / snow.peak[0]
+    assert (ratio.max(axis=0) > 1.5).all() and (ratio.min(axis=0) < 0.8).all()

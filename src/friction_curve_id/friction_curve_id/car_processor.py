@@ -1,26 +1,33 @@
-"""Messages of all wheels in, <wheel>/friction_curve of every wheel out: layer 2 of the method 'car'."""
+"""Messages of all wheels in, <wheel>/friction_curve of every wheel and vehicle_fit out: layer 2 of the method 'car'."""
 
 from collections.abc import Mapping
 from math import nan
 from typing import Any
 
-from friction_msgs.msg import FrictionCurve
+from friction_msgs.msg import FrictionCurve, VehicleFit
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_curve_id.car import CarEstimator, CarSample
+from friction_curve_id.car.gain_over_mass import GainOverMass
 from friction_curve_id.curve_messages import CurveMessages, health_of
 from friction_curve_id.inputs import IMU
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, silent
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.reason_text import set_reason
+from friction_runtime.stamps import header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import HIGHEST_PRESSURE
 from vehicle_models.vehicle import Vehicle
+
+VEHICLE_FIT = "vehicle_fit"
+_PERIOD = 1.0
+"""Time between two messages of what was learned [s]; one more when a braking was learned from."""
 
 
 class CarProcessor(AlignedProcessor[tuple[float, ...]]):
@@ -43,6 +50,9 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         }
         self._cause = RestartCause.NONE
         self._last: list[FrictionCurve] = []
+        self._told: int | None = None
+        """Stamp of the last vehicle_fit [ns]."""
+        self._brakings = (0, 0)
         self.sensors: Mapping[str, type] = {
             WHEEL_STATES: JointState,
             IMU: Imu,
@@ -50,6 +60,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         }
         self.estimates: Mapping[str, type] = {}
         self.outputs: Mapping[str, type] = {f"{wheel}/friction_curve": FrictionCurve for wheel in self._wheels}
+        self.outputs |= {VEHICLE_FIT: VehicleFit}
 
     def _payload(self, message: JointState) -> tuple[float, ...]:
         return self._wheel_speeds.read(message)
@@ -85,7 +96,15 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             message = self._messages[wheel].message(sample.stamp, found, nan, self._cause)
             self._last.append(message)
             outputs.append((f"{wheel}/friction_curve", message))
+        if self._to_be_told(sample.stamp):
+            found_of_car = self._estimator.learner.found
+            self._told = sample.stamp
+            outputs.append((VEHICLE_FIT, vehicle_fit(found_of_car, sample.stamp)))
         return outputs
+
+    def _to_be_told(self, stamp: int) -> bool:
+        brakings, self._brakings = self._brakings, self._estimator.learner.brakings
+        return brakings != self._brakings or self._told is None or abs(stamp - self._told) >= _PERIOD * NANOSECONDS
 
     def _forget(self) -> None:
         self._last = []
@@ -106,10 +125,13 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             values[f"{last.wheel} lambda_max [-]"] = f"{last.lambda_max:.4f}"
             values[f"{last.wheel} mu_max [-]"] = f"{last.mu_max:.4f}"
             values[f"{last.wheel} reason"] = Reason(last.reason).name.lower()
-        gains = self._estimator.gain_over_mass
-        if gains is not None:
-            for axle, (value, stddev) in zip(("front", "rear"), gains, strict=True):
-                values[f"brake gain over mass, {axle} [%]"] = f"{100.0 * value:+.1f} +- {100.0 * stddev:.1f}"
+        found = self._estimator.learner.found
+        for axle, value, stddev in (
+            ("front", found.front, found.front_stddev),
+            ("rear", found.rear, found.rear_stddev),
+        ):
+            values[f"brake gain over mass, {axle} [N m/(Pa kg)]"] = f"{value:.3e} +- {stddev:.1e}"
+        values["brakings learned from"] = str(found.brakings)
         return values
 
     def _restart(self, cause: RestartCause) -> None:
@@ -117,3 +139,18 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         for messages in self._messages.values():
             messages.restart()
         self._cause = cause
+        self._told = None
+
+
+def vehicle_fit(found: GainOverMass, stamp: int) -> VehicleFit:
+    """Return what was learned as a message of a stamp [ns]."""
+    message = new_message(VehicleFit)
+    message.header = header_at(stamp, "base_link")
+    message.wheel = "vehicle"
+    message.gain_over_mass_front = found.front
+    message.gain_over_mass_front_stddev = found.front_stddev
+    message.gain_over_mass_rear = found.rear
+    message.gain_over_mass_rear_stddev = found.rear_stddev
+    message.brakings, message.refused, message.restarts = found.brakings, found.refused, found.restarts
+    set_reason(message, "vehicle", found.reason, "" if found.brakings else "no braking has been learned from")
+    return message

@@ -5,19 +5,19 @@ from functools import cache
 from typing import Any
 
 import pytest
-from friction_msgs.msg import FrictionCurve
+from friction_msgs.msg import FrictionCurve, VehicleFit
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
 
 from corner_sim.car.pressure_prescription import SlipCycle
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
-from friction_curve_id.car_processor import CarProcessor
+from friction_curve_id.car_processor import VEHICLE_FIT, CarProcessor
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.processor import build
 from friction_parameters.values import from_mapping
 from friction_runtime.processor import Level
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -52,22 +52,30 @@ def made() -> CarProcessor:
     return processor
 
 
-def drive(processor: CarProcessor, messages: Stream) -> list[tuple[str, FrictionCurve]]:
+def outputs(processor: CarProcessor, messages: Stream) -> list[tuple[str, Any]]:
     return [output for topic, message in messages for output in processor.process(topic, message)]
+
+
+def drive(processor: CarProcessor, messages: Stream) -> list[tuple[str, FrictionCurve]]:
+    return [output for output in outputs(processor, messages) if output[0] != VEHICLE_FIT]
+
+
+def fits(processor: CarProcessor, messages: Stream) -> list[VehicleFit]:
+    return [message for topic, message in outputs(processor, messages) if topic == VEHICLE_FIT]
 
 
 def test_every_wheel_has_its_curve_from_one_processor() -> None:
     processor = made()
     found = drive(processor, stream())
-    assert {topic for topic, _ in found} == set(processor.outputs)
-    assert set(processor.outputs) == {f"{wheel}/friction_curve" for wheel in CAR.wheel_names}
+    assert {topic for topic, _ in found} | {VEHICLE_FIT} == set(processor.outputs)
+    assert set(processor.outputs) == {VEHICLE_FIT, *(f"{wheel}/friction_curve" for wheel in CAR.wheel_names)}
     valid = [message for _, message in found if message.valid]
     assert {message.wheel for message in valid} == set(CAR.wheel_names)
     assert {message.method for message in valid} == {"car"}
     last = valid[-1]
     assert abs(last.lambda_max - stop().lambda_max[0]) < 3.0 * last.lambda_max_stddev
     assert abs(last.mu_max - stop().mu_max[0]) < 3.0 * last.mu_max_stddev
-    assert "brake gain over mass, front [%]" in processor.health().values
+    assert "brake gain over mass, front [N m/(Pa kg)]" in processor.health().values
 
 
 def test_the_order_of_arrival_does_not_matter() -> None:
@@ -111,3 +119,34 @@ def test_an_impossible_pressure_is_refused(pressure: float) -> None:
     processor.process("wheel_states", stream()[0][1])
     at = stream()[0][1].header
     assert processor.process("front_left/brake_pressure", FluidPressure(header=at, fluid_pressure=pressure)) == []
+
+
+def released() -> Stream:
+    """Messages of the stop and of 1.3 s after it without brakes."""
+    messages = stream()
+    first = to_nanoseconds(messages[-1][1].header.stamp)
+    speeds = messages[-2 - len(CAR.wheels)][1].velocity
+    for k in range(1, 261):
+        at = Header(stamp=from_nanoseconds(first + 5_000_000 * k))
+        messages.append(("wheel_states", JointState(header=at, name=list(CAR.joints), velocity=speeds)))
+        messages += [(f"{wheel}/brake_pressure", FluidPressure(header=at)) for wheel in CAR.wheel_names]
+        messages.append(("imu/data", Imu(header=at)))
+    return messages
+
+
+def test_what_was_learned_is_told_once_a_second_and_after_a_braking() -> None:
+    found = fits(made(), released())
+    assert [message.brakings for message in found] == [0, 0, 0, 1, 1]
+    assert [message.valid for message in found] == [False, False, False, True, True]
+    assert "no braking" in found[0].reason_text and found[0].gain_over_mass_front > 0.0
+    assert found[3].gain_over_mass_front_stddev < 0.5 * found[0].gain_over_mass_front_stddev
+    car = random_car(70_001, "wet", "pacejka").parameters
+    truth = car.brake_gain[0] / car.mass * CAR.wheels[0].radius / car.radius[0]
+    assert abs(found[3].gain_over_mass_front - truth) < 3.0 * found[3].gain_over_mass_front_stddev
+
+
+def test_a_reset_forgets_what_was_learned() -> None:
+    processor = made()
+    assert fits(processor, released())[-1].valid
+    processor.reset()
+    assert not fits(processor, released()[:100])[0].valid

@@ -1,8 +1,10 @@
 """The whole-vehicle fit and the curve fit on measured data; skipped where the data are not beside the repository."""
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from friction_evaluation import measured_data
@@ -30,6 +32,39 @@ def test_laps_without_strong_braking_give_no_peak() -> None:
     row = measured.vehicle_row("iac", measured.iac_samples(DATA / measured_data.IAC), measured_data.INDY_AV21)
     assert row["valid_estimates"] == 0
     assert not row["valid"]
+
+
+@needs_data
+@pytest.mark.parametrize("shift", [-0.02, 0.02])
+def test_a_time_shift_of_the_bmw_stop_stays_inside_the_interval(shift: float) -> None:
+    samples = list(measured.bmw_samples(DATA / measured_data.BMW))
+    times, speeds = [sample.time for sample in samples], [sample.speed for sample in samples]
+    late = (
+        replace(sample, speed=float(speed))
+        for sample, speed in zip(samples, np.interp(np.array(times) + shift, times, speeds), strict=True)
+    )
+    straight = measured.vehicle_row("bmw", iter(samples), measured_data.BMW_M8)
+    shifted = measured.vehicle_row("bmw", late, measured_data.BMW_M8)
+    assert straight["lambda_max"] == pytest.approx(0.064, abs=0.002)
+    assert straight["mu_max"] == pytest.approx(1.17, abs=0.02)
+    if shifted["valid"]:
+        assert shifted["lambda_low"] <= straight["lambda_max"] <= shifted["lambda_high"]
+
+
+@needs_data
+@pytest.mark.parametrize("front", [0.5, 0.65, 0.75])
+@pytest.mark.parametrize("shift", [-0.02, 0.0, 0.02])
+def test_method_car_takes_no_demand_for_a_pressure(front: float, shift: float) -> None:
+    samples = measured.bmw_car_samples(DATA / measured_data.BMW, front, shift)
+    row = measured.car_row("bmw", samples, measured_data.BMW_M8, counted=False)
+    assert row["passed"] and "uncertain" in row["other_answers"]
+
+
+@needs_data
+def test_method_car_is_silent_over_laps_without_strong_braking() -> None:
+    samples = measured.iac_car_samples(DATA / measured_data.IAC)
+    row = measured.car_row("iac", samples, measured_data.INDY_AV21, counted=True)
+    assert row["passed"] and "peak_not_passed" in row["other_answers"]
 
 
 @pytest.fixture(scope="module")

@@ -7,29 +7,32 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from corner_sim.car.car_parameters import CarParameters
 from corner_sim.car.pressure_prescription import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
 from corner_sim.car.tyre import TYRES, Burckhardt, Pacejka
 from corner_sim.car.unevenness import load_variation
 from friction_evaluation.real_car import part
-from friction_evaluation.real_car.answers import Answers
+from friction_evaluation.real_car.answers import VEHICLE, Answers
 from friction_evaluation.real_car.before_peak import rise_rows
 from friction_evaluation.real_car.bound import Bound, _burckhardt, _correlation, _pacejka, _sensitivities, bound
 from friction_evaluation.real_car.driving import DriveResult, drive_rows
+from friction_evaluation.real_car.methods import METHODS
+from friction_evaluation.real_car.road_change import TwoRoads, TwoRoadsResult, make_two_roads, two_roads_rows
+from friction_evaluation.real_car.slope_driving import SlopeDrive, slope_drive_rows
 from friction_evaluation.real_car.stop_rows import stop_rows
 from friction_evaluation.real_car.stops import judge
-from friction_evaluation.real_car.troubles import TROUBLES, troubled_car
+from friction_evaluation.real_car.troubles import BELIEVED, TROUBLES, troubled_car
 from friction_evaluation.rows import Row
 from friction_evaluation.run_lengths import run_lengths
 from vehicle_models.surfaces import TABLE_8_1
+from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")
 def run() -> Recording:
-    parameters, cycling = troubled_car("none", "dry")
+    parameters, cycling = troubled_car("none", "dry", "default")
     return record(parameters, SlipCycle(parameters, cycling), 1)
 
 
@@ -95,12 +98,29 @@ def test_what_is_valid_before_50_ms_fails(run: Recording) -> None:
     assert not quantities(rows)["valid before 0.05 s [%]"]["passed"]
 
 
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("trouble", TROUBLES)
-def test_a_trouble_is_alone(trouble: str) -> None:
-    (car, cycling), (none, plain) = troubled_car(trouble, "snow"), troubled_car("none", "snow")
-    assert none == replace(CarParameters(), tyres=(TYRES["burckhardt"]["snow"],) * 4, height=0.0)
+def test_a_trouble_is_alone(trouble: str, method: str) -> None:
+    (car, cycling), (none, plain) = (troubled_car(each, "snow", method) for each in (trouble, "none"))
+    assert none == replace(BELIEVED[method], tyres=(TYRES["burckhardt"]["snow"],) * 4)
     changed = {each.name for each in fields(car) if getattr(car, each.name) != getattr(none, each.name)}
-    assert len(changed) + (cycling != plain) == (trouble != "none")
+    believed = trouble == "none" or (method, trouble) == ("car", "relaxation 0.3 m")
+    assert len(changed) + (cycling != plain) == (not believed)
+
+
+def test_the_car_without_trouble_is_that_of_the_vehicle_file() -> None:
+    car, vehicle = BELIEVED["car"], load_vehicle(VEHICLE)
+    for name in ("mass", "front_load_share", "wheelbase", "track", "drag_area", "rolling_resistance"):
+        assert getattr(car, name) == getattr(vehicle, name), name
+    for name in ("radius", "inertia", "brake_gain", "relaxation_length"):
+        assert getattr(car, name) == tuple(getattr(wheel, name) for wheel in vehicle.wheels), name
+    assert {car.sensors.encoder_teeth} == {wheel.encoder_teeth for wheel in vehicle.wheels}
+    assert (car.height, car.engine_drag) == (vehicle.centre_of_gravity_height, vehicle.engine_drag_torque)
+    assert (car.pitch_gain, car.sensors.acceleration_delay) == (
+        vehicle.accelerometer.pitch_gain,
+        vehicle.accelerometer.delay,
+    )
+    assert car.sensors.pressure_delay == vehicle.brake_pressure_delay
 
 
 def test_runs_are_counted_by_wheel() -> None:
@@ -113,6 +133,30 @@ def test_a_claim_in_ordinary_driving_fails() -> None:
     quiet, loud = DriveResult(1.0, 0, 0, 0.3), DriveResult(1.0, 1, 0, 0.3)
     assert all(row["passed"] in (None, True) for row in drive_rows([quiet]))
     assert [row["quantity"] for row in drive_rows([quiet, loud]) if row["passed"] is False] == ["valid peaks"]
+
+
+def test_a_lasting_slope_sign_in_ordinary_driving_fails() -> None:
+    quiet = SlopeDrive(1.0, {"slip": 0, "no_slip": 0}, {"slip": 0, "no_slip": 0}, {"slip": 0.0, "no_slip": 0.02})
+    loud = replace(quiet, lasting={"slip": 1, "no_slip": 0})
+    assert all(row["passed"] in (None, True) for row in slope_drive_rows([quiet]))
+    failed = [row for row in slope_drive_rows([quiet, loud]) if row["passed"] is False]
+    assert [row["case"] for row in failed] == ["ordinary driving, friction_slope slip"]
+
+
+def test_what_stays_valid_and_wrong_on_a_new_road_fails() -> None:
+    silent = TwoRoadsResult(10, 10, 10, 10, 0.05, np.inf)
+    late = TwoRoadsResult(10, 30, 12, 12, 0.4, np.inf)
+    assert all(row["passed"] in (None, True) for row in two_roads_rows(("dry", "snow"), False, [silent] * 10))
+    rows = quantities(two_roads_rows(("dry", "snow"), False, [silent, late]))
+    assert not rows["valid and wrong later than 0.1 s [% of stops]"]["passed"]
+    assert not rows["coverage of mu_max, all valid messages [%]"]["passed"]
+    nothing = TwoRoadsResult(0, 0, 0, 0, 0.0, np.inf)
+    assert all(row["passed"] in (None, True) for row in two_roads_rows(("dry", "wet"), True, [nothing]))
+
+
+def test_snow_after_dry_is_never_valid_with_the_peak_of_dry() -> None:
+    found = make_two_roads(TwoRoads(77_001, ("dry", "snow"), False, "burckhardt", "car"))
+    assert found.last_old < 0.1
 
 
 def test_mu_max_that_is_not_given_before_the_peak_is_not_covered() -> None:
@@ -141,7 +185,7 @@ def test_the_load_of_the_bound_has_the_correlation_of_the_road() -> None:
 
 
 def test_torques_and_forces_of_the_bound_are_those_of_the_plant() -> None:
-    car, _ = troubled_car("relaxation 0.3 m", "dry")
+    car, _ = troubled_car("relaxation 0.3 m", "dry", "default")
     car = replace(car, sensors=replace(car.sensors, sample_rate=1000))
     run = record(car, SlipCycle(car, Cycling()), 1)
     n = int(np.searchsorted(run.time, first_passing(run) + 0.4))
@@ -164,6 +208,8 @@ def test_a_bound_is_a_few_percent_and_snow_leaves_most() -> None:
 
 def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(part, "ROADS", ("wet",))
+    monkeypatch.setattr(part, "CHANGES", (("dry", "wet"),))
+    monkeypatch.setattr(part, "SPLITS", ())
     parser = argparse.ArgumentParser()
     part.add_arguments(parser)
     arguments = ["--seeds", "1", "--hours", "0.002", "--processes", "1", "--troubles", "48 teeth at 100 Hz"]
@@ -172,7 +218,8 @@ def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None
         *("48 teeth at 100 Hz", "random cars", "ordinary driving"),
         *("before the peak, burckhardt", "before the peak, pacejka"),
         *("known exactly, default", "known exactly, car", "cost, default", "cost, car"),
+        *("road change", "ordinary driving, friction_slope slip", "ordinary driving, friction_slope no_slip"),
     }
-    assert {row["road"] for row in rows} == {"wet", "all", *TABLE_8_1}
+    assert {row["road"] for row in rows} == {"wet", "all", "dry to wet", *TABLE_8_1}
     for row in rows:
         assert {"value", "limit", "passed"} <= set(row)

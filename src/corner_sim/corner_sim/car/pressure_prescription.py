@@ -1,10 +1,11 @@
 """Brake pressures by prescription: the estimators are judged, not a controller, so these know the truth."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from corner_sim.car.car import Car
 from corner_sim.car.car_parameters import GRAVITY, CarParameters
+from corner_sim.car.tyre import Tyre
 
 
 def peak_pressures(parameters: CarParameters) -> list[float]:
@@ -47,12 +48,18 @@ class Cycling:
 
 
 class SlipCycle:
-    """Pressure of each wheel that rises until its slip is beyond the peak and falls until it is below again."""
+    """Pressure of each wheel that rises until its slip is beyond the peak and falls until it is below again.
+
+    The peak is that of the road on which the wheel is now.
+    """
 
     def __init__(self, parameters: CarParameters, cycling: Cycling) -> None:
         """Begin without pressure."""
-        self._cycling = cycling
+        self._parameters, self._cycling = parameters, cycling
+        self._tyres = list(parameters.tyres)
         self._peak_pressure = peak_pressures(parameters)
+        self._fall = self._peak_pressure
+        """Pressures that fall within the time of a release [Pa]."""
         self._lambda_max = [tyre.peak[0] for tyre in parameters.tyres]
         self._pressure = [0.0] * 4
         self._last_slip = [0.0] * 4
@@ -64,6 +71,8 @@ class SlipCycle:
         c = self._cycling
         if time < c.start:
             return self._pressure
+        if car.tyres != self._tyres:
+            self._change_road(car.tyres)
         for i, slip in enumerate(car.tyre_slip):
             ratio = slip / self._lambda_max[i]
             growth = (slip - self._last_slip[i]) * LOOK_AHEAD / dt
@@ -73,10 +82,20 @@ class SlipCycle:
                 self._fell[i] = True
             elif ratio < c.lower:
                 self._falling[i] = False
-            peak = self._peak_pressure[i]
-            time_scale = -c.release if self._falling[i] else (c.reapply if self._fell[i] else c.ramp)
-            self._pressure[i] = max(self._pressure[i] + dt * peak / time_scale, 0.0)
+            if self._falling[i]:
+                rate = -self._fall[i] / c.release
+            else:
+                rate = self._peak_pressure[i] / (c.reapply if self._fell[i] else c.ramp)
+            self._pressure[i] = max(self._pressure[i] + dt * rate, 0.0)
         return self._pressure
+
+    def _change_road(self, tyres: list[Tyre]) -> None:
+        self._tyres = list(tyres)
+        first, second, third, fourth = tyres
+        before = self._peak_pressure
+        self._peak_pressure = peak_pressures(replace(self._parameters, tyres=(first, second, third, fourth)))
+        self._fall = [max(each) for each in zip(before, self._peak_pressure, strict=True)]
+        self._lambda_max = [tyre.peak[0] for tyre in tyres]
 
 
 @dataclass(frozen=True)

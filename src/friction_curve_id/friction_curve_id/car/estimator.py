@@ -17,7 +17,9 @@ from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
 from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
-from friction_curve_id.car.node_signals import Start, node_signals, rolling_noise
+from friction_curve_id.car.gain_over_mass import GainOverMassLearner
+from friction_curve_id.car.node_signals import Start, delayed, node_signals, rolling_noise
+from friction_curve_id.car.one_road import RoadWatch, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.prior import car_prior, radius_deviation
 from friction_curve_id.car.unknowns import SHARED, Unknown
@@ -71,6 +73,8 @@ class CarEstimator:
     def __init__(self, vehicle: Vehicle, parameters: CarEstimatorParameters = CarEstimatorParameters()) -> None:
         """Take the car with its deviations."""
         self._vehicle, self._p = vehicle, parameters
+        self.learner = GainOverMassLearner(vehicle)
+        """What is learned from braking to braking."""
         self._gate = CarGate(vehicle.wheel_names, vehicle.radii, parameters.max_gap)
         self._radii = np.array(vehicle.radii)
         self._gain = np.array([wheel.brake_gain for wheel in vehicle.wheels])
@@ -80,6 +84,7 @@ class CarEstimator:
     def reset(self) -> None:
         """Forget everything; the next estimate reports a restart on request."""
         self._gate.reset()
+        self.learner.reset()
         self._cause = RestartCause.REQUEST
         self._begin_again(())
 
@@ -89,6 +94,7 @@ class CarEstimator:
         count = len(self._vehicle.wheels)
         if isinstance(checked, Refusal):
             return (checked,) * count
+        self.learner.update(checked)
         present = tuple(int(each) for each in np.flatnonzero(np.isfinite(checked.wheel_speed)))
         if checked.after_gap:
             if self._braking:
@@ -112,23 +118,6 @@ class CarEstimator:
         for each, estimate in zip(self._present, answer, strict=True):
             by_wheel[each] = estimate
         return tuple(by_wheel)
-
-    @property
-    def gain_over_mass(self) -> tuple[tuple[float, float], tuple[float, float]] | None:
-        """Brake gain over mass, over that of the vehicle file, less 1, with its deviation: front and rear axle.
-
-        None before the first fit of the braking.
-        """
-        if not self._fits or not self._fits[0].steps:
-            return None
-        fit = self._fits[0]
-        found = []
-        for gain in (Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR):
-            c = fit.covariance
-            variance = c[gain, gain] + c[Unknown.LOG_MASS, Unknown.LOG_MASS] - 2.0 * c[gain, Unknown.LOG_MASS]
-            ratio = exp(float(fit.unknowns[gain] - fit.unknowns[Unknown.LOG_MASS]))
-            found.append((ratio - 1.0, ratio * sqrt(max(float(variance), 0.0))))
-        return found[0], found[1]
 
     def _begin_again(self, present: tuple[int, ...]) -> None:
         """Forget the samples; go on with these wheels."""
@@ -238,6 +227,7 @@ class CarEstimator:
         self._most_surprise = unknown + _SURPRISE * sqrt(2.0 * unknown)
         self._mu_floor = radius_deviation(self._vehicle)
         self._peak: Peak | None = None
+        self._road_watch, self._two_roads = RoadWatch(), ""
         self._seen_before = 0.0
         self._seen = 0.0
         self._beyond_since = inf
@@ -285,12 +275,20 @@ class CarEstimator:
             self._seen = self._time_beyond(fit, self._peak, nodes.subset(slice(0, keep)))
             if self._seen < _SEEN_TIME:
                 self._peak = mixture(*found, evidence, self._mu_floor, False)
+            else:
+                self._watch_road(fit, nodes.subset(slice(0, keep)))
         self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
 
     def _log_evidence(self) -> list[float]:
         """Log evidence of the fits for the nodes that all of them have seen."""
         common = min(fit.newest for fit in self._fits)
         return [fit.log_evidence_until(common) for fit in self._fits]
+
+    def _watch_road(self, fit: CurveFit, nodes: Nodes) -> None:
+        delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
+        torque, _ = delayed(self._samples, nodes, self._start, delay)
+        used, fitted = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
+        self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time)
 
     def _time_beyond(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> float:
         """Time for which the slips of the window were surely beyond the peak, summed over wheels [s]."""
@@ -316,7 +314,7 @@ class CarEstimator:
         reason, text = self._reason(time, peak)
         lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
         best = int(np.argmax(peak.weights))
-        surprised = max(fit.surprise for fit in self._fits) > self._most_surprise
+        surprised = max(fit.surprise for fit in self._fits) > self._most_surprise or bool(self._two_roads)
         u = self._fits[best].unknowns
         shape = (float(u[Unknown.SHAPE_1]), float(u[Unknown.SHAPE_2]))
         curve = curve_values(self._families[best], peak.log_lambda_max, shape, slips / lambda_max)
@@ -384,6 +382,8 @@ class CarEstimator:
         best = int(np.argmax(peak.weights))
         if max(fit.surprise for fit in self._fits) > self._most_surprise:
             return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
+        if self._two_roads:
+            return Reason.UNCERTAIN, self._two_roads
         if self._move[best] > _SETTLED:
             return Reason.UNCERTAIN, "the fit has not settled"
         if self._fits[best].load_variation == LOAD_VARIATIONS.size - 1:

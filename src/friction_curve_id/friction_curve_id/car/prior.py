@@ -80,12 +80,12 @@ def car_prior(
     def put(unknown: Unknown, value: float, deviation: float) -> None:
         mean[unknown], stddev[unknown] = value, deviation
 
-    radius = max(_relative(wheel, "radius") for wheel in wheels)
+    radius = max(relative_deviation(wheel, "radius") for wheel in wheels)
     gains = [
-        max((_relative(w, "brake_gain") for w in wheels if (w.axle == FRONT) is front), default=0.0)
+        max((relative_deviation(w, "brake_gain") for w in wheels if (w.axle == FRONT) is front), default=0.0)
         for front in (True, False)
     ]
-    mass = _deviation(vehicle.deviations, "mass", STATED["mass"] * vehicle.mass) / vehicle.mass
+    mass = mass_deviation(vehicle)
     put(Unknown.LOG_MU_MAX, *_LOG_MU_MAX)
     put(Unknown.LOG_LAMBDA_MAX, *_LOG_LAMBDA_MAX)
     put(Unknown.SHAPE_1, shape.mean[0], shape.stddev[0])
@@ -94,32 +94,36 @@ def car_prior(
     put(Unknown.LOG_GAIN_FRONT, 0.0, hypot(gains[0], radius) if gains[0] else 0.0)
     put(Unknown.LOG_GAIN_REAR, 0.0, hypot(gains[1], radius) if gains[1] else 0.0)
     put(Unknown.LOG_MASS, 0.0, mass)
-    put(Unknown.LOG_INERTIA, 0.0, max(_relative(wheel, "inertia") for wheel in wheels))
-    put(Unknown.PRESSURE_DELAY, vehicle.brake_pressure_delay, _absolute(vehicle.deviations, "brake_pressure_delay"))
+    put(Unknown.LOG_INERTIA, 0.0, max(relative_deviation(wheel, "inertia") for wheel in wheels))
+    put(
+        Unknown.PRESSURE_DELAY,
+        vehicle.brake_pressure_delay,
+        absolute_deviation(vehicle.deviations, "brake_pressure_delay"),
+    )
     relaxation = sum(wheel.relaxation_length for wheel in wheels) / len(wheels)
     put(
         Unknown.RELAXATION_LENGTH,
         relaxation,
-        max(_relative(wheel, "relaxation_length") for wheel in wheels) * relaxation,
+        max(relative_deviation(wheel, "relaxation_length") for wheel in wheels) * relaxation,
     )
     put(Unknown.START_SPEED, 0.0, _START_SPEED_STDDEV)
     sides = {wheel.side for wheel in wheels}
     put(Unknown.CURVE, 0.0, _CURVE_STDDEV if len(sides) > 1 else 0.0)
     put(Unknown.SLOPE, 0.0, slope_stddev * GRAVITY)
     if with_accelerometer:
-        put(Unknown.ACCELEROMETER_DELAY, mounting.delay, _absolute(mounting.deviations, "delay"))
-        put(Unknown.ACCELEROMETER_OFFSET, 0.0, _absolute(mounting.deviations, "offset"))
-        pitch = GRAVITY * _absolute(mounting.deviations, "pitch_gain")
+        put(Unknown.ACCELEROMETER_DELAY, mounting.delay, absolute_deviation(mounting.deviations, "delay"))
+        put(Unknown.ACCELEROMETER_OFFSET, 0.0, absolute_deviation(mounting.deviations, "offset"))
+        pitch = GRAVITY * absolute_deviation(mounting.deviations, "pitch_gain")
         put(Unknown.PITCH_READING, GRAVITY * mounting.pitch_gain, pitch)
-        put(Unknown.ACCELEROMETER_SCALE, 0.0, hypot(_absolute(mounting.deviations, "scale"), radius))
+        put(Unknown.ACCELEROMETER_SCALE, 0.0, hypot(absolute_deviation(mounting.deviations, "scale"), radius))
     else:
         others = _OTHER_WHEELS if len(wheels) < len(vehicle.wheels) else 0.0
         put(Unknown.ACCELEROMETER_SCALE, 0.0, hypot(hypot(*gains), mass, others))
         driven = sum(wheel.driven for wheel in wheels)
-        drag = _absolute(vehicle.deviations, "engine_drag_torque") * driven / (wheels[0].radius * vehicle.mass)
+        drag = absolute_deviation(vehicle.deviations, "engine_drag_torque") * driven / (wheels[0].radius * vehicle.mass)
         put(Unknown.ACCELEROMETER_OFFSET, 0.0, drag)
     if any(wheel.driven for wheel in wheels):
-        drag = _absolute(vehicle.deviations, "engine_drag_torque")
+        drag = absolute_deviation(vehicle.deviations, "engine_drag_torque")
         put(Unknown.ENGINE_DRAG, vehicle.engine_drag_torque, drag)
     for unknown, (value, deviation) in _PITCH.items():
         put(unknown, value, deviation if vehicle.centre_of_gravity_height > 0.0 else 0.0)
@@ -129,7 +133,7 @@ def car_prior(
         put(
             Unknown.LOG_HEIGHT_RATIO, 0.0, _deviation(vehicle.deviations, "centre_of_gravity_height", relative) / height
         )
-    share_stddev = 0.0 if _one_axle(vehicle) else _absolute(vehicle.deviations, "front_load_share")
+    share_stddev = 0.0 if _one_axle(vehicle) else absolute_deviation(vehicle.deviations, "front_load_share")
     put(Unknown.FRONT_LOAD_SHARE, vehicle.front_load_share, share_stddev)
     stddev[SHARED:] = _SLIP_OFFSET_STDDEV if radius > 0.0 else 0.0
     return Prior(mean, stddev)
@@ -143,16 +147,22 @@ def _deviation(deviations: Deviations, name: str, otherwise: float) -> float:
     return deviations[name].stddev if name in deviations else otherwise
 
 
-def _relative(wheel: Wheel, name: str) -> float:
-    """Relative deviation of a quantity of a wheel."""
+def mass_deviation(vehicle: Vehicle) -> float:
+    """Relative standard deviation of the mass."""
+    return _deviation(vehicle.deviations, "mass", STATED["mass"] * vehicle.mass) / vehicle.mass
+
+
+def relative_deviation(wheel: Wheel, name: str) -> float:
+    """Relative standard deviation of a quantity of a wheel, of STATED where its file states none."""
     value = float(getattr(wheel, name))
     return _deviation(wheel.deviations, name, STATED[name] * value) / value
 
 
-def _absolute(deviations: Deviations, name: str) -> float:
+def absolute_deviation(deviations: Deviations, name: str) -> float:
+    """Standard deviation of a quantity in its unit, of STATED_ABSOLUTE where its file states none."""
     return _deviation(deviations, name, STATED_ABSOLUTE[name])
 
 
 def radius_deviation(vehicle: Vehicle) -> float:
     """Relative standard deviation of the radii, the largest of the wheels."""
-    return max(_relative(wheel, "radius") for wheel in vehicle.wheels)
+    return max(relative_deviation(wheel, "radius") for wheel in vehicle.wheels)

@@ -1,5 +1,9 @@
 """Curves from measured data: whole-vehicle mode on a BMW stop and on laps of an Indy car, fits of tyre-rig sweeps.
 
+The method `car` follows both logs as well. Neither holds what it needs: that of the BMW has the torque demanded of the
+brakes ahead of the ABS valves instead of pressures, that of the Indy car a commanded line pressure without a known
+gain. It must not be valid there.
+
 See measured_data.py for where the data are.
 """
 
@@ -11,12 +15,13 @@ from pathlib import Path
 import numpy as np
 from rich.progress import track
 
+from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
 from friction_curve_id.interface import CurveEstimate
 from friction_curve_id.vehicle.vehicle_samples import VehicleSample
 from friction_curve_id.vehicle.whole_vehicle import WholeVehicle
 from friction_evaluation.measured.tyre_rig import estimate_columns, tyre_rig_rows
 from friction_evaluation.measured_data import BMW, BMW_M8, IAC, INDY_AV21, TYRE_RIG, data_directory
-from friction_evaluation.rows import Row
+from friction_evaluation.rows import Row, at_most
 from vehicle_models.vehicle import Vehicle
 
 _KMH = 1.0 / 3.6
@@ -40,6 +45,10 @@ def run(options: argparse.Namespace) -> list[Row]:
         vehicle_row("BMW M8, ABS stop", bmw_samples(options.data / BMW), BMW_M8),
         vehicle_row("Indy AV-21, laps", iac_samples(options.data / IAC), INDY_AV21),
     ]
+    rows += [
+        car_row("BMW M8, ABS stop", bmw_car_samples(options.data / BMW), BMW_M8, counted=False),
+        car_row("Indy AV-21, laps", iac_car_samples(options.data / IAC), INDY_AV21, counted=True),
+    ]
     return rows + tyre_rig_rows(options.data / TYRE_RIG)
 
 
@@ -58,6 +67,43 @@ def iac_samples(path: Path) -> Iterator[VehicleSample]:
     wheels = [data[f"wheel_{wheel}kmph"] * _KMH / radius for wheel, radius in names]
     for time, speed, acceleration, *speeds in zip(data["times"], data["vxms"], data["axms2"], *wheels, strict=True):
         yield VehicleSample(float(time), float(speed), float(acceleration), tuple(map(float, speeds)))
+
+
+def bmw_car_samples(path: Path, front: float = 0.65, shift: float = 0.0) -> Iterator[CarSample]:
+    """Samples of the BMW M8 with its demanded torque as pressures.
+
+    Args:
+        path: of the log.
+        front: share of the torque at the front axle, which was not recorded [-].
+        shift: time by which the accelerations are moved ahead [s].
+    """
+    data = np.genfromtxt(path, delimiter=",", names=True)
+    demanded = np.maximum(-data["brake_torque_can"], 0.0)
+    shares = [0.5 * front / wheel.brake_gain for wheel in BMW_M8.wheels[:2]]
+    shares += [0.5 * (1.0 - front) / wheel.brake_gain for wheel in BMW_M8.wheels[2:]]
+    pressures = demanded[:, np.newaxis] * np.array(shares)
+    accelerations = np.interp(data["t_s"] + shift, data["t_s"], data["ax_mps2"])
+    for k, sample in enumerate(bmw_samples(path)):
+        yield CarSample(sample.time, sample.wheel_speeds, pressures[k], float(accelerations[k]))
+
+
+def iac_car_samples(path: Path) -> Iterator[CarSample]:
+    """Samples of the Indy AV-21 with its commanded line pressure at every wheel."""
+    data = np.genfromtxt(path, delimiter=",", names=True)
+    for pressure, sample in zip(data["brake_ped_cmdkPa"], iac_samples(path), strict=True):
+        yield CarSample(sample.time, sample.wheel_speeds, [1e3 * float(pressure)] * 4, sample.acceleration)
+
+
+def car_row(name: str, samples: Iterator[CarSample], car: Vehicle, counted: bool) -> Row:
+    """Feed the estimator of all wheels: how many of its answers were valid, and why the others were not."""
+    estimator = CarEstimator(car, CarEstimatorParameters(counted=counted, max_gap=0.1))
+    reasons = Counter[str]()
+    for sample in track(list(samples), description=f"{name}, method car"):
+        reasons.update(answer.reason.name.lower() for answer in estimator.update(sample))
+    row: Row = {"data": "car", "case": name, "quantity": "valid estimates"}
+    row |= at_most(reasons.pop("ok", 0), 0)
+    row["other_answers"] = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common())
+    return row
 
 
 def vehicle_row(name: str, samples: Iterator[VehicleSample], car: Vehicle) -> Row:

@@ -23,6 +23,8 @@ from friction_evaluation.real_car.cost import cost_rows, timed
 from friction_evaluation.real_car.driving import DRIVE, Drive, drive_rows, make_drive
 from friction_evaluation.real_car.known import Known, known_rows, make_known
 from friction_evaluation.real_car.methods import METHODS
+from friction_evaluation.real_car.road_change import CHANGES, SPLITS, TwoRoads, make_two_roads, two_roads_rows
+from friction_evaluation.real_car.slope_driving import make_slope_drive, slope_drive_rows
 from friction_evaluation.real_car.stop_rows import stop_rows
 from friction_evaluation.real_car.stops import Stop, make_stop
 from friction_evaluation.real_car.troubles import ROADS, TROUBLES, troubled_car
@@ -31,7 +33,7 @@ from vehicle_models.surfaces import TABLE_8_1
 
 _FIRST_SEED = 40_000
 """Far from the seeds of the tuning."""
-_STUDIES = ("troubles", "random", "before_peak", "driving", "known", "cost")
+_STUDIES = ("troubles", "random", "before_peak", "road_change", "driving", "known", "cost")
 _KNOWN_RUNS = 20
 """Runs of a known corner in one task of a process."""
 _TIMED = 2
@@ -54,6 +56,7 @@ def run(options: argparse.Namespace) -> list[Row]:
         "troubles": _troubles,
         "random": _random,
         "before_peak": _before_peak,
+        "road_change": _road_change,
         "driving": _driving,
         "known": _known,
         "cost": _cost,
@@ -64,7 +67,7 @@ def run(options: argparse.Namespace) -> list[Row]:
 def _troubles(options: argparse.Namespace) -> list[Row]:
     cases = [(trouble, road) for trouble in options.troubles for road in ROADS]
     jobs = [
-        Stop(*troubled_car(trouble, road), _FIRST_SEED + seed, options.method)
+        Stop(*troubled_car(trouble, road, options.method), _FIRST_SEED + seed, options.method)
         for trouble, road in cases
         for seed in range(options.seeds)
     ]
@@ -105,13 +108,30 @@ def _before_peak(options: argparse.Namespace) -> list[Row]:
     return rows
 
 
+def _road_change(options: argparse.Namespace) -> list[Row]:
+    cases = [(roads, False) for roads in CHANGES] + [(roads, True) for roads in SPLITS]
+    jobs = [
+        TwoRoads(_FIRST_SEED + seed, roads, split, _family(seed), options.method)
+        for roads, split in cases
+        for seed in range(options.seeds)
+    ]
+    results = in_processes(make_two_roads, jobs, "two roads", options.processes)
+    rows: list[Row] = []
+    for number, (roads, split) in enumerate(cases):
+        rows += two_roads_rows(roads, split, results[number * options.seeds : (number + 1) * options.seeds])
+    return rows
+
+
 def _driving(options: argparse.Namespace) -> list[Row]:
     total = 3600.0 * options.hours
     jobs = [
         Drive(_FIRST_SEED + k, ROADS[k // 2 % len(ROADS)], _family(k), options.method, min(DRIVE, total - k * DRIVE))
         for k in range(int(-(-total // DRIVE)))
     ]
-    return drive_rows(in_processes(make_drive, jobs, "ordinary driving", options.processes)) if jobs else []
+    if not jobs:
+        return []
+    rows = drive_rows(in_processes(make_drive, jobs, "ordinary driving", options.processes))
+    return rows + slope_drive_rows(in_processes(make_slope_drive, jobs, "slope signs", options.processes))
 
 
 def _known(options: argparse.Namespace) -> list[Row]:

@@ -1,4 +1,7 @@
-"""Each trouble of a real car alone, on a car that is otherwise as the estimators believe it to be."""
+"""Each trouble of a real car alone, on a car that is otherwise as the estimator that is judged believes it to be.
+
+The default believes a car without load transfer, relaxation and delays, `car` the values of the vehicle file.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -8,8 +11,21 @@ from typing import Any
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
 from corner_sim.car.pressure_prescription import Cycling
 from corner_sim.car.tyre import TYRES
+from friction_curve_id.methods import DEFAULT
 
 ROADS = tuple(TYRES["burckhardt"])
+BELIEVED: Mapping[str, CarParameters] = MappingProxyType(
+    {
+        DEFAULT: CarParameters(height=0.0),
+        "car": CarParameters(
+            relaxation_length=(0.3,) * 4,
+            damper_share=0.5,
+            pitch_gain=0.0026,
+            sensors=SensorParameters(encoder_teeth=48, acceleration_delay=0.005),
+        ),
+    }
+)
+"""The car without any trouble, by the method that is judged."""
 
 
 def _gains(factor: float) -> Mapping[str, Any]:
@@ -20,7 +36,8 @@ def _gains(factor: float) -> Mapping[str, Any]:
 TROUBLES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "none": {},
-        "load transfer": {"height": CarParameters().height},
+        "load transfer": {"height": 0.2 * CarParameters().wheelbase},
+        "relaxation 0.05 m": {"relaxation_length": (0.05,) * 4},
         "relaxation 0.3 m": {"relaxation_length": (0.3,) * 4},
         "pressure 10 ms late": {"pressure_delay": 0.01},
         "pressure 20 ms late": {"pressure_delay": 0.02},
@@ -37,15 +54,15 @@ TROUBLES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "1000 Hz": {"sample_rate": 1000},
     }
 )
-"""Changes to a car without load transfer, relaxation and errors of its sensors, by the name of the trouble."""
+"""Changes to the car, by the name of the trouble; `car` believes in the relaxation length of 0.3 m."""
 
 
-def troubled_car(trouble: str, road: str) -> tuple[CarParameters, Cycling]:
-    """Make the car of a trouble on a road, and the way it is braked."""
+def troubled_car(trouble: str, road: str, method: str) -> tuple[CarParameters, Cycling]:
+    """Make the car of a trouble on a road, for a method of BELIEVED, and the way it is braked."""
     changes = dict(TROUBLES[trouble])
     cycling = Cycling(ramp=changes.pop("ramp", Cycling.ramp))
     tyre = TYRES[changes.pop("family", "burckhardt")][road]
+    believed = BELIEVED[method]
     of_sensors = {name: changes.pop(name) for name in list(changes) if hasattr(SensorParameters, name)}
-    changes.setdefault("height", 0.0)
-    car = replace(CarParameters(), tyres=(tyre,) * 4, sensors=SensorParameters(**of_sensors), **changes)
-    return car, cycling
+    sensors = replace(believed.sensors, **of_sensors)
+    return replace(believed, tyres=(tyre,) * 4, sensors=sensors, **changes), cycling

@@ -1,0 +1,109 @@
+"""Whether the wheels are on one road: the friction that each has used beside that of the curve for the car.
+
+    mu_used = (J omega_dot + kappa T + T_drag) / (r Fz)
+
+One curve for two roads lies between them. Where the road changes during a braking, what the wheels use falls below the
+curve or rises above it from then on; where the sides of the car are on different roads, one side uses more than the
+curve says and the other less. Both are ratios of means over time, in which the load that the road's unevenness varies
+averages out.
+"""
+
+from math import exp, log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.car.car_model import CarConstants, Motion, Nodes
+from friction_curve_id.car.curve_family import Family, curve_values
+from friction_curve_id.car.unknowns import Unknown
+
+Array = NDArray[np.float64]
+
+NEWEST = 0.1
+"""Time over which the newest friction is taken [s]."""
+MOST_CHANGE = 0.07
+"""Change of ln of used over fitted friction on one road: random cars of another plant stay below 0.1, mostly 0.06."""
+MOST_DIFFERENCE = 0.05
+"""The same between the sides of the car, over the whole window: there up to 0.05."""
+_LASTING = 3
+"""Steps of the fits after which what was found is not the load of a bump."""
+_LEAST_TIME = 0.1
+"""Least time of what it is compared with [s]."""
+_LEAST_SHARE = 0.4
+"""Least share of mu_max at which friction is compared: below, the slope of the curve and the speed decide."""
+_TURNING = 0.3
+"""Least speed of a wheel over that of the car: the brake of a locked wheel does not act with its torque."""
+_MOST_SPIN = 0.5
+"""Most torque that speeds a wheel up or down, over that of its tyre: it is late by what nobody knows."""
+
+
+def used_and_fitted(
+    car: CarConstants, nodes: Nodes, moved: Motion, torque: Array, family: Family, unknowns: Array
+) -> tuple[Array, Array]:
+    """Return friction used, and that of the curve at the slips, shape (W, n) each; zero where they say nothing.
+
+    Args:
+        car: nominal values.
+        nodes: measured signals.
+        moved: their motion.
+        torque: brake torque at nominal gain [N m], shape (W, n).
+        family: formula of the curve.
+        unknowns: shape (SHARED + W,).
+    """
+    p = unknowns
+    log_peak = float(p[Unknown.LOG_LAMBDA_MAX])
+    shape = (float(p[Unknown.SHAPE_1]), float(p[Unknown.SHAPE_2]))
+    share = curve_values(family, log_peak, shape, moved.relaxed / exp(log_peak)).value
+    gain = np.exp(np.where(car.front > 0.0, p[Unknown.LOG_GAIN_FRONT], p[Unknown.LOG_GAIN_REAR]))
+    inertia = car.inertia * exp(float(p[Unknown.LOG_INERTIA]))
+    spinning = inertia * nodes.wheel_acceleration
+    acting = gain * torque + p[Unknown.ENGINE_DRAG] * car.driven + spinning
+    turning = car.radius * nodes.wheel_speed > _TURNING * moved.speed
+    used = acting / (car.radius * np.maximum(moved.load, 1.0))
+    fitted = exp(float(p[Unknown.LOG_MU_MAX])) * share
+    steady = np.abs(spinning) < _MOST_SPIN * fitted * car.radius * moved.load
+    told = turning & steady & (share > _LEAST_SHARE)
+    return np.where(told, used, 0.0), np.where(told, fitted, 0.0)
+
+
+def change_of_friction(used: Array, fitted: Array, time: Array) -> float:
+    """Return ln of used over fitted friction in the newest time over that of before; 0 where there is too little."""
+    newest = time > time[-1] - NEWEST
+    return _log_ratio(used[:, newest], fitted[:, newest], time) - _log_ratio(used[:, ~newest], fitted[:, ~newest], time)
+
+
+def difference_of_sides(used: Array, fitted: Array, left: Array, time: Array) -> float:
+    """Return ln of used over fitted friction of the left wheels over that of the right; `left`: +-1, shape (W, 1)."""
+    sides = [left[:, 0] * sign > 0.0 for sign in (1.0, -1.0)]
+    if not all(side.any() for side in sides):
+        return 0.0
+    ratios = [_log_ratio(used[side], fitted[side], time) for side in sides]
+    return ratios[0] - ratios[1]
+
+
+def _log_ratio(used: Array, fitted: Array, time: Array) -> float:
+    interval = float(time[-1] - time[0]) / max(time.size - 1, 1)
+    if np.count_nonzero(fitted) * interval < _LEAST_TIME:
+        return 0.0
+    return log(max(float(used.sum()), 1e-3) / float(fitted.sum()))
+
+
+class RoadWatch:
+    """Says whether the wheels are on one road; what has lasted counts until the end of the braking."""
+
+    def __init__(self) -> None:
+        """Begin with the braking."""
+        self._steps = 0
+        self._lasting = ""
+
+    def update(self, used: Array, fitted: Array, left: Array, time: Array) -> str:
+        """Return what speaks against one road, empty where nothing does. Arguments as above, after a step of a fit."""
+        found = ""
+        if abs(difference_of_sides(used, fitted, left, time)) > MOST_DIFFERENCE:
+            found = "the sides of the car are on different roads"
+        elif abs(change_of_friction(used, fitted, time)) > MOST_CHANGE:
+            found = "the road has changed during the braking"
+        self._steps = self._steps + 1 if found else 0
+        if self._steps >= _LASTING:
+            self._lasting = found
+        return self._lasting or found

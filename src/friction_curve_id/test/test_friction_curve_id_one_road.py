@@ -1,0 +1,86 @@
+"""Whether one curve describes the roads under all wheels: what each wheel uses beside what the curve says."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from corner_sim.car.pressure_prescription import SlipCycle
+from corner_sim.car.random_car import random_car
+from corner_sim.car.recording import Recording, record
+from corner_sim.car.tyre import TYRES
+from friction_curve_id.car import CarEstimator, CarSample
+from friction_curve_id.car.one_road import (
+    MOST_CHANGE,
+    MOST_DIFFERENCE,
+    RoadWatch,
+    change_of_friction,
+    difference_of_sides,
+)
+from friction_curve_id.interface import CurveEstimate, Reason
+from vehicle_models.vehicle_file import load_vehicle
+
+Array = NDArray[np.float64]
+LEFT = np.array([[1.0], [-1.0], [1.0], [-1.0]])
+TIME = np.arange(0.0, 0.6, 0.005)
+FITTED = np.full((4, TIME.size), 0.8)
+
+
+def used(since: float = 0.0, sides: Sequence[float] = (1.0, 1.0), noise: float = 0.05) -> Array:
+    """Friction that changes by `since` for the newest 0.1 s, and differs by side; the load varies by `noise`."""
+    load = 1.0 + np.random.default_rng(1).normal(0.0, noise, FITTED.shape)
+    newest = np.where(TIME[-1] - 0.1 < TIME, 1.0 + since, 1.0)
+    return np.asarray(FITTED * load * newest * np.array([*sides, *sides])[:, np.newaxis])
+
+
+def test_a_load_that_varies_is_one_road() -> None:
+    assert abs(change_of_friction(used(), FITTED, TIME)) < 0.5 * MOST_CHANGE
+    assert abs(difference_of_sides(used(), FITTED, LEFT, TIME)) < 0.5 * MOST_DIFFERENCE
+
+
+@pytest.mark.parametrize("since", [-0.4, -0.15, 0.15, 1.0])
+def test_the_change_is_that_of_the_newest_friction(since: float) -> None:
+    assert change_of_friction(used(since), FITTED, TIME) == pytest.approx(np.log(1.0 + since), abs=0.03)
+
+
+def test_sides_are_compared_left_with_right() -> None:
+    assert difference_of_sides(used(sides=(1.2, 0.9)), FITTED, LEFT, TIME) == pytest.approx(np.log(4.0 / 3.0), abs=0.02)
+
+
+def test_too_little_is_not_compared() -> None:
+    assert change_of_friction(used(1.0), FITTED * 0.0, TIME) == 0.0
+    assert difference_of_sides(used(), FITTED, np.ones((4, 1)), TIME) == 0.0
+
+
+def test_what_lasts_counts_until_the_end_of_the_braking_and_a_bump_does_not() -> None:
+    watch = RoadWatch()
+    assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME)
+    assert watch.update(used(), FITTED, LEFT, TIME) == ""
+    for _ in range(3):
+        assert watch.update(used(sides=(1.2, 0.9)), FITTED, LEFT, TIME)
+    assert "sides" in watch.update(used(), FITTED, LEFT, TIME)
+
+
+def stop(split: bool) -> Recording:
+    car = random_car(77_000, "dry", "burckhardt")
+    dry, wet = (TYRES["burckhardt"][road] for road in ("dry", "wet"))
+    parameters = replace(car.parameters, tyres=(dry, wet, dry, wet) if split else (dry,) * 4)
+    return record(parameters, SlipCycle(parameters, car.cycling), 77_000, duration=2.4)
+
+
+@pytest.mark.parametrize("split", [False, True])
+def test_a_split_road_is_refused_with_its_reason_and_a_plain_one_is_not(split: bool) -> None:
+    run, estimator = stop(split), CarEstimator(load_vehicle("compact_car"))
+    reasons, texts = set(), set()
+    for k, time in enumerate(run.time.tolist()):
+        sample = CarSample(time, run.wheel_speed[k], run.brake_pressure[k], float(run.acceleration[k]))
+        for answer in estimator.update(sample):
+            reasons.add(answer.reason)
+            if isinstance(answer, CurveEstimate):
+                texts.add(answer.text)
+                if "different roads" in answer.text:
+                    assert not answer.valid and np.isnan(answer.probability_beyond_peak)
+    assert (Reason.OK in reasons) is not split
+    assert ("the sides of the car are on different roads" in texts) is split
