@@ -1,9 +1,10 @@
 """The car's estimator on the independent plant, and on streams that no car sends."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from math import inf, nan
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,9 @@ from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
 from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal
+from vehicle_models import burckhardt
+from vehicle_models.surfaces import SURFACES
+from vehicle_models.vehicle import Deviation, SharedBy
 from vehicle_models.vehicle_file import load_vehicle
 
 CAR = load_vehicle("compact_car")
@@ -173,3 +177,41 @@ def test_the_family_can_be_fixed() -> None:
     last = estimates(follow(samples(run, passing(run) + AFTER), estimator))[-1]
     assert np.isfinite(last.theta).all()
     assert abs(last.lambda_max - run.lambda_max[0]) < 1.96 * last.lambda_max_stddev
+
+
+def test_gain_over_mass_is_known_better_after_a_stop_than_before() -> None:
+    run = stop(70_000, "dry")
+    estimator = CarEstimator(CAR)
+    assert estimator.gain_over_mass is None
+    follow(samples(run, passing(run) + AFTER), estimator)
+    p, gains = run.parameters, estimator.gain_over_mass
+    assert gains is not None
+    for gain, wheel in zip(gains, (0, 2), strict=True):
+        truth = p.brake_gain[wheel] / CAR.wheels[wheel].brake_gain * CAR.mass / p.mass
+        truth /= (p.radius[wheel] / 0.3) ** 2
+        assert gain[1] < 0.04
+        assert abs(gain[0] + 1.0 - truth) < 3.0 * gain[1]
+
+
+@pytest.mark.parametrize(("road", "largest"), [("dry", 3.0), ("cobblestone", 2.0)])
+def test_a_corner_that_is_known_exactly_is_identified_as_well_as_its_noise_allows(
+    noisy: Callable[..., Any], road: str, largest: float
+) -> None:
+    """The largest error of four seeds, over four deviations of the default's [%]; with 100 samples of braking."""
+    corner = load_vehicle("chapter_corner")
+    zero = Deviation(0.0, SharedBy.ALL)
+    of_wheel = dict.fromkeys(("inertia", "brake_gain", "radius", "relaxation_length"), zero)
+    wheel = replace(corner.wheels[0], relaxation_length=1e-3, deviations=of_wheel)
+    exact = replace(corner, wheels=(wheel,))
+    parameters = CarEstimatorParameters(family="burckhardt", counted=False, slope_stddev=0.0, torque_stddev=10.0**0.5)
+    truth = float(burckhardt.peak(np.array([SURFACES[road]]))[0][0])
+    for seed in range(4):
+        estimator, rng = CarEstimator(exact, parameters), np.random.default_rng([seed, 3])
+        for k in range(-40, 0):
+            estimator.update(CarSample(0.005 * k, [100.0 + rng.normal(0.0, 0.005**0.5)], [0.0], nan))
+        for sample in noisy(road, seed).samples:
+            torque = max(sample.brake_torque, 0.0) / wheel.brake_gain
+            found = estimator.update(CarSample(sample.time, [sample.wheel_speed], [torque], nan))[0]
+        assert isinstance(found, CurveEstimate)
+        assert abs(found.lambda_max / truth - 1.0) < 0.01 * largest
+        assert abs(found.lambda_max - truth) < 3.0 * found.lambda_max_stddev

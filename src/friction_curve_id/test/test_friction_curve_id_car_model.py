@@ -12,6 +12,7 @@ from friction_curve_id.car.car_balance import car_balance
 from friction_curve_id.car.car_model import CarConstants, Carried, motion
 from friction_curve_id.car.curve_family import SHAPE_PRIORS, Family, burckhardt_k, curve_values
 from friction_curve_id.car.evidence import mixture
+from friction_curve_id.car.fit import CurveFit, WheelSpeedNoise
 from friction_curve_id.car.node_signals import Start, delayed, node_signals
 from friction_curve_id.car.pitch import PitchState, pitch_of_body
 from friction_curve_id.car.prior import STATED, car_prior
@@ -193,3 +194,49 @@ def test_no_family_alone_is_sure_while_the_peak_has_not_been_seen() -> None:
     seen = mixture([near, far], [covariance] * 2, [0.0, -1000.0], 0.0, True)
     assert max(unseen.weights) < 0.9 < max(seen.weights)
     assert unseen.log_lambda_stddev > seen.log_lambda_stddev
+
+
+def test_corrections_of_the_wheel_speeds_are_the_most_likely_ones() -> None:
+    samples, start = samples_of_a_braking(12)
+    nodes = node_signals(CarConstants(CAR, WHEELS), samples, start, np.full(4, 0.05), False)
+    n = nodes.time.size
+    rng = np.random.default_rng(5)
+    by_slip, white = rng.normal(50.0, 30.0, (4, n)), rng.normal(0.0, 1.0, 4 * n)
+    found = WheelSpeedNoise(nodes, by_slip).correction(white)
+    for wheel in range(4):
+        a = np.zeros((n, n + 1))
+        for k in range(n):
+            a[k, k : k + 2] = 0.5 * by_slip[wheel, k] + np.array([-1.0, 1.0]) / nodes.interval[k]
+        expected = -(nodes.wheel_noise[wheel] ** 2) * (a.T @ white.reshape(4, n)[wheel])
+        assert found[wheel] == pytest.approx(expected)
+
+
+@FAMILIES
+def test_evidence_without_the_newest_nodes_is_that_of_a_fit_that_has_not_seen_them(family: Family) -> None:
+    samples, start = samples_of_a_braking()
+    car = CarConstants(CAR, WHEELS)
+    nodes = node_signals(car, samples, start, np.full(4, 0.01), True)
+
+    def fit(count: int) -> CurveFit:
+        made = CurveFit(car, car_prior(CAR, WHEELS, SHAPE_PRIORS[family], 0.023, True), family, 5.0, False)
+        made.step(samples, nodes.subset(slice(0, count)), start)
+        return made
+
+    early, late = fit(76), fit(80)
+    missing = early.log_evidence - late.log_evidence_until(late.newest)
+    left = early.log_evidence - late.log_evidence_until(early.newest)
+    assert early.log_evidence_until(early.newest) == early.log_evidence
+    assert abs(left) < 0.2 * abs(missing)
+
+
+def test_a_fit_that_begins_again_takes_all_but_the_shape_from_the_other() -> None:
+    samples, start = samples_of_a_braking()
+    car = CarConstants(CAR, WHEELS)
+    nodes = node_signals(car, samples, start, np.full(4, 0.01), True)
+    fits = [CurveFit(car, car_prior(CAR, WHEELS, SHAPE_PRIORS[each], 0.023, True), each, 5.0, True) for each in Family]
+    fits[0].step(samples, nodes.subset(slice(0, 80)), start)
+    fits[1].begin_at(fits[0])
+    shared = [each for each in range(SHARED + 4) if each not in (Unknown.SHAPE_1, Unknown.SHAPE_2)]
+    assert (fits[1].unknowns[shared] == fits[0].unknowns[shared]).all()
+    shape = fits[1].unknowns[[Unknown.SHAPE_1, Unknown.SHAPE_2]]
+    assert tuple(shape) == SHAPE_PRIORS[Family.PACEJKA].mean
