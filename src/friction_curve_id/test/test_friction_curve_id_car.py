@@ -179,20 +179,6 @@ def test_the_family_can_be_fixed() -> None:
     assert abs(last.lambda_max - run.lambda_max[0]) < 1.96 * last.lambda_max_stddev
 
 
-def test_gain_over_mass_is_known_better_after_a_stop_than_before() -> None:
-    run = stop(70_000, "dry")
-    estimator = CarEstimator(CAR)
-    assert estimator.gain_over_mass is None
-    follow(samples(run, passing(run) + AFTER), estimator)
-    p, gains = run.parameters, estimator.gain_over_mass
-    assert gains is not None
-    for gain, wheel in zip(gains, (0, 2), strict=True):
-        truth = p.brake_gain[wheel] / CAR.wheels[wheel].brake_gain * CAR.mass / p.mass
-        truth /= (p.radius[wheel] / 0.3) ** 2
-        assert gain[1] < 0.04
-        assert abs(gain[0] + 1.0 - truth) < 3.0 * gain[1]
-
-
 @pytest.mark.parametrize(("road", "largest"), [("dry", 3.0), ("cobblestone", 2.0)])
 def test_a_corner_that_is_known_exactly_is_identified_as_well_as_its_noise_allows(
     noisy: Callable[..., Any], road: str, largest: float
