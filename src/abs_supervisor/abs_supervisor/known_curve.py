@@ -21,7 +21,7 @@ _OK = int(FrictionCurve.OK)
 _UNCERTAIN = int(FrictionCurve.UNCERTAIN)
 """lambda_max speaks of the road, with its standard deviation."""
 _AHEAD = int(FrictionCurve.PEAK_NOT_PASSED)
-"""The peak is still ahead: that tells no peak itself, but may confirm an earlier one, or contradict an uncertain one."""
+"""The peak is still ahead: that tells no peak itself, but may confirm an earlier one or contradict an uncertain one."""
 _USED = (_OK, _UNCERTAIN, _AHEAD)
 _CONTRADICTS = 3.0
 """Standard deviations of both by which a peak that is ahead then lies beyond the earlier one."""
