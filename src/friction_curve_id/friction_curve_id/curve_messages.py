@@ -13,6 +13,7 @@ from friction_runtime.processor import Level, level_of
 from friction_runtime.reason_text import set_reason
 from friction_runtime.stamps import header_at
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.plausible import HIGHEST_MU
 
 _NO_ESTIMATE = CurveEstimate(samples=0, slip=nan)
 _QUIET = (Reason.OK, Reason.TOO_FEW_SAMPLES, Reason.PEAK_NOT_PASSED, Reason.LOW_SPEED, Reason.NO_EXCITATION)
@@ -51,10 +52,12 @@ class CurveMessages:
             slip: present slip [-] from the inputs, NaN where only the estimate has it.
             cause: why the estimator was reset; used where the answer reports a restart on request.
         """
+        reason, text = answer.reason, answer.text
         if isinstance(answer, Refusal):
             estimate = _NO_ESTIMATE
         else:
-            estimate, slip = answer, answer.slip
+            estimate = _of_a_tyre(answer)
+            reason, text, slip = estimate.reason, estimate.text, estimate.slip
         if estimate.restarted:
             self._restarts += 1
             requested = estimate.restart_cause is RestartCause.REQUEST
@@ -71,8 +74,19 @@ class CurveMessages:
         message.abs_active = self._activation.active
         message.at_activation = self._activation.at_activation
         message.lambda_max_at_activation = self._activation.lambda_max
-        set_reason(message, self._wheel, answer.reason, answer.text)
+        set_reason(message, self._wheel, reason, text)
         return message
+
+
+def _of_a_tyre(answer: CurveEstimate) -> CurveEstimate:
+    """Return the answer without a peak that no tyre has, whatever the method: it has no part in any decision."""
+    if answer.lambda_max >= 1.0 or answer.lambda_max <= 0.0:
+        none = answer._replace(lambda_max=nan, mu_max=nan, lambda_max_stddev=nan, mu_max_stddev=nan)
+        said = answer.text or f"the fitted peak is at a slip of {answer.lambda_max:.3g}, not in (0, 1)"
+        return none._replace(reason=Reason.NO_PEAK if answer.valid else answer.reason, text=said)
+    if answer.valid and answer.mu_max > HIGHEST_MU:
+        return answer._replace(reason=Reason.UNCERTAIN, text=f"no tyre has a mu_max of {answer.mu_max:.2f}")
+    return answer
 
 
 def _set_curve(message: FrictionCurve, estimate: CurveEstimate) -> None:

@@ -14,6 +14,8 @@ HIGHEST_TORQUE: Final = 1e5
 """Highest torque of a brake [N m]."""
 HIGHEST_PRESSURE: Final = 1e8
 """Highest pressure of a brake line [Pa], some five times that of an emergency stop."""
+HIGHEST_MU: Final = 2.5
+"""Highest friction coefficient [-]: a racing tyre on a track that is rubbered in has 1.8."""
 HIGHEST_SLIP: Final = 1.5
 """Highest slip of a wheel [-], either sign: beyond it the speed of the car is wrong, or nothing holds the wheel."""
 HIGHEST_SLIP_RATE: Final = 1e4

@@ -1,0 +1,31 @@
+from math import isnan
+
+import pytest
+from friction_msgs.msg import FrictionCurve
+
+from friction_curve_id.curve_messages import CurveMessages
+from friction_curve_id.interface import CurveEstimate, Reason, RestartCause
+
+
+def message(lambda_max: float, mu_max: float, reason: Reason = Reason.OK, text: str = "") -> FrictionCurve:
+    answer = CurveEstimate(40, 0.1, lambda_max, mu_max, 0.01, 0.01, reason=reason, text=text)
+    return CurveMessages("front_left", "front_left", "car", 0.15).message(10**9, answer, 0.1, RestartCause.NONE)
+
+
+@pytest.mark.parametrize("lambda_max", [1.0, 1.004, 40.0, 0.0, -0.1])
+def test_a_peak_outside_0_to_1_is_no_peak_whatever_the_method_says_of_it(lambda_max: float) -> None:
+    found = message(lambda_max, 0.9)
+    assert isnan(found.lambda_max)
+    assert isnan(found.mu_max)
+    assert (found.valid, found.reason) == (False, FrictionCurve.NO_PEAK)
+    assert f"{lambda_max:.3g}" in found.reason_text
+    guessed = message(lambda_max, 0.9, Reason.PEAK_NOT_PASSED, "not yet")
+    assert isnan(guessed.lambda_max)
+    assert (guessed.reason, guessed.reason_text) == (FrictionCurve.PEAK_NOT_PASSED, "front_left: not yet")
+
+
+def test_friction_that_no_tyre_has_is_not_valid_and_named() -> None:
+    assert message(0.1, 2.4).valid
+    found = message(0.1, 3.94)
+    assert (found.valid, found.reason) == (False, FrictionCurve.UNCERTAIN)
+    assert "3.94" in found.reason_text
