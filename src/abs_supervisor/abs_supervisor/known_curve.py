@@ -88,7 +88,9 @@ class KnownCurve:
             if not curve.ahead:
                 self._known = curve
                 continue
-            if self._known is not None and (self._known.ahead or _contradicts(curve.peak, self._known.peak)):
+            known = self._known
+            expired = self._foresees and known is not None and known.stamp < curve.stamp - _KEPT
+            if known is not None and (expired or known.ahead or _contradicts(curve.peak, known.peak)):
                 self._known = None
             if self._foresees and self._known is None and curve.peak[1] <= _FORESEEN * curve.peak[0]:
                 self._known = _Curve(curve.stamp, (curve.peak[0], _DOUBT * curve.peak[1]), True)

@@ -62,6 +62,12 @@ class CurveLaw:
         """Torque that the curve does not explain [N m]; NaN without a curve."""
         return self._observer.disturbance if self.known.curve is not None else nan
 
+    def carry(self, load: float) -> None:
+        """Take the load of the wheel [N], > 0, for a curve whose friction does not carry its change."""
+        rest = self._corner
+        corner = CornerParameters(rest.radius, rest.inertia, load / rest.gravity, load)
+        self._corner = self._observer.corner = corner
+
     def learn(self, report: CurveReport) -> None:
         """Take what the estimator said; their stamps do not go back."""
         self.known.take(report)

@@ -40,7 +40,8 @@ class WheelObserver:
 
     def __init__(self, corner: CornerParameters, actuator: ActuatorParameters) -> None:
         """Choose the wheel and its hydraulics."""
-        self._corner = corner
+        self.corner = corner
+        """The wheel, with its present load."""
         self._delay = round(actuator.delay * NANOSECONDS)
         self._line = BrakeLine(actuator)
         self.reset()
@@ -87,13 +88,13 @@ class WheelObserver:
                 dt = (stamp - before) / NANOSECONDS
                 acting = 0.5 * (begin + end)
                 expected, _ = wheel_step(
-                    self._corner, known, self._wheel_speed, self._speed, acting, self.disturbance, dt
+                    self.corner, known, self._wheel_speed, self._speed, acting, self.disturbance, dt
                 )
                 surprise = wheel_speed - expected
                 self._wheel_speed = max(expected + _SPEED_GAIN * surprise, 0.0)
                 # A wheel that stands is held by its brake: what is left of the torque is no disturbance.
                 if wheel_speed > 0.0:
-                    self.disturbance += _DISTURBANCE_GAIN * surprise * self._corner.inertia / dt
+                    self.disturbance += _DISTURBANCE_GAIN * surprise * self.corner.inertia / dt
         self._stamp, self._speed, self._curve = stamp, speed, curve
         self._line.forget_before(stamp)
 
@@ -108,7 +109,7 @@ class WheelObserver:
             end = stamp + self._delay * (index + 1) // steps
             after = self._line.torque_at(torque, begin, end)
             wheel_speed, speed = wheel_step(
-                self._corner,
+                self.corner,
                 curve,
                 wheel_speed,
                 speed,
@@ -117,4 +118,4 @@ class WheelObserver:
                 (end - begin) / NANOSECONDS,
             )
             torque = after
-        return WheelState(wheel_speed, speed, torque, slip_of(speed, self._corner.radius * wheel_speed))
+        return WheelState(wheel_speed, speed, torque, slip_of(speed, self.corner.radius * wheel_speed))
