@@ -51,10 +51,17 @@ def read_parameters(
     return found
 
 
-def closed_loop_parameters(estimators: Iterable[str], law: str = "slope_sign") -> dict[str, Any]:
-    """Return the shipped parameters of some estimators, by name; abs_supervisor, among them, commands by `law`."""
+def closed_loop_parameters(
+    estimators: Iterable[str], law: str = "slope_sign", several_wheels: bool = False
+) -> dict[str, Any]:
+    """Return the shipped parameters of some estimators, by name; abs_supervisor, among them, commands by `law`.
+
+    The curve's law of a car with `several_wheels` needs a curve that knows of the load transfer: that of the car.
+    """
     found = read_parameters(estimators, (), silent)
     found["abs_supervisor"] = replace(found["abs_supervisor"], shadow=False, law=law)
+    if law == "curve" and several_wheels:
+        found["friction_curve_id"] = replace(found["friction_curve_id"], method="car")
     return found
 
 
