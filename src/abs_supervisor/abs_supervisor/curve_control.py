@@ -39,16 +39,13 @@ class CurveControl:
         self._true_friction = message.method == _OF_THE_CAR
         self._reports.take(message)
 
-    def ask(
-        self, stamp: int, seen: Seen, otherwise: Command, pressure: bool, release: bool, deceleration: float
-    ) -> Command:
+    def ask(self, stamp: int, seen: Seen, otherwise: Command, release: bool, deceleration: float) -> Command:
         """Return what is asked for at a stamp [ns], later than the last.
 
         Args:
             stamp: of the sample [ns].
             seen: what is known there; its wheel speed is finite.
             otherwise: what the machine asks for. NONE: the driver does not brake, or an input failed.
-            pressure: whether the pressure follows demand and commands.
             release: whether the envelope would let a release pass; where it would not, the pressure is held.
             deceleration: of the car over the last 0.2 s [m/s^2], NaN where unknown; that is as late as the pitch of
                 its body, which the load of the wheels follows.
@@ -66,7 +63,6 @@ class CurveControl:
             torque=seen.torque,
             demand=seen.demand if isfinite(seen.demand) else seen.torque,
             braking=otherwise is not Command.NONE,
-            pressure=pressure and isfinite(seen.torque),
         )
         if asked is None:
             return otherwise

@@ -226,8 +226,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         control = self._curve_control
         if control is not None and isfinite(seen.wheel_speed):
             allowed = self._guard.envelope.evidence.verdict is not Release.REFUSED
-            follows = self._reason is not _MISMATCH
-            law = control.ask(sample.stamp, seen, law, follows, allowed, self._guard.deceleration)
+            law = control.ask(sample.stamp, seen, law, allowed, self._guard.deceleration)
         self._command = self._guard.command(sample.stamp, law) if isfinite(seen.wheel_speed) else Command.NONE
         if control is not None:
             control.commanded(sample.stamp, self._command, seen.demand)

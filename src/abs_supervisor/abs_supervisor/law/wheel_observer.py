@@ -70,7 +70,7 @@ class WheelObserver:
             stamp: [ns], later than the last.
             wheel_speed: measured [rad/s].
             speed: of the car [m/s].
-            torque: of the brake, measured [N m].
+            torque: of the brake, measured [N m]; not finite where it is not known.
             curve: the road as known now; None where it is not.
         """
         before = self._stamp
@@ -80,7 +80,7 @@ class WheelObserver:
         else:
             begin = self._torque
             end = self._line.torque_at(begin, before, stamp)
-            self._torque = end + _TORQUE_GAIN * (torque - end)
+            self._torque = end + _TORQUE_GAIN * (torque - end) if isfinite(torque) else end
             known = self._curve
             if known is None or curve is None:
                 self._wheel_speed = wheel_speed
