@@ -150,7 +150,7 @@ def test_full_names_and_other_nodes_in_a_file_are_fine(namespace: str, tmp_path:
 def test_combination_that_a_node_refuses_is_refused_before_it_starts(tmp_path: Path) -> None:
     file = write(tmp_path, {"/**/corner_sim": {"real_time_factor": 0.0}})
     with pytest.raises(ParameterError, match=r"corner_sim: .*lock_step"):
-        node_starts(graph.NODES, commanding("curve"), file, CAR)
+        node_starts(graph.NODES, commanding("curve", CAR), file, CAR)
 
 
 def test_command_line_quotes_every_kind_of_parameter() -> None:

@@ -10,16 +10,24 @@ from abs_supervisor.guard import Seen
 from abs_supervisor.law.choice import Change, Law
 from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
 from vehicle_models.brake_actuator import ActuatorParameters
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.wheel_load import LEAST_SHARE, WheelLoad
+
+_OF_THE_CAR = "car"
+"""The method whose friction is that of the tyre; in that of a single wheel the change of its load is contained."""
 
 
 class CurveControl:
     """Stands between the processor and the law."""
 
-    def __init__(self, corner: CornerParameters, actuator: ActuatorParameters, parameters: CurveLawParameters) -> None:
-        """Choose a wheel and its hydraulics."""
-        self.law = CurveLaw(corner, actuator, parameters)
+    def __init__(
+        self, wheel: str, vehicle: Vehicle, actuator: ActuatorParameters, parameters: CurveLawParameters
+    ) -> None:
+        """Choose a wheel of the car and its hydraulics."""
+        self.law = CurveLaw(vehicle.corner(wheel), actuator, parameters)
         self._reports = CurveReports()
+        self._load = WheelLoad(vehicle, wheel)
+        self._true_friction = False
 
     def reset(self) -> None:
         """Forget everything."""
@@ -28,18 +36,23 @@ class CurveControl:
 
     def take(self, message: FrictionCurve) -> None:
         """Take a curve."""
+        self._true_friction = message.method == _OF_THE_CAR
         self._reports.take(message)
 
-    def ask(self, stamp: int, seen: Seen, otherwise: Command, pressure: bool, release: bool) -> Command:
+    def ask(self, stamp: int, seen: Seen, otherwise: Command, release: bool, deceleration: float) -> Command:
         """Return what is asked for at a stamp [ns], later than the last.
 
         Args:
             stamp: of the sample [ns].
             seen: what is known there; its wheel speed is finite.
             otherwise: what the machine asks for. NONE: the driver does not brake, or an input failed.
-            pressure: whether the pressure follows demand and commands.
             release: whether the envelope would let a release pass; where it would not, the pressure is held.
+            deceleration: of the car over the last 0.2 s [m/s^2], NaN where unknown; that is as late as the pitch of
+                its body, which the load of the wheels follows.
         """
+        if self._true_friction and self._load.transfer != 0.0 and isfinite(deceleration):
+            shifted = self._load.at_rest - self._load.transfer * deceleration
+            self.law.carry(max(shifted, LEAST_SHARE * self._load.at_rest))
         for report in self._reports.until(stamp):
             self.law.learn(report)
         asked = self.law.ask(
@@ -50,7 +63,6 @@ class CurveControl:
             torque=seen.torque,
             demand=seen.demand if isfinite(seen.demand) else seen.torque,
             braking=otherwise is not Command.NONE,
-            pressure=pressure and isfinite(seen.torque),
         )
         if asked is None:
             return otherwise

@@ -111,6 +111,11 @@ class Guard:
         self.unchecked = ""
         """What could not be compared with anything independent."""
 
+    @property
+    def deceleration(self) -> float:
+        """Of the car over the last 0.2 s [m/s^2]; NaN where unknown."""
+        return self._trend.deceleration
+
     def look(self, stamp: int, seen: Seen) -> None:
         """Take what is known at a stamp [ns], later than the last. The wheel speed is finite."""
         self._seen = seen

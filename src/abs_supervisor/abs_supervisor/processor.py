@@ -83,7 +83,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._guard = Guard(vehicle.corner(wheel), parameters.envelope, parameters.actuator, obeyed)
         self._curve_control = None
         if parameters.law == CURVE:
-            self._curve_control = CurveControl(vehicle.corner(wheel), parameters.actuator, parameters.curve)
+            self._curve_control = CurveControl(wheel, vehicle, parameters.actuator, parameters.curve)
         self._counter = 0
         self._commanded = False
         self._forget()
@@ -233,7 +233,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         control = self._curve_control
         if control is not None and isfinite(seen.wheel_speed):
             allowed = self._guard.envelope.evidence.verdict is not Release.REFUSED
-            law = control.ask(sample.stamp, seen, law, self._reason is not _MISMATCH, allowed)
+            law = control.ask(sample.stamp, seen, law, allowed, self._guard.deceleration)
         self._command = self._guard.command(sample.stamp, law) if isfinite(seen.wheel_speed) else Command.NONE
         if control is not None:
             control.commanded(sample.stamp, self._command, seen.demand)

@@ -99,6 +99,8 @@ _STEADY_TIME: Final = round(0.1 * NANOSECONDS)
 """[ns] for which it has to: a dive begins like that too."""
 _STEADY_FACTOR: Final = 1.25
 """A slip that stays is that of a wheel before the peak: it must be larger by this factor."""
+_HOLD_SLIP: Final = 0.14
+"""Slip with which the pressure may be held while nothing is known of the road."""
 _SUSPICIOUS: Final = 0.5
 """Share of the slip that a release needs."""
 _RECOVERING: Final = 2.0
@@ -169,7 +171,7 @@ class ReleaseEvidence:
         own = min(wheel.car_deceleration, HARDEST_BRAKING) if isfinite(wheel.car_deceleration) else 0.0
         self.release_deceleration = max(p.deceleration * GRAVITY, own + p.deceleration_margin * GRAVITY) + error
         base, doubt = self._slip_threshold(wheel)
-        self.allows_hold = wheel.slip + doubt > base
+        self.allows_hold = wheel.slip + doubt > min(base, _HOLD_SLIP)
         follows = isfinite(wheel.car_deceleration) and abs(self.deceleration - own) < _STEADY + error
         self._steady_since = _since(self._steady_since, stamp, follows)
         if self._steady_since is not None and stamp - self._steady_since >= _STEADY_TIME:

@@ -145,7 +145,7 @@ def _decided(options: DemoOptions) -> Decided:
         "exit_when_done": True,
         "autostart": False,
     }
-    return {**commanding(options.law), graph.PLANT: plant}
+    return {**commanding(options.law, options.vehicle), graph.PLANT: plant}
 
 
 def _hears(observer: Node, name: str, topic: str) -> bool:

@@ -19,9 +19,15 @@ WATCHING: Decided = {graph.SUPERVISOR: {"shadow": True}}
 """The supervisor does not command a brake, whatever is in a file."""
 
 
-def commanding(law: str) -> Decided:
-    """Let the supervisor command the brake by a law: only in the demo, where the brake is simulated."""
-    return {graph.SUPERVISOR: {"shadow": False, "law": law}}
+def commanding(law: str, vehicle_file: str) -> Decided:
+    """Let the supervisor command the brake by a law: only in the demo, where the brake is simulated.
+
+    The curve's law of a car with several wheels needs a curve that knows of the load transfer: that of the car.
+    """
+    decided: dict[str, Mapping[str, graph.ParameterValue]] = {graph.SUPERVISOR: {"shadow": False, "law": law}}
+    if law == graph.LAWS[0] and len(load_vehicle(vehicle_file).wheels) > 1:
+        decided["friction_curve_id"] = {"method": "car"}
+    return decided
 
 
 @dataclass(frozen=True)

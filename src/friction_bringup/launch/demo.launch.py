@@ -21,7 +21,8 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
         "publish_clock": uses_sim_time(context),
         "use_sim_time": False,
     }
-    return node_actions(context, graph.NODES, {**commanding(argument(context, "law")), graph.PLANT: plant})
+    decided = commanding(argument(context, "law"), argument(context, "vehicle_file"))
+    return node_actions(context, graph.NODES, {**decided, graph.PLANT: plant})
 
 
 def generate_launch_description() -> LaunchDescription:

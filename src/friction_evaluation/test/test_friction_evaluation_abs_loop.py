@@ -6,8 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from friction_evaluation.closed_loop.actuator_bound import actuator_bound
 from friction_evaluation.closed_loop.controller import Parameters, shipped
+from friction_evaluation.closed_loop.law_stops import law_stops
+from friction_evaluation.closed_loop.oracle import oracle
 from friction_evaluation.closed_loop.stops import END_SPEED, stops
+from friction_evaluation.closed_loop.trouble import NONE, Trouble
 from friction_evaluation.parts import part
 from friction_evaluation.protocol import CAR, CORNER, SPEED, VEHICLE
 from friction_parameters.values import changed
@@ -80,7 +84,7 @@ def test_every_run_that_ends_is_reported_once(parameters: Parameters) -> None:
 
 
 def test_part_gives_a_flat_row_for_each_surface_and_says_what_has_to_hold() -> None:
-    rows = part("abs").run(Namespace(seeds=1, vehicle=VEHICLE))
+    rows = part("abs").run(Namespace(seeds=1, vehicle=VEHICLE, law=None))
     assert [r["surface"] for r in rows if "passed" not in r] == list(TABLE_8_1)
     judged = [(r["surface"], r["quantity"]) for r in rows if "passed" in r]
     assert judged == [(name, quantity) for name in TABLE_8_1 for quantity in ("utilisation", "runs with lock")]
@@ -88,3 +92,38 @@ def test_part_gives_a_flat_row_for_each_surface_and_says_what_has_to_hold() -> N
         values = {r["quantity"]: r["value"] for r in rows if r["surface"] == row["surface"] and "passed" in r}
         assert values == {"utilisation": row["utilisation"], "runs with lock": row["runs_with_lock"]}
     assert all(isinstance(value, int | float | str) for r in rows for value in r.values())
+
+
+@pytest.mark.parametrize(("name", "bound"), [("dry", 0.955), ("wet", 0.976), ("cobblestone", 0.959), ("snow", 0.998)])
+def test_the_bound_of_the_brake_is_that_of_its_rate(name: str, bound: float) -> None:
+    """The figures of the issue, from a plant of their own."""
+    found = actuator_bound(name, NONE)
+    assert found.utilisation == pytest.approx(bound, abs=1e-3)
+    assert found.utilisation < found.utilisation_to_rest
+
+
+def test_a_slower_or_later_brake_has_a_lower_bound() -> None:
+    slow = actuator_bound("dry", Trouble("slow", apply_rate=0.7)).utilisation
+    assert slow < actuator_bound("dry", NONE).utilisation - 0.01
+    late = actuator_bound("dry", Trouble("late", delay=0.01)).utilisation
+    assert slow < late < actuator_bound("dry", NONE).utilisation
+
+
+def test_the_law_on_the_curve_comes_near_the_bound_without_a_speed_sensor_and_locks_no_wheel() -> None:
+    found = law_stops("dry", range(2), "curve", NONE)
+    assert np.all(found.utilisation > actuator_bound("dry", NONE).utilisation - 0.01)
+    assert np.all(found.longest_lock < 0.05)
+    assert np.all(found.stopped)
+    assert np.all(found.changes < 80.0)
+
+
+def test_the_oracle_is_near_the_bound() -> None:
+    for name in ("dry", "cobblestone"):
+        assert oracle(name, NONE).utilisation[0] > actuator_bound(name, NONE).utilisation - 0.005
+
+
+def test_rows_of_the_law_say_what_has_to_hold() -> None:
+    options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", surface=["wet"], case=["none"])
+    (row,) = part("abs").run(options)
+    assert (row["surface"], row["case"], row["limit"]) == ("wet", "none", 0.974)
+    assert row["passed"] == (not row["failures"])

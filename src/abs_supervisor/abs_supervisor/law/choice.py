@@ -22,8 +22,7 @@ class Change(IntEnum):
     NONE = 0
     SLIP_LOST = 1
     NO_CURVE = 2
-    PRESSURE = 3
-    RETURNED = 4
+    RETURNED = 3
 
 
 class LawChoice:
@@ -41,7 +40,7 @@ class LawChoice:
         self._slip_at: int | None = None
         self._curve_at: int | None = None
 
-    def update(self, stamp: int, braking: bool, slip: bool, curve: bool, pressure: bool) -> Law:
+    def update(self, stamp: int, braking: bool, slip: bool, curve: bool) -> Law:
         """Return the law for a sample.
 
         Args:
@@ -49,16 +48,13 @@ class LawChoice:
             braking: whether the driver brakes.
             slip: whether it is known.
             curve: whether one is known.
-            pressure: whether it follows demand and commands.
         """
         if slip or self._slip_at is None:
             self._slip_at = stamp
         if curve or not braking or self._curve_at is None:
             self._curve_at = stamp
         lost = Change.NONE
-        if not pressure:
-            lost = Change.PRESSURE
-        elif stamp - self._slip_at >= _WITHOUT_SLIP:
+        if stamp - self._slip_at >= _WITHOUT_SLIP:
             lost = Change.SLIP_LOST
         elif stamp - self._curve_at >= _WITHOUT_CURVE:
             lost = Change.NO_CURVE

@@ -62,6 +62,12 @@ class CurveLaw:
         """Torque that the curve does not explain [N m]; NaN without a curve."""
         return self._observer.disturbance if self.known.curve is not None else nan
 
+    def carry(self, load: float) -> None:
+        """Take the load of the wheel [N], > 0, for a curve whose friction does not carry its change."""
+        rest = self._corner
+        corner = CornerParameters(rest.radius, rest.inertia, load / rest.gravity, load)
+        self._corner = self._observer.corner = corner
+
     def learn(self, report: CurveReport) -> None:
         """Take what the estimator said; their stamps do not go back."""
         self.known.take(report)
@@ -78,7 +84,6 @@ class CurveLaw:
         torque: float,
         demand: float,
         braking: bool,
-        pressure: bool,
     ) -> Command | None:
         """Return what the law asks for; None where it is not in force.
 
@@ -90,7 +95,6 @@ class CurveLaw:
             torque: of the brake, measured [N m].
             demand: of the driver [N m].
             braking: whether he brakes.
-            pressure: whether it follows demand and commands.
         """
         dt = 0.0 if self._stamp is None else min((stamp - self._stamp) / NANOSECONDS, _LONGEST_STEP)
         self._stamp = stamp
@@ -101,7 +105,7 @@ class CurveLaw:
         curve = self.known.curve
         known = isfinite(slip) and isfinite(speed)
         self.slip_set_point = self.torque_set_point = nan
-        law = self.choice.update(stamp, braking, known, curve is not None, pressure)
+        law = self.choice.update(stamp, braking, known, curve is not None)
         if known:
             self._observer.update(stamp, wheel_speed, speed, torque, curve)
         if not braking:

@@ -40,7 +40,8 @@ class WheelObserver:
 
     def __init__(self, corner: CornerParameters, actuator: ActuatorParameters) -> None:
         """Choose the wheel and its hydraulics."""
-        self._corner = corner
+        self.corner = corner
+        """The wheel, with its present load."""
         self._delay = round(actuator.delay * NANOSECONDS)
         self._line = BrakeLine(actuator)
         self.reset()
@@ -69,7 +70,7 @@ class WheelObserver:
             stamp: [ns], later than the last.
             wheel_speed: measured [rad/s].
             speed: of the car [m/s].
-            torque: of the brake, measured [N m].
+            torque: of the brake, measured [N m]; not finite where it is not known.
             curve: the road as known now; None where it is not.
         """
         before = self._stamp
@@ -79,7 +80,7 @@ class WheelObserver:
         else:
             begin = self._torque
             end = self._line.torque_at(begin, before, stamp)
-            self._torque = end + _TORQUE_GAIN * (torque - end)
+            self._torque = end + _TORQUE_GAIN * (torque - end) if isfinite(torque) else end
             known = self._curve
             if known is None or curve is None:
                 self._wheel_speed = wheel_speed
@@ -87,13 +88,13 @@ class WheelObserver:
                 dt = (stamp - before) / NANOSECONDS
                 acting = 0.5 * (begin + end)
                 expected, _ = wheel_step(
-                    self._corner, known, self._wheel_speed, self._speed, acting, self.disturbance, dt
+                    self.corner, known, self._wheel_speed, self._speed, acting, self.disturbance, dt
                 )
                 surprise = wheel_speed - expected
                 self._wheel_speed = max(expected + _SPEED_GAIN * surprise, 0.0)
                 # A wheel that stands is held by its brake: what is left of the torque is no disturbance.
                 if wheel_speed > 0.0:
-                    self.disturbance += _DISTURBANCE_GAIN * surprise * self._corner.inertia / dt
+                    self.disturbance += _DISTURBANCE_GAIN * surprise * self.corner.inertia / dt
         self._stamp, self._speed, self._curve = stamp, speed, curve
         self._line.forget_before(stamp)
 
@@ -108,7 +109,7 @@ class WheelObserver:
             end = stamp + self._delay * (index + 1) // steps
             after = self._line.torque_at(torque, begin, end)
             wheel_speed, speed = wheel_step(
-                self._corner,
+                self.corner,
                 curve,
                 wheel_speed,
                 speed,
@@ -117,4 +118,4 @@ class WheelObserver:
                 (end - begin) / NANOSECONDS,
             )
             torque = after
-        return WheelState(wheel_speed, speed, torque, slip_of(speed, self._corner.radius * wheel_speed))
+        return WheelState(wheel_speed, speed, torque, slip_of(speed, self.corner.radius * wheel_speed))

@@ -39,7 +39,6 @@ def oracle(surface: str, trouble: Trouble) -> PanicStops:
             float(plant.torque[0]),
             demand,
             True,
-            True,
         )
         given = Command.NONE if asked is None else asked
         law.commanded(stamp, given, demand)

@@ -37,7 +37,8 @@ class Loop:
         self._case = case
         self._simulation = manoeuvre.simulation(seed)
         self._fault = case.make(Site(vehicle, np.random.default_rng([seed, 13])))
-        self._processors = make_processors(closed_loop_parameters(WHEEL_ESTIMATORS, law), vehicle, silent)
+        parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, several_wheels=len(vehicle.wheels) > 1)
+        self._processors = make_processors(parameters, vehicle, silent)
         self._readers: dict[str, list[Processor]] = {}
         for processor in self._processors:
             for topic in (*processor.sensors, *processor.estimates):
