@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dtrtri
 
 from friction_curve_id.chapter.exponential_curve import ExponentialCurve, regressor
 from friction_curve_id.chapter.sample_window import SampleWindow
@@ -36,7 +37,7 @@ def solve(root: Array, samples: int, largest_slip: float) -> FittedCurve:
     signals share noise between neighbours, which makes it too large rather than too small; it does not include
     the bias of (8.12).
     """
-    inverse = np.linalg.inv(root[:6, :6])
+    inverse = dtrtri(root[:6, :6])[0]  # numpy.linalg.inv takes ten times as long
     variance = root[6, 6] ** 2 / (samples - 6) if samples > 6 else np.nan
     return FittedCurve(ExponentialCurve(largest_slip), inverse @ root[:6, 6], variance * (inverse @ inverse.T))
 
