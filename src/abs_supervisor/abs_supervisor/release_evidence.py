@@ -152,11 +152,11 @@ class ReleaseEvidence:
         """Take what is known at a stamp [ns], later than the last."""
         p, motion = self._p, self._motion
         motion.update(stamp, wheel.speed)
-        stated = wheel.slip_stddev**2 if isfinite(wheel.slip_stddev) else 0.0
+        stated = wheel.slip_stddev * wheel.slip_stddev if isfinite(wheel.slip_stddev) else 0.0
         self._scatter.update(stamp, wheel.braked, wheel.speed, motion.rate, wheel.slip, stated)
         lag = self._lag(stamp, wheel)
         self.deceleration = -self._radius * motion.rate
-        rate_error = sqrt(motion.rate_stddev**2 + self._scatter.rate(max(wheel.speed, 0.0)) ** 2)
+        rate_error = _root_of_squares(motion.rate_stddev, self._scatter.rate(max(wheel.speed, 0.0)))
         error = p.sigmas * self._radius * rate_error
         # Where all wheels dive, a speed that comes from them falls faster than any car can.
         own = min(wheel.car_deceleration, HARDEST_BRAKING) if isfinite(wheel.car_deceleration) else 0.0
@@ -196,12 +196,12 @@ class ReleaseEvidence:
         base = p.slip_without_curve
         if isfinite(wheel.lambda_max):
             stated = wheel.lambda_max_stddev if isfinite(wheel.lambda_max_stddev) else 0.0
-            doubt = sqrt(stated**2 + (_PEAK_PER_SLIP * self._scatter.slip_of_curve) ** 2)
+            doubt = _root_of_squares(stated, _PEAK_PER_SLIP * self._scatter.slip_of_curve)
             known = p.lambda_max_share * (wheel.lambda_max + doubt)
             # A curve can only tell that less slip is enough: a peak that is far too large must not cost a lock.
             base = min(base, max(p.least_slip, known))
         stddev = wheel.slip_stddev if isfinite(wheel.slip_stddev) else 0.0
-        return base, sqrt(stddev**2 + self._scatter.slip**2)
+        return base, _root_of_squares(stddev, self._scatter.slip)
 
     def _lag(self, stamp: int, wheel: Wheel) -> float:
         """Return the least slip [-] that is possible: behind the wheel's own fastest speed, braked as hard as can be.
@@ -221,3 +221,8 @@ def _since(since: int | None, stamp: int, holds: bool) -> int | None:
     if not holds:
         return None
     return stamp if since is None else since
+
+
+def _root_of_squares(one: float, other: float) -> float:
+    """Root of the sum of two squares; as products, which compiled code computes without making an object."""
+    return sqrt(one * one + other * other)
