@@ -75,9 +75,8 @@ class DeadReckonedSpeed:
     def _correct(self, speed: float, variance: float, wheel_speed: float, measured: float | None, free: bool) -> float:
         noise, radius = self._noise, self._wheel.radius
         if free:
-            speed, variance = _weigh(
-                speed, variance, wheel_speed * radius, noise.wheel_speed_variance * radius * radius
-            )
+            rolling_variance = noise.wheel_speed_variance * radius * radius
+            speed, variance = _weigh(speed, variance, wheel_speed * radius, rolling_variance)
         if measured is not None:
             speed, variance = _weigh(speed, variance, measured, noise.speed_variance)
         self._speed, self._variance = speed, variance

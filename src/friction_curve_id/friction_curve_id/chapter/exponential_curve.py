@@ -34,23 +34,19 @@ def regressor(slips: Array) -> Array:
 
 def regressor_row(slip: float) -> Array:
     """Regressor phi of one slip, shape (6,)."""
-    row = np.asarray(np.exp(_RATES * slip))
-    row[4] = slip
-    return row
+    return np.array([*[exp(-exponent * slip) for exponent in _PLAIN_EXPONENTS], slip, 1.0])
 
 
 def slope_row(slip: float) -> Array:
     """d phi / d slip, shape (6,)."""
-    row = np.asarray(_RATES * np.exp(_RATES * slip))
-    row[4] = 1.0
-    return row
+    return np.array([*[-exponent * exp(-exponent * slip) for exponent in _PLAIN_EXPONENTS], 1.0, 0.0])
 
 
 _GRID_SLOPES = np.array([slope_row(slip) for slip in _GRID])
 
 
 class ExponentialCurve:
-    """CurveModel of (8.12); its numbers in plain floats: for four terms numpy takes several times as long."""
+    """CurveModel of (8.12); in plain floats, as for four terms numpy takes several times as long."""
 
     def __init__(self, largest_slip: float) -> None:
         """Set how far the data reach [-]: a peak among them is preferred to one that is extrapolated."""
@@ -86,7 +82,7 @@ class ExponentialCurve:
         The slope is a sum of exponentials with at most four zeros. Its changes of sign from + to - on a grid
         finer than 1 / b are bracketed, and found there by Newton's method.
         """
-        slopes = _GRID_SLOPES @ parameters
+        slopes = _GRID_SLOPES.dot(parameters)
         rises = slopes > 0.0
         falls = (rises[:-1] > rises[1:]).nonzero()[0].tolist()
         maxima = [_zero_of_slope(parameters.tolist(), _GRID[k], _GRID[k + 1]) for k in falls]
@@ -110,7 +106,7 @@ def _slope_and_curvature(parameters: list[float], slip: float) -> tuple[float, f
 
 
 def _zero_of_slope(parameters: list[float], low: float, high: float) -> float:
-    """Return where the slope falls through zero between two slips: Newton's method, or bisection if that leaves them."""
+    """Return the slip between two at which the slope falls through zero: Newton's method, or bisection if it leaves."""
     slip = 0.5 * (low + high)
     for _ in range(_STEPS):
         slope, curvature = _slope_and_curvature(parameters, slip)
