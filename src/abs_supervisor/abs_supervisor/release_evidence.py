@@ -161,11 +161,11 @@ class ReleaseEvidence:
         """Take what is known at a stamp [ns], later than the last."""
         p, motion = self._p, self._motion
         motion.update(stamp, wheel.speed)
-        stated = wheel.slip_stddev**2 if isfinite(wheel.slip_stddev) else 0.0
+        stated = wheel.slip_stddev * wheel.slip_stddev if isfinite(wheel.slip_stddev) else 0.0
         self._scatter.update(stamp, wheel.braked, wheel.speed, motion.rate, wheel.slip, stated)
         lag = self._lag(stamp, wheel)
         self.deceleration = -self._radius * motion.rate
-        rate_error = sqrt(motion.rate_stddev**2 + self._scatter.rate(max(wheel.speed, 0.0)) ** 2)
+        rate_error = _root_of_squares(motion.rate_stddev, self._scatter.rate(max(wheel.speed, 0.0)))
         error = p.sigmas * self._radius * rate_error
         # Where all wheels dive, a speed that comes from them falls faster than any car can.
         own = min(wheel.car_deceleration, HARDEST_BRAKING) if isfinite(wheel.car_deceleration) else 0.0
@@ -206,20 +206,20 @@ class ReleaseEvidence:
         base = p.slip_without_curve
         if isfinite(wheel.lambda_max):
             stated = wheel.lambda_max_stddev if isfinite(wheel.lambda_max_stddev) else 0.0
-            unknown = self._scatter.slip_of_curve**2 + self._noise_of_slip(wheel.speed) ** 2
-            doubt = sqrt(stated**2 + _PEAK_PER_SLIP**2 * unknown)
+            unknown = _PEAK_PER_SLIP * _root_of_squares(self._scatter.slip_of_curve, self._noise_of_slip(wheel.speed))
+            doubt = _root_of_squares(stated, unknown)
             known = p.lambda_max_share * (wheel.lambda_max + doubt)
             # A curve can only tell that less slip is enough: a peak that is far too large must not cost a lock.
             base = min(base, max(p.least_slip, known))
         stddev = wheel.slip_stddev if isfinite(wheel.slip_stddev) else 0.0
-        return base, sqrt(stddev**2 + self._scatter.slip**2)
+        return base, _root_of_squares(stddev, self._scatter.slip)
 
     def _noise_of_slip(self, wheel_speed: float) -> float:
         """Return the standard deviation of slip from a noise of the wheel speed that a curve does not know of [-]."""
         noise = self._motion.noise
         if noise < _NOISY * ORDINARY_STDDEV:
             return 0.0
-        return min(sqrt(noise**2 - ORDINARY_STDDEV**2) / max(wheel_speed, noise), 1.0)
+        return min(sqrt(noise * noise - ORDINARY_STDDEV * ORDINARY_STDDEV) / max(wheel_speed, noise), 1.0)
 
     def _lag(self, stamp: int, wheel: Wheel) -> float:
         """Return the least slip [-] that is possible: behind the wheel's own fastest speed, braked as hard as can be.
@@ -239,3 +239,8 @@ def _since(since: int | None, stamp: int, holds: bool) -> int | None:
     if not holds:
         return None
     return stamp if since is None else since
+
+
+def _root_of_squares(one: float, other: float) -> float:
+    """Root of the sum of two squares; as products, which compiled code computes without making an object."""
+    return sqrt(one * one + other * other)

@@ -55,7 +55,7 @@ class RollingScatter:
 
     def rate(self, wheel_speed: float) -> float:
         """Root mean square error of a deceleration [rad/s^2] at a wheel speed [rad/s]; 0 where nothing was learned."""
-        return sqrt(self._rate) * wheel_speed**2
+        return sqrt(self._rate) * wheel_speed * wheel_speed
 
     def update(self, stamp: int, braked: bool, wheel_speed: float, rate: float, slip: float, variance: float) -> None:
         """Take what is known at a stamp [ns].
@@ -74,9 +74,10 @@ class RollingScatter:
             return
         if isfinite(rate):
             self._rates += 1
-            self._rate += ((rate / wheel_speed**2) ** 2 - self._rate) / min(self._rates, _MEMORY)
+            scatter = rate / (wheel_speed * wheel_speed)
+            self._rate += (scatter * scatter - self._rate) / min(self._rates, _MEMORY)
         if isfinite(slip):
             self._slips += 1
             share = 1.0 / min(self._slips, _MEMORY)
-            self._slip += share * (slip**2 - self._slip)
+            self._slip += share * (slip * slip - self._slip)
             self._stated += share * (variance - self._stated)

@@ -73,7 +73,8 @@ class WheelMotion:
         if longest - shortest > _UNEVEN * longest:
             return
         a, b, c, d = speeds[-4], speeds[-3], speeds[-2], speeds[-1]
-        squared = (d - 3.0 * c + 3.0 * b - a) ** 2 / 20.0
+        third_difference = d - 3.0 * c + 3.0 * b - a
+        squared = third_difference * third_difference / 20.0
         self._variance += (min(squared, _OUTLIER * self._variance) - self._variance) / _MEMORY
         self._variance = max(self._variance, _LEAST_STDDEV**2)
 
@@ -89,7 +90,7 @@ class WheelMotion:
         mean_time = total / count
         for index in range(count):
             offset = times[index] - mean_time
-            spread += offset**2
+            spread += offset * offset
             moment += offset * speeds[index]
         self.rate = moment / spread
         self.rate_stddev = sqrt(self._variance / spread)

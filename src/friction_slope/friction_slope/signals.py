@@ -11,14 +11,18 @@ derivative they pass the same filter and cancel exactly; taken apart they would 
 """
 
 from math import log, nan
-
-import numpy as np
+from typing import Final
 
 from friction_slope.estimate import SlopeSample
 from vehicle_models.derivatives import LocalPolynomial
 from vehicle_models.nanoseconds import NANOSECOND
 
-_OMEGA, _Z, _SLIP, _SLIP_RATE, _ACCELERATION, _LOG_LOAD = range(6)
+_OMEGA: Final = 0
+_Z: Final = 1
+_SLIP: Final = 2
+_SLIP_RATE: Final = 3
+_ACCELERATION: Final = 4
+_LOG_LOAD: Final = 5
 
 
 class SignalWindow:
@@ -68,7 +72,7 @@ class SignalWindow:
             self._impulse += 0.5 * dt * (self._last.brake_torque + sample.brake_torque)
         self._last = sample
         z = sample.wheel_speed + self._impulse / self._inertia
-        values = np.array((sample.wheel_speed, z, slip, sample.slip_rate, sample.acceleration, log(load)))
+        values = [sample.wheel_speed, z, slip, sample.slip_rate, sample.acceleration, log(load)]
         self._window.update(sample.stamp, values)
         self._rates.update(sample.stamp, values)
         self.delay = 0.5 * self._window.span * (1.0 - self._lead)
@@ -76,29 +80,29 @@ class SignalWindow:
 
     def h(self) -> float:
         """H of (8.3), omega_ddot + T_b_dot / J = (r Fz / J) mu_1 slip_rate [rad/s^3], at a constant load."""
-        return float(self._window.derivative(2, self.delay)[_Z])
+        return self._window.derivative(2, self.delay, _Z)
 
     def h_of_load(self) -> float:
         """Part of H that a changing load has caused, z_dot Fz_dot / Fz [rad/s^3]; NaN if the load was unknown."""
-        rates = self._window.derivative(1, self.delay)
-        return float(rates[_Z] * rates[_LOG_LOAD])
+        load_rate = self._window.derivative(1, self.delay, _LOG_LOAD)
+        return self._window.derivative(1, self.delay, _Z) * load_rate
 
     def slip(self) -> float:
         """Slip that the tyre has built up [-]; NaN if it was unknown anywhere in the window."""
-        return float(self._window.derivative(0, self.delay)[_SLIP])
+        return self._window.derivative(0, self.delay, _SLIP)
 
     def slip_rate(self) -> float:
         """Mean slip rate over the rate window [1/s]; NaN if it was unknown anywhere in it."""
-        return float(self._rates.derivative(0, self._rate_delay)[_SLIP_RATE])
+        return self._rates.derivative(0, self._rate_delay, _SLIP_RATE)
 
     def wheel_acceleration(self) -> float:
         """omega_dot [rad/s^2], mean over the rate window."""
-        return float(self._rates.derivative(1, self._rate_delay)[_OMEGA])
+        return self._rates.derivative(1, self._rate_delay, _OMEGA)
 
     def acceleration(self) -> float:
         """Acceleration of the car [m/s^2], mean over the rate window; NaN if it was unknown anywhere in it."""
-        return float(self._rates.derivative(0, self._rate_delay)[_ACCELERATION])
+        return self._rates.derivative(0, self._rate_delay, _ACCELERATION)
 
     def friction_moment(self) -> float:
         """r Fx = J z_dot = J omega_dot + T_b [N m], braking positive, mean over the rate window."""
-        return self._inertia * float(self._rates.derivative(1, self._rate_delay)[_Z])
+        return self._inertia * self._rates.derivative(1, self._rate_delay, _Z)

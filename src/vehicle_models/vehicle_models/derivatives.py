@@ -10,7 +10,6 @@ younger and noisier; past it (a negative delay) it is a prediction. A fit of deg
 window, and its delay is that of the centre.
 """
 
-from collections import deque
 from math import factorial
 
 import numpy as np
@@ -52,7 +51,10 @@ def polynomial_weights(offsets: ArrayLike, degree: int, order: int, delay: float
 
 
 class LocalPolynomial:
-    """Sliding window of samples of one or several signals, and derivatives of the polynomial through it."""
+    """Sliding window of samples of one or several signals, and derivatives of the polynomial through it.
+
+    Uses plain floats: for a few dozen of them a numpy product takes several times as long.
+    """
 
     def __init__(self, window: int, degree: int, signals: int = 1) -> None:
         """Start empty.
@@ -72,52 +74,60 @@ class LocalPolynomial:
 
     def reset(self) -> None:
         """Forget every sample."""
-        self._stamps: deque[int] = deque(maxlen=self._window)
+        self._stamps = [0] * self._window
         # Written twice, half a ring apart, the window is always one contiguous block, oldest sample first.
-        self._values: Array = np.zeros((2 * self._window, self._signals))
+        self._values: list[list[float]] = [[0.0] * (2 * self._window) for _ in range(self._signals)]
         self._next = 0
+        self._count = 0
         self._interval = 0
         self._equal_intervals = 0
-        self._weights: dict[tuple[int, float], Array] = {}
+        self._weights: dict[tuple[int, float], list[float]] = {}
         self.ready = False
         """Whether the window is full."""
         self.span = 0.0
         """Time from the oldest to the newest sample of the window [s]; 0 while it is not full."""
 
-    def update(self, stamp: int, values: ArrayLike) -> None:
+    def update(self, stamp: int, values: list[float]) -> None:
         """Take a sample of every signal.
 
         Args:
             stamp: stamp [ns], later than the last.
-            values: sample of each signal, finite, shape (signals,).
+            values: sample of each signal, NaN where it is unknown.
         """
         at = self._next
-        self._values[at] = self._values[at + self._window] = values
-        self._next = (at + 1) % self._window
-        interval = stamp - self._stamps[-1] if self._stamps else 0
-        self._stamps.append(stamp)
+        interval = stamp - self._stamps[at - 1] if self._count > 0 else 0
+        self._stamps[at] = stamp
+        for signal, value in enumerate(values):
+            ring = self._values[signal]
+            ring[at] = ring[at + self._window] = value
+        self._next = at + 1 if at + 1 < self._window else 0
         self._equal_intervals = self._equal_intervals + 1 if interval == self._interval else 1
         self._interval = interval
         # Span and weights follow from the offsets. These repeat if the new interval equals the one that left and all
         # those between.
         if self._equal_intervals < self._window or not self.ready:
+            self._count += 1
             self._weights.clear()
-            self.ready = len(self._stamps) == self._window
-            self.span = (stamp - self._stamps[0]) * NANOSECOND if self.ready else 0.0
+            self.ready = self._count >= self._window
+            self.span = (stamp - self._stamps[self._next]) * NANOSECOND if self.ready else 0.0
 
-    def derivative(self, order: int, delay: float) -> Array:
-        """Derivative of each signal `delay` [s] before the newest sample, shape (signals,).
+    def derivative(self, order: int, delay: float, signal: int = 0) -> float:
+        """Derivative of a signal `delay` [s] before the newest sample; NaN if any of its samples is.
 
         Raises:
             ValueError: the window is not full, or order is not in 0..degree.
         """
         if not self.ready:
-            raise ValueError(f"window is not full: {len(self._stamps)} of {self._window} samples")
+            raise ValueError(f"window is not full: {self._count} of {self._window} samples")
         weights = self._weights.get((order, delay))
         if weights is None:
-            offsets = (np.array(self._stamps) - self._stamps[-1]) * NANOSECOND
-            weights = polynomial_weights(offsets, self._degree, order, delay)
-            self._weights[order, delay] = weights
-        # `dot` is `@` without its search for a loop, which for few samples takes longer than the product.
-        found: Array = weights.dot(self._values[self._next : self._next + self._window])
-        return found
+            stamps = np.array(self._stamps[self._next :] + self._stamps[: self._next])
+            offsets = (stamps - stamps[-1]) * NANOSECOND
+            weights = self._weights[order, delay] = polynomial_weights(offsets, self._degree, order, delay).tolist()
+        values = self._values[signal]
+        place = self._next
+        total = 0.0
+        for weight in weights:
+            total += weight * values[place]
+            place += 1
+        return total

@@ -19,7 +19,7 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from friction_bags.bag_io.bag_format import Topic
-from friction_bags.bag_io.cdr_layout import Layout, Message, UnsupportedFieldError
+from friction_bags.bag_io.cdr_layout import HEADER, Layout, Message, UnsupportedFieldError
 from friction_bags.bag_io.message_definition import message_definition, type_name
 
 _LENGTH_SIZE: Final = 4
@@ -73,14 +73,15 @@ class _Codec:
         with suppress(UnsupportedFieldError):
             self._message = Message(kind)
             slots = list(self._message.written_slots())
-            self._texts = [index for index in range(1, len(slots)) if slots[index] == slots[index - 1]]
+            self._texts = [index + 1 for index in range(1, len(slots)) if slots[index] == slots[index - 1]]
+            """Places of the texts in Layout.write."""
             if len(slots) > 1:
                 self._values_of = attrgetter(*slots)
 
     def encode(self, message: Any) -> bytes:
         if self._values_of is None or self._message is None:
             return bytes(self._store.serialize_cdr(_Numpy(message), self._name))
-        values = list(self._values_of(message))
+        values = [HEADER, *self._values_of(message)]
         lengths = []
         for index in self._texts:
             text = values[index].encode()

@@ -14,7 +14,7 @@ import numpy as np
 
 from friction_bags.bag_io.message_definition import message_class, type_name
 
-_HEADER: Final = b"\0\1\0\0"
+HEADER: Final = b"\0\1\0\0"
 """Encapsulation header of little-endian CDR; alignment counts from its end."""
 _TEXT: Final = "s"
 _CODES = {
@@ -107,15 +107,21 @@ class Message:
 
 
 class _Numbers:
-    """An array or a sequence of numbers."""
+    """An array or a sequence of numbers. It stays the same array while its bytes do, as those of covariances mostly."""
 
     def __init__(self, code: str, count: int, begin: int) -> None:
         self._kind = np.dtype(f"<{code}")
-        self._count = count
         self._begin = begin
+        self._end = begin + count * self._kind.itemsize
+        self._bytes = bytes(count * self._kind.itemsize)
+        self._array: Any = np.frombuffer(self._bytes, self._kind) if count else np.zeros(0, self._kind)
 
     def make(self, values: list[Any], data: bytes) -> Any:
-        return np.frombuffer(data, self._kind, self._count, self._begin)
+        part = data[self._begin : self._end]
+        if part != self._bytes:
+            self._bytes = part
+            self._array = np.frombuffer(part, self._kind)
+        return self._array
 
 
 class _Texts:
@@ -160,7 +166,7 @@ class Layout:
         """
         self._format = "<4s"
         self._position = 0
-        self._expected: list[tuple[int, Any]] = [(0, _HEADER)]
+        self._expected: list[tuple[int, Any]] = [(0, HEADER)]
         self._count = 1
         self._text_places: list[int] = []
         self._parts: list[_Part] = []
@@ -193,12 +199,12 @@ class Layout:
         return values[self._root]
 
     def write(self, values: Sequence[Any]) -> bytes:
-        """Return the CDR of numbers and strings (bytes), each string after its length.
+        """Return the CDR of HEADER and the numbers and strings (bytes) after it, each string after its length.
 
         Raises:
             struct.error: a number is out of its range.
         """
-        return self._struct.pack(_HEADER, *values)
+        return self._struct.pack(*values)
 
     def _message(self, message: Message) -> int:
         """Lay out a message; return its place. Parts follow the values of the struct, the outermost message last."""
@@ -216,7 +222,7 @@ class Layout:
             return self._part(_Texts([self._text() for _ in range(count)]))
         if count:
             self._align(field.code)
-        begin = len(_HEADER) + self._position
+        begin = len(HEADER) + self._position
         self._skip(count * calcsize(f"<{field.code}"))
         return self._part(_Numbers(field.code, count, begin))
 
@@ -229,7 +235,7 @@ class Layout:
         length = next(self._lengths)
         self._expected.append((self._value("I"), length))
         if self.first_length == 0:
-            self.first_length = len(_HEADER) + self._position - calcsize("<I")
+            self.first_length = len(HEADER) + self._position - calcsize("<I")
         return length
 
     def _value(self, code: str) -> int:

@@ -66,7 +66,8 @@ class DeadReckonedSpeed:
             raise RuntimeError("advance before start")
         w = self._wheel
         predicted = self._speed - (w.inertia * wheel_speed_change + mean_torque * duration) / (w.mass * w.radius)
-        variance = self._variance + (_ACCELERATION_ERROR * duration) ** 2
+        drift = _ACCELERATION_ERROR * duration
+        variance = self._variance + drift * drift
         released = abs(mean_torque) <= FREE_ROLLING_TORQUE
         self._released_for = self._released_for + duration if released else 0.0
         return self._correct(predicted, variance, wheel_speed, measured, self._released_for >= _RECOVERY_TIME)
@@ -74,7 +75,8 @@ class DeadReckonedSpeed:
     def _correct(self, speed: float, variance: float, wheel_speed: float, measured: float | None, free: bool) -> float:
         noise, radius = self._noise, self._wheel.radius
         if free:
-            speed, variance = _weigh(speed, variance, wheel_speed * radius, noise.wheel_speed_variance * radius**2)
+            rolling_variance = noise.wheel_speed_variance * radius * radius
+            speed, variance = _weigh(speed, variance, wheel_speed * radius, rolling_variance)
         if measured is not None:
             speed, variance = _weigh(speed, variance, measured, noise.speed_variance)
         self._speed, self._variance = speed, variance

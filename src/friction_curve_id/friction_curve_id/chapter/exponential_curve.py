@@ -18,9 +18,8 @@ Array = NDArray[np.float64]
 EXPONENTS = np.array([4.0, 36.0, 68.0, 100.0])
 _RATES = np.append(-EXPONENTS, [0.0, 0.0])
 """Growth rates of all six terms; 0 for the line and the constant."""
-_SQUARES = _RATES**2
-_PLAIN_EXPONENTS: list[float] = EXPONENTS.tolist()
-_GRID: list[float] = np.concatenate([np.linspace(0.001, 0.2, 200), np.linspace(0.205, 1.0, 160)]).tolist()
+_PLAIN_EXPONENTS: Final[list[float]] = EXPONENTS.tolist()
+_GRID: Final[list[float]] = np.concatenate([np.linspace(0.001, 0.2, 200), np.linspace(0.205, 1.0, 160)]).tolist()
 _STEPS: Final = 40
 _CONVERGED: Final = 1e-12
 """Step [-] that ends the search for a peak: a further one would be rounding."""
@@ -35,23 +34,19 @@ def regressor(slips: Array) -> Array:
 
 def regressor_row(slip: float) -> Array:
     """Regressor phi of one slip, shape (6,)."""
-    row = np.asarray(np.exp(_RATES * slip))
-    row[4] = slip
-    return row
+    return np.array([*[exp(-exponent * slip) for exponent in _PLAIN_EXPONENTS], slip, 1.0])
 
 
 def slope_row(slip: float) -> Array:
     """d phi / d slip, shape (6,)."""
-    row = np.asarray(_RATES * np.exp(_RATES * slip))
-    row[4] = 1.0
-    return row
+    return np.array([*[-exponent * exp(-exponent * slip) for exponent in _PLAIN_EXPONENTS], 1.0, 0.0])
 
 
 _GRID_SLOPES = np.array([slope_row(slip) for slip in _GRID])
 
 
 class ExponentialCurve:
-    """CurveModel of (8.12)."""
+    """CurveModel of (8.12); in plain floats, as for four terms numpy takes several times as long."""
 
     def __init__(self, largest_slip: float) -> None:
         """Set how far the data reach [-]: a peak among them is preferred to one that is extrapolated."""
@@ -59,7 +54,11 @@ class ExponentialCurve:
 
     def friction(self, parameters: Array, slip: float) -> float:
         """mu [-], (8.12)."""
-        return float(regressor_row(slip) @ parameters)
+        plain: list[float] = parameters.tolist()
+        friction = plain[4] * slip + plain[5]
+        for term, exponent in enumerate(_PLAIN_EXPONENTS):
+            friction += plain[term] * exp(-exponent * slip)
+        return friction
 
     def gradient(self, parameters: Array, slip: float) -> Array:
         """phi, shape (6,)."""
@@ -67,7 +66,7 @@ class ExponentialCurve:
 
     def slope(self, parameters: Array, slip: float) -> float:
         """d mu / d slip [-]."""
-        return float(slope_row(slip) @ parameters)
+        return _slope_and_curvature(parameters.tolist(), slip)[0]
 
     def slope_gradient(self, parameters: Array, slip: float) -> Array:
         """Gradient of the slope with respect to the parameters, shape (6,)."""
@@ -75,7 +74,7 @@ class ExponentialCurve:
 
     def curvature(self, parameters: Array, slip: float) -> float:
         """d^2 mu / d slip^2 [-]."""
-        return float((_SQUARES * np.exp(_RATES * slip)) @ parameters)
+        return _slope_and_curvature(parameters.tolist(), slip)[1]
 
     def peak(self, parameters: Array) -> float:
         """lambda_max in (0, 1): the highest maximum among the data, else the first beyond them; NaN without any.
@@ -83,9 +82,10 @@ class ExponentialCurve:
         The slope is a sum of exponentials with at most four zeros. Its changes of sign from + to - on a grid
         finer than 1 / b are bracketed, and found there by Newton's method.
         """
-        slopes = _GRID_SLOPES @ parameters
-        falls = ((slopes[:-1] > 0.0) & (slopes[1:] <= 0.0)).nonzero()[0].tolist()
-        maxima = [_zero_of_slope(parameters, _GRID[k], _GRID[k + 1]) for k in falls]
+        slopes = _GRID_SLOPES.dot(parameters)
+        rises = slopes > 0.0
+        falls = (rises[:-1] > rises[1:]).nonzero()[0].tolist()
+        maxima = [_zero_of_slope(parameters.tolist(), _GRID[k], _GRID[k + 1]) for k in falls]
         among = [peak for peak in maxima if peak <= self._largest_slip]
         if len(among) > 1:
             return max(among, key=lambda peak: self.friction(parameters, peak))
@@ -96,20 +96,20 @@ class ExponentialCurve:
         return UNKNOWN_THETA
 
 
-def _zero_of_slope(parameters: Array, low: float, high: float) -> float:
-    """Return where the slope falls through zero between two slips: Newton's method, or bisection if that leaves them.
+def _slope_and_curvature(parameters: list[float], slip: float) -> tuple[float, float]:
+    slope, curvature = parameters[4], 0.0
+    for term, exponent in enumerate(_PLAIN_EXPONENTS):
+        fall = exponent * parameters[term] * exp(-exponent * slip)
+        slope -= fall
+        curvature += exponent * fall
+    return slope, curvature
 
-    Uses plain floats: for four of them numpy takes several times as long.
-    """
-    *amplitudes, line, _ = parameters.tolist()
-    terms = [(exponent, exponent * amplitude) for exponent, amplitude in zip(_PLAIN_EXPONENTS, amplitudes, strict=True)]
+
+def _zero_of_slope(parameters: list[float], low: float, high: float) -> float:
+    """Return the slip between two at which the slope falls through zero: Newton's method, or bisection if it leaves."""
     slip = 0.5 * (low + high)
     for _ in range(_STEPS):
-        slope, curvature = line, 0.0
-        for exponent, weight in terms:
-            fall = weight * exp(-exponent * slip)
-            slope -= fall
-            curvature += exponent * fall
+        slope, curvature = _slope_and_curvature(parameters, slip)
         if slope > 0.0:
             low = slip
         else:

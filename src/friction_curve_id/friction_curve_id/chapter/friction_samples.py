@@ -176,5 +176,5 @@ def slip_equation(
     w, rolling = wheel, 1.0 - slip
     numerator = rolling / (w.inertia * wheel_speed) * brake_torque - slip_rate
     return numerator / (
-        rolling / (wheel_speed * w.radius) * w.vertical_load * (rolling / w.mass + w.radius**2 / w.inertia)
+        rolling / (wheel_speed * w.radius) * w.vertical_load * (rolling / w.mass + w.radius * w.radius / w.inertia)
     )

@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dtrtri
 
 from friction_curve_id.chapter.exponential_curve import ExponentialCurve, regressor
 from friction_curve_id.chapter.sample_window import SampleWindow
@@ -36,9 +37,12 @@ def solve(root: Array, samples: int, largest_slip: float) -> FittedCurve:
     signals share noise between neighbours, which makes it too large rather than too small; it does not include
     the bias of (8.12).
     """
-    inverse = np.linalg.inv(root[:6, :6])
-    variance = root[6, 6] ** 2 / (samples - 6) if samples > 6 else np.nan
-    return FittedCurve(ExponentialCurve(largest_slip), inverse @ root[:6, 6], variance * (inverse @ inverse.T))
+    inverse = dtrtri(root[:6, :6])[0]  # numpy.linalg.inv takes ten times as long
+    rest = float(root[6, 6])
+    variance = rest * rest / (samples - 6) if samples > 6 else np.nan
+    # `dot` is `@` without its search for a loop, which for six parameters takes longer than the product.
+    parameters = inverse.dot(root[:6, 6])
+    return FittedCurve(ExponentialCurve(largest_slip), parameters, variance * inverse.dot(inverse.T))
 
 
 class LeastSquares(SampleWindow):

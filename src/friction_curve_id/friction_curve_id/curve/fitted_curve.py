@@ -76,7 +76,7 @@ class FittedCurve:
         m, p, covariance = self.model, self.parameters, self.covariance
 
         def stddev(row: Array) -> float:
-            variance = float(row @ covariance @ row)
+            variance = float(row.dot(covariance).dot(row))  # less than `@` for a few parameters
             return sqrt(variance) if 0.0 <= variance < np.inf else nan
 
         peak = m.peak(p)
