@@ -22,6 +22,7 @@ from friction_msgs.msg import (
 )
 
 import abs_supervisor.fsm
+import abs_supervisor.law.choice
 import abs_supervisor.release_caps
 import abs_supervisor.release_evidence
 import abs_supervisor.supervisor
@@ -39,6 +40,8 @@ MIRRORED: list[tuple[type[IntEnum], Any, str]] = [
     (vehicle_models.brake_actuator.Command, BrakeCommand, ""),
     (abs_supervisor.fsm.Cause, SupervisorState, "CAUSE_"),
     (abs_supervisor.fsm.State, SupervisorState, "S0 S1 S21 S22"),
+    (abs_supervisor.law.choice.Change, SupervisorState, "CHANGE_"),
+    (abs_supervisor.law.choice.Law, SupervisorState, "LAW_"),
     (abs_supervisor.release_caps.Cap, SupervisorState, "CAP_"),
     (abs_supervisor.release_evidence.Release, SupervisorState, "RELEASE_"),
     (abs_supervisor.supervisor.Reason, SupervisorState, ""),

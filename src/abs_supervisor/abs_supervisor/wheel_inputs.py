@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from math import inf, isfinite, nan, sqrt
-from typing import Any
+from typing import Any, Final
 
 from friction_msgs.msg import FrictionCurve, FrictionSlope, WheelSlip
 from sensor_msgs.msg import FluidPressure, JointState
@@ -20,7 +20,7 @@ from vehicle_models.plausible import HIGHEST_SLIP, HIGHEST_SPEED
 from vehicle_models.vehicle import Vehicle
 
 _SPEED_SENSOR, _UNCERTAIN = int(WheelSlip.SPEED_SENSOR), int(WheelSlip.UNCERTAIN)
-_VAGUEST = 0.2
+_VAGUEST: Final = 0.2
 """Standard deviation of a slip that says something still."""
 Reading = tuple[int, tuple[float, ...]]
 

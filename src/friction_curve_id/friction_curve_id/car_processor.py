@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from math import nan
-from typing import Any
+from typing import Any, Final
 
 from friction_msgs.msg import FrictionCurve, VehicleFit
 from sensor_msgs.msg import FluidPressure, Imu, JointState
@@ -26,7 +26,7 @@ from vehicle_models.plausible import HIGHEST_PRESSURE
 from vehicle_models.vehicle import Vehicle
 
 VEHICLE_FIT = "vehicle_fit"
-_PERIOD = 1.0
+_PERIOD: Final = 1.0
 """Time between two messages of what was learned [s]; one more when a braking was learned from."""
 
 

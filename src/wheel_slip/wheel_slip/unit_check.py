@@ -17,8 +17,9 @@ _LOWEST_SPEED: Final = 2.0
 """Lowest speed at the rim at which ratios are judged [m/s]."""
 _GENTLE: Final = 4.0
 """Largest acceleration of wheels that roll [m/s^2]: beyond it their slip counts."""
-_AGREEING: Final = (0.7, 1.4)
-"""Ratios of two sensors of one motion."""
+_LEAST_AGREEING: Final = 0.7
+_MOST_AGREEING: Final = 1.4
+"""Ratios of two sensors of one motion lie between."""
 _NEAR: Final = 0.08
 """Share by which a ratio may miss that of a unit."""
 _SURE_AFTER: Final = 0.2
@@ -31,8 +32,9 @@ _LEAST_SPREAD: Final = 0.4
 """Least standard deviation of the wheels' acceleration in that time [m/s^2]."""
 _CORRELATED: Final = 0.9
 """Correlation from which two accelerations are those of one motion."""
-_IN_G: Final = (0.07, 0.14)
-"""Ratios of an acceleration in g to one in m/s^2, or of one in m/s^2 to that of wheels read in revolutions a minute."""
+_LEAST_IN_G: Final = 0.07
+_MOST_IN_G: Final = 0.14
+"""Ratios between which an acceleration in g lies to one in m/s^2, or one in m/s^2 to that of wheels in revolutions."""
 
 
 class UnitCheck:
@@ -101,7 +103,7 @@ class UnitCheck:
             self._compare_accelerations(rate, acceleration, dt)
 
     def _compare_speeds(self, ratio: float, dt: float) -> None:
-        if _AGREEING[0] < ratio < _AGREEING[1]:
+        if _LEAST_AGREEING < ratio < _MOST_AGREEING:
             self._agreed += dt
             self._speed_text = ""
             return
@@ -126,12 +128,12 @@ class UnitCheck:
         if self._both**2 < _CORRELATED**2 * self._wheel * self._sensor:
             return
         ratio = self._both / self._wheel
-        if _AGREEING[0] < ratio < _AGREEING[1]:
+        if _LEAST_AGREEING < ratio < _MOST_AGREEING:
             self._acceleration_is_known = True
             self._acceleration_text = ""
-        elif _AGREEING[0] < -ratio < _AGREEING[1]:
+        elif _LEAST_AGREEING < -ratio < _MOST_AGREEING:
             self._acceleration_text = "imu/data has the wrong sign against the wheels: forward is positive"
-        elif _IN_G[0] < ratio < _IN_G[1]:
+        elif _LEAST_IN_G < ratio < _MOST_IN_G:
             self._acceleration_text = (
                 f"imu/data is {ratio:.2f} times the acceleration of the rolling wheels: "
                 "in g, or wheel_states in revolutions a minute?"

@@ -1,8 +1,10 @@
 """How much of the disturbance torque the law follows: its slow part, and what cannot be noise of the fast one."""
 
-_TIME = 0.3
+from typing import Final
+
+_TIME: Final = 0.3
 """[s] of the slow part."""
-_NOISE = 0.25
+_NOISE: Final = 0.25
 """Of the torque at the set-point: a faster part up to this counts as noise."""
 
 

@@ -1,14 +1,16 @@
 """The slip that the law holds."""
 
+from typing import Final
+
 from abs_supervisor.law.road_curve import RoadCurve
 
-_TO_PASS = 1.10
+_TO_PASS: Final = 1.10
 """Of lambda_max while the peak has not been seen: it is passed, and so seen."""
-_HELD = 0.92
+_HELD: Final = 0.92
 """Of lambda_max afterwards: friction is flat there, and the wheel is stable."""
-_SLOW = 8.0
+_SLOW: Final = 8.0
 """[m/s] below this speed the wheel is quick, and a smaller slip keeps it from the lock."""
-_AT_REST = 0.70
+_AT_REST: Final = 0.70
 """Share at standstill."""
 
 

@@ -1,14 +1,16 @@
 """The brake torque that brings the slip to its set-point, and keeps it there."""
 
+from typing import Final
+
 from abs_supervisor.law.road_curve import RoadCurve
 from abs_supervisor.law.wheel_observer import WheelState
 from vehicle_models.single_corner import CornerParameters
 
-_RATE = 35.0
+_RATE: Final = 35.0
 """[1/s] with which an error of the wheel speed is to vanish."""
 _FAR, _FAR_MARGIN = 1.5, 0.05
 """A slip beyond 1.5 set-points and 0.05 is far beyond."""
-_RETURN = 0.2
+_RETURN: Final = 0.2
 """Of the torque at the set-point: by so much the torque stays below what the road gives, far beyond the peak."""
 _SLOW, _SLOW_SHARE = 5.0, 0.96
 """Below this speed [m/s] the torque stays below this share of that at the peak."""

@@ -2,15 +2,16 @@
 
 from enum import Enum
 from math import isfinite
+from typing import Final
 
 from abs_supervisor.law.road_curve import RoadCurve
 from vehicle_models.nanoseconds import NANOSECONDS
 
-_FEWEST = 20
+_FEWEST: Final = 20
 """Samples of a fit that says something of the road."""
-_SEEN_AFTER = 3
+_SEEN_AFTER: Final = 3
 """Valid estimates after which the peak counts as seen."""
-_VAGUE = 0.25
+_VAGUE: Final = 0.25
 """Of lambda_max: once the peak was seen, estimates with a larger standard deviation are left out."""
 _KEPT = round(0.15 * NANOSECONDS)
 """[ns] for which the last curve serves when the estimator has none for another reason than that nothing moves."""

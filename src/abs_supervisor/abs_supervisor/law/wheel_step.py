@@ -5,13 +5,14 @@ down steadily (exponential Euler), so it stays stable down to walking speed.
 """
 
 from math import exp
+from typing import Final
 
 from abs_supervisor.law.road_curve import RoadCurve
 from vehicle_models.single_corner import CornerParameters
 
 _STIFFEST, _STEEPEST_FALL = 20.0, -1.0
 """Range of the exponent: beyond the peak the wheel's motion grows, but not without limit within a step."""
-LEAST_SPEED = 0.3
+LEAST_SPEED: Final = 0.3
 """[m/s] slip is taken relative to a speed no lower."""
 
 
