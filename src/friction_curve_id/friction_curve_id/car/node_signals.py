@@ -6,9 +6,10 @@ a tooth late on average, and up to a tooth at random: an error in proportion to 
 was not counted holds at its stamp: then the nodes lie half-way between the stamps.
 
 The brake of a locked wheel is a reaction: it holds against the tyre, with less than its pressure would make. A wheel
-may stand where it is slower than 0.3 of the car and, if its speed is counted, than one tooth between two samples: then
-an encoder cannot tell. A node says so where it is made of such a speed or next to one, for a wheel that stands at the
-end of an interval has turned on average.
+may stand where it is slower than 0.3 of the car and, if its speed is counted, than one tooth between two samples, or
+than its speed changes from or to the next: then it may have stood for part of the time over which it was counted. A
+node does not count where it is made of such a speed or lies next to one, for a wheel that stands at the end of an
+interval has turned on average.
 """
 
 from dataclasses import dataclass
@@ -72,7 +73,10 @@ def node_signals(
     velocity = start.speed + samples.speed_change - start.speed_change
     standing = car.radius * w < _TURNING * np.maximum(velocity, (car.radius * w).max(axis=0))
     if counted:
-        standing[:, 1:] &= w[:, 1:] * car.teeth * step < 2.0 * pi
+        turned = np.abs(np.diff(w, axis=1))
+        least = np.maximum(turned, 2.0 * pi / (car.teeth * step))
+        least[:, :-1] = np.maximum(least[:, :-1], turned[:, 1:])
+        standing[:, 1:] &= w[:, 1:] < least
     noise = np.empty_like(w)
     noise[:] = rolling_noise[:, np.newaxis] ** 2
     if counted:
