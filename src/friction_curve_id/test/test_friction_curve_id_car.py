@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from corner_sim.car.pressure_prescription import PressureProfile, SlipCycle, peak_pressures
+from corner_sim.car.car_parameters import CarParameters, SensorParameters
+from corner_sim.car.pressure_prescription import Cycling, PressureProfile, SlipCycle, peak_pressures
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
+from corner_sim.car.tyre import TYRES
 from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal
 from vehicle_models import burckhardt
@@ -99,6 +101,22 @@ def test_without_accelerometer_and_with_one_wheel_the_interval_is_wider_and_hold
         assert found.mu_max_stddev > 1.5 * whole.mu_max_stddev
         assert abs(found.lambda_max - run.lambda_max[0]) < 1.96 * found.lambda_max_stddev
         assert abs(found.mu_max - run.mu_max[0]) < 1.96 * found.mu_max_stddev
+
+
+@pytest.mark.parametrize("seed", [72_000, 72_001, 72_002])
+def test_a_rear_wheel_that_locks_does_not_spoil_the_curve(seed: int) -> None:
+    """Once the rear wheels have stood, mu_max was above its interval in a third of the messages."""
+    sensors = SensorParameters(encoder_teeth=48, acceleration_delay=0.005)
+    tyres = (TYRES["burckhardt"]["cobblestone"],) * 4
+    car = CarParameters(tyres, relaxation_length=(0.3,) * 4, damper_share=0.5, pitch_gain=0.0026, sensors=sensors)
+    run = record(car, SlipCycle(car, Cycling()), seed, duration=3.0)
+    locked = (run.slip[:, 2:] > 0.99).any(axis=1)
+    assert locked.sum() > 5
+    found = estimates(follow(samples(run)))
+    after = [each for each in found[-(len(run.time) - int(locked.argmax())) :] if each.valid]
+    assert len(after) > 50
+    inside = [abs(each.mu_max - run.mu_max[0]) < 1.96 * each.mu_max_stddev for each in after]
+    assert np.mean(inside) > 0.95
 
 
 def test_garbage_is_refused_by_name_and_leaves_the_fit_as_it_was() -> None:

@@ -177,6 +177,38 @@ def test_the_balance_of_a_car_that_brakes_as_it_reads_is_level() -> None:
     assert rows.shape == (len(errors), SHARED + 4)
 
 
+@pytest.mark.parametrize("family", Family)
+def test_the_torque_of_a_locked_wheel_moves_nothing_but_that_of_the_others_does(family: Family) -> None:
+    """Its brake holds with less than its pressure would make, which no equation may believe."""
+    p = car_prior(CAR, WHEELS, SHAPE_PRIORS[family], 0.023, True)
+    rear = 2
+
+    def cost(torque: float, wheel: int) -> tuple[float, Array]:
+        samples, start = samples_of_a_braking()
+        samples.wheel_speed[rear, 60:75] = 0.0
+        samples.torque[wheel, 64:71] = torque
+        car = CarConstants(CAR, WHEELS)
+        nodes = node_signals(car, samples, start, np.full(4, 0.01), True)
+        found = CurveFit(car, p, family, 5.0, True).linearise(samples, nodes, start)
+        return found.cost, found.gradient
+
+    for torque in (700.0, 3000.0):
+        assert cost(torque, rear)[0] == pytest.approx(cost(350.0, rear)[0])
+        assert cost(torque, rear)[1] == pytest.approx(cost(350.0, rear)[1])
+    assert cost(3000.0, 0)[0] > 1.1 * cost(700.0, 0)[0]
+
+
+def test_a_wheel_may_stand_where_no_tooth_comes_between_two_samples() -> None:
+    car = CarConstants(CAR, WHEELS)
+    samples, start = samples_of_a_braking()
+    one_tooth = 2.0 * pi / (48 * 0.005)
+    samples.wheel_speed[2, 60:63] = 0.9 * one_tooth, 0.0, 0.9 * one_tooth
+    samples.wheel_speed[3, 60:63] = 1.1 * one_tooth
+    counted = node_signals(car, samples, start, np.full(4, 0.01), True)
+    assert set(np.flatnonzero(~counted.turning[2])) == set(range(58, 64))
+    assert counted.turning[[0, 1, 3]].all()
+
+
 def test_what_a_file_does_not_state_has_a_stated_deviation_and_zero_means_exactly() -> None:
     exact = replace(CAR, deviations={"mass": Deviation(0.0, SharedBy.ALL)})
     silent = replace(CAR, deviations={})

@@ -26,7 +26,8 @@ def car_balance(
 ) -> tuple[Array, Array]:
     """Return the errors of the blocks in standard deviations, shape (B,), and their Jacobian, (B, SHARED + W).
 
-    Only blocks in which the throttle is closed throughout: at other times the engine drives.
+    Only blocks in which the throttle is closed and all wheels turn throughout: at other times the engine drives, or a
+    brake holds with less than its torque.
 
     Args:
         car: nominal values.
@@ -40,8 +41,9 @@ def car_balance(
     size = max(round(_BLOCK / max(float(np.median(nodes.interval)), 1e-4)), 1)
     blocks = n // size
     first = n - blocks * size
-    closed = nodes.closed[first:].reshape(blocks, size).min(axis=1) > 0.0
-    if blocks == 0 or not closed.any():
+    told = (nodes.closed > 0.0) & nodes.turning.all(axis=0)
+    complete = told[first:].reshape(blocks, size).all(axis=1)
+    if blocks == 0 or not complete.any():
         return np.zeros(0), np.zeros((0, p.size))
     scale = 1.0 + p[Unknown.ACCELEROMETER_SCALE]
     mass = car.mass * exp(float(p[Unknown.LOG_MASS]))
@@ -65,6 +67,6 @@ def car_balance(
         (Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR, Unknown.PRESSURE_DELAY, Unknown.ENGINE_DRAG)
     ):
         jacobian[:, unknown] = of_torque[:, column]
-    means = error[first:].reshape(blocks, size).mean(axis=1)[closed]
-    rows = jacobian[first:].reshape(blocks, size, p.size).mean(axis=1)[closed]
+    means = error[first:].reshape(blocks, size).mean(axis=1)[complete]
+    rows = jacobian[first:].reshape(blocks, size, p.size).mean(axis=1)[complete]
     return means / _STDDEV, rows / _STDDEV

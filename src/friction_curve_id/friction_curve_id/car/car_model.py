@@ -90,6 +90,8 @@ class Nodes:
     """Speed of the wheels at time 0 [m/s]."""
     closed: Array
     """1 where the throttle is closed, shape (n,)."""
+    turning: NDArray[np.bool_]
+    """Whether the wheel turns: the brake of a locked one does not act with its torque. Shape (W, n)."""
     spread: float
     """Share of its second difference that a torque's mean between the wheel speeds has more than its node [-]."""
 
@@ -107,6 +109,7 @@ class Nodes:
             self.acceleration_change[nodes],
             self.start_speed,
             self.closed[nodes],
+            self.turning[:, nodes],
             self.spread,
         )
 

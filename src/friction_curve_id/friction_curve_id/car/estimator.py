@@ -291,12 +291,12 @@ class CarEstimator:
         self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time)
 
     def _time_beyond(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> float:
-        """Time for which the slips of the window were surely beyond the peak, summed over wheels [s]."""
+        """Time for which the slips of turning wheels were surely beyond the peak, summed over the wheels [s]."""
         moved = fit.moved
         limit = _PASSED * exp(peak.log_lambda_max)
         speed_variance = fit.covariance[Unknown.START_SPEED, Unknown.START_SPEED]
         stddev = np.hypot(limit * peak.log_lambda_stddev, sqrt(speed_variance) / moved.speed)
-        beyond = moved.relaxed > limit + _SURE * stddev
+        beyond = nodes.turning & (moved.relaxed > limit + _SURE * stddev)
         if beyond.any() and self._beyond_since == inf:
             self._beyond_since = float(nodes.time[int(np.argmax(beyond.any(axis=0)))])
         if not beyond.any() and self._seen_before == 0.0:

@@ -4,6 +4,12 @@ A wheel speed is a mean: from the encoder's last edge before one stamp to the la
 speed at the node between the means w_k and w_{k+1} is (-w_{k-1} + 7 w_k + 7 w_{k+1} - w_{k+2}) / 12. The edges are half
 a tooth late on average, and up to a tooth at random: an error in proportion to the wheel's acceleration. A speed that
 was not counted holds at its stamp: then the nodes lie half-way between the stamps.
+
+The brake of a locked wheel is a reaction: it holds against the tyre, with less than its pressure would make. A wheel
+may stand where it is slower than 0.3 of the car and, if its speed is counted, than one tooth between two samples, or
+than its speed changes from or to the next: then it may have stood for part of the time over which it was counted. A
+node does not count where it is made of such a speed or lies next to one, for a wheel that stands at the end of an
+interval has turned on average.
 """
 
 from dataclasses import dataclass
@@ -16,6 +22,9 @@ from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_model import CarConstants, Nodes
 
 Array = NDArray[np.float64]
+
+_TURNING = 0.3
+"""Speed of a wheel over that of the car from which on it surely turns."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +70,13 @@ def node_signals(
     speed = 0.5 * (w[:, 1:] + w[:, :-1])
     speed[:, 1:-1] = near * (w[:, 1:-2] + w[:, 2:-1]) + far * (w[:, :-3] + w[:, 3:])
     growth = np.diff(w, axis=1) / interval
+    velocity = start.speed + samples.speed_change - start.speed_change
+    standing = car.radius * w < _TURNING * np.maximum(velocity, (car.radius * w).max(axis=0))
+    if counted:
+        turned = np.abs(np.diff(w, axis=1))
+        least = np.maximum(turned, 2.0 * pi / (car.teeth * step))
+        least[:, :-1] = np.maximum(least[:, :-1], turned[:, 1:])
+        standing[:, 1:] &= w[:, 1:] < least
     noise = np.empty_like(w)
     noise[:] = rolling_noise[:, np.newaxis] ** 2
     if counted:
@@ -83,6 +99,7 @@ def node_signals(
         acceleration - start.acceleration,
         start.speed,
         closed,
+        ~_near(standing),
         1.0 / 6.0 if counted else 1.0 / 24.0,
     )
 
@@ -118,6 +135,13 @@ def rolling_noise(wheel_speed: Array, least: float) -> Array:
     """
     bend = np.abs(wheel_speed[:, 2:] - 2.0 * wheel_speed[:, 1:-1] + wheel_speed[:, :-2])
     return np.maximum(np.median(bend, axis=1) / (0.6745 * sqrt(6.0)), least)
+
+
+def _near(standing: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Nodes about which, or beside, a sample is marked; shapes (W, n) and (W, n - 1)."""
+    padded = np.pad(standing, ((0, 0), (1, 1)))
+    n = standing.shape[1]
+    return np.asarray(np.logical_or.reduce([padded[:, k : k + n - 1] for k in range(4)]))
 
 
 def _around(values: Array) -> Array:

@@ -31,8 +31,6 @@ _LEAST_TIME = 0.1
 """Least time of what it is compared with [s]."""
 _LEAST_SHARE = 0.4
 """Least share of mu_max at which friction is compared: below, the slope of the curve and the speed decide."""
-_TURNING = 0.3
-"""Least speed of a wheel over that of the car: the brake of a locked wheel does not act with its torque."""
 _MOST_SPIN = 0.5
 """Most torque that speeds a wheel up or down, over that of its tyre: it is late by what nobody knows."""
 
@@ -58,11 +56,10 @@ def used_and_fitted(
     inertia = car.inertia * exp(float(p[Unknown.LOG_INERTIA]))
     spinning = inertia * nodes.wheel_acceleration
     acting = gain * torque + p[Unknown.ENGINE_DRAG] * car.driven + spinning
-    turning = car.radius * nodes.wheel_speed > _TURNING * moved.speed
     used = acting / (car.radius * np.maximum(moved.load, 1.0))
     fitted = exp(float(p[Unknown.LOG_MU_MAX])) * share
     steady = np.abs(spinning) < _MOST_SPIN * fitted * car.radius * moved.load
-    told = turning & steady & (share > _LEAST_SHARE)
+    told = nodes.turning & steady & (share > _LEAST_SHARE)
     return np.where(told, used, 0.0), np.where(told, fitted, 0.0)
 
 

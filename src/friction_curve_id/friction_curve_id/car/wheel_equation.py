@@ -5,7 +5,8 @@
 The difference of two means over neighbouring intervals weighs a torque by a triangle over both: signals at the nodes
 are weighed 1/6, 2/3, 1/6. The variance of e J counts the torque noise, what these weights may miss (a sixth of the
 second differences of T and F), the varying load of the wheel (delta r Fz mu)^2 and the slip's share of the noise of the
-wheel speed; the noise of the wheel speed itself ties neighbouring nodes: the covariance is tridiagonal.
+wheel speed; the noise of the wheel speed itself ties neighbouring nodes: the covariance is tridiagonal. Where a wheel
+is locked kappa T is no torque but its limit: the equation says nothing there.
 """
 
 from dataclasses import dataclass
@@ -23,6 +24,8 @@ Array = NDArray[np.float64]
 
 _UNKNOWN_DRIVE = 150.0
 """Standard deviation of the torque of a driven wheel while the car does not brake [N m]."""
+_NOTHING = 1e8
+"""Variance of what says nothing [rad^2/s^4]: its neighbours do not learn from it that the wheel speeds were right."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +139,13 @@ def wheel_equation(
     fixed = (torque_stddev**2 + missed + 0.5 * slip_noise**2 + drive) / inertia**2
     load_variance = (tyre / inertia) ** 2
     error = nodes.wheel_acceleration + balance / inertia
-    return WheelEquation(error, jacobian, fixed, load_variance, acting, by_wheel_speed * moved.immediate / inertia)
+    immediate = by_wheel_speed * moved.immediate / inertia
+    locked = ~nodes.turning
+    if locked.any():
+        jacobian[locked] = 0.0
+        error[locked] = load_variance[locked] = immediate[locked] = 0.0
+        fixed[locked] = _NOTHING
+    return WheelEquation(error, jacobian, fixed, load_variance, acting, immediate)
 
 
 def _mean_of_five(values: Array) -> Array:
