@@ -103,19 +103,19 @@ def test_without_accelerometer_and_with_one_wheel_the_interval_is_wider_and_hold
         assert abs(found.mu_max - run.mu_max[0]) < 1.96 * found.mu_max_stddev
 
 
-@pytest.mark.parametrize("seed", [72_000, 72_001, 72_002])
-def test_a_rear_wheel_that_locks_does_not_spoil_the_curve(seed: int) -> None:
-    """Once the rear wheels have stood, mu_max was above its interval in a third of the messages."""
+def test_rear_wheels_that_lock_do_not_spoil_the_curve() -> None:
+    """Once they have stood, mu_max was above its interval in a third of the messages."""
     sensors = SensorParameters(encoder_teeth=48, acceleration_delay=0.005)
     tyres = (TYRES["burckhardt"]["cobblestone"],) * 4
     car = CarParameters(tyres, relaxation_length=(0.3,) * 4, damper_share=0.5, pitch_gain=0.0026, sensors=sensors)
-    run = record(car, SlipCycle(car, Cycling()), seed, duration=3.0)
-    locked = (run.slip[:, 2:] > 0.99).any(axis=1)
-    assert locked.sum() > 5
-    found = estimates(follow(samples(run)))
-    after = [each for each in found[-(len(run.time) - int(locked.argmax())) :] if each.valid]
-    assert len(after) > 50
-    inside = [abs(each.mu_max - run.mu_max[0]) < 1.96 * each.mu_max_stddev for each in after]
+    inside = []
+    for seed in (72_000, 72_001, 72_002):
+        run = record(car, SlipCycle(car, Cycling()), seed, duration=4.0)
+        locked = (run.slip[:, 2:] > 0.99).any(axis=1)
+        assert locked.sum() > 5
+        after = estimates(follow(samples(run)))[-(len(run.time) - int(locked.argmax())) :]
+        inside += [abs(each.mu_max - run.mu_max[0]) < 1.96 * each.mu_max_stddev for each in after if each.valid]
+    assert len(inside) > 50
     assert np.mean(inside) > 0.95
 
 

@@ -205,7 +205,7 @@ def test_a_wheel_may_stand_where_no_tooth_comes_between_two_samples() -> None:
     samples.wheel_speed[2, 60:63] = 0.9 * one_tooth, 0.0, 0.9 * one_tooth
     samples.wheel_speed[3, 60:63] = 1.1 * one_tooth
     counted = node_signals(car, samples, start, np.full(4, 0.01), True)
-    assert set(np.flatnonzero(~counted.turning[2])) == set(range(58, 64))
+    assert set(np.flatnonzero(~counted.turning[2])) == set(range(57, 65))
     assert counted.turning[[0, 1, 3]].all()
 
 

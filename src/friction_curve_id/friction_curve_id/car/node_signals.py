@@ -8,8 +8,8 @@ was not counted holds at its stamp: then the nodes lie half-way between the stam
 The brake of a locked wheel is a reaction: it holds against the tyre, with less than its pressure would make. A wheel
 may stand where it is slower than 0.3 of the car and, if its speed is counted, than one tooth between two samples, or
 than its speed changes from or to the next: then it may have stood for part of the time over which it was counted. A
-node does not count where it is made of such a speed or lies next to one, for a wheel that stands at the end of an
-interval has turned on average.
+node does not count where such a speed is one of the six about it: a wheel that stands at the end of an interval has
+turned on average, and the four pressures of a node reach as far.
 """
 
 from dataclasses import dataclass
@@ -138,10 +138,10 @@ def rolling_noise(wheel_speed: Array, least: float) -> Array:
 
 
 def _near(standing: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Nodes about which, or beside, a sample is marked; shapes (W, n) and (W, n - 1)."""
-    padded = np.pad(standing, ((0, 0), (1, 1)))
+    """Nodes that have a marked sample among the three on either side; shapes (W, n) and (W, n - 1)."""
+    padded = np.pad(standing, ((0, 0), (2, 2)))
     n = standing.shape[1]
-    return np.asarray(np.logical_or.reduce([padded[:, k : k + n - 1] for k in range(4)]))
+    return np.asarray(np.logical_or.reduce([padded[:, k : k + n - 1] for k in range(6)]))
 
 
 def _around(values: Array) -> Array:
