@@ -13,6 +13,7 @@ _OLDER = round(0.05 * NANOSECONDS)
 """[ns] as for the envelope: by then a curve has come, whichever of it and the sample was first."""
 _ESTIMATES = {
     int(FrictionCurve.OK): Estimate.VALID,
+    int(FrictionCurve.UNKNOWN_CAR): Estimate.VALID,
     int(FrictionCurve.PEAK_NOT_PASSED): Estimate.VAGUE,
     int(FrictionCurve.UNCERTAIN): Estimate.VAGUE,
     int(FrictionCurve.NO_EXCITATION): Estimate.QUIET,

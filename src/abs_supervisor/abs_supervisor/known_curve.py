@@ -19,11 +19,13 @@ Another road comes with the distance, not with the time."""
 _FEWEST: Final = 20
 """Samples of a fit that says something about the road."""
 _OK = int(FrictionCurve.OK)
+_UNKNOWN_CAR = int(FrictionCurve.UNKNOWN_CAR)
+"""As good as OK here: torque and curve share what is wrong about the car."""
 _UNCERTAIN = int(FrictionCurve.UNCERTAIN)
 """lambda_max speaks of the road, with its standard deviation."""
 _AHEAD = int(FrictionCurve.PEAK_NOT_PASSED)
 """The peak is still ahead: that tells no peak itself, but may confirm an earlier one or contradict an uncertain one."""
-_USED = (_OK, _UNCERTAIN, _AHEAD)
+_USED = (_OK, _UNKNOWN_CAR, _UNCERTAIN, _AHEAD)
 _CONTRADICTS: Final = 3.0
 """Standard deviations of both by which a peak that is ahead then lies beyond the earlier one."""
 _PRECISE: Final = 0.25

@@ -60,8 +60,10 @@ def test_a_peak_that_is_seen_to_be_ahead_ends_an_uncertain_one_that_it_contradic
     assert isnan(known(200, curve(100, 0.41, 0.03, AHEAD)))
 
 
-def test_a_peak_that_was_seen_is_not_ended_by_a_guess() -> None:
-    assert known(200, curve(0, 0.12, 0.01), curve(100, 0.41, 0.03, AHEAD)) == 0.12
+@pytest.mark.parametrize("reason", [FrictionCurve.OK, FrictionCurve.UNKNOWN_CAR])
+def test_a_peak_that_was_seen_counts_at_once_and_is_not_ended_by_a_guess(reason: int) -> None:
+    assert known(60, curve(0, 0.12, 0.01, reason)) == 0.12
+    assert known(200, curve(0, 0.12, 0.01, reason), curve(100, 0.41, 0.03, AHEAD)) == 0.12
 
 
 @pytest.mark.parametrize(("stddev", "confirms"), [(0.01, True), (0.1, False)])

@@ -35,6 +35,7 @@ class Reason(IntEnum):
     UNCERTAIN = 9
     NO_PEAK = 10
     NO_ACCELERATION = 11
+    UNKNOWN_CAR = 12
 
 
 class RestartCause(IntEnum):

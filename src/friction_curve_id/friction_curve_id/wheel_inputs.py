@@ -78,7 +78,7 @@ class WheelInputs:
         if self._not_known and isinstance(answer, CurveEstimate) and answer.valid:
             # Its interval counts noise alone.
             text = f"{self._not_known}: the interval does not count that, method 'car' does"
-            answer = answer._replace(reason=Reason.UNCERTAIN, text=text)
+            answer = answer._replace(reason=Reason.UNKNOWN_CAR, text=text)
         return answer, slip
 
     def reset(self) -> None:

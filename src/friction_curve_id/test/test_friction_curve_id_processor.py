@@ -487,5 +487,5 @@ def test_a_wheel_method_is_never_valid_on_a_car_that_is_not_known_exactly(method
     assert known[-1].valid
     assert not any(message.valid for message in unknown)
     assert unknown[-1].lambda_max == known[-1].lambda_max
-    assert unknown[-1].reason == FrictionCurve.UNCERTAIN
+    assert unknown[-1].reason == FrictionCurve.UNKNOWN_CAR
     assert "'mass' has the stddev 10" in unknown[-1].reason_text and "'car'" in unknown[-1].reason_text
