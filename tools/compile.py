@@ -30,7 +30,7 @@ COMPILED = {
     "wheel_motion",
     "friction_curve_id": "activation car_processor chapter/curve_fitting chapter/dead_reckoning "
     "chapter/exponential_curve chapter/friction_samples chapter/recursive_ls chapter/square_root curve/fitted_curve "
-    "curve_messages inputs processor stamp_order wheel_inputs",
+    "curve_messages inputs processor wheel_inputs",
     "friction_bags": "bag_io/bag_writer bag_io/cdr bag_io/cdr_layout bag_io/mcap_chunk bag_io/mcap_writer "
     "offline/graph offline/stage_run",
     "friction_parameters": "",
