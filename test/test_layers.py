@@ -29,7 +29,7 @@ AROUND = {
     "input_watch": "abs_supervisor: progress of the inputs, by their messages",
     "wheel_inputs": "the same of one wheel",
     "known_curve": "abs_supervisor: friction curves as lambda_max",
-    "curve_reports": "abs_supervisor: friction curves for the law",
+    "curve_report": "abs_supervisor: friction curves for the law",
     "curve_control": "abs_supervisor: the law between messages",
     "vehicle_inputs": "the same of a vehicle",
     "car_processor": "layer 2 of friction_curve_id for all wheels at once",

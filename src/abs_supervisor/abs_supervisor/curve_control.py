@@ -4,11 +4,13 @@ from math import isfinite, nan
 
 from friction_msgs.msg import FrictionCurve, SupervisorState
 
-from abs_supervisor.curve_reports import CurveReports
+from abs_supervisor.curve_queue import CurveQueue
+from abs_supervisor.curve_report import curve_report
 from abs_supervisor.fsm import Command
 from abs_supervisor.guard import Seen
 from abs_supervisor.law.choice import Change, Law
 from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
+from abs_supervisor.law.usable_curve import CurveReport
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.wheel_load import LEAST_SHARE, WheelLoad
@@ -25,19 +27,20 @@ class CurveControl:
     ) -> None:
         """Choose a wheel of the car and its hydraulics."""
         self.law = CurveLaw(vehicle.corner(wheel), actuator, parameters)
-        self._reports = CurveReports()
+        self._reports: CurveQueue[CurveReport] = CurveQueue()
         self._load = WheelLoad(vehicle, wheel)
         self._true_friction = False
 
     def reset(self) -> None:
         """Forget everything."""
         self.law.reset()
-        self._reports.reset()
+        self._reports = CurveQueue()
 
     def take(self, message: FrictionCurve) -> None:
         """Take a curve."""
         self._true_friction = message.method == _OF_THE_CAR
-        self._reports.take(message)
+        report = curve_report(message)
+        self._reports.put(report.stamp, report)
 
     def ask(self, stamp: int, seen: Seen, otherwise: Command, release: bool, deceleration: float) -> Command:
         """Return what is asked for at a stamp [ns], later than the last.

@@ -1,17 +1,14 @@
 """lambda_max of <wheel>/friction_curve as far as the supervisor may rely on it."""
 
-from collections import deque
 from math import hypot, inf, isfinite, nan
 from typing import Final
 
 from friction_msgs.msg import FrictionCurve
 
+from abs_supervisor.curve_queue import CurveQueue
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 
-_OLDER: Final = round(0.05 * NANOSECONDS)
-"""[ns] a curve counts for samples at least this much later: by then it has come, so that the answer to a sample does
-not depend on which of the two came first."""
 _KEPT: Final = 15.0
 """[m] for which a curve counts after the last that told or confirmed its peak (half a second at 30 m/s): while a wheel
 dives the fit has none, or takes the dive for another road and begins anew, and near standstill there is none at all.
@@ -64,7 +61,7 @@ class KnownCurve:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._curves: deque[_Curve] = deque()
+        self._curves: CurveQueue[_Curve] = CurveQueue()
         self._known: Peak | None = None
         self._known_at = 0.0
         self._uncertain = False
@@ -85,15 +82,7 @@ class KnownCurve:
         if message.reason in _USED and message.samples >= _FEWEST and 0.0 < message.lambda_max < 1.0:
             doubt = message.lambda_max_stddev
             peak = message.lambda_max, doubt if isfinite(doubt) else 0.0
-        self._insert(_Curve(stamp, peak, message.reason))
-        return stamp + _OLDER
-
-    def _insert(self, curve: _Curve) -> None:
-        later = [each for each in self._curves if each.stamp > curve.stamp]
-        while self._curves and self._curves[-1].stamp >= curve.stamp:
-            self._curves.pop()
-        self._curves.append(curve)
-        self._curves.extend(later)
+        return self._curves.put(stamp, _Curve(stamp, peak, message.reason))
 
     def at(self, stamp: int, speed: float) -> Peak:
         """Return lambda_max and its standard deviation for a sample, NaN where it is not known.
@@ -105,9 +94,8 @@ class KnownCurve:
         if self._stamp is not None and speed > 0.0:
             self._driven += speed * (stamp - self._stamp) / NANOSECONDS
         self._stamp = stamp
-        curves = self._curves
-        while curves and curves[0].stamp <= stamp - _OLDER:
-            self._follow(curves.popleft())
+        for curve in self._curves.until(stamp):
+            self._follow(curve)
         if self._known is not None and self._driven - self._known_at > _KEPT:
             self._known = None
         return self._known or (nan, nan)

@@ -100,6 +100,16 @@ def test_the_order_of_arrival_does_not_matter() -> None:
         assert [known(at, *order) for at in (65, 85, 90)] == [0.12, 0.35, 0.2]
 
 
+def test_a_curve_that_comes_after_a_newer_one_counts_is_left_out() -> None:
+    found = KnownCurve(foresees=False)
+    found.take(curve(40, 0.2, 0.01))
+    assert found.at(START + 95 * MS, 30.0)[0] == 0.2
+    found.take(curve(20, 0.35, 0.01))
+    assert found.at(START + 100 * MS, 30.0)[0] == 0.2
+    found.take(curve(60, 0.3, 0.01))
+    assert found.at(START + 110 * MS, 30.0)[0] == 0.3
+
+
 def test_a_peak_that_the_fit_foresees_counts_with_three_times_its_deviation_until_one_is_seen() -> None:
     found = KnownCurve(foresees=True)
     found.take(curve(0, 0.17, 0.02, AHEAD))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from friction_bags.offline.estimators import needs_curve_of_car
 from friction_bringup import graph
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import NodeName, file_values, is_ros_own
@@ -20,12 +21,9 @@ WATCHING: Decided = {graph.SUPERVISOR: {"shadow": True}}
 
 
 def commanding(law: str, vehicle_file: str) -> Decided:
-    """Let the supervisor command the brake by a law: only in the demo, where the brake is simulated.
-
-    The curve's law of a car with several wheels needs a curve that knows of the load transfer: that of the car.
-    """
+    """Let the supervisor command the brake by a law: only in the demo, where the brake is simulated."""
     decided: dict[str, Mapping[str, graph.ParameterValue]] = {graph.SUPERVISOR: {"shadow": False, "law": law}}
-    if law == graph.LAWS[0] and len(load_vehicle(vehicle_file).wheels) > 1:
+    if needs_curve_of_car(law, len(load_vehicle(vehicle_file).wheels)):
         decided["friction_curve_id"] = {"method": "car"}
     return decided
 

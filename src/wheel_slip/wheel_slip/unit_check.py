@@ -85,11 +85,14 @@ class UnitCheck:
             acceleration: of the accelerometer, forward positive [m/s^2]; None if there is none.
             measured_speed: newest sample of the speed sensor [m/s], None where no new one has come.
         """
-        sure = self._agreed >= _SURE_AFTER
-        if sure and self._acceleration_is_known:
-            return
         dt = 0.0 if self._last is None else min((stamp - self._last) / NANOSECONDS, 0.1)
         self._last = stamp
+        if self._agreed >= _SURE_AFTER:
+            measured_speed = None
+        if self._acceleration_is_known:
+            acceleration = None
+        if measured_speed is None and acceleration is None:
+            return
         known = [speed for speed in rim_speeds if isfinite(speed)]
         if not known:
             return
@@ -97,9 +100,9 @@ class UnitCheck:
         rate = median(rim_accelerations)
         if rim < _LOWEST_SPEED or max(known) - min(known) > _ALIKE * rim or not abs(rate) < _GENTLE:
             return
-        if measured_speed is not None and not sure:
+        if measured_speed is not None:
             self._compare_speeds(measured_speed / rim, dt)
-        if acceleration is not None and not self._acceleration_is_known:
+        if acceleration is not None:
             self._compare_accelerations(rate, acceleration, dt)
 
     def _compare_speeds(self, ratio: float, dt: float) -> None:

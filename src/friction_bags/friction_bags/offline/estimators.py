@@ -51,20 +51,25 @@ def read_parameters(
     return found
 
 
-def closed_loop_parameters(
-    estimators: Iterable[str], law: str = "slope_sign", several_wheels: bool = False
-) -> dict[str, Any]:
+def needs_curve_of_car(law: str, wheels: int) -> bool:
+    """Whether a law of abs_supervisor needs method `car` of friction_curve_id on a car with some number of wheels.
+
+    The curve's law of several wheels does: it needs a curve that knows of the load transfer.
+    """
+    return law == "curve" and wheels > 1
+
+
+def closed_loop_parameters(estimators: Iterable[str], law: str = "slope_sign", wheels: int = 1) -> dict[str, Any]:
     """Return the shipped parameters of some estimators, by name; abs_supervisor, among them, commands by `law`.
 
     The sign's law has the curve of `default` on any car: it takes lambda_max with its doubt, valid or not, and a curve
-    that waits until the peak has surely been passed comes too late for it (a lock of 0.14 s in place of 0.05). The
-    curve's law of a car with `several_wheels` needs a curve that knows of the load transfer: that of the car.
+    that waits until the peak has surely been passed comes too late for it (a lock of 0.14 s in place of 0.05).
     """
     found = read_parameters(estimators, (), silent)
     found["abs_supervisor"] = replace(found["abs_supervisor"], shadow=False, law=law)
     if "friction_curve_id" in found:
-        of_car = law == "curve" and several_wheels
-        found["friction_curve_id"] = replace(found["friction_curve_id"], method="car" if of_car else "default")
+        method = "car" if needs_curve_of_car(law, wheels) else "default"
+        found["friction_curve_id"] = replace(found["friction_curve_id"], method=method)
     return found
 
 

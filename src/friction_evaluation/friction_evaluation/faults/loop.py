@@ -37,7 +37,7 @@ class Loop:
         self._case = case
         self._simulation = manoeuvre.simulation(seed)
         self._fault = case.make(Site(vehicle, np.random.default_rng([seed, 13])))
-        parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, several_wheels=len(vehicle.wheels) > 1)
+        parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, len(vehicle.wheels))
         self._processors = make_processors(parameters, vehicle, silent)
         self._readers: dict[str, list[Processor]] = {}
         for processor in self._processors:

@@ -1,0 +1,36 @@
+"""<wheel>/friction_curve as a report for the law."""
+
+from friction_msgs.msg import FrictionCurve
+
+from abs_supervisor.law.road_curve import RoadCurve
+from abs_supervisor.law.usable_curve import CurveReport, Estimate
+from friction_runtime.stamps import to_nanoseconds
+
+_ESTIMATES = {
+    int(FrictionCurve.OK): Estimate.VALID,
+    int(FrictionCurve.UNKNOWN_CAR): Estimate.VALID,
+    int(FrictionCurve.PEAK_NOT_PASSED): Estimate.VAGUE,
+    int(FrictionCurve.UNCERTAIN): Estimate.VAGUE,
+    int(FrictionCurve.NO_EXCITATION): Estimate.QUIET,
+    int(FrictionCurve.LOW_SPEED): Estimate.QUIET,
+}
+
+
+def curve_report(message: FrictionCurve) -> CurveReport:
+    """Return what a message says; one whose parameters are no curve says that there is none."""
+    estimate = _ESTIMATES.get(message.reason, Estimate.NONE)
+    curve = None
+    if estimate in (Estimate.VALID, Estimate.VAGUE):
+        try:
+            curve = RoadCurve(message.theta_1, message.theta_2, message.theta_3, message.lambda_max)
+        except ValueError:
+            estimate = Estimate.NONE
+    return CurveReport(
+        to_nanoseconds(message.header.stamp),
+        estimate,
+        curve,
+        message.lambda_max_stddev,
+        message.probability_beyond_peak,
+        message.samples,
+        message.restarts,
+    )
