@@ -58,7 +58,7 @@ class SupervisorParameters:
         "silence of friction_slope (steady clock) after which the fail-safe acts, with 'shadow' or without 'real_time'",
         unit="s",
         minimum=0.02,
-        maximum=5.0,
+        maximum=60.0,
     )
     demand_timeout: float = parameter(
         0.08, "demand or pressure is held this long where no newer one comes", unit="s", minimum=0.0, maximum=5.0

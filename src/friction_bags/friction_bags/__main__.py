@@ -5,6 +5,10 @@ from argparse import ArgumentParser
 from collections.abc import Sequence
 from importlib import import_module
 
+from friction_bags.bag_io.bag_format import BagError
+from friction_bags.bag_io.message_definition import UnknownTypeError
+from friction_parameters.command_line import command
+
 _NODES = {
     "record": ("record_replay.record", "record topics to a bag"),
     "play": ("record_replay.play", "replay a bag onto its topics"),
@@ -20,16 +24,21 @@ _TOOLS = {
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command; return its exit code. Only the module of the command is loaded: some take a second."""
+    """Run a command; return its exit code."""
+    return command(lambda: _run(argv), BagError, UnknownTypeError)
+
+
+def _run(argv: Sequence[str] | None) -> int:
+    """Load the module of the command, and only that one: some take a second."""
     ours, ros_args = _split(list(sys.argv[1:] if argv is None else argv))
     parser = ArgumentParser(prog="friction_bags", description="Record, replay, repair, import and process bags.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     module = None
     for name, (module_name, text) in {**_NODES, **_TOOLS}.items():
-        command = commands.add_parser(name, help=text, description=text)
+        described = commands.add_parser(name, help=text, description=text)
         if ours[:1] == [name]:
             module = import_module(f"friction_bags.{module_name}")
-            module.add_arguments(command)
+            module.add_arguments(described)
     args = parser.parse_args(ours)
     assert module is not None, "argparse has refused everything but a command in the first place"
     exit_code: int = module.run(args, ros_args) if args.command in _NODES else module.run(args)

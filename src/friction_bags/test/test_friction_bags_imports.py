@@ -45,7 +45,7 @@ ALLOWED: dict[str, set[str]] = {
         "friction_runtime",
         "vehicle_models",
     },
-    "__main__": set(),  # loads the module of a command by its name
+    "__main__": {"friction_bags.bag_io", "friction_parameters"},  # loads the module of a command by its name
 }
 
 

@@ -15,17 +15,18 @@ from friction_bringup.demo import run_demo
 from friction_bringup.demo_graph import DemoError, DemoOptions
 from friction_bringup.monitor import run_monitor
 from friction_bringup.recorded_run import require_samples
-from friction_parameters.parameter import ParameterError
+from friction_parameters.command_line import command
 from friction_runtime.processor import silent
 from friction_runtime.shipped_files import shipped_file
 from vehicle_models.vehicle_argument import add_vehicle_argument
 
-_BAD_INPUT = 2
-"""Exit code for bad input."""
-
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Parse the command line and run."""
+    """Parse the command line and run; return the exit code: 1 where the demo failed, 2 for bad input."""
+    return command(lambda: _run(arguments), BagError)
+
+
+def _run(arguments: Sequence[str] | None) -> int:
     parser = argparse.ArgumentParser(prog="python -m friction_bringup", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     commands.add_parser("monitor", help="watch every wheel of a running graph; q quits")
@@ -47,10 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return run_monitor()
     try:
         return run_demo(_demo_options(options))
-    except ParameterError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return _BAD_INPUT
-    except (DemoError, BagError) as error:
+    except DemoError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
 

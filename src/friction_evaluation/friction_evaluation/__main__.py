@@ -16,7 +16,7 @@ from rich.table import Table
 from friction_evaluation.markdown_page import page
 from friction_evaluation.parts import PARTS, part
 from friction_evaluation.rows import Row, as_text, columns, failures, plain
-from friction_parameters.parameter import ParameterError
+from friction_parameters.command_line import command
 
 _PROGRAM = "python -m friction_evaluation"
 
@@ -25,8 +25,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one part, print its table and write its rows.
 
     Returns:
-        Exit code: 1 where a row fails, 2 where a parameter or a vehicle file is bad, else 0.
+        Exit code: 1 where a row fails, 2 where a parameter or a file is bad, else 0.
     """
+    return command(lambda: _run(arguments))
+
+
+def _run(arguments: Sequence[str] | None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     parser = argparse.ArgumentParser(prog=_PROGRAM, description=__doc__)
     parser.add_argument("part", choices=PARTS, help="; ".join(f"{name}: {text}" for name, text in PARTS.items()))
@@ -38,11 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     own = argparse.ArgumentParser(prog=f"{_PROGRAM} {name}", description=PARTS[name], parents=[files])
     chosen.add_arguments(own)
     options = own.parse_args(given[1:])
-    try:
-        rows = list(chosen.run(options))
-    except ParameterError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+    rows = list(chosen.run(options))
     print_rows(PARTS[name], rows)
     if options.json is not None:
         _write(options.json, json.dumps({"rows": [plain(row) for row in rows]}, indent=1) + "\n")

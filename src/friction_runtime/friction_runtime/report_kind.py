@@ -10,7 +10,7 @@ _RAW = re.compile(
     """,
     re.VERBOSE,
 )
-_REPEAT_AFTER = 5.0
+REPEAT_AFTER = 5.0
 """Time between two reports of one kind [s]."""
 _MOST_KINDS = 1000
 
@@ -30,7 +30,7 @@ class ReportLimit:
     def passes(self, text: str, now: float) -> bool:
         """Whether a report at the time `now` [s] should be logged."""
         kind = report_kind(text)
-        if now - self._said.get(kind, -inf) < _REPEAT_AFTER:
+        if now - self._said.get(kind, -inf) < REPEAT_AFTER:
             return False
         if len(self._said) >= _MOST_KINDS:
             self._said.clear()

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Event
+from typing import TypeVar
 
 import rclpy
 from rclpy.exceptions import NameValidationException, ParameterException
@@ -26,6 +27,7 @@ _WAKE_PERIOD = 0.2
 _TAKE_DOWN_LIMIT = 0.8
 """Longest time for taking a node down on an idle machine [s]."""
 _STDERR = 2
+Made = TypeVar("Made")
 _REFUSALS = (
     rclpy_implementation.RCLError,
     rclpy_implementation.UnknownROSArgsError,
@@ -54,9 +56,9 @@ def run(name: str, parameter_class: type, make_node: Callable[[], Node], args: S
     try:
         with TemporaryDirectory() as directory:
             given = sys.argv if args is None else args
-            _init(with_checked_parameters(given, name, parameter_class, Path(directory)))
+            start_middleware(with_checked_parameters(given, name, parameter_class, Path(directory)))
         executor = EventsExecutor()
-        node = _made(make_node)
+        node = made(make_node)
         executor.add_node(node)
         while rclpy.ok() and not stop.is_set():
             executor.spin_once(timeout_sec=_WAKE_PERIOD)
@@ -70,16 +72,26 @@ def run(name: str, parameter_class: type, make_node: Callable[[], Node], args: S
     return 0
 
 
-def _init(arguments: Sequence[str]) -> None:
+def start_middleware(arguments: Sequence[str]) -> None:
+    """Initialise rclpy without its signal handlers.
+
+    Raises:
+        ParameterError: it does not accept the arguments.
+    """
     try:
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     except _REFUSALS as error:
         raise ParameterError(str(error)) from error
 
 
-def _made(make_node: Callable[[], Node]) -> Node:
+def made(make: Callable[[], Made]) -> Made:
+    """Make a node, or something on it.
+
+    Raises:
+        ParameterError: the middleware does not accept a name, a parameter or a QoS override.
+    """
     try:
-        return make_node()
+        return make()
     except _REFUSALS as error:
         raise ParameterError(str(error)) from error
 

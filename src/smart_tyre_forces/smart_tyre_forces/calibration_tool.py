@@ -8,6 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from friction_parameters.command_line import command
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from smart_tyre_forces import calibration_plots
@@ -23,15 +24,15 @@ from vehicle_models.vehicle_file import load_vehicle, vehicle_choices
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Calibrate; return the exit code: 0, or 2 where the bags do not allow it."""
+    return command(lambda: _run(arguments), ValueError)
+
+
+def _run(arguments: Sequence[str] | None) -> int:
     options = _parser().parse_args(arguments)
-    try:
-        parameters = SmartTyreParameters()
-        if options.params_file is not None:
-            parameters = load(SmartTyreParameters, options.params_file, "smart_tyre_forces")
-        _calibrate(options, parameters)
-    except (ParameterError, ValueError, OSError) as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        return 2
+    parameters = SmartTyreParameters()
+    if options.params_file is not None:
+        parameters = load(SmartTyreParameters, options.params_file, "smart_tyre_forces")
+    _calibrate(options, parameters)
     return 0
 
 

@@ -8,11 +8,12 @@ from types import TracebackType
 from typing import Any, Protocol, cast
 
 import yaml
-import zstandard
 from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat
 from rosbags.rosbag2 import Reader
 
 from friction_bags.bag_io.bag_format import METADATA_NAME, BagError, Contents, Topic, read_custom_data
+from friction_bags.bag_io.decompression import unpack_file, unpack_message
+from friction_bags.bag_io.mcap_summary import summary_fault
 from friction_bags.bag_io.salvage_mcap import McapSalvage
 from friction_bags.bag_io.salvage_sqlite import SqliteSalvage, is_truncated
 
@@ -173,13 +174,12 @@ class BagReader:
             self._unpacked = TemporaryDirectory(prefix="friction_bags_")
         unpacked = Path(self._unpacked.name, file.stem)
         try:
-            with file.open("rb") as source, unpacked.open("wb") as target:
-                zstandard.ZstdDecompressor().copy_stream(source, target)
+            fault = unpack_file(file, unpacked)
         except OSError as error:
             self.problems.append(f"{file}: {_said(error)}")
             return None
-        except zstandard.ZstdError as error:
-            self.problems.append(f"{file}: decompression stopped: {_said(error)}")
+        if fault:
+            self.problems.append(f"{file}: {fault}")
         return unpacked
 
     def _part_messages(self, part: _Part, wanted: dict[tuple[str, str], Topic], start: int) -> Iterator[Message]:
@@ -216,8 +216,9 @@ class BagReader:
 
     def _open_indexed(self, file: Path) -> bool:
         try:
-            if file.suffix == ".db3" and is_truncated(file):
-                raise BagError("the file is truncated")
+            fault = _fault(file)
+            if fault:
+                raise BagError(fault)
             reader = Reader(file)
             reader.open()
         except Exception as error:
@@ -282,6 +283,13 @@ def scan(name: str, salvage: _Salvage) -> Contents:
     return Contents(name, counts, start, end)
 
 
+def _fault(file: Path) -> str:
+    """Return why a file is not read by its index; empty where nothing speaks against it."""
+    if file.suffix == ".db3":
+        return "the file is truncated" if is_truncated(file) else ""
+    return summary_fault(file)
+
+
 def _topic(connection: Connection) -> Topic:
     ext = cast("ConnectionExtRosbag2", connection.ext)
     return Topic(
@@ -296,7 +304,7 @@ def _topic(connection: Connection) -> Topic:
 
 def _plain(data: bytes) -> bytes:
     """Return the CDR of a message, decompressed if the bag compresses messages one by one."""
-    return zstandard.decompress(data) if data[:4] == _ZSTD_MAGIC else data
+    return unpack_message(data) if data[:4] == _ZSTD_MAGIC else data
 
 
 def _said(error: BaseException) -> str:

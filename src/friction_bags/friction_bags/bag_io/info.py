@@ -1,7 +1,6 @@
 """`info`: what a bag holds."""
 
 import json
-import sys
 from argparse import ArgumentParser, Namespace
 from datetime import datetime, timezone
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from friction_bags.bag_io.bag_format import BagError, Topic
+from friction_bags.bag_io.bag_format import Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.message_definition import UnknownTypeError, message_class
 
@@ -30,14 +29,13 @@ def run(args: Namespace) -> int:
     """Print what the bag holds.
 
     Returns:
-        Exit code: 0, 1 when the bag is damaged, 2 when nothing can be read.
+        Exit code: 0, 1 when the bag is damaged.
+
+    Raises:
+        BagError: nothing can be read.
     """
-    try:
-        with BagReader(args.bag) as reader:
-            found = describe(reader)
-    except BagError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+    with BagReader(args.bag) as reader:
+        found = describe(reader)
     if args.json:
         print(json.dumps(found, indent=1))
     else:

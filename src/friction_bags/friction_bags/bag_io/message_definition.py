@@ -12,6 +12,7 @@ from ament_index_python.packages import PackageNotFoundError, get_package_share_
 
 _SEPARATOR = "=" * 80
 _FIELD_TYPE = re.compile(r"^\s*((?:[A-Za-z]\w*/)*[A-Za-z]\w*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]\w*")
+_TYPE_NAME = re.compile(r"[a-z][a-z0-9_]*/(msg/)?[A-Za-z]\w*", re.ASCII)
 _PRIMITIVES = frozenset(
     "bool byte char float32 float64 int8 uint8 int16 uint16 int32 uint32 int64 uint64 string wstring".split()
 )
@@ -64,10 +65,12 @@ def message_class(type_name: str) -> type:
         UnknownTypeError: the type is not installed.
     """
     package, _, name = type_name.partition("/")
-    module = f"{package}.msg"
     try:
-        return getattr(import_module(module), name.removeprefix("msg/"))
-    except (ImportError, AttributeError) as error:
+        if not _TYPE_NAME.fullmatch(type_name):
+            raise ImportError(f"{type_name!r} is not the name of a type")
+        get_package_share_directory(package)  # what is no package of ROS is not imported, whatever a bag says
+        return getattr(import_module(f"{package}.msg"), name.removeprefix("msg/"))
+    except (ImportError, AttributeError, PackageNotFoundError, ValueError) as error:
         raise UnknownTypeError(f"type {type_name} is not installed: install or build package {package}") from error
 
 
@@ -96,10 +99,12 @@ def _short(type_name: str) -> str:
 
 
 def _msg_path(type_name: str) -> Path:
+    if not _TYPE_NAME.fullmatch(type_name):
+        raise UnknownTypeError(f"{type_name!r} is not the name of a type")
     package, name = _short(type_name).split("/")
     try:
         path = Path(get_package_share_directory(package), "msg", f"{name}.msg")
-    except PackageNotFoundError as error:
+    except (PackageNotFoundError, ValueError) as error:
         raise UnknownTypeError(f"type {type_name} is not installed: package {package} was not found") from error
     if not path.is_file():
         raise UnknownTypeError(f"type {type_name}: package {package} has no definition {name}.msg")

@@ -1,6 +1,5 @@
 """Repair of a bag whose recorder was killed: closes its files and rebuilds metadata.yaml."""
 
-import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
@@ -20,13 +19,13 @@ def run(args: Namespace) -> int:
     """Repair a bag and print what was wrong.
 
     Returns:
-        Exit code: 0, 2 when nothing can be repaired.
+        Exit code: 0.
+
+    Raises:
+        BagError: nothing can be repaired.
+        OSError: a file cannot be read or written.
     """
-    try:
-        contents, problems = reindex(args.bag)
-    except (BagError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+    contents, problems = reindex(args.bag)
     for problem in problems:
         print(f"repaired: {problem}")
     total = sum(content.message_count for content in contents)

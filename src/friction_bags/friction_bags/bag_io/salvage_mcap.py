@@ -11,16 +11,16 @@ from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
 
-import lz4.frame  # type: ignore[import-untyped]
-import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 from mcap.writer import MCAP0_MAGIC
+from rosbags.interfaces import Qos
 from rosbags.rosbag2.metadata import parse_qos
 
 from friction_bags.bag_io.bag_format import BagError, Topic
+from friction_bags.bag_io.decompression import too_large, unpack_what_is_there
 
 _RECORD_HEAD = struct.Struct("<BQ")
 _CHUNK_HEAD = struct.Struct("<QQQI")
@@ -124,7 +124,11 @@ class McapSalvage:
         whole = len(data) == stored
         if whole and end < start:
             return
-        raw = _decompressed(data, compression, raw_size)
+        text = too_large(raw_size)
+        if text:
+            self.problems.append(f"{self._path}: chunk at byte {offset} left out: {text}")
+            return
+        raw = unpack_what_is_there(data, compression, raw_size)
         if raw is None:
             self.problems.append(f"{self._path}: chunk at byte {offset} left out: unknown compression {compression!r}")
             return
@@ -141,7 +145,7 @@ class McapSalvage:
         while position + _RECORD_HEAD.size <= len(raw):
             opcode, length = _RECORD_HEAD.unpack_from(raw, position)
             position += _RECORD_HEAD.size
-            if position + length > len(raw):
+            if opcode == 0 or position + length > len(raw):  # no record is numbered 0: these are zeros
                 return
             message = self._record(opcode, raw[position : position + length])
             if message is not None:
@@ -176,31 +180,16 @@ class McapSalvage:
             schema.data.decode(),
             schema.encoding,
             channel.metadata.get("topic_type_hash", ""),
-            tuple(parse_qos(channel.metadata.get("offered_qos_profiles", ""))),
+            self._qos(channel),
         )
+
+    def _qos(self, channel: Channel) -> tuple[Qos, ...]:
+        try:
+            return tuple(parse_qos(channel.metadata.get("offered_qos_profiles", "")))
+        except Exception as error:  # damaged text: rosbags passes on whatever it makes of it
+            self._note(f"{self._path}: topic {channel.topic}: its QoS is left out ({error or type(error).__name__})")
+            return ()
 
     def _note(self, problem: str) -> None:
         if problem not in self.problems:
             self.problems.append(problem)
-
-
-def _decompressed(data: bytes, compression: str, raw_size: int) -> bytes | None:
-    """Return the raw bytes as far as they can be recovered; None where the compression is unknown."""
-    if compression == "":
-        return data
-    decompressor: zstandard.ZstdDecompressionObj | lz4.frame.LZ4FrameDecompressor
-    if compression == "zstd":
-        decompressor = zstandard.ZstdDecompressor(max_window_size=max(raw_size, 1 << 27)).decompressobj()
-    elif compression == "lz4":
-        decompressor = lz4.frame.LZ4FrameDecompressor()
-    else:
-        return None
-    raw = bytearray()
-    try:
-        for position in range(0, len(data), 4096):
-            raw += decompressor.decompress(data[position : position + 4096])
-            if len(raw) > raw_size:
-                return b""
-    except (zstandard.ZstdError, RuntimeError, EOFError, ValueError):
-        pass
-    return bytes(raw)

@@ -1,7 +1,6 @@
 """`library`: makes the recorded experiments of bags/ from fixed seeds."""
 
 import shutil
-import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -108,26 +107,25 @@ def run(args: Namespace) -> int:
     """Make the bags; those of the same name are replaced.
 
     Returns:
-        Exit code: 0, 2 when a bag cannot be made.
+        Exit code: 0.
+
+    Raises:
+        BagError: there is no such experiment, or a bag cannot be made.
+        OSError: a file cannot be written.
     """
     known = _NAMES
     unknown = [name for name in args.names if name not in known]
     if unknown:
-        print(f"error: no experiment {', '.join(unknown)}; there are {', '.join(known)}", file=sys.stderr)
-        return 2
+        raise BagError(f"no experiment {', '.join(unknown)}; there are {', '.join(known)}")
     with Progress(console=Console(stderr=True), transient=True) as progress:
         for name in progress.track(args.names or known, description="bags"):
-            try:
-                _replace(args.out / name)
-                notes = {
-                    "note": _note(name, args.full),
-                    "made_by": f"python -m friction_bags library {name}",
-                    VEHICLE_NOTE: _vehicle(name),
-                }
-                count = write_bag(args.out / name, _messages(name, args.full), notes)
-            except (BagError, OSError) as error:
-                print(f"error: {error}", file=sys.stderr)
-                return 2
+            _replace(args.out / name)
+            notes = {
+                "note": _note(name, args.full),
+                "made_by": f"python -m friction_bags library {name}",
+                VEHICLE_NOTE: _vehicle(name),
+            }
+            count = write_bag(args.out / name, _messages(name, args.full), notes)
             print(f"{args.out / name}: {count} messages", flush=True)
     if not args.names:
         (args.out / _README).write_text(_readme(args.full), encoding="utf-8")

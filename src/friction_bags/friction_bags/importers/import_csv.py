@@ -1,7 +1,6 @@
 """`import`: makes a bag of our input topics from measured data in a CSV file."""
 
 import csv
-import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -24,14 +23,14 @@ def run(args: Namespace) -> int:
     """Import a file.
 
     Returns:
-        Exit code: 0, 2 when the file cannot be read or the bag cannot be made.
+        Exit code: 0.
+
+    Raises:
+        BagError: the file cannot be read or the bag cannot be made.
+        OSError: a file cannot be read or written.
     """
     module = _FORMATS[args.format]
-    try:
-        count = write_bag(args.out, module.messages(read_rows(args.csv, module.COLUMNS)), module.NOTES)
-    except (BagError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+    count = write_bag(args.out, module.messages(read_rows(args.csv, module.COLUMNS)), module.NOTES)
     print(f"{args.out}: {count} messages from {args.csv}")
     return 0
 

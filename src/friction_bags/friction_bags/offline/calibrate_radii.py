@@ -16,16 +16,17 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from geometry_msgs.msg import TwistWithCovarianceStamped
-from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.cdr import decode
+from friction_bags.bag_io.message_definition import type_name
 from friction_bags.bag_vehicle import CAR_OTHERWISE, vehicle_for
 from friction_bags.offline.estimators import read_parameters, vehicle_of
 from friction_bags.offline.plan import SayOnce
 from friction_bags.offline.vehicle_text import with_radii
-from friction_parameters.parameter import ParameterError
+from friction_parameters.command_line import positive
 from friction_runtime.aligner import AlignedInput, Aligner
 from friction_runtime.processor import Report
 from friction_runtime.stamps import to_nanoseconds
@@ -82,14 +83,19 @@ def bag_messages(reader: BagReader) -> Iterator[tuple[str, Any]]:
     """Yield (relative topic, message) of the wheel speeds and the speed sensor.
 
     Raises:
-        BagError: the bag has no wheel_states.
+        BagError: the bag has no wheel_states of their type, or a message cannot be decoded.
     """
-    topics = [topic for topic in reader.counts if topic.name.lstrip("/") in _KINDS]
+    kinds = {name: type_name(kind) for name, kind in _KINDS.items()}
+    topics = [topic for topic in reader.counts if kinds.get(topic.name.lstrip("/")) == topic.type]
     if WHEEL_STATES not in {topic.name.lstrip("/") for topic in topics}:
         raise BagError(f"{reader.bag} has no topic {WHEEL_STATES}")
     for topic, _, data in reader.messages(topics):
         name = topic.name.lstrip("/")
-        yield name, deserialize_message(data, _KINDS[name])
+        try:
+            message = decode(data, _KINDS[name])
+        except ValueError as error:
+            raise BagError(f"{reader.bag}: {topic.name}: {error}") from error
+        yield name, message
 
 
 def calibrated_file(vehicle: Vehicle, source: Path, found: Radii) -> str:
@@ -116,27 +122,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
     parser.add_argument("--against", choices=("sensor", "wheels"), default="sensor")
     limit = CalibrationParameters().max_acceleration
-    parser.add_argument("--max-acceleration", type=float, default=limit, help="[m/s^2]")
+    parser.add_argument("--max-acceleration", type=positive, default=limit, help="[m/s^2]")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Calibrate; return the exit code: 0, 1 without a result, 2 for input that cannot be read."""
+    """Calibrate; return the exit code: 0, 1 without a result.
+
+    Raises:
+        BagError: the bag cannot be read.
+        ParameterError: a parameter or vehicle file is bad.
+        OSError: the result cannot be written.
+    """
     limits = CalibrationParameters(max_acceleration=options.max_acceleration)
     report = SayOnce()
-    try:
-        parameters = read_parameters(("wheel_slip",), options.params_file, report)
-        latency = parameters["wheel_slip"].speed_sensor.latency if options.against == "sensor" else None
-        with BagReader(options.bag) as reader:
-            source = vehicle_path(vehicle_for(reader, options.vehicle, vehicle_of(parameters), report))
-            vehicle = load_vehicle(source)
-            found = calibrate(bag_messages(reader), vehicle, latency, limits, report)
-        if isinstance(found, str):
-            print(f"error: {options.bag}: no radii: {found}", file=sys.stderr)
-            return 1
-        options.out.write_text(calibrated_file(vehicle, source, found), encoding="utf-8")
-    except (BagError, ParameterError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+    parameters = read_parameters(("wheel_slip",), options.params_file, report)
+    latency = parameters["wheel_slip"].speed_sensor.latency if options.against == "sensor" else None
+    with BagReader(options.bag) as reader:
+        source = vehicle_path(vehicle_for(reader, options.vehicle, vehicle_of(parameters), report))
+        vehicle = load_vehicle(source)
+        found = calibrate(bag_messages(reader), vehicle, latency, limits, report)
+    if isinstance(found, str):
+        print(f"error: {options.bag}: no radii: {found}", file=sys.stderr)
+        return 1
+    options.out.write_text(calibrated_file(vehicle, source, found), encoding="utf-8")
     for wheel, radius, stddev in zip(vehicle.wheel_names, found.radii, found.stddevs, strict=True):
         print(f"{wheel}: {radius:.5f} m, standard deviation {1e3 * stddev:.2f} mm")
     return 0

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -177,9 +178,11 @@ def _refuse_strange_car(reader: BagReader, prefix: str, vehicle: Vehicle) -> Non
 
 
 def _first_joints(reader: BagReader, prefix: str) -> list[str] | None:
-    """Return the names in the first wheel_states message; None where there is none."""
+    """Return the names in the first wheel_states message that can be read; None where there is none."""
     states = [topic for topic in reader.counts if topic.name == prefix + _WHEEL_STATES]
     for topic, _, data in reader.messages(states):
-        if topic.type == type_name(JointState):
+        if topic.type != type_name(JointState):
+            continue
+        with suppress(ValueError):  # what cannot be decoded is counted when the bag is processed
             return list(decode(data, JointState).name)
     return None

@@ -19,12 +19,11 @@ from friction_bags.bag_vehicle import CAR_OTHERWISE
 from friction_bags.offline.estimators import ESTIMATORS
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import ProcessResult, process_bag
+from friction_parameters.command_line import count
 from friction_parameters.parameter import ParameterError
 from vehicle_models.vehicle_argument import add_vehicle_argument
 
 _REFRESH_PERIOD = 0.2
-_INTERRUPTED = 130
-"""Exit code of a command that was interrupted, by the convention of shells."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -42,15 +41,20 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
     parser.add_argument("--namespace", default="/", help="namespace of the topics, such as /car")
     parser.add_argument("--outputs-only", action="store_true", help="leave out the topics of the bag")
-    parser.add_argument("--jobs", type=int, default=cpu_count() or 1, help="processes at once (default: one per core)")
+    parser.add_argument(
+        "--jobs", type=count, default=cpu_count() or 1, help="processes at once (default: one per core)"
+    )
 
 
 def run(args: Namespace) -> int:
     """Process the bags.
 
     Returns:
-        Exit code: 0, 1 when a bag is damaged, 2 when one could not be processed, 130 after SIGINT or SIGTERM. Then the
-        bag being written is closed with what it has; of several bags at once, unfinished ones need a reindex.
+        Exit code: 0, 1 when a bag is damaged, 2 when one could not be processed.
+
+    Raises:
+        KeyboardInterrupt: after SIGINT or SIGTERM. The bag being written is closed with what it has; of several bags at
+            once, unfinished ones need a reindex.
     """
     options = ProcessOptions(
         tuple(args.estimators),
@@ -64,11 +68,7 @@ def run(args: Namespace) -> int:
         print("error: two bags have the same name", file=sys.stderr)
         return 2
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        return _report(_process_all(list(zip(args.bags, outs, strict=True)), options, args.jobs))
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return _INTERRUPTED
+    return _report(_process_all(list(zip(args.bags, outs, strict=True)), options, args.jobs))
 
 
 def _report(results: Iterable[ProcessResult | Exception]) -> int:

@@ -9,18 +9,16 @@ from pathlib import Path
 from threading import Event
 from time import monotonic
 
-import rclpy
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.record_replay.flow_control import FlowControl
 from friction_bags.record_replay.player import Player, Span
 from friction_bags.record_replay.topic_selection import TopicSelection, add_selection_arguments, selection_of
-from friction_runtime.spin import stop_on_signals, take_down
+from friction_parameters.command_line import count, not_negative, positive
+from friction_runtime.spin import made, start_middleware, stop_on_signals, take_down
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _PROGRESS_PERIOD = 0.1
@@ -30,7 +28,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Describe the command line."""
     parser.add_argument("bag", type=Path, help="directory of a bag, or an .mcap or .db3 file")
     add_selection_arguments(parser)
-    parser.add_argument("--rate", type=_positive, default=1.0, help="seconds of the bag per second (default 1)")
+    parser.add_argument("--rate", type=positive, default=1.0, help="seconds of the bag per second (default 1)")
     parser.add_argument(
         "--as-fast-as-possible", action="store_true", help="do not pace by recording times; best with --follow"
     )
@@ -42,28 +40,28 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="flow control: publish the next stamp when these have answered the last, such as '*/abs_supervisor'",
     )
     parser.add_argument(
-        "--ahead", type=_at_least_one, default=1, metavar="N", help="stamps --follow lets go unanswered (default 1)"
+        "--ahead", type=count, default=1, metavar="N", help="stamps --follow lets go unanswered (default 1)"
     )
     parser.add_argument("--loop", action="store_true", help="start again at the end")
-    parser.add_argument("--start-offset", type=_not_negative, default=0.0, metavar="S", help="start S s into the bag")
-    parser.add_argument("--duration", type=_positive, metavar="S", help="replay only S seconds of the bag")
+    parser.add_argument("--start-offset", type=not_negative, default=0.0, metavar="S", help="start S s into the bag")
+    parser.add_argument("--duration", type=positive, metavar="S", help="replay only S seconds of the bag")
     parser.add_argument("--remap", nargs="+", default=[], type=_remapping, metavar="OLD:=NEW", help="rename topics")
     parser.add_argument(
-        "--clock", type=_positive, nargs="?", const=100.0, metavar="HZ", help="publish /clock (default 100 Hz)"
+        "--clock", type=positive, nargs="?", const=100.0, metavar="HZ", help="publish /clock (default 100 Hz)"
     )
     parser.add_argument(
         "--wait",
-        type=_not_negative,
+        type=not_negative,
         default=3.0,
         metavar="S",
         help="wait at most S until each topic has its subscribers (default 3: discovery can take 2.5 s)",
     )
     parser.add_argument(
-        "--subscribers", type=int, default=1, metavar="N", help="subscribers to wait for per topic (default 1)"
+        "--subscribers", type=count, default=1, metavar="N", help="subscribers to wait for per topic (default 1)"
     )
     parser.add_argument(
         "--settle",
-        type=_not_negative,
+        type=not_negative,
         default=0.0,
         metavar="S",
         help="wait also until no new subscriber has come for S seconds (default 0)",
@@ -77,13 +75,9 @@ def run(args: Namespace, ros_args: list[str]) -> int:
         Exit code: 0, 1 when the bag is damaged or not all was delivered, 2 when nothing can be replayed.
     """
     stop = stop_on_signals()
-    try:
-        reader = BagReader(args.bag)
-    except BagError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    rclpy.init(args=ros_args, signal_handler_options=SignalHandlerOptions.NO)
-    node = Node("player", enable_rosout=False, start_parameter_services=False)
+    reader = BagReader(args.bag)
+    start_middleware(ros_args)
+    node = made(lambda: Node("player", enable_rosout=False, start_parameter_services=False))
     try:
         with reader:
             return _play(args, node, reader, stop)
@@ -94,7 +88,8 @@ def run(args: Namespace, ros_args: list[str]) -> int:
 def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
     selection = selection_of(args, node.get_namespace())
     remapping = {_absolute(old): new for old, new in args.remap}
-    player = Player(node, reader, [topic for topic in reader.counts if selection.wants(topic.name)], remapping)
+    topics = [topic for topic in reader.counts if selection.wants(topic.name)]
+    player = made(lambda: Player(node, reader, topics, remapping))
     for name, reason in player.skipped.items():
         print(f"skipping {name}: {reason}", file=sys.stderr)
     if not player.topics:
@@ -166,27 +161,6 @@ def _progress(total: float) -> Iterator[Callable[[float], None]]:
                 bar.update(task, completed=offset, refresh=True)
 
         yield show
-
-
-def _positive(text: str) -> float:
-    value = float(text)
-    if not 0.0 < value < float("inf"):
-        raise ArgumentTypeError(f"{text} must be above 0")
-    return value
-
-
-def _at_least_one(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise ArgumentTypeError(f"{text} must be at least 1")
-    return value
-
-
-def _not_negative(text: str) -> float:
-    value = float(text)
-    if not 0.0 <= value < float("inf"):
-        raise ArgumentTypeError(f"{text} must not be negative")
-    return value
 
 
 def _remapping(text: str) -> tuple[str, str]:

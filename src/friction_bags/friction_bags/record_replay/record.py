@@ -7,9 +7,7 @@ from pathlib import Path
 from threading import Event
 from time import monotonic
 
-import rclpy
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.table import Table
 
@@ -18,10 +16,10 @@ from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.record_replay.recorder import Recorder
 from friction_bags.record_replay.topic_selection import add_selection_arguments, selection_of
-from friction_parameters.parameter import ParameterError
-from friction_runtime.spin import stop_on_signals, take_down
+from friction_parameters.command_line import positive
+from friction_runtime.spin import made, start_middleware, stop_on_signals, take_down
 from vehicle_models.vehicle_argument import add_vehicle_argument
-from vehicle_models.vehicle_file import vehicle_reference
+from vehicle_models.vehicle_file import load_vehicle, vehicle_reference
 
 _TAKE_PERIOD = 0.02
 _DISCOVER_PERIOD = 0.1
@@ -35,7 +33,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--all", action="store_true", help="all topics, which is the default without --topics")
     add_selection_arguments(parser)
     parser.add_argument("--compression", choices=("zstd", "lz4", "none"), default="zstd", help="of chunks")
-    parser.add_argument("--duration", type=float, default=float("inf"), metavar="S", help="stop after S seconds")
+    parser.add_argument("--duration", type=positive, default=float("inf"), metavar="S", help="stop after S seconds")
     parser.add_argument("--note", default="", help="a note that travels with the bag")
     add_vehicle_argument(parser, "none; `process` then needs --vehicle")
 
@@ -51,13 +49,10 @@ def run(args: Namespace, ros_args: list[str]) -> int:
         print("error: give either --all or --topics", file=sys.stderr)
         return 2
     bag = args.out or Path(f"bag_{datetime.now():%Y_%m_%d-%H_%M_%S}")
-    try:
-        writer = BagWriter(bag, compression=args.compression, custom_data=_notes(args))
-    except (BagError, ParameterError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    rclpy.init(args=ros_args, signal_handler_options=SignalHandlerOptions.NO)
-    node = Node("recorder", enable_rosout=False, start_parameter_services=False)
+    notes = _notes(args)
+    start_middleware(ros_args)
+    writer = BagWriter(bag, compression=args.compression, custom_data=notes)
+    node = made(lambda: Node("recorder", enable_rosout=False, start_parameter_services=False))
     recorder = Recorder(node, writer, selection_of(args, node.get_namespace()), _say)
     _say(f"recording to {bag}; Ctrl-C ends it")
     try:
@@ -74,7 +69,10 @@ def run(args: Namespace, ros_args: list[str]) -> int:
 
 def _notes(args: Namespace) -> dict[str, str]:
     notes = {"note": args.note} if args.note else {}
-    return {**notes, VEHICLE_NOTE: vehicle_reference(args.vehicle)} if args.vehicle else notes
+    if args.vehicle:
+        load_vehicle(args.vehicle)  # a bag that names a bad file is of no use later
+        notes[VEHICLE_NOTE] = vehicle_reference(args.vehicle)
+    return notes
 
 
 def _loop(recorder: Recorder, writer: BagWriter, stop: Event, duration: float) -> None:

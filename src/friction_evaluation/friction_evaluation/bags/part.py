@@ -33,6 +33,7 @@ from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_evaluation.bags.libraries import library_seconds
 from friction_evaluation.rows import Row, at_most, not_judged
+from friction_parameters.command_line import count
 from friction_parameters.values import from_mapping
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -61,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--minutes", type=int, nargs="+", default=[2], help="lengths of the bags (10 60 for the record)"
     )
-    parser.add_argument("--processes", type=int, nargs="+", default=[1, 2], help="processes for one bag")
+    parser.add_argument("--processes", type=count, nargs="+", default=[1, 2], help="processes for one bag")
 
 
 def run(options: argparse.Namespace) -> list[Row]:

@@ -18,6 +18,7 @@ from friction_evaluation.closed_loop.law_rows import chosen, law_rows
 from friction_evaluation.closed_loop.stops import END_SPEED, Stops, stops
 from friction_evaluation.protocol import SPEED, VEHICLE
 from friction_evaluation.rows import Row, at_least, at_most
+from friction_parameters.command_line import count
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.surfaces import TABLE_8_1, surface
@@ -34,7 +35,7 @@ _FIRST_SEED = 20_000
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
-    parser.add_argument("--seeds", type=int, default=100, help="noise seeds a surface")
+    parser.add_argument("--seeds", type=count, default=100, help="noise seeds a surface")
     parser.add_argument(
         "--vehicle", default=VEHICLE, help="vehicle file or name of a shipped one: its first wheel brakes"
     )

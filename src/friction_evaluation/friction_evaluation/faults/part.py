@@ -14,6 +14,7 @@ from abs_supervisor.parameters import CURVE, SLOPE_SIGN
 from friction_evaluation.faults.plan import Plan, quick, whole
 from friction_evaluation.faults.rows import rows_of
 from friction_evaluation.rows import Row
+from friction_parameters.command_line import count, positive
 
 LAWS = (SLOPE_SIGN, CURVE)
 """What may ask for a release: the sign of the slope, section 8.2.2, or the slip control on the identified curve."""
@@ -21,7 +22,7 @@ LAWS = (SLOPE_SIGN, CURVE)
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
-    parser.add_argument("--seeds", type=int, default=1, help="seeds of sensor noise and fault for each row")
+    parser.add_argument("--seeds", type=count, default=1, help="seeds of sensor noise and fault for each row")
     parser.add_argument("--law", choices=LAWS, default=LAWS[0], help="what asks for the release")
     parser.add_argument(
         "--quick", action="store_true", help="the fixed subset of docs/faults.md: at most 8 CPU minutes"
@@ -31,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     for name in ("car", "surface", "fault"):
         parser.add_argument(f"--{name}", action="append", help="only these rows; repeatable")
-    parser.add_argument("--demand", type=float, action="append", help="only these rows; repeatable")
+    parser.add_argument("--demand", type=positive, action="append", help="only these rows; repeatable")
 
 
 def run(options: argparse.Namespace) -> list[Row]:

@@ -25,6 +25,7 @@ from friction_evaluation.fuzz.clean_run import clean_run, fuzzed_parameters, inp
 from friction_evaluation.fuzz.garbage import garbage
 from friction_evaluation.fuzz.nonsense import nonsense
 from friction_evaluation.rows import Row, at_most
+from friction_parameters.command_line import count
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import silent
 from vehicle_models.vehicle import Vehicle
@@ -48,7 +49,7 @@ _LARGEST_UPDATE = 1.0
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add its own options."""
-    parser.add_argument("--messages", type=int, default=100_000, help="messages in all (1000000 for the record)")
+    parser.add_argument("--messages", type=count, default=100_000, help="messages in all (1000000 for the record)")
     parser.add_argument("--seed", type=int, default=0, help="seed of what is broken, and how")
     parser.add_argument("--processors", nargs="+", default=[], metavar="NAME", help="only these, such as wheel_slip")
 

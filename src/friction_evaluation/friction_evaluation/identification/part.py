@@ -18,6 +18,7 @@ from friction_evaluation.identification.figures import figures
 from friction_evaluation.identification.surface_change import surface_change
 from friction_evaluation.manoeuvres import RAMP_TIMES
 from friction_evaluation.rows import Row
+from friction_parameters.command_line import count
 
 _STUDIES: dict[str, Callable[[argparse.Namespace], list[Row]]] = {
     "methods": studies.methods,
@@ -36,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
     parser.add_argument("--study", choices=_STUDIES, default="methods", help="what to study (default: methods)")
     parser.add_argument("--manoeuvre", choices=RAMP_TIMES, default="B", help="torque ramp: A 0.5 s, B 0.25 s, C 0.1 s")
-    parser.add_argument("--seeds", type=int, default=500, help="noise seeds a surface")
+    parser.add_argument("--seeds", type=count, default=500, help="noise seeds a surface")
     parser.add_argument("--methods", nargs="+", choices=METHODS, default=list(METHODS), help="for the study 'methods'")
     parser.add_argument(
         "--source",
@@ -44,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=FrictionSource.DEAD_RECKONED.value,
         help="how the chapter's methods make their friction samples",
     )
-    parser.add_argument("--processes", type=int, default=2, help="processes that share the runs")
+    parser.add_argument("--processes", type=count, default=2, help="processes that share the runs")
     parser.add_argument("--figures", type=Path, default=Path("figures"), help="directory for the study 'figures'")
 
 

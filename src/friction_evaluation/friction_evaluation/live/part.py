@@ -26,6 +26,8 @@ from friction_evaluation.live.graph import Observation, run_graph
 from friction_evaluation.live.offline_loop import run_offline
 from friction_evaluation.protocol import CAR, VEHICLE, WHEEL
 from friction_evaluation.rows import Row, at_most
+from friction_parameters.command_line import positive
+from friction_parameters.parameter import ParameterError
 from friction_parameters.values import from_mapping
 from friction_runtime.processor import silent
 from vehicle_models.surfaces import TABLE_8_1
@@ -42,7 +44,7 @@ CHAIN: Mapping[str, type] = {
 }
 _BRAKING = 5.0
 """The last seconds of the run in real time are a panic stop [s]."""
-_PATIENCE = 5.0
+_PATIENCE = 60.0
 """In lock-step the fail-safe waits this long for a silent input [s, wall clock]: a stall of the machine
 must not change a run that has to repeat."""
 _START_STAMP = 1_000_000_000
@@ -50,7 +52,7 @@ _START_STAMP = 1_000_000_000
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
-    parser.add_argument("--seconds", type=float, default=60.0, help="length of the run in real time [s], at least 6")
+    parser.add_argument("--seconds", type=positive, default=60.0, help="length of the run in real time [s], at least 6")
     parser.add_argument("--surface", choices=TABLE_8_1, default="dry", help="road of both runs")
     parser.add_argument("--live-seed", type=int, default=0, help="seed of the sensor noise")
 
@@ -59,10 +61,10 @@ def run(options: argparse.Namespace) -> list[Row]:
     """Make both runs; return a row per topic and run.
 
     Raises:
-        ValueError: --seconds is too short for a run that cruises and brakes.
+        ParameterError: --seconds is too short for a run that cruises and brakes.
     """
     if not options.seconds >= _BRAKING + 1.0:
-        raise ValueError(f"--seconds must be at least {_BRAKING + 1.0}, is {options.seconds}")
+        raise ParameterError(f"--seconds must be at least {_BRAKING + 1.0}, is {options.seconds}")
     real_time = real_time_rows(options.seconds, options.surface, options.live_seed)
     return real_time + agreement_rows(options.surface, options.live_seed)
 

@@ -29,6 +29,7 @@ from friction_evaluation.real_car.stop_rows import stop_rows
 from friction_evaluation.real_car.stops import Stop, make_stop
 from friction_evaluation.real_car.troubles import ROADS, TROUBLES, troubled_car
 from friction_evaluation.rows import Row
+from friction_parameters.command_line import count, positive
 from vehicle_models.surfaces import TABLE_8_1
 
 _FIRST_SEED = 40_000
@@ -42,12 +43,12 @@ _TIMED = 2
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
-    parser.add_argument("--seeds", type=int, default=50, help="seeds a trouble and road; random cars a road")
-    parser.add_argument("--hours", type=float, default=0.2, help="hours of ordinary driving")
+    parser.add_argument("--seeds", type=count, default=50, help="seeds a trouble and road; random cars a road")
+    parser.add_argument("--hours", type=positive, default=0.2, help="hours of ordinary driving")
     parser.add_argument("--method", choices=METHODS, default=DEFAULT, help="the estimator that is judged")
     parser.add_argument("--studies", nargs="+", choices=_STUDIES, default=list(_STUDIES), help="what to study")
     parser.add_argument("--troubles", nargs="+", choices=TROUBLES, default=list(TROUBLES), help="for 'troubles'")
-    parser.add_argument("--processes", type=int, default=2, help="processes that share the runs")
+    parser.add_argument("--processes", type=count, default=2, help="processes that share the runs")
 
 
 def run(options: argparse.Namespace) -> list[Row]:

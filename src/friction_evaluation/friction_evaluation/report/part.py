@@ -19,6 +19,7 @@ from friction_evaluation.parts import part
 from friction_evaluation.report import friction_samples, slope, speed, texts
 from friction_evaluation.report.page import Picture, Section, Table, page
 from friction_evaluation.rows import Row, plain
+from friction_parameters.command_line import positive
 
 Seeds = Callable[[int], str]
 """Number of seeds of this run, as an argument, from the full number."""
@@ -30,7 +31,7 @@ _SLOPE_SEEDS = 200
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
     parser.add_argument("--out", type=Path, default=Path("build/report"), help="directory (default: build/report)")
-    parser.add_argument("--effort", type=float, default=1.0, help="share of the seeds of the full evaluation")
+    parser.add_argument("--effort", type=positive, default=1.0, help="share of the seeds of the full evaluation")
     parser.add_argument("--no-live", action="store_true", help="leave out what runs over DDS in real time")
 
 

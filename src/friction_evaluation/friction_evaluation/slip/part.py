@@ -19,6 +19,7 @@ from friction_evaluation.rows import Row, at_most
 from friction_evaluation.slip.following import Followed, follow, follow_bmw, shipped
 from friction_evaluation.slip.stops import cruise_torque, stops
 from friction_evaluation.slip.tables import tables
+from friction_parameters.command_line import count
 from friction_parameters.parameter import ParameterError
 from vehicle_models.two_axle import four_wheels
 from vehicle_models.vehicle import Vehicle
@@ -40,7 +41,7 @@ _FIRST_SEED = 30_000
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
-    parser.add_argument("--seeds", type=int, default=100, help="noise seeds a road")
+    parser.add_argument("--seeds", type=count, default=100, help="noise seeds a road")
     parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES, help="what to run")
     parser.add_argument(
         "--vehicle", default=_CAR_OF_STOPS, help="car of the stops: vehicle file or name of a shipped one"

@@ -18,6 +18,7 @@ from friction_evaluation.slope.detection import METHODS, Detection, Settings, de
 from friction_evaluation.slope.driver_stops import driver_stops, runs_of_a_seed
 from friction_evaluation.slope.ordinary_braking import brakings_of_a_seed, ordinary_braking
 from friction_evaluation.slope.runs import Run, below_the_peak, through_the_peak
+from friction_parameters.command_line import count
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
 from vehicle_models.surfaces import TABLE_8_1
 
@@ -33,7 +34,7 @@ _MOST_STOPS, _MOST_BRAKINGS = 20, 5
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
-    parser.add_argument("--seeds", type=int, default=500, help="noise seeds a surface")
+    parser.add_argument("--seeds", type=count, default=500, help="noise seeds a surface")
     parser.add_argument(
         "--no-imu", action="store_true", help="without an accelerometer: wheel_slip smooths vehicle_velocity alone"
     )

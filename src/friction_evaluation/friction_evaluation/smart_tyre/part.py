@@ -36,6 +36,7 @@ from friction_evaluation.smart_tyre.runs import (
     simulate,
     wheel_angle,
 )
+from friction_parameters.command_line import count
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.front_template import FrontTemplate, TemplateFit
 from smart_tyre_forces.tooth_table import ToothTable
@@ -65,7 +66,7 @@ _FRONT_SPEEDS = (8.0, 15.0, 22.0)
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
-    parser.add_argument("--seeds", type=int, default=30, help="noise seeds")
+    parser.add_argument("--seeds", type=count, default=30, help="noise seeds")
     parser.add_argument("--figures", type=Path, help="directory for Figures 8.16 and 8.18 to 8.28")
     parser.add_argument(
         "--plant-calibration", type=Path, help="only write the calibration of corner_sim's wheels there"
