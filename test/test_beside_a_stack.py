@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from friction_msgs.msg import SupervisorState, WheelSlip
+from rclpy.node import Node
 from sensor_msgs.msg import Imu, JointState
 from std_msgs.msg import Header
 
@@ -14,6 +17,7 @@ from dds_client import DdsClient, dds_client
 from friction_bags.offline.estimators import ESTIMATORS
 from friction_bringup import graph
 from friction_bringup.node_start import WATCHING, node_starts
+from friction_bringup.security_policies import policies
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
 
@@ -52,6 +56,41 @@ def test_graph_beside_a_stack_estimates_every_wheel_by_its_joint_and_has_no_brak
         estimates = [f"{wheel}/{estimate}" for wheel in JOINTS for estimate in graph.ESTIMATES]
         client.until(lambda: all(node.count_publishers(topic) == 1 for topic in estimates))
         assert not [name for name, _ in node.get_topic_names_and_types() if graph.COMMAND in name]
+        text = policies(str(tmp_path / "car.yaml"), [tmp_path / "parameters.yaml"], "my_car")
+        for name in ESTIMATORS:
+            client.until(partial(acts_as_allowed, node, name, text))
+
+
+def acts_as_allowed(node: Node, name: str, text: str) -> bool:
+    """Whether a node publishes, reads and answers exactly what its policy says, as far as is seen now."""
+    (profile,) = ElementTree.fromstring(text).iterfind(f"enclaves/enclave[@path='/my_car/{name}']/profiles/profile")
+    assert (profile.get("ns"), profile.get("node")) == ("/my_car", name)
+
+    def allowed(path: str) -> set[str]:
+        private = f"/my_car/{name}"
+        names = [str(each.text) for each in profile.iterfind(path)]
+        return {n.replace("~", private) if n[0] in "/~" else f"/my_car/{n}" for n in names}
+
+    def seen(found: Callable[[str, str], list[tuple[str, list[str]]]]) -> set[str]:
+        return {topic for topic, _ in found(name, "/my_car")}
+
+    return (
+        allowed("topics[@publish='ALLOW']/topic") == seen(node.get_publisher_names_and_types_by_node)
+        and allowed("topics[@subscribe='ALLOW']/topic") == seen(node.get_subscriber_names_and_types_by_node)
+        and allowed("services[@reply='ALLOW']/service") == seen(node.get_service_names_and_types_by_node)
+    )
+
+
+@pytest.mark.parametrize("commanding", [False, True])
+def test_only_a_supervisor_that_commands_may_publish_brake_commands(commanding: bool) -> None:
+    root = ElementTree.fromstring(policies("compact_car", commanding=commanding))
+    publishers = {
+        profile.get("node")
+        for profile in root.iterfind("enclaves/enclave/profiles/profile")
+        for topic in profile.iterfind("topics[@publish='ALLOW']/topic")
+        if graph.COMMAND in str(topic.text)
+    }
+    assert publishers == ({graph.SUPERVISOR} if commanding else set())
 
 
 def drive(client: DdsClient) -> None:

@@ -1,5 +1,6 @@
 """Command lines that are wrong: one line that says so and exit code 2, never a traceback."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -106,6 +107,8 @@ def other_lines(directory: Path, given: dict[str, str]) -> Iterator[tuple[Callab
     yield bringup, ["demo", "--surface", "ice", "--out", str(directory / "out")]
     yield bringup, ["demo", "--law", "none", "--out", str(directory / "out")]
     yield bringup, ["demo", "--out", given["no_bag"]]
+    for name in ("not_there", "empty", "not_utf8", "not_yaml", "list", "directory"):
+        yield bringup, ["policies", "--vehicle", given[name]]
     yield bringup, ["nothing"]
     yield bringup, []
     for part in PARTS:
@@ -188,6 +191,18 @@ def test_a_message_that_is_cut_off_is_one_line(tmp_path: Path, capsys: pytest.Ca
     assert bags(["process", bag, "--out", out, "--vehicle", "compact_car"]) in (1, 2)
     assert bags(["calibrate_radii", bag, "--out", str(tmp_path / "car.yaml"), "--vehicle", "compact_car"]) in (1, 2)
     assert "Traceback" not in capsys.readouterr().err
+
+
+def test_where_security_is_demanded_and_absent_a_node_says_so_in_one_line(tmp_path: Path) -> None:
+    demanded = {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce", "ROS_SECURITY_KEYSTORE": "nowhere"}
+    ended = subprocess.run(
+        [sys.executable, "-m", "wheel_slip", "--ros-args", "-p", "vehicle_file:=compact_car"],
+        cwd=tmp_path, env={**os.environ, **demanded}, capture_output=True, text=True, timeout=600, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 2
+    assert ended.stderr.startswith("error: ")
+    assert "SECURITY" in ended.stderr
+    assert len(ended.stderr.splitlines()) == 1
 
 
 def test_an_interruption_is_one_word_and_exit_code_130(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,4 +1,4 @@
-"""Command line: ``python -m friction_bringup demo`` and ``monitor``."""
+"""Command line: ``python -m friction_bringup demo``, ``monitor`` and ``policies``."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from friction_bringup.demo import run_demo
 from friction_bringup.demo_graph import DemoError, DemoOptions
 from friction_bringup.monitor import run_monitor
 from friction_bringup.recorded_run import require_samples
+from friction_bringup.security_policies import policies
 from friction_parameters.command_line import command
 from friction_runtime.processor import silent
 from friction_runtime.shipped_files import shipped_file
@@ -43,9 +44,19 @@ def _run(arguments: Sequence[str] | None) -> int:
         "--params", type=Path, help="parameter file (default: that of the demo, or the one the bag names)"
     )
     demo.add_argument("--out", type=Path, default=Path("out"), help="directory for the results (default: out)")
+    secure = commands.add_parser(
+        "policies", help="print what each node may publish and read, as a policy file of SROS2"
+    )
+    secure.add_argument("--vehicle", required=True, metavar="NAME|FILE", help="the car")
+    secure.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
+    secure.add_argument("--namespace", default="/", help="namespace of the nodes, such as /car")
+    secure.add_argument("--commanding", action="store_true", help="let abs_supervisor publish brake commands")
     options = parser.parse_args(arguments)
     if options.command == "monitor":
         return run_monitor()
+    if options.command == "policies":
+        print(policies(options.vehicle, options.params_file, options.namespace, options.commanding), end="")
+        return 0
     try:
         return run_demo(_demo_options(options))
     except DemoError as error:

@@ -11,6 +11,9 @@ from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.processor import TyreProcessor, build
 from vehicle_models.vehicle import Vehicle
 
+ZERO_REQUESTS = {"zero_shift": TyreProcessor.request_shift_zero, "zero_length": TyreProcessor.request_length_zero}
+"""Services of this node below its own name, and what each asks of every tyre."""
+
 
 class SmartTyreNode(ProcessorNode[SmartTyreParameters]):
     """The shared node with `~/zero_shift` and `~/zero_length` (std_srvs/Trigger)."""
@@ -19,8 +22,8 @@ class SmartTyreNode(ProcessorNode[SmartTyreParameters]):
         """Make the node; rclpy is initialised."""
         self._tyres: list[TyreProcessor] = []
         super().__init__("smart_tyre_forces", SmartTyreParameters, self._remember)
-        self._serve("zero_shift", TyreProcessor.request_shift_zero)
-        self._serve("zero_length", TyreProcessor.request_length_zero)
+        for name, request in ZERO_REQUESTS.items():
+            self._serve(name, request)
 
     def _remember(self, parameters: SmartTyreParameters, vehicle: Vehicle, report: Report) -> list[TyreProcessor]:
         self._tyres = build(parameters, vehicle, report)
