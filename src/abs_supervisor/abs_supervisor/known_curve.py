@@ -113,7 +113,9 @@ class KnownCurve:
             self._told_since = curve.stamp
         if curve.reason == _UNCERTAIN and curve.stamp - self._told_since < _SETTLED:
             return
-        if known is not None and not self._ahead and _only_vaguer(peak, known):
+        # What was seen needs as much to be given up as by a guess.
+        beyond = _CONTRADICTS if curve.reason == _UNCERTAIN and not self._uncertain else 1.0
+        if known is not None and not self._ahead and _only_vaguer(peak, known, beyond):
             if _is_precise(peak):
                 self._known_at = self._driven
             return
@@ -139,9 +141,9 @@ def _further(newer: Peak, known: Peak) -> float:
     return beyond / doubt if doubt > 0.0 else 0.0 if beyond <= 0.0 else inf
 
 
-def _only_vaguer(newer: Peak, known: Peak) -> bool:
-    """Whether a newer peak is less certain than an earlier one, and does not lie beyond it."""
-    return newer[1] > known[1] and newer[0] - known[0] <= newer[1]
+def _only_vaguer(newer: Peak, known: Peak, deviations: float) -> bool:
+    """Whether a newer peak is less certain than an earlier one, and by less than so many deviations beyond it."""
+    return newer[1] > known[1] and newer[0] - known[0] <= deviations * newer[1]
 
 
 def _is_precise(peak: Peak) -> bool:

@@ -10,6 +10,7 @@ from std_msgs.msg import Header
 from abs_supervisor.braking import TorqueWithHysteresis
 from abs_supervisor.braking_log import BrakingLog
 from abs_supervisor.curve_control import CurveControl, describe
+from abs_supervisor.end_of_stop import EndOfStop
 from abs_supervisor.fsm import COMMANDS, Command
 from abs_supervisor.guard import Guard, Seen
 from abs_supervisor.input_watch import InputWatch, Loss
@@ -81,6 +82,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._hysteresis = TorqueWithHysteresis(parameters.braking_torque, parameters.pressure)
         obeyed = by_demand and not parameters.shadow
         self._guard = Guard(vehicle.corner(wheel), parameters.envelope, parameters.actuator, obeyed)
+        self._end_of_stop = EndOfStop(vehicle.corner(wheel), parameters.actuator)
         self._curve_control = None
         if parameters.law == CURVE:
             self._curve_control = CurveControl(wheel, vehicle, parameters.actuator, parameters.curve)
@@ -146,6 +148,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
     def _forget(self) -> None:
         self._supervisor.reset()
         self._guard.reset()
+        self._end_of_stop.reset()
         self._inputs.reset()
         self._log.reset()
         self._hysteresis.reset()
@@ -161,6 +164,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
     def _start_again(self, stamp: int) -> None:
         self._hysteresis.reset()
         self._guard.restart()
+        self._end_of_stop.reset()
         self._inputs.reset()
         if self._curve_control is not None:
             self._curve_control.reset()
@@ -229,12 +233,14 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         )
         if self._supervisor.update(sample.stamp, evidence):
             self._log.note(self._supervisor, sample.stamp, self._text)
-        law = COMMANDS[self._supervisor.state]
+        known = self._guard.envelope.evidence
+        law = self._end_of_stop.ask(COMMANDS[self._supervisor.state], known.grips, seen.car_speed, seen.torque)
         control = self._curve_control
         if control is not None and isfinite(seen.wheel_speed):
-            allowed = self._guard.envelope.evidence.verdict is not Release.REFUSED
+            allowed = known.verdict is not Release.REFUSED
             law = control.ask(sample.stamp, seen, law, allowed, self._guard.deceleration)
         self._command = self._guard.command(sample.stamp, law) if isfinite(seen.wheel_speed) else Command.NONE
+        self._end_of_stop.commanded(self._command)
         if control is not None:
             control.commanded(sample.stamp, self._command, seen.demand)
         return self._outputs()

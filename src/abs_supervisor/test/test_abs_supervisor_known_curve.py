@@ -94,6 +94,16 @@ def test_a_curve_that_is_only_less_certain_does_not_replace_one() -> None:
         assert run(*sure, later, until=200) == expected
 
 
+def test_a_vague_guess_replaces_a_peak_that_was_seen_no_sooner_than_it_contradicts_it() -> None:
+    vague = curve(100, 0.326, 0.128, FrictionCurve.UNCERTAIN)
+    beyond = curve(100, 0.326, 0.04, FrictionCurve.UNCERTAIN)
+    seen = [curve(at, 0.187, 0.002, FrictionCurve.UNKNOWN_CAR) for at in range(0, 105, 5)]
+    guessed = [curve(at, 0.187, 0.002, FrictionCurve.UNCERTAIN) for at in range(0, 105, 5)]
+    assert run(*seen, vague, until=200) == (0.187, 0.002)
+    assert run(*seen, beyond, until=200) == (0.326, 0.04)
+    assert run(*guessed, vague, until=200) == (0.326, 0.128)
+
+
 def test_the_order_of_arrival_does_not_matter() -> None:
     curves = [curve(0, 0.12, 0.01), curve(20, 0.35, 0.02), curve(40, 0.2, 0.01)]
     for order in permutations(curves):

@@ -495,6 +495,25 @@ def test_law_alone_releases_nothing() -> None:
     assert bench.state.release_slip > 0.2
 
 
+def test_after_a_release_a_brake_that_is_slower_than_a_dive_is_held_at_the_slip_of_a_release() -> None:
+    bench, strong = Bench(), 5000.0
+    bench.slip = 0.0
+    for _ in range(130):
+        bench.sample(500.0, torque=strong)
+    assert bench.command == BrakeCommand.INCREASE
+    bench.slip = 0.3
+    before = [bench.sample(500.0, torque=strong) and bench.command for _ in range(4)]
+    assert set(before) == {BrakeCommand.INCREASE}, "nothing has been released"
+    while bench.sample(-200.0, torque=strong) != "S22":
+        pass
+    assert bench.command == BrakeCommand.DECREASE
+    assert bench.sample(2000.0, torque=strong, growing=-1) == "S1"
+    assert bench.command == BrakeCommand.HOLD
+    bench.slip = 0.1
+    bench.sample(500.0, torque=strong)
+    assert bench.command == BrakeCommand.INCREASE
+
+
 def test_curve_lowers_the_slip_that_a_release_needs_once_it_is_50_ms_old() -> None:
     bench = Bench()
     bench.slip = 0.15

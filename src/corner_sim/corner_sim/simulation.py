@@ -101,6 +101,11 @@ class Simulation:
         return self._sample.distance
 
     @property
+    def largest_slip(self) -> float:
+        """True slip of the wheel that has most [-]; NaN at standstill."""
+        return float(self._sample.slip.max())
+
+    @property
     def unanswered(self) -> list[str]:
         """Wheels whose last brake_command does not answer the present sample."""
         return self._commands.unanswered(self.stamp)

@@ -157,6 +157,17 @@ def test_the_stop_without_abs_is_that_of_the_momentum() -> None:
     assert found.distance == pytest.approx(0.5 * SPEED * found.duration, rel=0.03)
 
 
+def test_a_demand_at_which_a_wheel_locks_without_abs_is_no_ordinary_braking() -> None:
+    """At 0.9 of the peak torque of a front wheel at rest the rear ones, relieved of load, are beyond theirs."""
+    released = measured(record([1] * 10 + [int(BrakeCommand.DECREASE)] * 40 + [1] * 50, [0.2] * 100, [True] * 100))
+    judged = [
+        {each.name for each in limits(NO_FAULT, Manoeuvre(FOUR_WHEELS, "dry", demand), released, released)}
+        for demand in (0.6, 0.9)
+    ]
+    assert ["DECREASE" in names for names in judged] == [True, False]
+    assert ["lock [s]" in names for names in judged] == [False, True]
+
+
 def record(command: Sequence[int], slip: Sequence[float], acting: Sequence[bool]) -> Record:
     """Return a run of one wheel, whose first sample is the onset."""
     k = len(command)
@@ -168,7 +179,7 @@ def record(command: Sequence[int], slip: Sequence[float], acting: Sequence[bool]
 
 
 def measured(found: Record, case: Case = NO_FAULT) -> Measures:
-    return measure(found, case, DRY, Reference(1.0, 10.0))
+    return measure(found, case, DRY, Reference(1.0, 10.0, locks=False))
 
 
 def test_measures_of_a_run_whose_numbers_are_known() -> None:
@@ -224,7 +235,7 @@ def test_a_dead_sensor_costs_one_wheel_of_a_car_its_abs_and_no_other() -> None:
     manoeuvre = Manoeuvre(FOUR_WHEELS, "dry", 1.5)
     (case,) = (each for each in FAULTS if each.name == "wheel_dead")
     run = Loop(manoeuvre, case, 40_000).run(1.0)  # no stop: what it costs in distance, the campaign tells
-    found = measure(run, case, manoeuvre, Reference(1.0, 10.0))
+    found = measure(run, case, manoeuvre, Reference(1.0, 10.0, locks=False))
     judged = [each for each in limits(case, manoeuvre, found, found) if each.name != "distance ratio"]
     assert [str(each) for each in judged if not each.passed] == []
     assert {"NONE after [s]", "named after [s]", "healthy wheels without ABS"} <= {each.name for each in judged}

@@ -8,6 +8,7 @@ from friction_evaluation.faults.case import Case
 from friction_evaluation.faults.catalogue import LOCKED_START, NO_FAULT
 from friction_evaluation.faults.manoeuvre import CORNER, Manoeuvre
 from friction_evaluation.faults.measures import Measures
+from friction_evaluation.faults.reference import without_abs
 
 _ORDINARY = 1.01
 """Distance and time without fault over those without ABS."""
@@ -46,7 +47,7 @@ def limits(case: Case, manoeuvre: Manoeuvre, found: Measures, no_fault: Measures
 
 
 def _all(case: Case, manoeuvre: Manoeuvre, found: Measures, no_fault: Measures) -> Iterator[Limit]:
-    panic = manoeuvre.demand > 1.0
+    panic = manoeuvre.demand > 1.0 or without_abs(manoeuvre).locks
     if case is NO_FAULT and not panic:
         yield Limit("distance ratio", found.distance_ratio, _ORDINARY)
         yield Limit("duration ratio", found.duration_ratio, _ORDINARY)

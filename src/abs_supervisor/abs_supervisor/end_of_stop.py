@@ -1,0 +1,52 @@
+"""The end of a stop: where a wheel dives to a lock faster than its brake can release it, no dive is provoked.
+
+Beyond the peak a wheel lacks the torque D that a sliding tyre gives less than a rolling one. It stands still after
+2 J omega / D, and the brake needs D / rate to let it turn again: on dry at 7 m/s, with 1.8 kN m, 75 ms and 130 ms.
+The machine of section 8.2.2 knows only rising and falling pressure, so that each of its cycles passes the peak. A wheel
+that has been released once is therefore kept before it: the pressure does not rise beyond the slip of a release.
+"""
+
+from typing import Final
+
+from abs_supervisor.fsm import Command
+from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.single_corner import CornerParameters
+
+_LOST: Final = 0.35
+"""Share of the torque at the peak that a sliding tyre does not give: 0.30 to 0.37 on the roads of Table 8.1."""
+
+
+class EndOfStop:
+    """Follows the releases of one wheel, and holds what the machine would raise."""
+
+    def __init__(self, corner: CornerParameters, actuator: ActuatorParameters) -> None:
+        """Choose a wheel and its hydraulics."""
+        self._spin = 2.0 * corner.inertia / corner.radius
+        self._rate, self._delay = actuator.release_rate, actuator.delay
+        self._released = False
+
+    def reset(self) -> None:
+        """Forget the release."""
+        self._released = False
+
+    def ask(self, machine: Command, grips: bool, car_speed: float, torque: float) -> Command:
+        """Return what is asked for: HOLD in place of INCREASE at the end of a stop with releases.
+
+        Args:
+            machine: what the machine asks for.
+            grips: whether the wheel has the slip of a release already.
+            car_speed: [m/s], NaN where unknown.
+            torque: of the brake [N m], NaN where unknown.
+        """
+        if machine is not Command.INCREASE or not (self._released and grips):
+            return machine
+        lost = _LOST * torque
+        too_fast = self._spin * car_speed < lost * (self._delay + lost / self._rate)
+        return Command.HOLD if too_fast else machine
+
+    def commanded(self, command: Command) -> None:
+        """Note the command that was given."""
+        if command is Command.NONE:
+            self._released = False
+        elif command is Command.DECREASE:
+            self._released = True
