@@ -15,6 +15,7 @@ from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.car.one_road import (
     MOST_CHANGE,
     MOST_DIFFERENCE,
+    STILL_CHANGED,
     RoadWatch,
     change_of_friction,
     difference_of_sides,
@@ -50,8 +51,9 @@ def test_sides_are_compared_left_with_right() -> None:
 
 
 def test_too_little_is_not_compared() -> None:
-    assert change_of_friction(used(1.0), FITTED * 0.0, TIME) == 0.0
-    assert difference_of_sides(used(), FITTED, np.ones((4, 1)), TIME) == 0.0
+    assert np.isnan(change_of_friction(used(1.0), FITTED * 0.0, TIME))
+    assert np.isnan(change_of_friction(used(1.0), np.where(TIME[-1] - 0.1 < TIME, 0.0, FITTED), TIME))
+    assert np.isnan(difference_of_sides(used(), FITTED, np.ones((4, 1)), TIME))
 
 
 def test_what_lasts_counts_until_the_end_of_the_braking_and_a_bump_does_not() -> None:
@@ -61,6 +63,19 @@ def test_what_lasts_counts_until_the_end_of_the_braking_and_a_bump_does_not() ->
     for _ in range(3):
         assert watch.update(used(sides=(1.2, 0.9)), FITTED, LEFT, TIME)
     assert "sides" in watch.update(used(), FITTED, LEFT, TIME)
+
+
+def test_a_change_holds_while_nothing_new_is_told_and_while_the_curve_goes_over_to_the_new_road() -> None:
+    nothing = np.where(TIME[-1] - 0.1 < TIME, 0.0, FITTED)
+    smaller = 0.5 * (MOST_CHANGE + STILL_CHANGED)
+    watch = RoadWatch()
+    assert watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME) == ""
+    assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME)
+    for _ in range(10):
+        assert "changed" in watch.update(used(), nothing, LEFT, TIME)
+    assert "changed" in watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME)
+    # Ten steps without news have not made it lasting.
+    assert watch.update(used(noise=0.0), FITTED, LEFT, TIME) == ""
 
 
 def stop(split: bool) -> Recording:

@@ -8,7 +8,7 @@ curve says and the other less. Both are ratios of means over time, in which the 
 averages out.
 """
 
-from math import exp, log
+from math import exp, isnan, log, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +23,12 @@ NEWEST = 0.1
 """Time over which the newest friction is taken [s]."""
 MOST_CHANGE = 0.07
 """Change of ln of used over fitted friction on one road: random cars of another plant stay below 0.1, mostly 0.06."""
+STILL_CHANGED = 0.05
+"""The same once it has been more: the curve itself goes over to the new road, which makes the change look smaller."""
 MOST_DIFFERENCE = 0.05
 """The same between the sides of the car, over the whole window: there up to 0.05."""
+STILL_DIFFERENT = 0.035
+"""The same once it has been more."""
 _LASTING = 3
 """Steps of the fits after which what was found is not the load of a bump."""
 _LEAST_TIME = 0.1
@@ -64,16 +68,23 @@ def used_and_fitted(
 
 
 def change_of_friction(used: Array, fitted: Array, time: Array) -> float:
-    """Return ln of used over fitted friction in the newest time over that of before; 0 where there is too little."""
+    """Return ln of used over fitted friction in the newest time over that of before; NaN where there is too little."""
     newest = time > time[-1] - NEWEST
     return _log_ratio(used[:, newest], fitted[:, newest], time) - _log_ratio(used[:, ~newest], fitted[:, ~newest], time)
 
 
 def difference_of_sides(used: Array, fitted: Array, left: Array, time: Array) -> float:
-    """Return ln of used over fitted friction of the left wheels over that of the right; `left`: +-1, shape (W, 1)."""
+    """Return ln of used over fitted friction of the left wheels over that of the right; NaN where there is too little.
+
+    Args:
+        used: shape (W, n).
+        fitted: shape (W, n).
+        left: +1 for a wheel on the left, -1 on the right, shape (W, 1).
+        time: of the samples [s], shape (n,).
+    """
     sides = [left[:, 0] * sign > 0.0 for sign in (1.0, -1.0)]
     if not all(side.any() for side in sides):
-        return 0.0
+        return nan
     ratios = [_log_ratio(used[side], fitted[side], time) for side in sides]
     return ratios[0] - ratios[1]
 
@@ -81,26 +92,38 @@ def difference_of_sides(used: Array, fitted: Array, left: Array, time: Array) ->
 def _log_ratio(used: Array, fitted: Array, time: Array) -> float:
     interval = float(time[-1] - time[0]) / max(time.size - 1, 1)
     if np.count_nonzero(fitted) * interval < _LEAST_TIME:
-        return 0.0
+        return nan
     return log(max(float(used.sum()), 1e-3) / float(fitted.sum()))
 
 
 class RoadWatch:
-    """Says whether the wheels are on one road; what has lasted counts until the end of the braking."""
+    """Says whether the wheels are on one road; what has lasted counts until the end of the braking.
+
+    While nothing is told of the newest friction, as between two rises of the pressure, what was found before holds.
+    """
 
     def __init__(self) -> None:
         """Begin with the braking."""
         self._steps = 0
+        self._changed = self._different = False
         self._lasting = ""
 
     def update(self, used: Array, fitted: Array, left: Array, time: Array) -> str:
         """Return what speaks against one road, empty where nothing does. Arguments as above, after a step of a fit."""
+        change, difference = change_of_friction(used, fitted, time), difference_of_sides(used, fitted, left, time)
+        if not isnan(change):
+            self._changed = abs(change) > (STILL_CHANGED if self._changed else MOST_CHANGE)
+        if not isnan(difference):
+            self._different = abs(difference) > (STILL_DIFFERENT if self._different else MOST_DIFFERENCE)
         found = ""
-        if abs(difference_of_sides(used, fitted, left, time)) > MOST_DIFFERENCE:
+        if self._different:
             found = "the sides of the car are on different roads"
-        elif abs(change_of_friction(used, fitted, time)) > MOST_CHANGE:
+        elif self._changed:
             found = "the road has changed during the braking"
-        self._steps = self._steps + 1 if found else 0
+        if not found:
+            self._steps = 0
+        elif not isnan(change):
+            self._steps += 1
         if self._steps >= _LASTING:
             self._lasting = found
         return self._lasting or found
