@@ -60,7 +60,7 @@ def test_what_lasts_counts_until_the_end_of_the_braking_and_a_bump_does_not() ->
     watch = RoadWatch()
     assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME)
     assert watch.update(used(), FITTED, LEFT, TIME) == ""
-    for _ in range(3):
+    for _ in range(4):
         assert watch.update(used(sides=(1.2, 0.9)), FITTED, LEFT, TIME)
     assert "sides" in watch.update(used(), FITTED, LEFT, TIME)
 
@@ -73,8 +73,9 @@ def test_a_change_holds_while_nothing_new_is_told_and_while_the_curve_goes_over_
     assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME)
     for _ in range(10):
         assert "changed" in watch.update(used(), nothing, LEFT, TIME)
-    assert "changed" in watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME)
-    # Ten steps without news have not made it lasting.
+    for _ in range(10):
+        assert "changed" in watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME)
+    # Neither steps without news nor smaller changes have made it lasting.
     assert watch.update(used(noise=0.0), FITTED, LEFT, TIME) == ""
 
 

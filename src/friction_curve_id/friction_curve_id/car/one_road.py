@@ -23,14 +23,14 @@ NEWEST = 0.1
 """Time over which the newest friction is taken [s]."""
 MOST_CHANGE = 0.07
 """Change of ln of used over fitted friction on one road: random cars of another plant stay below 0.1, mostly 0.06."""
-STILL_CHANGED = 0.05
+STILL_CHANGED = 0.04
 """The same once it has been more: the curve itself goes over to the new road, which makes the change look smaller."""
 MOST_DIFFERENCE = 0.05
 """The same between the sides of the car, over the whole window: there up to 0.05."""
-STILL_DIFFERENT = 0.035
+STILL_DIFFERENT = 0.03
 """The same once it has been more."""
-_LASTING = 3
-"""Steps of the fits after which what was found is not the load of a bump."""
+_LASTING = 4
+"""Steps of the fits with more than that after which it is not the load of a bump."""
 _LEAST_TIME = 0.1
 """Least time of what it is compared with [s]."""
 _LEAST_SHARE = 0.4
@@ -111,10 +111,11 @@ class RoadWatch:
     def update(self, used: Array, fitted: Array, left: Array, time: Array) -> str:
         """Return what speaks against one road, empty where nothing does. Arguments as above, after a step of a fit."""
         change, difference = change_of_friction(used, fitted, time), difference_of_sides(used, fitted, left, time)
+        change_shows, difference_shows = abs(change) > MOST_CHANGE, abs(difference) > MOST_DIFFERENCE
         if not isnan(change):
-            self._changed = abs(change) > (STILL_CHANGED if self._changed else MOST_CHANGE)
+            self._changed = change_shows or (self._changed and abs(change) > STILL_CHANGED)
         if not isnan(difference):
-            self._different = abs(difference) > (STILL_DIFFERENT if self._different else MOST_DIFFERENCE)
+            self._different = difference_shows or (self._different and abs(difference) > STILL_DIFFERENT)
         found = ""
         if self._different:
             found = "the sides of the car are on different roads"
@@ -122,7 +123,7 @@ class RoadWatch:
             found = "the road has changed during the braking"
         if not found:
             self._steps = 0
-        elif not isnan(change):
+        elif change_shows or (difference_shows and not isnan(change)):
             self._steps += 1
         if self._steps >= _LASTING:
             self._lasting = found
