@@ -150,5 +150,5 @@ class LocalPolynomial:
         values = np.array(self._values[signal][self._next : self._next + self._window])
         if not np.isfinite(values).all():
             return nan
-        rest = values - powers @ np.linalg.lstsq(powers, values)[0]
+        rest = values - powers @ np.linalg.lstsq(powers, values, rcond=None)[0]
         return sqrt(float(rest @ rest) / freedom)
