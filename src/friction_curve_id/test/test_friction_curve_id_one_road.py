@@ -19,6 +19,7 @@ from friction_curve_id.car.one_road import (
     RoadWatch,
     change_of_friction,
     difference_of_sides,
+    misfit_at_peak,
 )
 from friction_curve_id.interface import CurveEstimate, Reason
 from vehicle_models.vehicle_file import load_vehicle
@@ -54,6 +55,14 @@ def test_too_little_is_not_compared() -> None:
     assert np.isnan(change_of_friction(used(1.0), FITTED * 0.0, TIME))
     assert np.isnan(change_of_friction(used(1.0), np.where(TIME[-1] - 0.1 < TIME, 0.0, FITTED), TIME))
     assert np.isnan(difference_of_sides(used(), FITTED, np.ones((4, 1)), TIME))
+
+
+def test_misfit_at_the_peak_is_that_of_the_newest_friction_there() -> None:
+    """Of two roads that differ at the peak only, an old one counts neither before nor below it."""
+    rising = np.broadcast_to(np.linspace(0.4, 0.8, TIME.size), FITTED.shape)
+    less = rising * np.where((rising > 0.72) & (TIME[-1] - 0.3 < TIME), 0.94, 1.3)
+    assert misfit_at_peak(less, rising, 0.8, TIME) == pytest.approx(np.log(0.94), abs=1e-6)
+    assert np.isnan(misfit_at_peak(less, rising, 1.6, TIME))
 
 
 def test_what_lasts_counts_until_the_end_of_the_braking_and_a_bump_does_not() -> None:

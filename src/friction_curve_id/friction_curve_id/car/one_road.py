@@ -35,6 +35,10 @@ _LEAST_TIME = 0.1
 """Least time of what it is compared with [s]."""
 _LEAST_SHARE = 0.4
 """Least share of mu_max at which friction is compared: below, the slope of the curve and the speed decide."""
+_AT_PEAK = 0.9
+"""Share of mu_max from which friction tells of the peak itself."""
+_NEWEST_AT_PEAK = 0.3
+"""Time over which that is taken [s]: several swings of the load."""
 _MOST_SPIN = 0.5
 """Most torque that speeds a wheel up or down, over that of its tyre: it is late by what nobody knows."""
 
@@ -71,6 +75,15 @@ def change_of_friction(used: Array, fitted: Array, time: Array) -> float:
     """Return ln of used over fitted friction in the newest time over that of before; NaN where there is too little."""
     newest = time > time[-1] - NEWEST
     return _log_ratio(used[:, newest], fitted[:, newest], time) - _log_ratio(used[:, ~newest], fitted[:, ~newest], time)
+
+
+def misfit_at_peak(used: Array, fitted: Array, mu_max: float, time: Array) -> float:
+    """Return ln of used over fitted friction near the peak in the newest time; NaN where there is too little.
+
+    Where two roads have much the same curve below their peaks, only this shows the old one in the curve of the new one.
+    """
+    near = (fitted > _AT_PEAK * mu_max) & (time > time[-1] - _NEWEST_AT_PEAK)
+    return _log_ratio(used * near, fitted * near, time)
 
 
 def difference_of_sides(used: Array, fitted: Array, left: Array, time: Array) -> float:
