@@ -25,9 +25,9 @@ MOST_CHANGE = 0.07
 """Change of ln of used over fitted friction on one road: random cars of another plant stay below 0.1, mostly 0.06."""
 STILL_CHANGED = 0.04
 """The same once it has been more: the curve itself goes over to the new road, which makes the change look smaller."""
-MOST_DIFFERENCE = 0.05
-"""The same between the sides of the car, over the whole window: there up to 0.05."""
-STILL_DIFFERENT = 0.03
+MOST_DIFFERENCE = 0.035
+"""The same between the sides of the car, over the whole window: there up to 0.025."""
+STILL_DIFFERENT = 0.02
 """The same once it has been more."""
 _LASTING = 4
 """Steps of the fits with more than that after which it is not the load of a bump."""
