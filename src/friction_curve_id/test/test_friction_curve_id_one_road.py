@@ -74,6 +74,14 @@ def test_what_lasts_counts_until_the_end_of_the_braking_and_a_bump_does_not() ->
     assert "sides" in watch.update(used(), FITTED, LEFT, TIME)
 
 
+def test_a_change_of_three_steps_is_doubted_for_half_a_second() -> None:
+    watch = RoadWatch()
+    for _ in range(3):
+        assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME)
+    assert "changed" in watch.update(used(), FITTED, LEFT, TIME + 0.49)
+    assert watch.update(used(), FITTED, LEFT, TIME + 0.51) == ""
+
+
 def test_a_change_holds_while_nothing_new_is_told_and_while_the_curve_goes_over_to_the_new_road() -> None:
     nothing = np.where(TIME[-1] - 0.1 < TIME, 0.0, FITTED)
     smaller = 0.5 * (MOST_CHANGE + STILL_CHANGED)
