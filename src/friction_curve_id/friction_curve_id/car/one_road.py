@@ -31,7 +31,7 @@ STILL_DIFFERENT = 0.02
 """The same once it has been more."""
 _DOUBTED, _LASTING = 3, 4
 """Steps of the fits with more than that after which it is doubted for a while, and after which it is no bump."""
-_DOUBT = 0.5
+_DOUBT = 0.25
 """That while [s]."""
 _LEAST_TIME = 0.1
 """Least time of what it is compared with [s]."""
