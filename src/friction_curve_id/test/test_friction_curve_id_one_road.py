@@ -15,9 +15,11 @@ from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.car.one_road import (
     MOST_CHANGE,
     MOST_DIFFERENCE,
+    STILL_CHANGED,
     RoadWatch,
     change_of_friction,
     difference_of_sides,
+    misfit_at_peak,
 )
 from friction_curve_id.interface import CurveEstimate, Reason
 from vehicle_models.vehicle_file import load_vehicle
@@ -50,17 +52,48 @@ def test_sides_are_compared_left_with_right() -> None:
 
 
 def test_too_little_is_not_compared() -> None:
-    assert change_of_friction(used(1.0), FITTED * 0.0, TIME) == 0.0
-    assert difference_of_sides(used(), FITTED, np.ones((4, 1)), TIME) == 0.0
+    assert np.isnan(change_of_friction(used(1.0), FITTED * 0.0, TIME))
+    assert np.isnan(change_of_friction(used(1.0), np.where(TIME[-1] - 0.1 < TIME, 0.0, FITTED), TIME))
+    assert np.isnan(difference_of_sides(used(), FITTED, np.ones((4, 1)), TIME))
+
+
+def test_misfit_at_the_peak_is_that_of_the_newest_friction_there() -> None:
+    """Of two roads that differ at the peak only, an old one counts neither before nor below it."""
+    rising = np.broadcast_to(np.linspace(0.4, 0.8, TIME.size), FITTED.shape)
+    less = rising * np.where((rising > 0.72) & (TIME[-1] - 0.3 < TIME), 0.94, 1.3)
+    assert misfit_at_peak(less, rising, 0.8, TIME) == pytest.approx(np.log(0.94), abs=1e-6)
+    assert np.isnan(misfit_at_peak(less, rising, 1.6, TIME))
 
 
 def test_what_lasts_counts_until_the_end_of_the_braking_and_a_bump_does_not() -> None:
     watch = RoadWatch()
     assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME)
     assert watch.update(used(), FITTED, LEFT, TIME) == ""
-    for _ in range(3):
+    for _ in range(4):
         assert watch.update(used(sides=(1.2, 0.9)), FITTED, LEFT, TIME)
     assert "sides" in watch.update(used(), FITTED, LEFT, TIME)
+
+
+def test_a_change_of_three_steps_is_doubted_for_a_quarter_of_a_second() -> None:
+    watch = RoadWatch()
+    for _ in range(3):
+        assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME)
+    assert "changed" in watch.update(used(), FITTED, LEFT, TIME + 0.24)
+    assert watch.update(used(), FITTED, LEFT, TIME + 0.26) == ""
+
+
+def test_a_change_holds_while_nothing_new_is_told_and_while_the_curve_goes_over_to_the_new_road() -> None:
+    nothing = np.where(TIME[-1] - 0.1 < TIME, 0.0, FITTED)
+    smaller = 0.5 * (MOST_CHANGE + STILL_CHANGED)
+    watch = RoadWatch()
+    assert watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME) == ""
+    assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME)
+    for _ in range(10):
+        assert "changed" in watch.update(used(), nothing, LEFT, TIME)
+    for _ in range(10):
+        assert "changed" in watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME)
+    # Neither steps without news nor smaller changes have made it lasting.
+    assert watch.update(used(noise=0.0), FITTED, LEFT, TIME) == ""
 
 
 def stop(split: bool) -> Recording:

@@ -43,7 +43,7 @@ class CrossingDetector:
         """Take the indicator at the time for which it holds.
 
         The peak is crossed upwards only while slip grows and downwards only while it falls: anything else is noise and
-        does not change a known sign.
+        does not change a known sign, nor is it the first that is heard of a wheel beyond the peak.
 
         Args:
             indicator: slope indicator [rad/s^3].
@@ -57,7 +57,7 @@ class CrossingDetector:
             sign = 1
         else:
             return
-        if self.sign == 0:
+        if self.sign == 0 and (sign > 0 or growing > 0):
             self.sign = sign
         elif sign == -self.sign and growing == -sign:
             self.sign = sign

@@ -24,6 +24,10 @@ LOCKED_SLIP: Final = 0.8
 """Beyond the peak of any road [-]. A wheel that stands does so by constraint: (8.3) does not hold for it."""
 HIGHEST_FRICTION: Final = 1.5
 """Largest friction coefficient of any road [-]."""
+LEAST_PEAK: Final = 0.02
+"""Slip below which no road has its peak [-]."""
+LEAST_SCATTER: Final = 0.05
+"""Scatter of the best wheel speeds [rad/s]."""
 JITTER: Final = 2.0
 """Largest jitter of a wheel speed that is not a spike [rad/s]."""
 _SIGNED = (Reason.OK, Reason.NO_EXCITATION)
@@ -68,6 +72,12 @@ class DetectorParameters:
     )
     load_transfer: bool = parameter(
         True, "take imu/data for the vertical load, and its change out of H; else, and without it, (8.3) as printed"
+    )
+    least_growth: float = parameter(
+        18.0,
+        "a sign beyond the peak needs slip that grows over 'window' by this many times the scatter of the wheel speed",
+        minimum=0.0,
+        maximum=1000.0,
     )
     max_gap: float = shared.max_gap(0.03)
 
@@ -191,12 +201,16 @@ class SlopeDetector:
         if sample.wheel_speed * self._radius < (1.0 - LOCKED_SLIP) * speed:
             self._crossing.update(LOCKED_INDICATOR, 1, signals.slip, read_at)
             return self._estimate(Reason.OK, "", nan, delay, LOCKED_INDICATOR)
-        growing = self._growing(slip_rate)
+        growing, growth = self._growing(slip_rate, speed)
+        swings = growing > 0 and h <= p.h_instability and not self._may_be_beyond(growth)
+        if swings:
+            growing = 0
         indicator = slope_indicator(h, growing)
         self._crossing.update(indicator, growing, signals.slip, read_at)
         if growing == 0:
             rate = "slip rate" if self._by is Method.SLIP else "eta"
-            return self._estimate(Reason.NO_EXCITATION, f"{rate} in its dead zone, sign is held", h, delay, indicator)
+            why = "slip may only swing" if swings else f"{rate} in its dead zone"
+            return self._estimate(Reason.NO_EXCITATION, f"{why}, sign is held", h, delay, indicator)
         if self._crossing.sign == 0:
             return self._estimate(Reason.NOT_READY, "indicator has not passed a threshold yet", h, delay, indicator)
         return self._estimate(Reason.OK, "", h, delay, indicator)
@@ -207,16 +221,29 @@ class SlopeDetector:
             self._by = method
             self._crossing.forget_sign()
 
-    def _growing(self, slip_rate: float) -> int:
-        """Return the sign of the slip rate, 0 in the dead zone; only (8.4) uses `slip_rate` [1/s]."""
+    def _growing(self, slip_rate: float, speed: float) -> tuple[int, float]:
+        """Return the sign of the slip rate, 0 in the dead zone, and how fast the wheel falls behind the car [rad/s^2].
+
+        Only (8.4) uses `slip_rate` [1/s] and the `speed` of the car [m/s].
+        """
         p = self._p
         if self._by is Method.SLIP:
-            return slip_rate_sign(slip_rate, p.slip_rate_dead_zone)
+            return slip_rate_sign(slip_rate, p.slip_rate_dead_zone), slip_rate * speed / self._radius
         braking = -self._signals.acceleration() / GRAVITY
         if isnan(braking):
             braking = self._signals.friction_moment() / (self._radius * self._vertical_load)
         eta = normalised_deceleration(self._signals.wheel_acceleration(), self._radius)
-        return eta_sign(eta, braking, self._eta_margin, p.slip_rate_dead_zone, self._reference.speed)
+        sign = eta_sign(eta, braking, self._eta_margin, p.slip_rate_dead_zone, self._reference.speed)
+        return sign, (eta - braking) * GRAVITY / self._radius
+
+    def _may_be_beyond(self, growth: float) -> bool:
+        """Whether slip that grows by `growth` [rad/s^2] of wheel speed may be running away, and not only swing."""
+        least, signals = self._p.least_growth, self._signals
+        if least == 0.0:
+            return True
+        if self._by is Method.SLIP and signals.slip() < LEAST_PEAK:
+            return False
+        return growth * signals.span > least * max(signals.scatter(), LEAST_SCATTER)
 
     def _load_at(self, sample: SlopeSample) -> float:
         """Return the vertical load [N], NaN where there is no acceleration to tell it."""

@@ -4,10 +4,10 @@ eta = -omega_dot r / g takes the place of the slip rate in (8.5). By (8.6),
 
     slip_rate = (g / v) (eta - (1 - slip) b),    b = -v_dot / g
 
-so the two signs differ exactly where 0 < eta < (1 - slip) b. The braking b of the car is measured where it has an
-accelerometer. Without one all wheels are taken to be at the friction of this one, b = mu = (J omega_dot + T_b) /
-(r Fz). So this interval can be left out as a dead zone. Above it, eta stands for a slip rate of at least
-(g / v)(eta - b): the dead zone of the slip rate adds v / g times itself.
+so the two signs differ exactly between 0 and (1 - slip) b, which is below 0 where engine or hill pull the car. The
+braking b of the car is measured where it has an accelerometer. Without one all wheels are taken to be at the friction
+of this one, b = mu = (J omega_dot + T_b) / (r Fz). So this interval can be left out as a dead zone. Above it, eta
+stands for a slip rate of at least (g / v)(eta - b): the dead zone of the slip rate adds v / g times itself.
 """
 
 from vehicle_models.single_corner import GRAVITY
@@ -43,8 +43,8 @@ def eta_sign(eta: float, braking: float, margin: float, dead_zone: float, speed:
 
     Args:
         eta: normalised wheel deceleration [-].
-        braking: deceleration of the car over g [-]; its part below zero does not count.
-        margin: distance by which eta must lie outside the interval (0, braking) [-], >= 0, for its noise.
+        braking: deceleration of the car over g [-].
+        margin: distance by which eta must lie outside the interval between 0 and braking [-], >= 0, for its noise.
         dead_zone: slip rates up to it [1/s], >= 0, do not count as growing.
         speed: vehicle speed, or an upper bound of it [m/s].
 
@@ -53,4 +53,4 @@ def eta_sign(eta: float, braking: float, margin: float, dead_zone: float, speed:
     """
     if eta > max(braking, 0.0) + margin + dead_zone * speed / GRAVITY:
         return 1
-    return -1 if eta < -margin else 0
+    return -1 if eta < min(braking, 0.0) - margin else 0

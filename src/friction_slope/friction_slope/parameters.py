@@ -56,6 +56,7 @@ SHIPPED: Mapping[str, ShippedFile] = {
                 h_instability=-1.0,
                 h_stability=8000.0,
                 slip_rate_dead_zone=0.8,
+                least_growth=0.0,
                 load_transfer=False,
             ),
             no_slip=NoSlipParameters(eta_margin=0.3),

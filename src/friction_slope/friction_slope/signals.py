@@ -103,6 +103,15 @@ class SignalWindow:
         """Acceleration of the car [m/s^2], mean over the rate window; NaN if it was unknown anywhere in it."""
         return self._rates.derivative(0, self._rate_delay, _ACCELERATION)
 
+    @property
+    def span(self) -> float:
+        """Time that the window of h spans [s]."""
+        return self._window.span
+
+    def scatter(self) -> float:
+        """Standard deviation of z about the polynomial that gives h [rad/s]: noise and what else swings."""
+        return self._window.scatter(_Z)
+
     def friction_moment(self) -> float:
         """r Fx = J z_dot = J omega_dot + T_b [N m], braking positive, mean over the rate window."""
         return self._inertia * self._rates.derivative(1, self._rate_delay, _Z)

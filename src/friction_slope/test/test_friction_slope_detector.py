@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from friction_slope.detector import (
     HIGHEST_FRICTION,
+    LEAST_PEAK,
     LOCKED_INDICATOR,
     DetectorParameters,
     NoSlipParameters,
@@ -28,7 +29,9 @@ DT = 0.005
 STEP = 5_000_000
 CORNER = load_vehicle("chapter_corner").corner("front_left")
 CAR = load_vehicle("chapter_car")
-EXACT = DetectorParameters(window=3, rate_window=3, h_instability=0.0, h_stability=0.0, slip_rate_dead_zone=0.0)
+EXACT = DetectorParameters(
+    window=3, rate_window=3, h_instability=0.0, h_stability=0.0, slip_rate_dead_zone=0.0, least_growth=0.0
+)
 
 
 def exact(method: Method = Method.SLIP) -> SlopeDetector:
@@ -185,6 +188,33 @@ def test_load_of_the_wheel_decides_what_friction_it_uses() -> None:
     assert signed[0] < signed[1]
 
 
+@pytest.mark.parametrize("method", Method)
+@pytest.mark.parametrize("swing", [0.0, 0.5])
+def test_slip_that_swings_as_much_as_it_grows_tells_no_loss_of_stability(method: Method, swing: float) -> None:
+    """A wheel whose torque falls while its slip grows is beyond the peak, unless a rough road makes its slip swing."""
+    growth, speed = 0.4, 25.0
+    detector = SlopeDetector(CORNER, method, DetectorParameters(load_transfer=False))
+    signs = set()
+    for k in range(80):
+        time, shaken = k * DT, swing * np.sin(2.0 * np.pi * 11.0 * k * DT)
+        omega = (speed * (0.9 - growth * time)) / CORNER.radius + shaken
+        torque = 400.0 - 50.0 * CORNER.inertia * time
+        sample = SlopeSample((k + 1) * STEP, omega, torque, 0.1 + growth * time, growth, speed, 0.0)
+        signs.add(detector.update(sample).sign)
+    assert (-1 in signs) == (swing == 0.0)
+
+
+def test_slip_below_every_peak_tells_no_loss_of_stability() -> None:
+    def last(slip: float) -> SlopeEstimate:
+        detector = SlopeDetector(CORNER, Method.SLIP, replace(EXACT, least_growth=1.0))
+        return run(
+            detector,
+            [SlopeSample((k + 1) * STEP, 80.0 - 4.0 * k, 400.0 - k**2, slip, 0.5, 25.0) for k in range(10)],
+        )[-1]
+
+    assert (last(0.9 * LEAST_PEAK).sign, last(1.1 * LEAST_PEAK).sign) == (0, -1)
+
+
 def test_gap_fills_the_window_again_and_says_so() -> None:
     samples, _ = through_the_peak("dry")
     late = samples[:60] + [changed(s, stamp=s.stamp + 100_000_000) for s in samples[60:]]
@@ -292,11 +322,14 @@ NUMBERS = st.one_of(st.floats(), st.sampled_from([0.0, nan, inf, -inf, 100.0]))
 @given(
     st.lists(st.tuples(st.integers(-2, 12), *[NUMBERS] * 6), max_size=80),
     st.sampled_from(Method),
+    st.sampled_from((3, 5)),
 )
-def test_hostile_samples_give_known_signs_and_no_exception(stream: list[tuple[float, ...]], method: Method) -> None:
-    detector = SlopeDetector(
-        CORNER, method, EXACT, NoSlipParameters(eta_margin=0.0), WheelLoad(CAR, "front_left"), relaxation_length=0.3
-    )
+def test_hostile_samples_give_known_signs_and_no_exception(
+    stream: list[tuple[float, ...]], method: Method, window: int
+) -> None:
+    parameters = replace(EXACT, window=window, least_growth=1.0)
+    load = WheelLoad(CAR, "front_left")
+    detector = SlopeDetector(CORNER, method, parameters, NoSlipParameters(eta_margin=0.0), load, relaxation_length=0.3)
     stamp = STEP
     for step, *values in stream:
         stamp += int(step) * STEP

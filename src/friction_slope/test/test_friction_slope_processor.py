@@ -33,7 +33,7 @@ CONFIG = Path(__file__).parents[1] / "config"
 STEP = 5_000_000
 PRESSURE, SLIP, IMU = "front_left/brake_pressure", "front_left/slip", "imu/data"
 VEHICLE = load_vehicle("chapter_corner")
-P = FrictionSlopeParameters(detector=DetectorParameters(window=5, rate_window=5))
+P = FrictionSlopeParameters(detector=DetectorParameters(window=5, rate_window=5, least_growth=0.0))
 NO_SLIP = replace(P, method="no_slip")
 ALONE = replace(NO_SLIP, no_slip=NoSlipParameters(slip_at_crossing=False))
 Fed = tuple[str, Any]

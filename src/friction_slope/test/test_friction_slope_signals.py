@@ -135,7 +135,7 @@ def test_unknown_slip_makes_the_slip_unknown_and_nothing_else() -> None:
     assert window.wheel_acceleration() == pytest.approx(-200.0)
 
 
-@given(st.floats(0.0, 0.95), st.floats(0.0, 1.2), st.floats(-20.0, 20.0, allow_subnormal=False), st.floats(2.0, 60.0))
+@given(st.floats(0.0, 0.95), st.floats(-1.2, 1.2), st.floats(-20.0, 20.0, allow_subnormal=False), st.floats(2.0, 60.0))
 def test_eta_tells_the_sign_of_the_slip_rate_wherever_it_says_one(
     slip: float, friction: float, eta: float, speed: float
 ) -> None:
@@ -149,6 +149,11 @@ def test_eta_has_no_sign_in_the_interval_of_disagreement() -> None:
     signs = [eta_sign(eta, 0.8, 0.1, 0.0, 20.0) for eta in (-0.2, -0.1, 0.0, 0.5, 0.85, 0.95)]
     assert signs == [-1, 0, 0, 0, 0, 1]
     assert eta_sign(0.05, -0.3, 0.0, 0.0, 20.0) == 1
+
+
+def test_wheel_that_gains_speed_with_its_car_does_not_return_from_a_slip() -> None:
+    """A car that is pulled by 0.3 g: by (8.6) the slip falls where its wheel gains more speed than that."""
+    assert [eta_sign(eta, -0.3, 0.05, 0.0, 20.0) for eta in (-0.4, -0.34, -0.1)] == [-1, 0, 0]
 
 
 def test_dead_zone_of_the_slip_rate_is_the_same_at_every_speed() -> None:
@@ -205,6 +210,14 @@ def test_peak_is_not_crossed_against_the_direction_of_the_slip() -> None:
     detector.update(-50.0, 1, lambda: 0.2, 3)
     detector.update(inf, 1, lambda: 0.3, 4)
     assert (detector.sign, detector.crossings) == (-1, 1)
+
+
+def test_the_first_that_is_heard_of_a_wheel_beyond_the_peak_is_a_slip_that_grows() -> None:
+    detector = CrossingDetector(-10.0, 10.0)
+    detector.update(-50.0, -1, lambda: 0.1, 1)
+    assert detector.sign == 0
+    detector.update(-50.0, 1, lambda: 0.1, 2)
+    assert (detector.sign, detector.crossings) == (-1, 0)
 
 
 def test_zero_thresholds_are_plain_signs_and_zero_is_none() -> None:

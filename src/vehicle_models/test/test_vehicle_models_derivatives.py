@@ -127,3 +127,21 @@ def test_what_cannot_be_fitted_is_refused() -> None:
         polynomial_weights([-1.0, 0.0], 1, 2, 0.0)
     with pytest.raises(ValueError, match="ascend"):
         polynomial_weights([-1.0, -1.0, 0.0], 1, 1, 0.0)
+
+
+def test_scatter_is_that_of_the_noise_about_the_polynomial() -> None:
+    rng = np.random.default_rng(5)
+    stamps = STEP * np.arange(1, 401)
+    values = np.column_stack(
+        [3.0 + 40.0 * (stamps * 1e-9) ** 2 + noise * rng.standard_normal(400) for noise in (0, 0.2)]
+    )
+    estimator = fed(LocalPolynomial(400, 2, signals=2), stamps, values)
+    assert estimator.scatter(0) == pytest.approx(0.0, abs=1e-9)
+    assert estimator.scatter(1) == pytest.approx(0.2, rel=0.1)
+
+
+def test_samples_that_the_polynomial_goes_through_show_no_scatter_and_an_unknown_one_makes_it_unknown() -> None:
+    values = np.array([[1.0, 1.0], [5.0, np.nan], [2.0, 2.0]])
+    stamps = STEP * np.arange(1, 4)
+    assert fed(LocalPolynomial(3, 2, signals=2), stamps, values).scatter(0) == 0.0
+    assert np.isnan(fed(LocalPolynomial(3, 1, signals=2), stamps, values).scatter(1))

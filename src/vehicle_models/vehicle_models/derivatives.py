@@ -10,7 +10,7 @@ younger and noisier; past it (a negative delay) it is a prediction. A fit of deg
 window, and its delay is that of the centre.
 """
 
-from math import factorial
+from math import factorial, nan, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -131,3 +131,24 @@ class LocalPolynomial:
             total += weight * values[place]
             place += 1
         return total
+
+    def scatter(self, signal: int = 0) -> float:
+        """Standard deviation of the samples of a signal about the polynomial; NaN if one is not finite.
+
+        A window so short that the polynomial goes through all of its samples shows none: 0.
+
+        Raises:
+            ValueError: the window is not full.
+        """
+        if not self.ready:
+            raise ValueError(f"window is not full: {self._count} of {self._window} samples")
+        freedom = self._window - self._degree - 1
+        if freedom == 0:
+            return 0.0
+        stamps = np.array(self._stamps[self._next :] + self._stamps[: self._next])
+        powers = np.vander((stamps - stamps[0]) / (stamps[-1] - stamps[0]), self._degree + 1)
+        values = np.array(self._values[signal][self._next : self._next + self._window])
+        if not np.isfinite(values).all():
+            return nan
+        rest = values - powers @ np.linalg.lstsq(powers, values, rcond=None)[0]
+        return sqrt(float(rest @ rest) / freedom)

@@ -6,7 +6,7 @@ between, the present slip is followed with the last fit. What leaves the window 
 quadratic, which fades.
 """
 
-from math import exp, expm1, inf, isfinite, nan, sqrt
+from math import exp, expm1, hypot, inf, isfinite, isnan, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probabil
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
 from friction_curve_id.car.node_signals import Start, delayed, node_signals, rolling_noise
-from friction_curve_id.car.one_road import RoadWatch, used_and_fitted
+from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.prior import car_prior, radius_deviation
 from friction_curve_id.car.unknowns import SHARED, Unknown
@@ -228,6 +228,7 @@ class CarEstimator:
         self._mu_floor = radius_deviation(self._vehicle)
         self._peak: Peak | None = None
         self._road_watch, self._two_roads = RoadWatch(), ""
+        self._misfit = 0.0
         self._seen_before = 0.0
         self._seen = 0.0
         self._beyond_since = inf
@@ -289,6 +290,9 @@ class CarEstimator:
         torque, _ = delayed(self._samples, nodes, self._start, delay)
         used, fitted = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
         self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time)
+        misfit = misfit_at_peak(used, fitted, exp(float(fit.unknowns[Unknown.LOG_MU_MAX])), nodes.time)
+        if not isnan(misfit):
+            self._misfit = misfit
 
     def _time_beyond(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> float:
         """Time for which the slips of turning wheels were surely beyond the peak, summed over the wheels [s]."""
@@ -329,7 +333,7 @@ class CarEstimator:
                 lambda_max,
                 mu_max,
                 lambda_max * peak.log_lambda_stddev,
-                mu_max * peak.log_mu_stddev,
+                mu_max * hypot(peak.log_mu_stddev, self._misfit),
                 theta,
                 mu=float(mu[each]),
                 slope=float(slope[each]),

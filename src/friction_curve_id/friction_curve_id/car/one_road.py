@@ -8,7 +8,7 @@ curve says and the other less. Both are ratios of means over time, in which the 
 averages out.
 """
 
-from math import exp, log
+from math import exp, inf, isnan, log, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,14 +23,24 @@ NEWEST = 0.1
 """Time over which the newest friction is taken [s]."""
 MOST_CHANGE = 0.07
 """Change of ln of used over fitted friction on one road: random cars of another plant stay below 0.1, mostly 0.06."""
-MOST_DIFFERENCE = 0.05
-"""The same between the sides of the car, over the whole window: there up to 0.05."""
-_LASTING = 3
-"""Steps of the fits after which what was found is not the load of a bump."""
+STILL_CHANGED = 0.04
+"""The same once it has been more: the curve itself goes over to the new road, which makes the change look smaller."""
+MOST_DIFFERENCE = 0.035
+"""The same between the sides of the car, over the whole window: there up to 0.025."""
+STILL_DIFFERENT = 0.02
+"""The same once it has been more."""
+_DOUBTED, _LASTING = 3, 4
+"""Steps of the fits with more than that after which it is doubted for a while, and after which it is no bump."""
+_DOUBT = 0.25
+"""That while [s]."""
 _LEAST_TIME = 0.1
 """Least time of what it is compared with [s]."""
 _LEAST_SHARE = 0.4
 """Least share of mu_max at which friction is compared: below, the slope of the curve and the speed decide."""
+_AT_PEAK = 0.9
+"""Share of mu_max from which friction tells of the peak itself."""
+_NEWEST_AT_PEAK = 0.3
+"""Time over which that is taken [s]: several swings of the load."""
 _MOST_SPIN = 0.5
 """Most torque that speeds a wheel up or down, over that of its tyre: it is late by what nobody knows."""
 
@@ -64,16 +74,32 @@ def used_and_fitted(
 
 
 def change_of_friction(used: Array, fitted: Array, time: Array) -> float:
-    """Return ln of used over fitted friction in the newest time over that of before; 0 where there is too little."""
+    """Return ln of used over fitted friction in the newest time over that of before; NaN where there is too little."""
     newest = time > time[-1] - NEWEST
     return _log_ratio(used[:, newest], fitted[:, newest], time) - _log_ratio(used[:, ~newest], fitted[:, ~newest], time)
 
 
+def misfit_at_peak(used: Array, fitted: Array, mu_max: float, time: Array) -> float:
+    """Return ln of used over fitted friction near the peak in the newest time; NaN where there is too little.
+
+    Where two roads have much the same curve below their peaks, only this shows the old one in the curve of the new one.
+    """
+    near = (fitted > _AT_PEAK * mu_max) & (time > time[-1] - _NEWEST_AT_PEAK)
+    return _log_ratio(used * near, fitted * near, time)
+
+
 def difference_of_sides(used: Array, fitted: Array, left: Array, time: Array) -> float:
-    """Return ln of used over fitted friction of the left wheels over that of the right; `left`: +-1, shape (W, 1)."""
+    """Return ln of used over fitted friction of the left wheels over that of the right; NaN where there is too little.
+
+    Args:
+        used: shape (W, n).
+        fitted: shape (W, n).
+        left: +1 for a wheel on the left, -1 on the right, shape (W, 1).
+        time: of the samples [s], shape (n,).
+    """
     sides = [left[:, 0] * sign > 0.0 for sign in (1.0, -1.0)]
     if not all(side.any() for side in sides):
-        return 0.0
+        return nan
     ratios = [_log_ratio(used[side], fitted[side], time) for side in sides]
     return ratios[0] - ratios[1]
 
@@ -81,26 +107,40 @@ def difference_of_sides(used: Array, fitted: Array, left: Array, time: Array) ->
 def _log_ratio(used: Array, fitted: Array, time: Array) -> float:
     interval = float(time[-1] - time[0]) / max(time.size - 1, 1)
     if np.count_nonzero(fitted) * interval < _LEAST_TIME:
-        return 0.0
+        return nan
     return log(max(float(used.sum()), 1e-3) / float(fitted.sum()))
 
 
 class RoadWatch:
-    """Says whether the wheels are on one road; what has lasted counts until the end of the braking."""
+    """Says whether the wheels are on one road; what has lasted counts until the end of the braking.
+
+    While nothing is told of the newest friction, as between two rises of the pressure, what was found before holds.
+    """
 
     def __init__(self) -> None:
         """Begin with the braking."""
         self._steps = 0
-        self._lasting = ""
+        self._changed = self._different = False
+        self._until, self._said = -inf, ""
 
     def update(self, used: Array, fitted: Array, left: Array, time: Array) -> str:
         """Return what speaks against one road, empty where nothing does. Arguments as above, after a step of a fit."""
+        change, difference = change_of_friction(used, fitted, time), difference_of_sides(used, fitted, left, time)
+        change_shows, difference_shows = abs(change) > MOST_CHANGE, abs(difference) > MOST_DIFFERENCE
+        if not isnan(change):
+            self._changed = change_shows or (self._changed and abs(change) > STILL_CHANGED)
+        if not isnan(difference):
+            self._different = difference_shows or (self._different and abs(difference) > STILL_DIFFERENT)
         found = ""
-        if abs(difference_of_sides(used, fitted, left, time)) > MOST_DIFFERENCE:
+        if self._different:
             found = "the sides of the car are on different roads"
-        elif abs(change_of_friction(used, fitted, time)) > MOST_CHANGE:
+        elif self._changed:
             found = "the road has changed during the braking"
-        self._steps = self._steps + 1 if found else 0
-        if self._steps >= _LASTING:
-            self._lasting = found
-        return self._lasting or found
+        if not found:
+            self._steps = 0
+        elif change_shows or (difference_shows and not isnan(change)):
+            self._steps += 1
+        if self._steps >= _DOUBTED:
+            self._until = max(self._until, inf if self._steps >= _LASTING else float(time[-1]) + _DOUBT)
+            self._said = found
+        return self._said if time[-1] < self._until else found

@@ -44,6 +44,7 @@ class Settings:
             "detector.h_instability": 0.0,
             "detector.h_stability": 0.0,
             "detector.slip_rate_dead_zone": 0.0,
+            "detector.least_growth": 0.0,
             "no_slip.eta_margin": 0.0,
         }
         return replace(self, slope=changed(self.slope, exact))
