@@ -4,10 +4,11 @@ from collections.abc import Callable, Sequence
 
 from friction_evaluation.closed_loop.actuator_bound import ActuatorBound, actuator_bound
 from friction_evaluation.closed_loop.law_stops import law_stops
+from friction_evaluation.closed_loop.longest_lock import LOCK_TIME
 from friction_evaluation.closed_loop.oracle import oracle
 from friction_evaluation.closed_loop.panic_stop import PanicStops
 from friction_evaluation.closed_loop.trouble import NONE, TROUBLES, Trouble
-from friction_evaluation.protocol import SPEED
+from friction_evaluation.protocol import CORNER, SPEED
 from friction_evaluation.rows import Row
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
@@ -23,8 +24,6 @@ _BELOW_BOUND = {"snow": 0.015}
 _NOISE_LOSS = 0.005
 _DRY_DISTANCE = 42.4
 """[m] from 30 m/s to standstill."""
-_LOCK = 0.05
-"""[s]"""
 _LEAST = {("dry", "load varies 5 %"): 0.94, ("dry", "load varies 10 %"): 0.90, ("dry", "gain fades 10 %/s"): 0.935}
 """Goals of their own."""
 _DRY_ONLY = tuple(name for _, name in _LEAST)
@@ -84,14 +83,14 @@ def _made(law: str, seeds: int, road: str, case: Trouble, judged: bool, done: Ca
         "bound_distance_m": bound.distance,
         "distance_over_ideal": float(found.distance.mean()) / _ideal(road, case),
         "longest_lock_s": float(found.longest_lock.max()),
-        "runs_with_lock": int((found.longest_lock >= _LOCK).sum()),
+        "runs_with_lock": int((found.longest_lock >= LOCK_TIME).sum()),
         "commands_per_s": float(found.changes.mean()),
     }
 
 
 def _ideal(road: str, case: Trouble) -> float:
     mu_max = float(burckhardt.peak(surface(road))[1])
-    return SPEED**2 / (2.0 * mu_max * case.corner.gravity)
+    return SPEED**2 / (2.0 * mu_max * case.corner(CORNER).gravity)
 
 
 def _least(road: str, case: Trouble, bound: ActuatorBound) -> float:
@@ -111,7 +110,7 @@ def _failures(road: str, case: Trouble, found: PanicStops, limit: float) -> list
     failures = []
     if not mean >= limit:
         failures.append(f"utilisation {mean:.4f} < {limit:.4f}")
-    if not lock < _LOCK:
+    if not lock < LOCK_TIME:
         failures.append(f"lock {lock:.3f} s")
     if not found.stopped.all():
         failures.append("does not come to rest")

@@ -15,17 +15,16 @@ from rich.progress import Progress
 from abs_supervisor.parameters import CURVE, SLOPE_SIGN
 from friction_evaluation.closed_loop.controller import shipped
 from friction_evaluation.closed_loop.law_rows import chosen, law_rows
-from friction_evaluation.closed_loop.stops import END_SPEED, Stops, stops
+from friction_evaluation.closed_loop.longest_lock import LOCK_TIME
+from friction_evaluation.closed_loop.panic_stop import END_SPEED
+from friction_evaluation.closed_loop.stops import Stops, stops
 from friction_evaluation.protocol import SPEED, VEHICLE
 from friction_evaluation.rows import Row, at_least, at_most
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.surfaces import TABLE_8_1, surface
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
-_LOCK_TIME = 0.05
-"""[s]"""
 _UTILISATION = {"dry": 0.798, "wet": 0.850, "cobblestone": 0.742, "snow": 0.777}
 """Smallest mean utilisation of the chapter's corner."""
 _FIRST_SEED = 20_000
@@ -53,7 +52,7 @@ def run(options: argparse.Namespace) -> list[Row]:
         task = progress.add_task("closed loop", total=len(TABLE_8_1) * options.seeds)
         for name in TABLE_8_1:
             seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
-            found = stops(name, seeds, CHAPTER_NOISE, shipped(), lambda n: progress.advance(task, n), vehicle)
+            found = stops(name, seeds, shipped(), lambda n: progress.advance(task, n), vehicle)
             rows.append(_row(name, found, vehicle))
             if options.vehicle == VEHICLE:
                 rows += _judged(name, found)
@@ -69,7 +68,7 @@ def _of_law(options: argparse.Namespace) -> list[Row]:
 
 
 def _judged(name: str, found: Stops) -> list[Row]:
-    locked = int((found.longest_lock >= _LOCK_TIME).sum())
+    locked = int((found.longest_lock >= LOCK_TIME).sum())
     return [
         {"surface": name, "quantity": "utilisation", **at_least(float(found.utilisation.mean()), _UTILISATION[name])},
         {"surface": name, "quantity": "runs with lock", **at_most(locked, 0)},
@@ -87,7 +86,7 @@ def _row(name: str, found: Stops, vehicle: Vehicle) -> Row:
         "utilisation": float(found.utilisation.mean()),
         "utilisation_worst": float(found.utilisation.min()),
         "utilisation_without_0.4s": float(found.utilisation_late.mean()),
-        "runs_with_lock": int((found.longest_lock >= _LOCK_TIME).sum()),
+        "runs_with_lock": int((found.longest_lock >= LOCK_TIME).sum()),
         "longest_lock_ms": 1e3 * float(found.longest_lock.max()),
         "distance_m": float(found.distance.mean()),
         "ideal_distance_m": ideal,

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_evaluation.protocol import CORNER
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.sensor_noise import CHAPTER_NOISE, SensorNoise
 from vehicle_models.single_corner import CornerParameters
@@ -39,15 +38,19 @@ class Trouble:
     fading: float = 0.0
     """Share of the brake torque that is lost in a second [1/s]."""
 
-    @property
-    def corner(self) -> CornerParameters:
-        """The corner that brakes."""
+    def corner(self, told: CornerParameters) -> CornerParameters:
+        """Return the corner that brakes, of the one in the vehicle file."""
         return replace(
-            CORNER,
-            mass=self.mass * CORNER.mass,
-            vertical_load=self.mass * CORNER.vertical_load,
-            radius=self.radius * CORNER.radius,
+            told,
+            mass=self.mass * told.mass,
+            vertical_load=self.mass * told.vertical_load,
+            radius=self.radius * told.radius,
         )
+
+    @property
+    def steady(self) -> "Trouble":
+        """The same on an even road."""
+        return replace(self, load_variation=0.0)
 
     @property
     def actuator(self) -> ActuatorParameters:
