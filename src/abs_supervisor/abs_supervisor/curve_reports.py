@@ -1,10 +1,11 @@
 """<wheel>/friction_curve as reports for the law, in the order of their stamps."""
 
 from collections import deque
+from math import isnan
 
 from friction_msgs.msg import FrictionCurve
 
-from abs_supervisor.law.road_curve import RoadCurve
+from abs_supervisor.law.road_curve import RoadCurve, curve_through
 from abs_supervisor.law.usable_curve import CurveReport, Estimate
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -56,12 +57,19 @@ class CurveReports:
         return found
 
 
+def _curve(message: FrictionCurve) -> RoadCurve:
+    if isnan(message.theta_1):
+        # A method may know the peak by another family than Burckhardt's.
+        return curve_through(message.lambda_max, message.mu_max)
+    return RoadCurve(message.theta_1, message.theta_2, message.theta_3, message.lambda_max)
+
+
 def _report(message: FrictionCurve) -> CurveReport:
     estimate = _ESTIMATES.get(message.reason, Estimate.NONE)
     curve = None
     if estimate in (Estimate.VALID, Estimate.VAGUE):
         try:
-            curve = RoadCurve(message.theta_1, message.theta_2, message.theta_3, message.lambda_max)
+            curve = _curve(message)
         except ValueError:
             estimate = Estimate.NONE
     return CurveReport(

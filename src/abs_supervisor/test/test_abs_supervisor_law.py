@@ -4,21 +4,24 @@ from math import exp, inf, isfinite, nan
 
 import numpy as np
 import pytest
+from friction_msgs.msg import FrictionCurve
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from abs_supervisor.curve_reports import CurveReports
 from abs_supervisor.fsm import Command
 from abs_supervisor.law.brake_line import BrakeLine
 from abs_supervisor.law.choice import Change, Law, LawChoice
 from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
 from abs_supervisor.law.disturbance import DisturbanceFilter
-from abs_supervisor.law.road_curve import RoadCurve
+from abs_supervisor.law.road_curve import RoadCurve, curve_through
 from abs_supervisor.law.set_point import slip_set_point
 from abs_supervisor.law.three_commands import command_towards
 from abs_supervisor.law.torque_set_point import steady_torque, torque_set_point
 from abs_supervisor.law.usable_curve import CurveReport, Estimate, UsableCurve
 from abs_supervisor.law.wheel_observer import WheelObserver, WheelState
 from abs_supervisor.law.wheel_step import slip_of, wheel_step
+from friction_runtime.stamps import from_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
 from vehicle_models.single_corner import CornerParameters, SingleCorner
@@ -72,6 +75,30 @@ def test_a_curve_is_refused_or_finite(theta_1: float, theta_2: float, theta_3: f
         return
     assert 0.02 <= curve.lambda_max <= 0.5
     assert curve.mu_max > 0.0
+
+
+@pytest.mark.parametrize("name", TABLE_8_1)
+def test_a_peak_alone_gives_the_curve_of_a_road_with_this_peak(name: str) -> None:
+    curve = road(name)
+    found = curve_through(curve.lambda_max, curve.mu_max)
+    assert found.mu_max == pytest.approx(curve.mu_max)
+    assert found.slope(found.lambda_max) == pytest.approx(0.0, abs=1e-6 * found.slope(0.0))
+    for share in (0.3, 0.6, 1.5, 2.0):
+        slip = share * curve.lambda_max
+        assert found.friction(slip) == pytest.approx(curve.friction(slip), rel=0.08)
+
+
+def test_the_law_takes_a_curve_of_another_family_by_its_peak() -> None:
+    """A fit by the magic formula has lambda_max and mu_max, and no theta."""
+    message = FrictionCurve(reason=FrictionCurve.OK, samples=100, theta_1=nan, theta_2=nan, theta_3=nan)
+    message.header.stamp = from_nanoseconds(STEP)
+    message.lambda_max, message.mu_max = 0.14, 0.9
+    reports = CurveReports()
+    reports.take(message)
+    (found,) = reports.until(100 * STEP)
+    assert found.estimate is Estimate.VALID
+    assert found.curve is not None
+    assert (found.curve.lambda_max, found.curve.mu_max) == (pytest.approx(0.14), pytest.approx(0.9))
 
 
 # one step of the wheel
