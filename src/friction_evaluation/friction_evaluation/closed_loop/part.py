@@ -4,7 +4,9 @@ The plant is one corner of a car: the chapter's, or the first wheel of --vehicle
 times the peak torque. Utilisation is the mean of mu / mu_max from the brake onset to 5 m/s; the ideal stop holds mu_max
 all the way. A lock is a slip above 0.95 for 50 ms.
 
-With --law the rows are those of law_rows: to standstill, without speed sensor, beside the bound of the brake.
+With --law the rows are those of law_rows: to standstill, without speed sensor, beside the bound of the brake, of one
+corner and of a car with four wheels whose loads follow the deceleration at once (four_wheels) or that has the troubles
+of a real one (car).
 """
 
 import argparse
@@ -14,7 +16,7 @@ from rich.progress import Progress
 
 from abs_supervisor.parameters import CURVE, SLOPE_SIGN
 from friction_evaluation.closed_loop.controller import shipped
-from friction_evaluation.closed_loop.law_rows import chosen, law_rows
+from friction_evaluation.closed_loop.law_rows import CARS, chosen, law_rows
 from friction_evaluation.closed_loop.longest_lock import LOCK_TIME
 from friction_evaluation.closed_loop.panic_stop import END_SPEED
 from friction_evaluation.closed_loop.stops import Stops, stops
@@ -38,6 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--vehicle", default=VEHICLE, help="vehicle file or name of a shipped one: its first wheel brakes"
     )
     parser.add_argument("--law", choices=(SLOPE_SIGN, CURVE), help="instead: stops to standstill under this law")
+    parser.add_argument("--car", action="append", choices=CARS, default=[], help="only these cars; repeatable")
     for name in ("surface", "case"):
         parser.add_argument(f"--{name}", action="append", default=[], help="only these rows of --law; repeatable")
 
@@ -60,11 +63,12 @@ def run(options: argparse.Namespace) -> list[Row]:
 
 
 def _of_law(options: argparse.Namespace) -> list[Row]:
+    cars, surfaces, cases = options.car, options.surface, options.case
     with Progress() as progress:
-        task = progress.add_task(options.law, total=len(chosen(options.surface, options.case)))
+        task = progress.add_task(options.law, total=len(chosen(cars, surfaces, cases)))
         done = partial(progress.advance, task)
         judged = options.law == CURVE
-        return law_rows(options.law, options.seeds, options.surface, options.case, judged, done)
+        return law_rows(cars, options.law, options.seeds, surfaces, cases, judged, done)
 
 
 def _judged(name: str, found: Stops) -> list[Row]:
