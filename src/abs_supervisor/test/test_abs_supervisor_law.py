@@ -217,7 +217,7 @@ def test_far_beyond_the_peak_the_torque_stays_below_what_the_road_gives() -> Non
     slip = 0.92 * DRY.lambda_max
     ahead = WheelState(wheel_speed=0.4 * 20.0 / 0.3, speed=20.0, torque=900.0, slip=0.6)
     given_by_road = CORNER.radius * CORNER.vertical_load * DRY.friction(0.6)
-    assert torque_set_point(CORNER, DRY, ahead, slip, 0.0, 0.0) < given_by_road
+    assert torque_set_point(CORNER, ACTUATOR, DRY, ahead, slip, 0.0, 0.0) < given_by_road
 
 
 # which curve, which law
