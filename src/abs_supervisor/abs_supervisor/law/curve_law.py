@@ -21,6 +21,8 @@ _LEARNS_ABOVE = 5.0
 """[m/s] below this speed of the car the slow part of the disturbance is kept."""
 _NEAR = 0.5
 """Of the set-point: the slow part is learned while the slip is nearer to it."""
+_EXPLAINED = 0.35
+"""Of the torque that the road gives at its peak: a smaller disturbance is an error of the car, not another road."""
 _LONGEST_STEP = 0.02
 """[s]"""
 
@@ -73,7 +75,12 @@ class CurveLaw:
 
     def learn(self, report: CurveReport) -> None:
         """Take what the estimator said; their stamps do not go back."""
-        self.known.take(report)
+        curve, corner = self.known.curve, self._corner
+        explained = False
+        if curve is not None:
+            most = _EXPLAINED * corner.radius * corner.vertical_load * curve.mu_max
+            explained = abs(self._observer.disturbance) < most
+        self.known.take(report, explained)
         if self.known.changed:
             self._observer.forget_disturbance()
             self._filter.reset()
