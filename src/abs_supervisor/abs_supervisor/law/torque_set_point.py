@@ -16,7 +16,7 @@ _FAR, _FAR_MARGIN = 1.5, 0.05
 """A slip beyond 1.5 set-points and 0.05 is far beyond."""
 _RETURN: Final = 0.2
 """Of the torque at the set-point: by so much the torque stays below what the road gives, far beyond the peak."""
-_SLOW, _SLOWEST, _SLOW_SHARE = 7.0, 3.0, 0.96
+_SLOW, _SLOWEST, _SLOW_SHARE = 5.0, 3.0, 0.96
 """From the first speed [m/s] on the torque stays below a share of that at the peak, which falls to this at the second:
 a step would make a tyre with relaxation ring."""
 

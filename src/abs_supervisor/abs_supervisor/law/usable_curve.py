@@ -96,7 +96,8 @@ class UsableCurve:
         tells = curve is not None and report.samples >= _FEWEST
         vague = isfinite(report.stddev) and curve is not None and report.stddev > _VAGUE * curve.lambda_max
         anew = report.restarts != self._restarts
-        if self.curve is not None and anew and vague and explained:
+        unsure = vague or report.estimate is not Estimate.VALID
+        if self.curve is not None and anew and unsure and explained:
             self._since = report.stamp
         elif tells and report.estimate in (Estimate.VALID, Estimate.VAGUE):
             if anew:
