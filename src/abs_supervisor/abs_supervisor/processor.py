@@ -232,8 +232,9 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         law = COMMANDS[self._supervisor.state]
         control = self._curve_control
         if control is not None and isfinite(seen.wheel_speed):
-            allowed = self._guard.envelope.evidence.verdict is not Release.REFUSED
-            law = control.ask(sample.stamp, seen, law, allowed, self._guard.deceleration)
+            known = self._guard.envelope.evidence
+            answered = known.verdict is not Release.REFUSED or known.dives
+            law = control.ask(sample.stamp, seen, law, answered, self._guard.deceleration)
         self._command = self._guard.command(sample.stamp, law) if isfinite(seen.wheel_speed) else Command.NONE
         if control is not None:
             control.commanded(sample.stamp, self._command, seen.demand)
