@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from friction_evaluation.closed_loop.actuator_bound import actuator_bound
+from friction_evaluation.closed_loop.car_bound import car_bound
+from friction_evaluation.closed_loop.car_setup import CarSetup
 from friction_evaluation.closed_loop.controller import Parameters, shipped
 from friction_evaluation.closed_loop.law_stops import law_stops
 from friction_evaluation.closed_loop.oracle import oracle
@@ -18,6 +20,7 @@ from friction_evaluation.protocol import CAR, CORNER, SPEED, VEHICLE
 from friction_parameters.values import changed
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
+from vehicle_models.two_axle import peak_torque
 from vehicle_models.vehicle_file import load_vehicle
 
 
@@ -121,8 +124,33 @@ def test_the_oracle_is_near_the_bound() -> None:
         assert oracle(name, NONE).utilisation[0] > actuator_bound(name, NONE).utilisation - 0.005
 
 
+@pytest.mark.parametrize("car", ["four_wheels", "car"])
+def test_the_bound_of_a_car_is_that_of_its_rate_and_below_one(car: str) -> None:
+    bound = car_bound(CarSetup(car, "dry"))
+    slow = car_bound(CarSetup(car, "dry", Trouble("slow", apply_rate=0.7)))
+    assert 0.9 < bound.utilisation < bound.utilisation_to_rest < 1.0
+    assert slow.utilisation < bound.utilisation - 0.01
+    assert slow.distance > bound.distance
+
+
+def test_the_demand_of_a_car_is_more_than_every_wheel_can_use() -> None:
+    """On snow little load moves to the front, and the rear brakes are the weaker ones."""
+    for name in TABLE_8_1:
+        setup = CarSetup("four_wheels", name)
+        gains = [wheel.brake_gain for wheel in setup.vehicle.wheels]
+        torques = peak_torque(setup.vehicle, surface(name))
+        assert np.min(setup.demand * np.array(gains) / torques) == pytest.approx(1.5)
+
+
+def test_the_law_brings_a_car_of_four_wheels_near_its_bound_without_a_lock() -> None:
+    options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", car=["four_wheels"], surface=["dry"], case=["none"])
+    (row,) = part("abs").run(options)
+    assert row["limit"] == row["bound"] - 0.01
+    assert row["passed"], row["failures"]
+
+
 def test_rows_of_the_law_say_what_has_to_hold() -> None:
-    options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", surface=["wet"], case=["none"])
+    options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", car=["corner"], surface=["wet"], case=["none"])
     (row,) = part("abs").run(options)
     assert (row["surface"], row["case"], row["limit"]) == ("wet", "none", 0.974)
     assert row["passed"] == (not row["failures"])
