@@ -1,14 +1,16 @@
 """Corners side by side on one road, each with a brake actuator, noisy sensors and a controller of its own."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from corner_sim.sensors import Measurement
-from friction_evaluation.closed_loop.controller import Controller, Parameters
+from friction_evaluation.closed_loop.controller import Controller
 from friction_evaluation.closed_loop.panic_plant import Commands, Flags, PanicPlant
 from friction_evaluation.closed_loop.trouble import NONE, Trouble
 from friction_evaluation.protocol import CAR, STEP
+from friction_runtime.processor import Processor
 from vehicle_models.vehicle import Vehicle
 
 
@@ -30,7 +32,7 @@ class BrakedCorners:
         self,
         surface: str,
         seeds: range,
-        parameters: Parameters,
+        make: Callable[[Vehicle], Sequence[Processor]],
         sensing: InertialSensing = InertialSensing(),
         trouble: Trouble = NONE,
         vehicle: Vehicle = CAR,
@@ -40,7 +42,7 @@ class BrakedCorners:
         Args:
             surface: its name.
             seeds: of the sensor noise and of the road's unevenness.
-            parameters: those of friction_slope and abs_supervisor.
+            make: makes the processors of a car of one wheel, which command its brake.
             sensing: what the graph is told of the motion of the car.
             trouble: what the graph is not told of.
             vehicle: its first wheel brakes.
@@ -49,7 +51,7 @@ class BrakedCorners:
         phases = np.array([Trouble.phases(np.random.default_rng((seed, 3))) for seed in seeds])
         self.plant = PanicPlant(surface, trouble, phases, vehicle.corner(wheel.name))
         noise = trouble.sensors
-        self.controllers = [Controller(vehicle, noise, *parameters, speed_sensor=sensing.speed_sensor) for _ in seeds]
+        self.controllers = [Controller(vehicle, noise, make, speed_sensor=sensing.speed_sensor) for _ in seeds]
         self._noise, self._sensing = noise, sensing
         self._gain, self._accelerometer = wheel.brake_gain, vehicle.accelerometer
         # Streams of their own: the wheel's noise does not depend on how the car's motion is measured.

@@ -3,12 +3,18 @@ with offset and noise.
 """
 
 from dataclasses import replace
+from functools import partial
 
 from friction_evaluation.closed_loop.braked_corners import BrakedCorners, InertialSensing
-from friction_evaluation.closed_loop.controller import shipped
+from friction_evaluation.closed_loop.controller import processors, shipped
 from friction_evaluation.closed_loop.panic_stop import PanicStops, brake_to_rest
+from friction_evaluation.closed_loop.threshold_abs import THRESHOLDS, ThresholdAbs
 from friction_evaluation.closed_loop.trouble import Trouble
 from friction_evaluation.protocol import ACCELERATION_STDDEV, DT
+from friction_runtime.processor import Processor
+from vehicle_models.vehicle import Vehicle
+from wheel_slip.parameters import SHIPPED as SHIPPED_SLIP
+from wheel_slip.processor import CarProcessor
 
 OFFSET = 0.15
 """Of the accelerometer [m/s^2]."""
@@ -22,11 +28,18 @@ def law_stops(surface: str, seeds: range, law: str, trouble: Trouble) -> PanicSt
     Args:
         surface: its name.
         seeds: of the sensor noise and the road's roughness.
-        law: of abs_supervisor.
+        law: of abs_supervisor, or THRESHOLDS.
         trouble: what the graph is not told of.
     """
-    slope, supervisor = shipped()
     sensing = InertialSensing(speed_sensor=False, offset=OFFSET, stddev=ACCELERATION_STDDEV)
-    braked = BrakedCorners(surface, seeds, (slope, replace(supervisor, real_time=False, law=law)), sensing, trouble)
+    braked = BrakedCorners(surface, seeds, partial(_processors, law), sensing, trouble)
     braked.roll(ROLLING)
     return brake_to_rest(braked.plant, braked.brake)
+
+
+def _processors(law: str, alone: Vehicle) -> list[Processor]:
+    if law == THRESHOLDS:
+        (wheel,) = alone.wheels
+        return [CarProcessor(alone, SHIPPED_SLIP["wheel_slip"].parameters), ThresholdAbs(wheel.name, wheel.radius)]
+    slope, supervisor = shipped()
+    return processors(alone, (slope, replace(supervisor, real_time=False, law=law)))

@@ -20,6 +20,7 @@ from friction_evaluation.closed_loop.law_rows import CARS, chosen, law_rows
 from friction_evaluation.closed_loop.longest_lock import LOCK_TIME
 from friction_evaluation.closed_loop.panic_stop import END_SPEED
 from friction_evaluation.closed_loop.stops import Stops, stops
+from friction_evaluation.closed_loop.threshold_abs import THRESHOLDS
 from friction_evaluation.protocol import SPEED, VEHICLE
 from friction_evaluation.rows import Row, at_least, at_most
 from vehicle_models import burckhardt
@@ -39,7 +40,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--vehicle", default=VEHICLE, help="vehicle file or name of a shipped one: its first wheel brakes"
     )
-    parser.add_argument("--law", choices=(SLOPE_SIGN, CURVE), help="instead: stops to standstill under this law")
+    parser.add_argument(
+        "--law", choices=(SLOPE_SIGN, CURVE, THRESHOLDS), help="instead: stops to standstill under this law"
+    )
     parser.add_argument("--car", action="append", choices=CARS, default=[], help="only these cars; repeatable")
     for name in ("surface", "case"):
         parser.add_argument(f"--{name}", action="append", default=[], help="only these rows of --law; repeatable")

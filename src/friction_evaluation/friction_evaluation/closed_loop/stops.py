@@ -2,12 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_evaluation.closed_loop.braked_corners import BrakedCorners
-from friction_evaluation.closed_loop.controller import Parameters
+from friction_evaluation.closed_loop.controller import Parameters, processors
 from friction_evaluation.closed_loop.longest_lock import LongestLock
 from friction_evaluation.closed_loop.panic_stop import END_SPEED, LONGEST
 from friction_evaluation.protocol import CAR, DT
@@ -57,7 +58,7 @@ def stops(
         vehicle: its first wheel brakes, with the mass that rests on it.
     """
     count = len(seeds)
-    braked = BrakedCorners(name, seeds, parameters, vehicle=vehicle)
+    braked = BrakedCorners(name, seeds, partial(processors, parameters=parameters), vehicle=vehicle)
     plant = braked.plant
     corner, theta = plant.corner, plant.theta
     lock = LongestLock(count)
@@ -82,7 +83,7 @@ def stops(
     result.utilisation = used * DT / result.duration
     result.utilisation_late = late * DT / np.maximum(result.duration - _BUILD_UP, DT)
     for i, controller in enumerate(braked.controllers):
-        values = controller.supervisor.health().values
+        values = controller.processors[-1].health().values
         result.transitions[i] = float(values["transitions"])
         result.release_timeouts[i] = float(values["release time-outs"])
         result.fail_safes[i] = float(values["fail-safes"])

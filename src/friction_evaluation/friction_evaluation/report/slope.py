@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from friction_evaluation.closed_loop.braked_corners import BrakedCorners
-from friction_evaluation.closed_loop.controller import shipped as shipped_loop
+from friction_evaluation.closed_loop.controller import processors, shipped
 from friction_evaluation.protocol import DT
 from friction_evaluation.report.page import Picture, Section, Table
 from friction_evaluation.rows import Row
@@ -88,7 +89,7 @@ def _draw_detection(run: Run, signs: Array, file: Path) -> None:
 
 def _draw_loop(road: str, file: Path) -> None:
     """Brake with the supervisor in the loop and draw slip, sign and state."""
-    braked = BrakedCorners(road, range(_FIRST_SEED, _FIRST_SEED + 1), shipped_loop())
+    braked = BrakedCorners(road, range(_FIRST_SEED, _FIRST_SEED + 1), partial(processors, parameters=shipped()))
     plant = braked.plant
     running = np.ones(1, dtype=bool)
     kept: list[tuple[float, float, int]] = []
