@@ -1,10 +1,11 @@
 """The identified friction curve (2.13) as the law uses it, for one slip at a time."""
 
 from math import exp, isfinite, log
+from typing import Final
 
 _SMALLEST, _LARGEST = 0.02, 0.5
 """[-] no road has its peak outside."""
-_SHAPE_STEPS = 8
+_SHAPE_STEPS: Final = 8
 """Of the fixed point, which shrinks the error to a third or less each."""
 
 
