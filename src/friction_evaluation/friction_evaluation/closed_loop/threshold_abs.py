@@ -2,8 +2,8 @@
 
 The cycle is the textbook's (Bosch, Automotive Handbook, antilock braking systems): pressure is held when the wheel
 decelerates hard, released when it slips as well, held until it has come back, and then applied again in steps. It has
-the slip of wheel_slip, as the other laws. Tuned on seed 1000 of the noise by a random search over its thresholds for the
-largest mean utilisation of the four roads without a lock; one that knew each road would choose other thresholds.
+the slip of wheel_slip, as the other laws. Tuned on seed 1000 of the noise, with the true slip, by a random search over
+its thresholds for the largest mean utilisation of the four roads without a lock.
 """
 
 from collections import deque
