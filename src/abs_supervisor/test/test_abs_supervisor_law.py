@@ -290,16 +290,16 @@ def test_a_curve_counts_from_twenty_samples_and_its_peak_as_seen_after_three_val
     assert known.seen
 
 
-def test_a_fit_that_began_anew_displaces_a_curve_that_explains_the_wheel_only_when_it_is_valid() -> None:
+def test_a_fit_that_began_anew_displaces_a_curve_that_explains_the_wheel_only_when_it_is_sure() -> None:
     other = road("snow")
     for explained in (True, False):
         known = UsableCurve()
         for sample in range(1, 4):
             known.take(report(sample * STEP, Estimate.VALID))
-        known.take(report(4 * STEP, Estimate.VAGUE, other, restarts=1), explained)
+        known.take(report(4 * STEP, Estimate.VAGUE, other, stddev=0.05, restarts=1), explained)
         assert known.curve is (DRY if explained else other)
         assert known.changed is not explained
-    known.take(report(5 * STEP, Estimate.VALID, other, restarts=2), explained=True)
+    known.take(report(5 * STEP, Estimate.VAGUE, other, restarts=2), explained=True)
     assert known.curve is other
 
 
@@ -307,7 +307,7 @@ def test_a_curve_stays_while_newer_fits_are_not_sure() -> None:
     known = UsableCurve()
     known.take(report(STEP, Estimate.VALID))
     for sample in range(2, 100):
-        known.take(report(sample * STEP, Estimate.VAGUE, road("snow"), restarts=1), explained=True)
+        known.take(report(sample * STEP, Estimate.VAGUE, road("snow"), stddev=0.05, restarts=1), explained=True)
     assert known.curve is DRY
 
 

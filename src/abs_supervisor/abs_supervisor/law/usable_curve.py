@@ -96,8 +96,7 @@ class UsableCurve:
         tells = curve is not None and report.samples >= _FEWEST
         vague = isfinite(report.stddev) and curve is not None and report.stddev > _VAGUE * curve.lambda_max
         anew = report.restarts != self._restarts
-        unsure = vague or report.estimate is not Estimate.VALID
-        if self.curve is not None and anew and unsure and explained:
+        if self.curve is not None and anew and vague and explained:
             self._since = report.stamp
         elif tells and report.estimate in (Estimate.VALID, Estimate.VAGUE):
             if anew:
