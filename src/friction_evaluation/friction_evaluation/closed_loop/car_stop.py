@@ -12,16 +12,13 @@ from friction_evaluation.closed_loop.car_setup import CarSetup
 from friction_evaluation.closed_loop.law_stops import ROLLING
 from friction_evaluation.closed_loop.longest_lock import LongestLock
 from friction_evaluation.closed_loop.panic_stop import END_SPEED, LOCK_ABOVE, LONGEST, PanicStops
-from friction_evaluation.closed_loop.threshold_abs import THRESHOLDS, ThresholdAbs
 from friction_runtime.processor import Processor, silent
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.parameters import SHIPPED as SHIPPED_SLIP
-from wheel_slip.processor import CarProcessor
 
 
 def car_stops(setup: CarSetup, seeds: range, law: str) -> PanicStops:
-    """Brake once for each seed, of the sensor noise and of the road, under a law: of abs_supervisor, or THRESHOLDS.
+    """Brake once for each seed, of the sensor noise and of the road, under a law of abs_supervisor.
 
     Utilisation is that of the tyres: their braking forces over mu_max times the weight. The longest lock is that of any
     wheel, the changes of the command are a mean of the wheels.
@@ -79,9 +76,6 @@ def _stop(setup: CarSetup, seed: int, law: str) -> PanicStops:
 
 
 def _processors(law: str, told: Vehicle) -> list[Processor]:
-    if law == THRESHOLDS:
-        slip = CarProcessor(told, SHIPPED_SLIP["wheel_slip"].parameters)
-        return [slip, *(ThresholdAbs(wheel.name, wheel.radius) for wheel in told.wheels)]
     parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, several_wheels=True)
     parameters["abs_supervisor"] = replace(parameters["abs_supervisor"], real_time=False)
     return make_processors(parameters, told, silent)

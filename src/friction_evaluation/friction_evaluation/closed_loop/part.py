@@ -16,7 +16,7 @@ from rich.progress import Progress
 
 from abs_supervisor.parameters import CURVE, SLOPE_SIGN
 from friction_evaluation.closed_loop.controller import shipped
-from friction_evaluation.closed_loop.law_rows import CARS, chosen, law_rows
+from friction_evaluation.closed_loop.law_rows import CARS, CORNER_ALONE, chosen, law_rows
 from friction_evaluation.closed_loop.longest_lock import LOCK_TIME
 from friction_evaluation.closed_loop.panic_stop import END_SPEED
 from friction_evaluation.closed_loop.stops import Stops, stops
@@ -66,7 +66,9 @@ def run(options: argparse.Namespace) -> list[Row]:
 
 
 def _of_law(options: argparse.Namespace) -> list[Row]:
-    cars, surfaces, cases = options.car, options.surface, options.case
+    # The thresholds are those of one corner.
+    cars = [CORNER_ALONE] if options.law == THRESHOLDS else options.car
+    surfaces, cases = options.surface, options.case
     with Progress() as progress:
         task = progress.add_task(options.law, total=len(chosen(cars, surfaces, cases)))
         done = partial(progress.advance, task)
