@@ -49,7 +49,8 @@ class CurveControl:
             stamp: of the sample [ns].
             seen: what is known there; its wheel speed is finite.
             otherwise: what the machine asks for. NONE: the driver does not brake, or an input failed.
-            release: whether the envelope would let a release pass; where it would not, the pressure is held.
+            release: whether the envelope would answer a release with less pressure than the driver's: it lets it pass,
+                or holds a wheel that dives. Where it would not, a hold is asked for.
             deceleration: of the car over the last 0.2 s [m/s^2], NaN where unknown; that is as late as the pitch of
                 its body, which the load of the wheels follows.
         """

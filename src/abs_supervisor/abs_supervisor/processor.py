@@ -237,8 +237,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         law = self._end_of_stop.ask(COMMANDS[self._supervisor.state], known.grips, seen.car_speed, seen.torque)
         control = self._curve_control
         if control is not None and isfinite(seen.wheel_speed):
-            allowed = known.verdict is not Release.REFUSED
-            law = control.ask(sample.stamp, seen, law, allowed, self._guard.deceleration)
+            answered = known.verdict is not Release.REFUSED or known.dives
+            law = control.ask(sample.stamp, seen, law, answered, self._guard.deceleration)
         self._command = self._guard.command(sample.stamp, law) if isfinite(seen.wheel_speed) else Command.NONE
         self._end_of_stop.commanded(self._command)
         if control is not None:

@@ -4,21 +4,25 @@ from math import exp, inf, isfinite, nan
 
 import numpy as np
 import pytest
+from friction_msgs.msg import FrictionCurve
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from abs_supervisor.curve_reports import CurveReports
 from abs_supervisor.fsm import Command
 from abs_supervisor.law.brake_line import BrakeLine
 from abs_supervisor.law.choice import Change, Law, LawChoice
 from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
 from abs_supervisor.law.disturbance import DisturbanceFilter
-from abs_supervisor.law.road_curve import RoadCurve
+from abs_supervisor.law.released_wheel import ReleasedWheel
+from abs_supervisor.law.road_curve import RoadCurve, curve_through
 from abs_supervisor.law.set_point import slip_set_point
 from abs_supervisor.law.three_commands import command_towards
 from abs_supervisor.law.torque_set_point import steady_torque, torque_set_point
 from abs_supervisor.law.usable_curve import CurveReport, Estimate, UsableCurve
 from abs_supervisor.law.wheel_observer import WheelObserver, WheelState
 from abs_supervisor.law.wheel_step import slip_of, wheel_step
+from friction_runtime.stamps import from_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
 from vehicle_models.single_corner import CornerParameters, SingleCorner
@@ -72,6 +76,31 @@ def test_a_curve_is_refused_or_finite(theta_1: float, theta_2: float, theta_3: f
         return
     assert 0.02 <= curve.lambda_max <= 0.5
     assert curve.mu_max > 0.0
+
+
+@pytest.mark.parametrize("name", TABLE_8_1)
+def test_a_peak_alone_gives_the_curve_of_a_road_with_this_peak(name: str) -> None:
+    curve = road(name)
+    found = curve_through(curve.lambda_max, curve.mu_max)
+    assert found.mu_max == pytest.approx(curve.mu_max)
+    assert found.slope(found.lambda_max) == pytest.approx(0.0, abs=1e-6 * found.slope(0.0))
+    for share in (0.3, 0.6, 1.5, 2.0):
+        slip = share * curve.lambda_max
+        assert found.friction(slip) == pytest.approx(curve.friction(slip), rel=0.08)
+
+
+def test_the_law_takes_a_curve_of_another_family_by_its_peak() -> None:
+    """A fit by the magic formula has lambda_max and mu_max, and no theta."""
+    message = FrictionCurve(reason=FrictionCurve.OK, samples=100, theta_1=nan, theta_2=nan, theta_3=nan)
+    message.header.stamp = from_nanoseconds(STEP)
+    message.lambda_max, message.mu_max = 0.14, 0.9
+    reports = CurveReports()
+    reports.take(message)
+    (found,) = reports.until(100 * STEP)
+    assert found.estimate is Estimate.VALID
+    assert found.curve is not None
+    assert found.curve.lambda_max == pytest.approx(0.14)
+    assert found.curve.mu_max == pytest.approx(0.9)
 
 
 # one step of the wheel
@@ -189,7 +218,62 @@ def test_far_beyond_the_peak_the_torque_stays_below_what_the_road_gives() -> Non
     slip = 0.92 * DRY.lambda_max
     ahead = WheelState(wheel_speed=0.4 * 20.0 / 0.3, speed=20.0, torque=900.0, slip=0.6)
     given_by_road = CORNER.radius * CORNER.vertical_load * DRY.friction(0.6)
-    assert torque_set_point(CORNER, DRY, ahead, slip, 0.0, 0.0) < given_by_road
+    assert torque_set_point(CORNER, ACTUATOR, DRY, ahead, slip, 0.0, 0.0) < given_by_road
+
+
+def test_a_large_error_of_the_wheel_speed_asks_for_no_more_than_the_brake_can_end() -> None:
+    """Under T* the wheel moves by a; while the torque goes back at its rate, the wheel covers the rest of the error."""
+    slip, speed = 0.92 * DRY.lambda_max, 25.0
+    wanted = (1.0 - slip) * speed / CORNER.radius
+    steady = steady_torque(CORNER, DRY, slip)
+    for error in (-2.0, -12.0, -30.0):
+        ahead = WheelState(wanted + error, speed, steady, slip_of(speed, CORNER.radius * (wanted + error)))
+        found = steady - torque_set_point(CORNER, ACTUATOR, DRY, ahead, slip, 400.0, 0.0) + 400.0
+        swept = CORNER.inertia * (found / CORNER.inertia) ** 2 / (2.0 * ACTUATOR.apply_rate)
+        assert found > 0.0
+        assert swept <= abs(error) * 1.0001 or ahead.slip > 1.5 * slip
+
+
+def test_the_torque_falls_below_that_of_the_peak_without_a_step() -> None:
+    slip = 0.9 * DRY.lambda_max
+    speeds = np.arange(6.0, 2.0, -0.05)
+    torques = []
+    for speed in speeds.tolist():
+        ahead = WheelState((1.0 - slip) * speed / CORNER.radius, speed, 800.0, slip)
+        torques.append(torque_set_point(CORNER, ACTUATOR, DRY, ahead, slip, 200.0, 0.0))
+    peak = steady_torque(CORNER, DRY, DRY.lambda_max)
+    assert torques[-1] == pytest.approx(0.96 * peak)
+    assert np.abs(np.diff(torques[25:])).max() < 0.005 * peak
+
+
+# a wheel whose brake is open
+
+
+def _opened(gain: float, slip: float, torque: float = 0.0, samples: int = 30) -> ReleasedWheel:
+    """Follow a wheel that gains speed at a rate [rad/s^2]."""
+    released = ReleasedWheel()
+    for sample in range(samples):
+        released.update(sample * STEP, CORNER, 40.0 + gain * sample * DT, torque, slip, DRY.lambda_max)
+    return released
+
+
+def test_a_wheel_with_an_open_brake_that_gains_no_speed_rolls_whatever_its_slip() -> None:
+    assert _opened(gain=-3.0, slip=0.6).rolls
+    assert not _opened(gain=100.0, slip=0.6).rolls
+    assert not _opened(gain=-3.0, slip=0.1).rolls
+    assert not _opened(gain=-3.0, slip=0.6, torque=200.0).rolls
+    assert not _opened(gain=-3.0, slip=0.6, samples=9).rolls
+
+
+def test_a_rolling_wheel_counts_as_slipping_again_when_it_dives_or_its_slip_is_small() -> None:
+    released = _opened(gain=-3.0, slip=0.6)
+    released.update(31 * STEP, CORNER, 40.0, 400.0, 0.6, DRY.lambda_max)
+    assert released.rolls
+    released.update(32 * STEP, CORNER, 30.0, 400.0, 0.6, DRY.lambda_max)
+    assert not released.rolls
+    released = _opened(gain=-3.0, slip=0.6)
+    released.update(31 * STEP, CORNER, 40.0, 400.0, 0.1, DRY.lambda_max)
+    assert not released.rolls
 
 
 # which curve, which law
@@ -204,6 +288,27 @@ def test_a_curve_counts_from_twenty_samples_and_its_peak_as_seen_after_three_val
         known.take(report((sample + 2) * STEP, Estimate.VALID))
     assert known.curve is DRY
     assert known.seen
+
+
+def test_a_fit_that_began_anew_displaces_a_curve_that_explains_the_wheel_only_when_it_is_sure() -> None:
+    other = road("snow")
+    for explained in (True, False):
+        known = UsableCurve()
+        for sample in range(1, 4):
+            known.take(report(sample * STEP, Estimate.VALID))
+        known.take(report(4 * STEP, Estimate.VAGUE, other, stddev=0.05, restarts=1), explained)
+        assert known.curve is (DRY if explained else other)
+        assert known.changed is not explained
+    known.take(report(5 * STEP, Estimate.VAGUE, other, restarts=2), explained=True)
+    assert known.curve is other
+
+
+def test_a_curve_stays_while_newer_fits_are_not_sure() -> None:
+    known = UsableCurve()
+    known.take(report(STEP, Estimate.VALID))
+    for sample in range(2, 100):
+        known.take(report(sample * STEP, Estimate.VAGUE, road("snow"), stddev=0.05, restarts=1), explained=True)
+    assert known.curve is DRY
 
 
 def test_a_vague_estimate_does_not_displace_a_peak_that_was_seen() -> None:

@@ -90,7 +90,7 @@ class CarPlant:
         self._vehicle, self._road = vehicle, road
         self._tyres: list[Tyre] = [family[name] for name in road.names]
         self._behind = np.array([0.0, 0.0, vehicle.wheelbase, vehicle.wheelbase])
-        self._parameters = _as_it_is(vehicle, self._tyres[0], parameters, errors)
+        self._parameters = as_it_is(vehicle, self._tyres[0], parameters, errors)
         self._measured = MeasuredCar(self._parameters, speed, errors.seed)
         self._speed_noise = np.random.default_rng([errors.seed, 4])
         self._speed_stddev = errors.noise.speed_variance**0.5
@@ -163,7 +163,7 @@ class CarPlant:
         return self._road.index(self._car.distance - self._behind)
 
 
-def _as_it_is(vehicle: Vehicle, tyre: Tyre, parameters: CarModelParameters, errors: SensorErrors) -> CarParameters:
+def as_it_is(vehicle: Vehicle, tyre: Tyre, parameters: CarModelParameters, errors: SensorErrors) -> CarParameters:
     """The car of a vehicle file, whose values are taken as true and whose deviations are not used."""
     front_left, front_right, rear_left, rear_right = vehicle.wheels
 

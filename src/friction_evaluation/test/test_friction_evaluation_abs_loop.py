@@ -7,17 +7,20 @@ import numpy as np
 import pytest
 
 from friction_evaluation.closed_loop.actuator_bound import actuator_bound
+from friction_evaluation.closed_loop.car_bound import car_bound
+from friction_evaluation.closed_loop.car_setup import CarSetup
 from friction_evaluation.closed_loop.controller import Parameters, shipped
 from friction_evaluation.closed_loop.law_stops import law_stops
 from friction_evaluation.closed_loop.oracle import oracle
-from friction_evaluation.closed_loop.stops import END_SPEED, stops
+from friction_evaluation.closed_loop.panic_stop import END_SPEED
+from friction_evaluation.closed_loop.stops import stops
 from friction_evaluation.closed_loop.trouble import NONE, Trouble
 from friction_evaluation.parts import part
 from friction_evaluation.protocol import CAR, CORNER, SPEED, VEHICLE
 from friction_parameters.values import changed
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
 from vehicle_models.surfaces import TABLE_8_1, surface
+from vehicle_models.two_axle import peak_torque
 from vehicle_models.vehicle_file import load_vehicle
 
 
@@ -29,7 +32,7 @@ def parameters() -> Parameters:
 def test_utilisation_is_the_mean_deceleration_over_the_best_one(parameters: Parameters) -> None:
     """mean(mu) g = (v0 - v1) / duration, by momentum."""
     for name in ("wet", "cobblestone"):
-        found = stops(name, range(2), CHAPTER_NOISE, parameters)
+        found = stops(name, range(2), parameters)
         mu_max = float(burckhardt.peak(surface(name))[1])
         mean = (SPEED - END_SPEED) / found.duration / CORNER.gravity
         np.testing.assert_allclose(found.utilisation, mean / mu_max, rtol=0.02)
@@ -37,7 +40,7 @@ def test_utilisation_is_the_mean_deceleration_over_the_best_one(parameters: Para
 
 
 def test_shipped_parameters_hold_the_wheel_off_the_lock(parameters: Parameters) -> None:
-    found = stops("dry", range(3), CHAPTER_NOISE, parameters)
+    found = stops("dry", range(3), parameters)
     assert np.all(found.longest_lock < 0.05)
     assert np.all(found.utilisation > 0.5)
     assert np.all(found.fail_safes == 0)
@@ -50,7 +53,7 @@ def test_supervisor_that_never_releases_locks_the_wheel_and_it_is_noticed(parame
         changed(slope, {"no_slip.eta_margin": 100.0}),
         changed(supervisor, {f"thresholds.{name}": value for name, value in thresholds.items()}),
     )
-    found = stops("wet", range(1), NO_NOISE, never)
+    found = stops("wet", range(1), never)
     assert found.longest_lock[0] > 0.05
 
 
@@ -59,10 +62,9 @@ def test_the_corner_is_that_of_the_vehicle_whatever_its_joints_are_called(parame
     (wheel,) = CAR.wheels
     renamed = replace(CAR, wheels=(replace(wheel, name="FL", joint="car::wheel_fl"),))
     alike, other = (
-        stops("dry", range(1), CHAPTER_NOISE, parameters, vehicle=vehicle)
-        for vehicle in (renamed, load_vehicle("bmw_m8"))
+        stops("dry", range(1), parameters, vehicle=vehicle) for vehicle in (renamed, load_vehicle("bmw_m8"))
     )
-    ours = stops("dry", range(1), CHAPTER_NOISE, parameters)
+    ours = stops("dry", range(1), parameters)
     assert alike.distance[0] == ours.distance[0]
     assert other.distance[0] == pytest.approx(ours.distance[0], rel=0.2)
     assert other.distance[0] != ours.distance[0]
@@ -70,8 +72,8 @@ def test_the_corner_is_that_of_the_vehicle_whatever_its_joints_are_called(parame
 
 
 def test_runs_do_not_depend_on_their_neighbours_and_repeat(parameters: Parameters) -> None:
-    together = stops("wet", range(3), CHAPTER_NOISE, parameters)
-    alone = stops("wet", range(2, 3), CHAPTER_NOISE, parameters)
+    together = stops("wet", range(3), parameters)
+    alone = stops("wet", range(2, 3), parameters)
     assert together.utilisation[2] == pytest.approx(alone.utilisation[0], rel=1e-12)
     assert together.distance[2] == pytest.approx(alone.distance[0], rel=1e-12)
     assert together.transitions[2] == alone.transitions[0]
@@ -79,7 +81,7 @@ def test_runs_do_not_depend_on_their_neighbours_and_repeat(parameters: Parameter
 
 def test_every_run_that_ends_is_reported_once(parameters: Parameters) -> None:
     ended: list[int] = []
-    stops("dry", range(3), CHAPTER_NOISE, parameters, ended.append)
+    stops("dry", range(3), parameters, ended.append)
     assert sum(ended) == 3
 
 
@@ -122,8 +124,33 @@ def test_the_oracle_is_near_the_bound() -> None:
         assert oracle(name, NONE).utilisation[0] > actuator_bound(name, NONE).utilisation - 0.005
 
 
+@pytest.mark.parametrize("car", ["four_wheels", "car"])
+def test_the_bound_of_a_car_is_that_of_its_rate_and_below_one(car: str) -> None:
+    bound = car_bound(CarSetup(car, "dry"))
+    slow = car_bound(CarSetup(car, "dry", Trouble("slow", apply_rate=0.7)))
+    assert 0.9 < bound.utilisation < bound.utilisation_to_rest < 1.0
+    assert slow.utilisation < bound.utilisation - 0.01
+    assert slow.distance > bound.distance
+
+
+def test_the_demand_of_a_car_is_more_than_every_wheel_can_use() -> None:
+    """On snow little load moves to the front, and the rear brakes are the weaker ones."""
+    for name in TABLE_8_1:
+        setup = CarSetup("four_wheels", name)
+        gains = [wheel.brake_gain for wheel in setup.vehicle.wheels]
+        torques = peak_torque(setup.vehicle, surface(name))
+        assert np.min(setup.demand * np.array(gains) / torques) == pytest.approx(1.5)
+
+
+def test_the_law_brings_a_car_of_four_wheels_near_its_bound_without_a_lock() -> None:
+    options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", car=["four_wheels"], surface=["dry"], case=["none"])
+    (row,) = part("abs").run(options)
+    assert row["limit"] == row["bound"] - 0.01
+    assert row["passed"], row["failures"]
+
+
 def test_rows_of_the_law_say_what_has_to_hold() -> None:
-    options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", surface=["wet"], case=["none"])
+    options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", car=["corner"], surface=["wet"], case=["none"])
     (row,) = part("abs").run(options)
     assert (row["surface"], row["case"], row["limit"]) == ("wet", "none", 0.974)
     assert row["passed"] == (not row["failures"])

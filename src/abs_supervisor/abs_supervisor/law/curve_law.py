@@ -6,6 +6,7 @@ from math import isfinite, nan
 from abs_supervisor.fsm import Command
 from abs_supervisor.law.choice import Law, LawChoice
 from abs_supervisor.law.disturbance import DisturbanceFilter
+from abs_supervisor.law.released_wheel import ReleasedWheel
 from abs_supervisor.law.set_point import slip_set_point
 from abs_supervisor.law.three_commands import command_towards
 from abs_supervisor.law.torque_set_point import steady_torque, torque_set_point
@@ -20,6 +21,8 @@ _LEARNS_ABOVE = 5.0
 """[m/s] below this speed of the car the slow part of the disturbance is kept."""
 _NEAR = 0.5
 """Of the set-point: the slow part is learned while the slip is nearer to it."""
+_EXPLAINED = 0.35
+"""Of the torque that the road gives at its peak: a smaller disturbance is an error of the car, not another road."""
 _LONGEST_STEP = 0.02
 """[s]"""
 
@@ -38,9 +41,10 @@ class CurveLaw:
 
     def __init__(self, corner: CornerParameters, actuator: ActuatorParameters, parameters: CurveLawParameters) -> None:
         """Choose a wheel and its hydraulics."""
-        self._corner, self._band = corner, parameters.band
+        self._corner, self._actuator, self._band = corner, actuator, parameters.band
         self._observer = WheelObserver(corner, actuator)
         self._filter = DisturbanceFilter()
+        self._released = ReleasedWheel()
         self.known = UsableCurve()
         self.choice = LawChoice()
         self.reset()
@@ -49,6 +53,7 @@ class CurveLaw:
         """Forget everything."""
         self._observer.reset()
         self._filter.reset()
+        self._released.reset()
         self.known.reset()
         self.choice.reset()
         self._stamp: int | None = None
@@ -70,7 +75,12 @@ class CurveLaw:
 
     def learn(self, report: CurveReport) -> None:
         """Take what the estimator said; their stamps do not go back."""
-        self.known.take(report)
+        curve, corner = self.known.curve, self._corner
+        explained = False
+        if curve is not None:
+            most = _EXPLAINED * corner.radius * corner.vertical_load * curve.mu_max
+            explained = abs(self._observer.disturbance) < most
+        self.known.take(report, explained)
         if self.known.changed:
             self._observer.forget_disturbance()
             self._filter.reset()
@@ -102,6 +112,7 @@ class CurveLaw:
             self.known.reset()
             self._filter.reset()
             self._observer.forget_disturbance()
+            self._released.reset()
         curve = self.known.curve
         known = isfinite(slip) and isfinite(speed)
         self.slip_set_point = self.torque_set_point = nan
@@ -115,13 +126,16 @@ class CurveLaw:
         if not known or curve is None:
             # Not yet a reason for the other law: the driver's demand passes.
             return Command.INCREASE
+        self._released.update(stamp, self._corner, wheel_speed, torque, slip, curve.lambda_max)
+        if self._released.rolls:
+            return Command.INCREASE
         ahead = self._observer.ahead(curve)
         wanted = slip_set_point(curve, self.known.seen, ahead.speed)
         disturbance = self._observer.disturbance
         if speed > _LEARNS_ABOVE and self.known.seen and abs(slip - wanted) < _NEAR * wanted:
             self._filter.learn(disturbance, dt)
         followed = self._filter.followed(disturbance, steady_torque(self._corner, curve, wanted))
-        aim = torque_set_point(self._corner, curve, ahead, wanted, followed, disturbance)
+        aim = torque_set_point(self._corner, self._actuator, curve, ahead, wanted, followed, disturbance)
         self.slip_set_point, self.torque_set_point = wanted, min(aim, demand)
         return command_towards(aim, ahead.torque, demand, self._band)
 

@@ -1,9 +1,12 @@
 """The identified friction curve (2.13) as the law uses it, for one slip at a time."""
 
-from math import exp, isfinite
+from math import exp, isfinite, log
+from typing import Final
 
 _SMALLEST, _LARGEST = 0.02, 0.5
 """[-] no road has its peak outside."""
+_SHAPE_STEPS: Final = 8
+"""Of the fixed point, which shrinks the error to a third or less each."""
 
 
 class RoadCurve:
@@ -34,3 +37,26 @@ class RoadCurve:
     def slope(self, slip: float) -> float:
         """Return d mu / d slip [-] at a slip, which is held in -1 to 1."""
         return self.theta_1 * self.theta_2 * exp(-self.theta_2 * min(abs(slip), 1.0)) - self.theta_3
+
+
+def curve_through(lambda_max: float, mu_max: float) -> RoadCurve:
+    """Return the Burckhardt curve of usual shape through a peak, for a tyre that another family describes better.
+
+    With k = theta_2 lambda_max: k - ln k = -ln(0.4 lambda_max), which the roads of Table 8.1 follow.
+
+    Args:
+        lambda_max: [-]; the curve's is held in 0.02 to 0.5.
+        mu_max: [-].
+
+    Raises:
+        ValueError: a value is not finite, or there is no friction.
+    """
+    if not (isfinite(lambda_max) and isfinite(mu_max)):
+        raise ValueError("a peak must be finite")
+    peak = min(max(lambda_max, _SMALLEST), _LARGEST)
+    k = level = -log(0.4 * peak)
+    for _ in range(_SHAPE_STEPS):
+        k = level + log(k)
+    fall = k * exp(-k)
+    theta_1 = mu_max / (1.0 - exp(-k) - fall)
+    return RoadCurve(theta_1, k / peak, theta_1 * fall / peak, peak)

@@ -83,18 +83,27 @@ class UsableCurve:
         """Valid estimates of this road."""
         self._since = 0
 
-    def take(self, report: CurveReport) -> None:
-        """Take a report; their stamps do not go back."""
+    def take(self, report: CurveReport, explained: bool = False) -> None:
+        """Take a report; their stamps do not go back.
+
+        Args:
+            report: of the estimator.
+            explained: whether the present curve explains how the wheel moves. A fit that began anew is then no reason
+                to believe in another road until it is sure of one.
+        """
         self.changed = False
         curve = report.curve
         tells = curve is not None and report.samples >= _FEWEST
-        if tells and report.estimate in (Estimate.VALID, Estimate.VAGUE):
-            if report.restarts != self._restarts:
+        vague = isfinite(report.stddev) and curve is not None and report.stddev > _VAGUE * curve.lambda_max
+        anew = report.restarts != self._restarts
+        if self.curve is not None and anew and vague and explained:
+            self._since = report.stamp
+        elif tells and report.estimate in (Estimate.VALID, Estimate.VAGUE):
+            if anew:
                 self.changed = self._restarts >= 0
                 self._restarts, self.valid, self.seen = report.restarts, 0, False
             self.valid += report.estimate is Estimate.VALID
             self.seen = self.seen or self.valid >= _SEEN_AFTER or report.beyond > 0.5
-            vague = isfinite(report.stddev) and curve is not None and report.stddev > _VAGUE * curve.lambda_max
             if not (self.seen and vague) or self.curve is None or self.changed:
                 self.curve = curve
             self._since = report.stamp

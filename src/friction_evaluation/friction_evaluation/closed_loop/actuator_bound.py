@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_evaluation.closed_loop.panic_stop import END_SPEED, PanicPlant
+from friction_evaluation.closed_loop.panic_plant import PanicPlant
+from friction_evaluation.closed_loop.panic_stop import END_SPEED
 from friction_evaluation.closed_loop.trouble import Trouble
-from friction_evaluation.protocol import DT, SPEED
+from friction_evaluation.protocol import SPEED
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import Command
 
@@ -25,16 +26,13 @@ class ActuatorBound:
 
 def actuator_bound(surface: str, trouble: Trouble) -> ActuatorBound:
     """Return the bound of a plant on a road; a load that varies does not count."""
-    steady = Trouble(**{**trouble.__dict__, "load_variation": 0.0})
-    plant = PanicPlant(surface, steady, np.zeros((1, 1)))
+    plant = PanicPlant(surface, trouble.steady, np.zeros((1, 1)))
     corner = plant.corner
-    lambda_max, mu_max = (float(value) for value in burckhardt.peak(plant.theta))
+    lambda_max = float(burckhardt.peak(plant.theta)[0])
     increase = np.array([int(Command.INCREASE)])
-    time = 0.0
     while corner.slip[0] < lambda_max and corner.speed[0] > END_SPEED:
-        plant.brake(increase, time)
-        time += DT
-    best = mu_max * steady.corner.gravity
+        plant.advance(plant.demand, increase)
+    best, time = plant.best_deceleration, plant.since
     speed = float(corner.speed[0])
     to_end, to_rest = time + (speed - END_SPEED) / best, time + speed / best
     return ActuatorBound(

@@ -1,78 +1,96 @@
 """Corners side by side on one road, each with a brake actuator, noisy sensors and a controller of its own."""
 
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
 import numpy as np
-from numpy.typing import NDArray
 
 from corner_sim.sensors import Measurement
-from friction_evaluation.closed_loop.controller import Controller, Parameters
-from friction_evaluation.protocol import CAR, DT, SPEED, STEP
-from vehicle_models.brake_actuator import BrakeActuator
-from vehicle_models.sensor_noise import SensorNoise
-from vehicle_models.single_corner import SingleCorner
-from vehicle_models.surfaces import surface
+from friction_evaluation.closed_loop.controller import Controller
+from friction_evaluation.closed_loop.panic_plant import Commands, Flags, PanicPlant
+from friction_evaluation.closed_loop.trouble import NONE, Trouble
+from friction_evaluation.protocol import CAR, STEP
+from friction_runtime.processor import Processor
 from vehicle_models.vehicle import Vehicle
 
-Array = NDArray[np.float64]
 
-DEMAND_RATIO = 1.5
-"""Demand in units of the peak torque."""
+@dataclass(frozen=True)
+class InertialSensing:
+    """What the graph is told of the motion of the car; the defaults are the chapter's."""
+
+    speed_sensor: bool = True
+    offset: float = 0.0
+    """Of the accelerometer [m/s^2], on top of that of the vehicle file."""
+    stddev: float = 0.0
+    """Of its noise [m/s^2]."""
 
 
 class BrakedCorners:
     """The first wheel of a car, once for each seed of the sensor noise; at the start they roll freely."""
 
     def __init__(
-        self, name: str, seeds: range, noise: SensorNoise, parameters: Parameters, vehicle: Vehicle = CAR
+        self,
+        surface: str,
+        seeds: range,
+        make: Callable[[Vehicle], Sequence[Processor]],
+        sensing: InertialSensing = InertialSensing(),
+        trouble: Trouble = NONE,
+        vehicle: Vehicle = CAR,
     ) -> None:
-        """Start at SPEED on the surface `name`.
+        """Start at SPEED.
 
         Args:
-            name: of the surface.
-            seeds: of the sensor noise.
-            noise: its variances.
-            parameters: those of friction_slope and abs_supervisor.
+            surface: its name.
+            seeds: of the sensor noise and of the road's unevenness.
+            make: makes the processors of a car of one wheel, which command its brake.
+            sensing: what the graph is told of the motion of the car.
+            trouble: what the graph is not told of.
             vehicle: its first wheel brakes.
         """
-        count = len(seeds)
         wheel = vehicle.wheels[0]
-        braked = vehicle.corner(wheel.name)
-        self.theta = surface(name)
-        self.corner = SingleCorner(braked, np.full(count, SPEED))
-        self.controllers = [Controller(vehicle, noise, *parameters) for _ in seeds]
-        self.torque: Array = np.zeros(count)
-        """Brake torque [N m], shape (n,)."""
-        self._gain = wheel.brake_gain
-        self._demand = DEMAND_RATIO * float(braked.peak_torque(self.theta))
-        self._actuator = BrakeActuator(count, DT)
-        self._noise = noise
-        self._accelerometer = vehicle.accelerometer
+        phases = np.array([Trouble.phases(np.random.default_rng((seed, 3))) for seed in seeds])
+        self.plant = PanicPlant(surface, trouble, phases, vehicle.corner(wheel.name))
+        noise = trouble.sensors
+        self.controllers = [Controller(vehicle, noise, make, speed_sensor=sensing.speed_sensor) for _ in seeds]
+        self._noise, self._sensing = noise, sensing
+        self._gain, self._accelerometer = wheel.brake_gain, vehicle.accelerometer
+        # Streams of their own: the wheel's noise does not depend on how the car's motion is measured.
         self._generators = [np.random.default_rng(seed) for seed in seeds]
-        # A stream of its own: the wheel's noise does not depend on whether the car's speed is measured.
-        self._speed_generators = [np.random.default_rng((seed, 1)) for seed in seeds]
+        self._of_speed = [np.random.default_rng((seed, 1)) for seed in seeds]
+        self._of_accelerometer = [np.random.default_rng((seed, 2)) for seed in seeds]
         self._samples = 0
 
-    def step(self, braking: bool, running: NDArray[np.bool_]) -> NDArray[np.int64]:
-        """Advance by a sample time, braked with DEMAND_RATIO or not at all; return the commands, shape (n,).
+    def commands(self, demand: float, running: Flags) -> Commands:
+        """Read the sensors and return the commands, shape (n,), under a demand [N m by the vehicle file].
 
         Where `running` is false, shape (n,), no sensor is read and the command is 0.
         """
         self._samples += 1
-        demand = self._demand if braking else 0.0
+        plant, noise, sensing = self.plant, self._noise, self._sensing
         commands = np.zeros(len(self.controllers), dtype=np.int64)
-        acceleration = self.corner.acceleration(self.theta)
+        acceleration = plant.acceleration
         for i in np.flatnonzero(running).tolist():
             draw = self._generators[i].standard_normal(2)
-            of_car = self._speed_generators[i].standard_normal()
-            speed = self.corner.wheel_speed[i] + np.sqrt(self._noise.wheel_speed_variance) * draw[0]
-            pressure = (self.torque[i] + np.sqrt(self._noise.torque_variance) * draw[1]) / self._gain
+            torque = plant.torque[i] / plant.gain + np.sqrt(noise.torque_variance) * draw[1]
+            speed_error = np.sqrt(noise.speed_variance) * self._of_speed[i].standard_normal()
+            error = sensing.offset + sensing.stddev * self._of_accelerometer[i].standard_normal()
             measured = Measurement(
-                wheel_speed=np.array([speed]),
-                brake_pressure=np.array([pressure]),
-                speed=float(self.corner.speed[i] + np.sqrt(self._noise.speed_variance) * of_car),
-                acceleration=self._accelerometer.reading(float(acceleration[i])),
+                wheel_speed=np.array([plant.corner.wheel_speed[i] + np.sqrt(noise.wheel_speed_variance) * draw[0]]),
+                brake_pressure=np.array([torque / self._gain]),
+                speed=float(plant.corner.speed[i] + speed_error),
+                acceleration=self._accelerometer.reading(float(acceleration[i]) + error),
             )
             commands[i] = self.controllers[i].command(self._samples * STEP, measured, demand / self._gain)
-        after = self._actuator.step(demand, commands)
-        self.corner.step(self.torque, after, self.theta, DT)
-        self.torque = after
         return commands
+
+    def roll(self, samples: int) -> None:
+        """Advance without brake."""
+        running = np.ones(len(self.controllers), dtype=bool)
+        for _ in range(samples):
+            self.plant.advance(0.0, self.commands(0.0, running))
+
+    def brake(self, running: Flags) -> Commands:
+        """Advance by a sample under the full demand; return the commands, as above."""
+        given = self.commands(self.plant.demand, running)
+        self.plant.advance(self.plant.demand, given)
+        return given

@@ -1,5 +1,6 @@
 """The shipped estimators and abs_supervisor in the loop, connected as the nodes of the graph are."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from friction_msgs.msg import BrakeCommand
@@ -12,6 +13,7 @@ from corner_sim.sensors import Measurement
 from friction_bags.offline.graph import OfflineGraph
 from friction_curve_id.parameters import SHIPPED as SHIPPED_CURVE
 from friction_curve_id.processor import build as curve_processors
+from friction_runtime.processor import Processor
 from friction_slope.parameters import SHIPPED as SHIPPED_SLOPE
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.processor import WheelProcessor as SlopeProcessor
@@ -35,31 +37,40 @@ def one_wheel(vehicle: Vehicle) -> Vehicle:
     return replace(vehicle, wheels=(first,), mass=vehicle.corner(first.name).mass, front_load_share=1.0)
 
 
+def processors(alone: Vehicle, parameters: Parameters) -> list[Processor]:
+    """Make those of the graph for a car of one wheel; the supervisor is the last."""
+    slope, supervisor = parameters
+    wheel = alone.wheels[0].name
+    return [
+        CarProcessor(alone, SHIPPED_SLIP["wheel_slip"].parameters),
+        SlopeProcessor(wheel, alone, slope),
+        *curve_processors(SHIPPED_CURVE["friction_curve_id"].parameters, alone),
+        SupervisorProcessor(wheel, alone, supervisor),
+    ]
+
+
 class Controller:
-    """The shipped processors of one run, from its sensors to the command. The car has one wheel."""
+    """The processors of one run, from its sensors to the command. The car has one wheel."""
 
     def __init__(
         self,
         vehicle: Vehicle,
         noise: SensorNoise,
-        slope: FrictionSlopeParameters,
-        supervisor: SupervisorParameters,
+        make: Callable[[Vehicle], Sequence[Processor]],
         *,
         speed_sensor: bool = True,
     ) -> None:
-        """Build all of them for the first wheel of a car, whose sensors state the variances of `noise`."""
-        wheel = vehicle.wheels[0].name
-        alone = one_wheel(vehicle)
-        self._vehicle, self._noise, self._speed_sensor = alone, noise, speed_sensor
-        self.supervisor = SupervisorProcessor(wheel, alone, supervisor)
-        self._graph = OfflineGraph(
-            [
-                CarProcessor(alone, SHIPPED_SLIP["wheel_slip"].parameters),
-                SlopeProcessor(wheel, alone, slope),
-                *curve_processors(SHIPPED_CURVE["friction_curve_id"].parameters, alone),
-                self.supervisor,
-            ]
-        )
+        """Build them for the first wheel of a car, whose sensors state the variances of `noise`.
+
+        Args:
+            vehicle: its first wheel brakes.
+            noise: variances of the sensors.
+            make: makes the processors of a car of one wheel.
+            speed_sensor: whether they are told the speed of the car.
+        """
+        self._vehicle, self._noise, self._speed_sensor = one_wheel(vehicle), noise, speed_sensor
+        self.processors = make(self._vehicle)
+        self._graph = OfflineGraph(self.processors)
 
     def command(self, stamp: int, measured: Measurement, demand: float) -> int:
         """Pass the sensors' readings at a stamp [ns] and the demand [Pa] through; return the command for them."""

@@ -3,20 +3,22 @@ with offset and noise.
 """
 
 from dataclasses import replace
+from functools import partial
 
-import numpy as np
-
-from abs_supervisor.parameters import SHIPPED as SHIPPED_SUPERVISOR
-from corner_sim.sensors import Measurement
-from friction_evaluation.closed_loop.controller import Controller
-from friction_evaluation.closed_loop.panic_stop import Commands, Flags, PanicPlant, PanicStops, brake_to_rest
+from friction_evaluation.closed_loop.braked_corners import BrakedCorners, InertialSensing
+from friction_evaluation.closed_loop.controller import processors, shipped
+from friction_evaluation.closed_loop.panic_stop import PanicStops, brake_to_rest
+from friction_evaluation.closed_loop.threshold_abs import THRESHOLDS, ThresholdAbs
 from friction_evaluation.closed_loop.trouble import Trouble
-from friction_evaluation.protocol import ACCELERATION_STDDEV, BRAKE_GAIN, CAR, DT, STEP
-from friction_slope.parameters import SHIPPED as SHIPPED_SLOPE
+from friction_evaluation.protocol import ACCELERATION_STDDEV, DT
+from friction_runtime.processor import Processor
+from vehicle_models.vehicle import Vehicle
+from wheel_slip.parameters import SHIPPED as SHIPPED_SLIP
+from wheel_slip.processor import CarProcessor
 
 OFFSET = 0.15
 """Of the accelerometer [m/s^2]."""
-_ROLLING = round(3.0 / DT)
+ROLLING = round(3.0 / DT)
 """Samples of free rolling before the brake, in which wheel_slip learns the offset of the accelerometer."""
 
 
@@ -26,39 +28,18 @@ def law_stops(surface: str, seeds: range, law: str, trouble: Trouble) -> PanicSt
     Args:
         surface: its name.
         seeds: of the sensor noise and the road's roughness.
-        law: of abs_supervisor.
+        law: of abs_supervisor, or THRESHOLDS.
         trouble: what the graph is not told of.
     """
-    supervisor = replace(SHIPPED_SUPERVISOR["abs_supervisor"].parameters, shadow=False, real_time=False, law=law)
-    slope = SHIPPED_SLOPE["friction_slope"].parameters
-    noise = trouble.sensors
-    controllers = [Controller(CAR, noise, slope, supervisor, speed_sensor=False) for _ in seeds]
-    generators = [np.random.default_rng(seed) for seed in seeds]
-    of_accelerometer = [np.random.default_rng((seed, 2)) for seed in seeds]
-    phases = np.array([Trouble.phases(np.random.default_rng((seed, 3))) for seed in seeds])
-    plant = PanicPlant(surface, trouble, phases)
-    samples = 0
+    sensing = InertialSensing(speed_sensor=False, offset=OFFSET, stddev=ACCELERATION_STDDEV)
+    braked = BrakedCorners(surface, seeds, partial(_processors, law), sensing, trouble)
+    braked.roll(ROLLING)
+    return brake_to_rest(braked.plant, braked.brake)
 
-    def sense(demand: float, gain: float, running: Flags) -> Commands:
-        nonlocal samples
-        samples += 1
-        commands = np.zeros(len(seeds), dtype=np.int64)
-        acceleration = plant.acceleration
-        for i in np.flatnonzero(running).tolist():
-            draw = generators[i].standard_normal(2)
-            speed = plant.corner.wheel_speed[i] + np.sqrt(noise.wheel_speed_variance) * draw[0]
-            torque = plant.torque[i] / gain + np.sqrt(noise.torque_variance) * draw[1]
-            error = OFFSET + ACCELERATION_STDDEV * of_accelerometer[i].standard_normal()
-            measured = Measurement(
-                wheel_speed=np.array([speed]),
-                brake_pressure=np.array([torque / BRAKE_GAIN]),
-                speed=0.0,
-                acceleration=CAR.accelerometer.reading(float(acceleration[i]) + error),
-            )
-            commands[i] = controllers[i].command(samples * STEP, measured, demand / BRAKE_GAIN)
-        return commands
 
-    for _ in range(_ROLLING):
-        sense(0.0, 1.0, np.ones(len(seeds), dtype=bool))
-        plant.roll()
-    return brake_to_rest(plant, lambda since, running: sense(plant.demand, trouble.gain_at(since), running))
+def _processors(law: str, alone: Vehicle) -> list[Processor]:
+    if law == THRESHOLDS:
+        (wheel,) = alone.wheels
+        return [CarProcessor(alone, SHIPPED_SLIP["wheel_slip"].parameters), ThresholdAbs(wheel.name, wheel.radius)]
+    slope, supervisor = shipped()
+    return processors(alone, (slope, replace(supervisor, real_time=False, law=law)))

@@ -6,7 +6,8 @@ from abs_supervisor.fsm import Command
 from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
 from abs_supervisor.law.road_curve import RoadCurve
 from abs_supervisor.law.usable_curve import CurveReport, Estimate
-from friction_evaluation.closed_loop.panic_stop import Commands, Flags, PanicPlant, PanicStops, brake_to_rest
+from friction_evaluation.closed_loop.panic_plant import Commands, Flags, PanicPlant
+from friction_evaluation.closed_loop.panic_stop import PanicStops, brake_to_rest
 from friction_evaluation.closed_loop.trouble import Trouble
 from friction_evaluation.protocol import STEP
 from vehicle_models import burckhardt
@@ -17,20 +18,19 @@ _SEEN = 3
 
 def oracle(surface: str, trouble: Trouble) -> PanicStops:
     """Return the stop of the oracle, arrays of shape (1,); a load that varies does not count."""
-    steady = Trouble(**{**trouble.__dict__, "load_variation": 0.0})
-    plant = PanicPlant(surface, steady, np.zeros((1, 1)))
+    plant = PanicPlant(surface, trouble.steady, np.zeros((1, 1)))
     corner = plant.corner
-    law = CurveLaw(steady.corner, steady.actuator, CurveLawParameters())
+    law = CurveLaw(plant.parameters, trouble.actuator, CurveLawParameters())
     theta_1, theta_2, theta_3 = (float(value) for value in plant.theta)
     curve = RoadCurve(theta_1, theta_2, theta_3, float(burckhardt.peak(plant.theta)[0]))
 
-    def command(since: float, running: Flags) -> Commands:
-        stamp = round(since * 1e9) + STEP
+    def brake(running: Flags) -> Commands:
+        stamp = round(plant.since * 1e9) + STEP
         while law.known.valid < _SEEN:
             law.learn(CurveReport(stamp, Estimate.VALID, curve, 0.0, 0.0, 1000, 0))
         law.learn(CurveReport(stamp, Estimate.QUIET, None, 0.0, 0.0, 1000, 0))
         speed = float(corner.speed[0])
-        demand = plant.demand * steady.gain_at(since)
+        demand = plant.demand * plant.gain
         asked = law.ask(
             stamp,
             float(corner.wheel_speed[0]),
@@ -42,6 +42,8 @@ def oracle(surface: str, trouble: Trouble) -> PanicStops:
         )
         given = Command.NONE if asked is None else asked
         law.commanded(stamp, given, demand)
-        return np.array([int(given)])
+        commands = np.array([int(given)])
+        plant.advance(plant.demand, commands)
+        return commands
 
-    return brake_to_rest(plant, command)
+    return brake_to_rest(plant, brake)

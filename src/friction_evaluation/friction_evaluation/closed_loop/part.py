@@ -4,7 +4,9 @@ The plant is one corner of a car: the chapter's, or the first wheel of --vehicle
 times the peak torque. Utilisation is the mean of mu / mu_max from the brake onset to 5 m/s; the ideal stop holds mu_max
 all the way. A lock is a slip above 0.95 for 50 ms.
 
-With --law the rows are those of law_rows: to standstill, without speed sensor, beside the bound of the brake.
+With --law the rows are those of law_rows: to standstill, without speed sensor, beside the bound of the brake, of one
+corner and of a car with four wheels whose loads follow the deceleration at once (four_wheels) or that has the troubles
+of a real one (car).
 """
 
 import argparse
@@ -14,19 +16,19 @@ from rich.progress import Progress
 
 from abs_supervisor.parameters import CURVE, SLOPE_SIGN
 from friction_evaluation.closed_loop.controller import shipped
-from friction_evaluation.closed_loop.law_rows import chosen, law_rows
-from friction_evaluation.closed_loop.stops import END_SPEED, Stops, stops
+from friction_evaluation.closed_loop.law_rows import CARS, CORNER_ALONE, chosen, law_rows
+from friction_evaluation.closed_loop.longest_lock import LOCK_TIME
+from friction_evaluation.closed_loop.panic_stop import END_SPEED
+from friction_evaluation.closed_loop.stops import Stops, stops
+from friction_evaluation.closed_loop.threshold_abs import THRESHOLDS
 from friction_evaluation.protocol import SPEED, VEHICLE
 from friction_evaluation.rows import Row, at_least, at_most
 from friction_parameters.command_line import count
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.surfaces import TABLE_8_1, surface
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
-_LOCK_TIME = 0.05
-"""[s]"""
 _UTILISATION = {"dry": 0.798, "wet": 0.850, "cobblestone": 0.742, "snow": 0.777}
 """Smallest mean utilisation of the chapter's corner."""
 _FIRST_SEED = 20_000
@@ -39,7 +41,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--vehicle", default=VEHICLE, help="vehicle file or name of a shipped one: its first wheel brakes"
     )
-    parser.add_argument("--law", choices=(SLOPE_SIGN, CURVE), help="instead: stops to standstill under this law")
+    parser.add_argument(
+        "--law", choices=(SLOPE_SIGN, CURVE, THRESHOLDS), help="instead: stops to standstill under this law"
+    )
+    parser.add_argument("--car", action="append", choices=CARS, default=[], help="only these cars; repeatable")
     for name in ("surface", "case"):
         parser.add_argument(f"--{name}", action="append", default=[], help="only these rows of --law; repeatable")
 
@@ -54,7 +59,7 @@ def run(options: argparse.Namespace) -> list[Row]:
         task = progress.add_task("closed loop", total=len(TABLE_8_1) * options.seeds)
         for name in TABLE_8_1:
             seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
-            found = stops(name, seeds, CHAPTER_NOISE, shipped(), lambda n: progress.advance(task, n), vehicle)
+            found = stops(name, seeds, shipped(), lambda n: progress.advance(task, n), vehicle)
             rows.append(_row(name, found, vehicle))
             if options.vehicle == VEHICLE:
                 rows += _judged(name, found)
@@ -62,15 +67,18 @@ def run(options: argparse.Namespace) -> list[Row]:
 
 
 def _of_law(options: argparse.Namespace) -> list[Row]:
+    # The thresholds are those of one corner.
+    cars = [CORNER_ALONE] if options.law == THRESHOLDS else options.car
+    surfaces, cases = options.surface, options.case
     with Progress() as progress:
-        task = progress.add_task(options.law, total=len(chosen(options.surface, options.case)))
+        task = progress.add_task(options.law, total=len(chosen(cars, surfaces, cases)))
         done = partial(progress.advance, task)
         judged = options.law == CURVE
-        return law_rows(options.law, options.seeds, options.surface, options.case, judged, done)
+        return law_rows(cars, options.law, options.seeds, surfaces, cases, judged, done)
 
 
 def _judged(name: str, found: Stops) -> list[Row]:
-    locked = int((found.longest_lock >= _LOCK_TIME).sum())
+    locked = int((found.longest_lock >= LOCK_TIME).sum())
     return [
         {"surface": name, "quantity": "utilisation", **at_least(float(found.utilisation.mean()), _UTILISATION[name])},
         {"surface": name, "quantity": "runs with lock", **at_most(locked, 0)},
@@ -88,7 +96,7 @@ def _row(name: str, found: Stops, vehicle: Vehicle) -> Row:
         "utilisation": float(found.utilisation.mean()),
         "utilisation_worst": float(found.utilisation.min()),
         "utilisation_without_0.4s": float(found.utilisation_late.mean()),
-        "runs_with_lock": int((found.longest_lock >= _LOCK_TIME).sum()),
+        "runs_with_lock": int((found.longest_lock >= LOCK_TIME).sum()),
         "longest_lock_ms": 1e3 * float(found.longest_lock.max()),
         "distance_m": float(found.distance.mean()),
         "ideal_distance_m": ideal,

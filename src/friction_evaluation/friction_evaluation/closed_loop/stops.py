@@ -2,28 +2,24 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_evaluation.closed_loop.braked_corners import BrakedCorners
-from friction_evaluation.closed_loop.controller import Parameters
+from friction_evaluation.closed_loop.controller import Parameters, processors
+from friction_evaluation.closed_loop.longest_lock import LongestLock
+from friction_evaluation.closed_loop.panic_stop import END_SPEED, LONGEST
 from friction_evaluation.protocol import CAR, DT
-from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import SensorNoise
 from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
-END_SPEED = 5.0
-"""[m/s]"""
 _ROLLING = 60
 """Samples of free rolling before the brake: 0.3 s."""
 _BUILD_UP = 0.4
 """Time after the onset left out of the second utilisation [s]."""
-_LOCK_SLIP = 0.95
-_LONGEST = 12_000
-"""Samples after which a run is given up: one minute."""
 
 
 @dataclass
@@ -48,7 +44,6 @@ class Stops:
 def stops(
     name: str,
     seeds: range,
-    noise: SensorNoise,
     parameters: Parameters,
     done: Callable[[int], None] = lambda count: None,
     vehicle: Vehicle = CAR,
@@ -58,42 +53,37 @@ def stops(
     Args:
         name: of the surface.
         seeds: of the sensor noise.
-        noise: variances of the sensor noise.
         parameters: of friction_slope and abs_supervisor.
         done: called with the number of runs that have just ended.
         vehicle: its first wheel brakes, with the mass that rests on it.
     """
     count = len(seeds)
-    braked = BrakedCorners(name, seeds, noise, parameters, vehicle)
-    corner, theta = braked.corner, braked.theta
-    mu_max = float(burckhardt.peak(theta)[1])
-    lock: Array = np.zeros(count)
+    braked = BrakedCorners(name, seeds, partial(processors, parameters=parameters), vehicle=vehicle)
+    plant = braked.plant
+    corner, theta = plant.corner, plant.theta
+    lock = LongestLock(count)
     used, late = np.zeros(count), np.zeros(count)
     result = Stops(*(np.zeros(count) for _ in range(8)))
     running = np.ones(count, dtype=bool)
+    braked.roll(_ROLLING)
     start = corner.distance
-    for k in range(_LONGEST):
-        if k == _ROLLING:
-            start = corner.distance
-        braked.step(k >= _ROLLING, running)
-        if k < _ROLLING:
-            continue
-        ratio = np.where(running, corner.friction(theta) / mu_max, 0.0)
+    while running.any() and plant.since < LONGEST:
+        since = plant.since
+        braked.brake(running)
+        ratio = np.where(running, corner.friction(theta) / plant.mu_max, 0.0)
         used += ratio
-        late += ratio * ((k - _ROLLING) * DT >= _BUILD_UP)
+        late += ratio * (since > _BUILD_UP - 0.5 * DT)
         result.duration += DT * running
-        lock = np.where(running & (corner.slip > _LOCK_SLIP), lock + DT, 0.0)
-        result.longest_lock = np.maximum(result.longest_lock, lock)
+        lock.update(corner.slip, running)
         ended = running & (corner.speed <= END_SPEED)
         result.distance = np.where(ended, corner.distance - start, result.distance)
         running &= ~ended
         done(int(ended.sum()))
-        if not running.any():
-            break
+    result.longest_lock = lock.longest
     result.utilisation = used * DT / result.duration
     result.utilisation_late = late * DT / np.maximum(result.duration - _BUILD_UP, DT)
     for i, controller in enumerate(braked.controllers):
-        values = controller.supervisor.health().values
+        values = controller.processors[-1].health().values
         result.transitions[i] = float(values["transitions"])
         result.release_timeouts[i] = float(values["release time-outs"])
         result.fail_safes[i] = float(values["fail-safes"])

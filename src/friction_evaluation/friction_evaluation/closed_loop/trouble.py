@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_evaluation.protocol import CORNER
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.sensor_noise import CHAPTER_NOISE, SensorNoise
 from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
@@ -38,16 +38,35 @@ class Trouble:
     """Standard deviation of the wheel load over its mean, 1 to 14 Hz."""
     fading: float = 0.0
     """Share of the brake torque that is lost in a second [1/s]."""
+    relaxation_length: float = 0.0
+    """Of the tyres [m]; 0: that of the vehicle file. The single corner has none."""
+
+    def corner(self, told: CornerParameters) -> CornerParameters:
+        """Return the corner that brakes, of the one in the vehicle file."""
+        return replace(
+            told,
+            mass=self.mass * told.mass,
+            vertical_load=self.mass * told.vertical_load,
+            radius=self.radius * told.radius,
+        )
+
+    def vehicle(self, told: Vehicle) -> Vehicle:
+        """Return the car that brakes, of the one in the vehicle file."""
+        wheels = tuple(
+            replace(
+                wheel,
+                radius=self.radius * wheel.radius,
+                brake_gain=self.gain * wheel.brake_gain,
+                relaxation_length=self.relaxation_length or wheel.relaxation_length,
+            )
+            for wheel in told.wheels
+        )
+        return replace(told, mass=self.mass * told.mass, wheels=wheels)
 
     @property
-    def corner(self) -> CornerParameters:
-        """The corner that brakes."""
-        return replace(
-            CORNER,
-            mass=self.mass * CORNER.mass,
-            vertical_load=self.mass * CORNER.vertical_load,
-            radius=self.radius * CORNER.radius,
-        )
+    def steady(self) -> "Trouble":
+        """The same on an even road."""
+        return replace(self, load_variation=0.0)
 
     @property
     def actuator(self) -> ActuatorParameters:
@@ -83,8 +102,7 @@ class Trouble:
 
 
 NONE = Trouble()
-TROUBLES: tuple[Trouble, ...] = (
-    Trouble("noise x2", noise=2.0),
+_OF_ANY_CAR = (
     Trouble("gain -20 %", gain=0.8),
     Trouble("gain +20 %", gain=1.2),
     Trouble("mass -20 %", mass=0.8),
@@ -93,8 +111,18 @@ TROUBLES: tuple[Trouble, ...] = (
     Trouble("radius +2 %", radius=1.02),
     Trouble("delay +10 ms", delay=0.01),
     Trouble("apply rate -30 %", apply_rate=0.7),
+)
+TROUBLES: tuple[Trouble, ...] = (
+    Trouble("noise x2", noise=2.0),
+    *_OF_ANY_CAR,
     Trouble("load varies 5 %", load_variation=0.05),
     Trouble("load varies 10 %", load_variation=0.10),
     Trouble("gain fades 10 %/s", fading=0.1),
 )
-"""All of the issue that need no model of the whole car."""
+"""Of the single corner."""
+CAR_TROUBLES: tuple[Trouble, ...] = (
+    *_OF_ANY_CAR,
+    Trouble("relaxation 0.2 m", relaxation_length=0.2),
+    Trouble("relaxation 0.5 m", relaxation_length=0.5),
+)
+"""Of a car with four wheels; only one whose tyres relax has the last two."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from friction_evaluation.closed_loop.braked_corners import BrakedCorners
-from friction_evaluation.closed_loop.controller import shipped as shipped_loop
+from friction_evaluation.closed_loop.controller import processors, shipped
 from friction_evaluation.protocol import DT
 from friction_evaluation.report.page import Picture, Section, Table
 from friction_evaluation.rows import Row
@@ -88,18 +89,19 @@ def _draw_detection(run: Run, signs: Array, file: Path) -> None:
 
 def _draw_loop(road: str, file: Path) -> None:
     """Brake with the supervisor in the loop and draw slip, sign and state."""
-    braked = BrakedCorners(road, range(_FIRST_SEED, _FIRST_SEED + 1), CHAPTER_NOISE, shipped_loop())
+    braked = BrakedCorners(road, range(_FIRST_SEED, _FIRST_SEED + 1), partial(processors, parameters=shipped()))
+    plant = braked.plant
     running = np.ones(1, dtype=bool)
     kept: list[tuple[float, float, int]] = []
     for _ in range(round(_CYCLES / DT)):
-        (command,) = braked.step(True, running)
-        kept.append((float(braked.corner.slip[0]), float(braked.torque[0]), int(command)))
+        (command,) = braked.brake(running)
+        kept.append((float(plant.corner.slip[0]), float(plant.torque[0]), int(command)))
     slip, torques, commands = np.array(kept).T
     time = DT * np.arange(1, len(kept) + 1)
     figure = Figure(figsize=(8.0, 6.0), layout="constrained")
     axes = figure.subplots(3, 1, sharex=True)
     axes[0].plot(time, slip, label="slip, true")
-    axes[0].axhline(float(burckhardt.peak(braked.theta)[0]), color="k", linestyle="--", label="lambda_max, true")
+    axes[0].axhline(float(burckhardt.peak(plant.theta)[0]), color="k", linestyle="--", label="lambda_max, true")
     axes[0].set(ylabel="slip [-]")
     axes[1].step(time, commands, where="post", label="command: 0 none, 1 increase, 3 decrease")
     axes[1].set(ylabel="command [-]")

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from abs_supervisor.fsm import COMMANDS
 from abs_supervisor.supervisor import Evidence, Supervisor
-from friction_evaluation.closed_loop.braked_corners import DEMAND_RATIO
 from friction_evaluation.closed_loop.controller import shipped
+from friction_evaluation.closed_loop.panic_plant import DEMAND_RATIO
 from friction_evaluation.protocol import ACCELERATION_STDDEV, DT, SPEED, STEP
 from friction_slope.detector import SlopeDetector
 from friction_slope.estimate import METHODS, SlopeSample

@@ -1,0 +1,80 @@
+"""The cars with four wheels that brake in panic, and what their graph is told."""
+
+from dataclasses import dataclass, replace
+
+from corner_sim.car.tyre import TYRES
+from corner_sim.models import CAR, in_order
+from corner_sim.parameters import SimParameters
+from corner_sim.simulation import Simulation
+from friction_evaluation.closed_loop.law_stops import OFFSET, ROLLING
+from friction_evaluation.closed_loop.panic_plant import DEMAND_RATIO
+from friction_evaluation.closed_loop.trouble import NONE, Trouble
+from friction_evaluation.protocol import ACCELERATION_STDDEV, DT, SPEED
+from vehicle_models import burckhardt
+from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.surfaces import surface
+from vehicle_models.two_axle import peak_torque
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
+
+MODELS = {"four_wheels": "two_axle", "car": CAR}
+"""Models of corner_sim by the names of the rows."""
+_VEHICLE = "compact_car"
+_START = 10_000 * NANOSECONDS
+"""Stamp of the first sample."""
+
+
+@dataclass(frozen=True)
+class CarSetup:
+    """A car on one road, without speed sensor, braked with the full demand after ROLLING samples."""
+
+    car: str
+    """Of MODELS."""
+    surface: str
+    trouble: Trouble = NONE
+
+    @property
+    def told(self) -> Vehicle:
+        """The car as the graph knows it, wheels in the order of the plant."""
+        return in_order(MODELS[self.car], load_vehicle(_VEHICLE))
+
+    @property
+    def vehicle(self) -> Vehicle:
+        """The car that brakes."""
+        return self.trouble.vehicle(self.told)
+
+    @property
+    def peak(self) -> tuple[float, float]:
+        """Slip lambda_max and friction mu_max of the peak of the plant's tyres [-]."""
+        if MODELS[self.car] == CAR:
+            return TYRES["burckhardt"][self.surface].peak
+        lambda_max, mu_max = burckhardt.peak(surface(self.surface))
+        return float(lambda_max), float(mu_max)
+
+    @property
+    def demand(self) -> float:
+        """DEMAND_RATIO times the pressure [Pa] at which the wheel with the weakest brake for its load has its peak."""
+        car = self.vehicle
+        gains = [wheel.brake_gain for wheel in car.wheels]
+        torques = peak_torque(car, surface(self.surface)).tolist()
+        return DEMAND_RATIO * max(torque / gain for torque, gain in zip(torques, gains, strict=True))
+
+    @property
+    def parameters(self) -> SimParameters:
+        """Those of the plant."""
+        return SimParameters(
+            model=MODELS[self.car],
+            initial_speed=SPEED,
+            surfaces=(self.surface,),
+            demand_unit="torque",
+            demand_level=self.demand * self.vehicle.wheels[0].brake_gain,
+            demand_start=ROLLING * DT,
+            acceleration_variance=ACCELERATION_STDDEV**2,
+            acceleration_offset=OFFSET,
+            vehicle_velocity=False,
+            actuator=self.trouble.actuator,
+        )
+
+    def simulation(self, seed: int) -> Simulation:
+        """Return the plant at its first sample."""
+        return Simulation(replace(self.parameters, seed=seed), self.vehicle, _START)

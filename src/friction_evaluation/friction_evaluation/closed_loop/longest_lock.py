@@ -1,0 +1,25 @@
+"""The longest time for which a wheel is locked."""
+
+import numpy as np
+
+from friction_evaluation.closed_loop.panic_plant import Array, Flags
+from friction_evaluation.protocol import DT
+
+LOCK_TIME = 0.05
+"""[s] A wheel is locked if it stands for so long."""
+_LOCK_SLIP = 0.95
+
+
+class LongestLock:
+    """Follows n wheels."""
+
+    def __init__(self, count: int) -> None:
+        """Start with none locked."""
+        self.longest: Array = np.zeros(count)
+        """[s], shape (n,)."""
+        self._present: Array = np.zeros(count)
+
+    def update(self, slip: Array, counts: Flags) -> None:
+        """Take the slips of a sample and for which of them a lock counts, shape (n,)."""
+        self._present = np.where(counts & (slip > _LOCK_SLIP), self._present + DT, 0.0)
+        self.longest = np.maximum(self.longest, self._present)
