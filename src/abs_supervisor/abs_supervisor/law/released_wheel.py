@@ -11,7 +11,7 @@ _OPEN: Final = 0.02
 """Friction whose torque an open brake stays below: the noise of its sensor, its drag."""
 _LEAST: Final = 0.05
 """Friction of the smoothest ice."""
-_TIME = round(0.05 * NANOSECONDS)
+_TIME: Final = round(0.05 * NANOSECONDS)
 """[ns] over which the wheel has to gain speed."""
 _DIVES: Final = 0.5
 """[m/s] A wheel that is so much slower than the hardest braking from then on would make it, slips."""

@@ -76,6 +76,6 @@ def _stop(setup: CarSetup, seed: int, law: str) -> PanicStops:
 
 
 def _processors(law: str, told: Vehicle) -> list[Processor]:
-    parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, several_wheels=True)
+    parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, len(told.wheels))
     parameters["abs_supervisor"] = replace(parameters["abs_supervisor"], real_time=False)
     return make_processors(parameters, told, silent)
