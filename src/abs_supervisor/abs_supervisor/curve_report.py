@@ -1,8 +1,10 @@
 """<wheel>/friction_curve as a report for the law."""
 
+from math import isnan
+
 from friction_msgs.msg import FrictionCurve
 
-from abs_supervisor.law.road_curve import RoadCurve
+from abs_supervisor.law.road_curve import RoadCurve, curve_through
 from abs_supervisor.law.usable_curve import CurveReport, Estimate
 from friction_runtime.stamps import to_nanoseconds
 
@@ -22,7 +24,7 @@ def curve_report(message: FrictionCurve) -> CurveReport:
     curve = None
     if estimate in (Estimate.VALID, Estimate.VAGUE):
         try:
-            curve = RoadCurve(message.theta_1, message.theta_2, message.theta_3, message.lambda_max)
+            curve = _curve(message)
         except ValueError:
             estimate = Estimate.NONE
     return CurveReport(
@@ -34,3 +36,10 @@ def curve_report(message: FrictionCurve) -> CurveReport:
         message.samples,
         message.restarts,
     )
+
+
+def _curve(message: FrictionCurve) -> RoadCurve:
+    if isnan(message.theta_1):
+        # A method may know the peak by another family than Burckhardt's.
+        return curve_through(message.lambda_max, message.mu_max)
+    return RoadCurve(message.theta_1, message.theta_2, message.theta_3, message.lambda_max)

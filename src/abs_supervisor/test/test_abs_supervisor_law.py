@@ -8,7 +8,7 @@ from friction_msgs.msg import FrictionCurve
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from abs_supervisor.curve_reports import CurveReports
+from abs_supervisor.curve_report import curve_report
 from abs_supervisor.fsm import Command
 from abs_supervisor.law.brake_line import BrakeLine
 from abs_supervisor.law.choice import Change, Law, LawChoice
@@ -94,9 +94,7 @@ def test_the_law_takes_a_curve_of_another_family_by_its_peak() -> None:
     message = FrictionCurve(reason=FrictionCurve.OK, samples=100, theta_1=nan, theta_2=nan, theta_3=nan)
     message.header.stamp = from_nanoseconds(STEP)
     message.lambda_max, message.mu_max = 0.14, 0.9
-    reports = CurveReports()
-    reports.take(message)
-    (found,) = reports.until(100 * STEP)
+    found = curve_report(message)
     assert found.estimate is Estimate.VALID
     assert found.curve is not None
     assert found.curve.lambda_max == pytest.approx(0.14)

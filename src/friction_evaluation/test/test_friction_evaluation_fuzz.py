@@ -88,7 +88,6 @@ def test_every_processor_survives_hostile_messages(capsys: pytest.CaptureFixture
     assert "friction_curve_id car" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("wrong", [["--messages", "0"], ["--processors", "nobody"]])
-def test_bad_option_is_one_line(wrong: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["fuzz", *wrong]) == 2
+def test_an_unknown_processor_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["fuzz", "--processors", "nobody"]) == 2
     assert "Traceback" not in capsys.readouterr().err

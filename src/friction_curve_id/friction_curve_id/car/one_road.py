@@ -8,7 +8,7 @@ curve says and the other less. Both are ratios of means over time, in which the 
 averages out.
 """
 
-from math import exp, inf, isnan, log, nan
+from math import exp, isnan, log, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +29,8 @@ MOST_DIFFERENCE = 0.035
 """The same between the sides of the car, over the whole window: there up to 0.025."""
 STILL_DIFFERENT = 0.02
 """The same once it has been more."""
-_DOUBTED, _LASTING = 3, 4
-"""Steps of the fits with more than that after which it is doubted for a while, and after which it is no bump."""
-_DOUBT = 0.25
-"""That while [s]."""
+_LASTING = 4
+"""Steps of the fits with more than that after which it is no bump."""
 _LEAST_TIME = 0.1
 """Least time of what it is compared with [s]."""
 _LEAST_SHARE = 0.4
@@ -121,7 +119,7 @@ class RoadWatch:
         """Begin with the braking."""
         self._steps = 0
         self._changed = self._different = False
-        self._until, self._said = -inf, ""
+        self._lasting = ""
 
     def update(self, used: Array, fitted: Array, left: Array, time: Array) -> str:
         """Return what speaks against one road, empty where nothing does. Arguments as above, after a step of a fit."""
@@ -140,7 +138,6 @@ class RoadWatch:
             self._steps = 0
         elif change_shows or (difference_shows and not isnan(change)):
             self._steps += 1
-        if self._steps >= _DOUBTED:
-            self._until = max(self._until, inf if self._steps >= _LASTING else float(time[-1]) + _DOUBT)
-            self._said = found
-        return self._said if time[-1] < self._until else found
+        if self._steps >= _LASTING:
+            self._lasting = found
+        return self._lasting or found
