@@ -106,7 +106,7 @@ class DemoGraph:
         if self._options.bag is None:
             observer.create_client(Trigger, f"{graph.PLANT}/start").call_async(Trigger.Request())
             return
-        play = ["friction_bags", "play", str(self._options.bag), "--wait", "15", "--subscribers", "2"]
+        play = ["friction_bags", "play", str(self._options.bag), "--wait", "60", "--subscribers", "2"]
         # In real time, yet never further ahead of an estimator than queues hold: a stall of the machine loses nothing.
         play += ["--follow", "*/abs_supervisor", "*/friction_curve", "--ahead", "30", "--settle", "1"]
         self._run(_PLAYER, [sys.executable, "-m", *play, "--topics", *graph.INPUTS])

@@ -12,11 +12,12 @@ from rclpy.subscription import Subscription
 from friction_bags.bag_io.message_definition import UnknownTypeError, message_class
 from friction_bags.record_replay import qos_profiles
 from friction_bags.record_replay.topic_selection import TopicSelection
+from friction_runtime.machine_load import slowdown
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _POLL_PERIOD = 0.0002
 _PATIENCE = 1.0
-"""Silence after which more stamps are let through [s]: some answers need a later sample of another topic."""
+"""Silence after which more stamps are let through [s], on an idle machine: some answers need a later sample."""
 _LONGEST_STALL = 10.0
 """The same for a topic that has answered with as many stamps under way as are allowed now: its node is held up [s]."""
 _MOST_AHEAD = 40
@@ -88,7 +89,8 @@ class FlowControl:
                 break
             silence = monotonic() - since
             for name in late:
-                if silence > (_LONGEST_STALL if name in self._answered else _PATIENCE):
+                patience = _LONGEST_STALL if name in self._answered else _PATIENCE
+                if silence > patience and silence > patience * slowdown():
                     self._let_more(name)
                     since = monotonic()
             stop.wait(_POLL_PERIOD)

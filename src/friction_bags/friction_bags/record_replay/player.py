@@ -17,10 +17,12 @@ from friction_bags.bag_io.message_definition import UnknownTypeError
 from friction_bags.record_replay import qos_profiles
 from friction_bags.record_replay.flow_control import FlowControl, has_header, header_stamp
 from friction_bags.record_replay.foreign_type import raw_class
+from friction_runtime.machine_load import slowdown
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _POLL_PERIOD = 0.005
 _ACKNOWLEDGE_TIMEOUT = 5.0
+"""[s] on an idle machine."""
 _ACKNOWLEDGE_EVERY = 50
 """Messages after which a replay as fast as possible without flow control waits for reliable subscribers."""
 
@@ -130,7 +132,7 @@ class Player:
 
     def wait_for_delivery(self) -> bool:
         """Wait until reliable subscribers have acknowledged everything; return whether they have."""
-        end = monotonic() + _ACKNOWLEDGE_TIMEOUT
+        end = monotonic() + _ACKNOWLEDGE_TIMEOUT * slowdown()
         return all(
             publisher.wait_for_all_acked(Duration(seconds=max(end - monotonic(), 0.0)))
             for publisher in self._publishers.values()
