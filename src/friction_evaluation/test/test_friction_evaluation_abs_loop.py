@@ -98,7 +98,7 @@ def test_part_gives_a_flat_row_for_each_surface_and_says_what_has_to_hold() -> N
 
 @pytest.mark.parametrize(("name", "bound"), [("dry", 0.955), ("wet", 0.976), ("cobblestone", 0.959), ("snow", 0.998)])
 def test_the_bound_of_the_brake_is_that_of_its_rate(name: str, bound: float) -> None:
-    """The figures of the issue, from a plant of their own."""
+    """The numbers were computed on another plant."""
     found = actuator_bound(name, NONE)
     assert found.utilisation == pytest.approx(bound, abs=1e-3)
     assert found.utilisation < found.utilisation_to_rest

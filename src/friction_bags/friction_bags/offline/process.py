@@ -53,6 +53,7 @@ def run(args: Namespace) -> int:
         Exit code: 0, 1 when a bag is damaged, 2 when one could not be processed.
 
     Raises:
+        BagError: two bags have the same name.
         KeyboardInterrupt: after SIGINT or SIGTERM. The bag being written is closed with what it has; of several bags at
             once, unfinished ones need a reindex.
     """
@@ -65,8 +66,7 @@ def run(args: Namespace) -> int:
     )
     outs = [args.out] if len(args.bags) == 1 else [args.out / bag.resolve().name for bag in args.bags]
     if len(set(outs)) < len(outs):
-        print("error: two bags have the same name", file=sys.stderr)
-        return 2
+        raise BagError("two bags have the same name")
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     return _report(_process_all(list(zip(args.bags, outs, strict=True)), options, args.jobs))
 

@@ -90,6 +90,7 @@ class FlowControl:
             silence = monotonic() - since
             for name in late:
                 patience = _LONGEST_STALL if name in self._answered else _PATIENCE
+                # How busy the machine is, is a file to read: not at every look.
                 if silence > patience and silence > patience * slowdown():
                     self._let_more(name)
                     since = monotonic()

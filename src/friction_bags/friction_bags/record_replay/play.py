@@ -13,11 +13,13 @@ from rclpy.node import Node
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.record_replay.flow_control import FlowControl
 from friction_bags.record_replay.player import Player, Span
 from friction_bags.record_replay.topic_selection import TopicSelection, add_selection_arguments, selection_of
 from friction_parameters.command_line import count, not_negative, positive
+from friction_parameters.parameter import ParameterError
 from friction_runtime.spin import made, start_middleware, stop_on_signals, take_down
 from vehicle_models.nanoseconds import NANOSECONDS
 
@@ -72,7 +74,11 @@ def run(args: Namespace, ros_args: list[str]) -> int:
     """Replay until the end of the bag or a signal.
 
     Returns:
-        Exit code: 0, 1 when the bag is damaged or not all was delivered, 2 when nothing can be replayed.
+        Exit code: 0, 1 when the bag is damaged or not all was delivered.
+
+    Raises:
+        BagError: nothing can be replayed.
+        ParameterError: the middleware does not accept a name or an argument, or nobody publishes what to follow.
     """
     stop = stop_on_signals()
     reader = BagReader(args.bag)
@@ -93,23 +99,20 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
     for name, reason in player.skipped.items():
         print(f"skipping {name}: {reason}", file=sys.stderr)
     if not player.topics:
-        print(f"error: {args.bag}: no topic to replay", file=sys.stderr)
-        return 2
+        raise BagError(f"{args.bag}: no topic to replay")
     if args.clock:
         player.publish_clock(args.clock)
     start = reader.start + round(args.start_offset * NANOSECONDS)
     stop_at = reader.end + 1 if args.duration is None else start + round(args.duration * NANOSECONDS)
     span = Span(start, min(stop_at, reader.end + 1))
     if span.stop <= span.start:
-        print(f"error: {args.bag}: nothing behind --start-offset {args.start_offset} s", file=sys.stderr)
-        return 2
+        raise BagError(f"{args.bag}: nothing behind --start-offset {args.start_offset} s")
     for name in player.wait_for_subscribers(args.subscribers, args.wait, stop, args.settle):
         print(f"{name}: less than {args.subscribers} subscribers after {args.wait} s", file=sys.stderr)
     rate = inf if args.as_fast_as_possible else args.rate
     flow = _flow_control(args, node, stop) if args.follow else None
     if flow is not None and not flow.topics:
-        print(f"error: no publisher of {' '.join(args.follow)}: start the nodes first", file=sys.stderr)
-        return 2
+        raise ParameterError(f"no publisher of {' '.join(args.follow)}: start the nodes first")
     begun = monotonic()
     with _progress((span.stop - span.start) / NANOSECONDS) as progress:
         player.play(span, rate, stop, progress, flow)

@@ -17,6 +17,7 @@ from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.record_replay.recorder import Recorder
 from friction_bags.record_replay.topic_selection import add_selection_arguments, selection_of
 from friction_parameters.command_line import positive
+from friction_parameters.parameter import ParameterError
 from friction_runtime.spin import made, start_middleware, stop_on_signals, take_down
 from vehicle_models.vehicle_argument import add_vehicle_argument
 from vehicle_models.vehicle_file import load_vehicle, vehicle_reference
@@ -42,12 +43,15 @@ def run(args: Namespace, ros_args: list[str]) -> int:
     """Record until a signal or the end of the duration.
 
     Returns:
-        Exit code: 0, 1 when writing failed, 2 when it could not begin.
+        Exit code: 0, 1 when writing failed.
+
+    Raises:
+        BagError: the bag cannot be made.
+        ParameterError: an option or the vehicle file is bad.
     """
     stop = stop_on_signals()
     if args.all and args.topics:
-        print("error: give either --all or --topics", file=sys.stderr)
-        return 2
+        raise ParameterError("give either --all or --topics")
     bag = args.out or Path(f"bag_{datetime.now():%Y_%m_%d-%H_%M_%S}")
     notes = _notes(args)
     start_middleware(ros_args)

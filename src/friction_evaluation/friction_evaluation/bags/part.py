@@ -60,7 +60,7 @@ _PARAMETERS = "/**/friction_curve_id:\n  ros__parameters:\n    method: rls\n"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add its own options."""
     parser.add_argument(
-        "--minutes", type=int, nargs="+", default=[2], help="lengths of the bags (10 60 for the record)"
+        "--minutes", type=count, nargs="+", default=[2], help="lengths of the bags (10 60 for the record)"
     )
     parser.add_argument("--processes", type=count, nargs="+", default=[1, 2], help="processes for one bag")
 

@@ -54,7 +54,7 @@ def law_rows(
         seeds: stops of each row.
         surfaces: names of the roads; none: all.
         cases: names of the troubles; none: all.
-        judged: whether the limits of the issue apply; else the rows are for information.
+        judged: whether the limits apply; else the rows are for information.
         done: called after each row.
     """
     made = []

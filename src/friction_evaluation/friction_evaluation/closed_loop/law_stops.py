@@ -1,6 +1,4 @@
-"""Stops of one corner with the graph in the loop, as the issue of the law asks for: no speed sensor, an accelerometer
-with offset and noise.
-"""
+"""Stops of one corner with the graph in the loop: no speed sensor, an accelerometer with offset and noise."""
 
 from dataclasses import replace
 from functools import partial

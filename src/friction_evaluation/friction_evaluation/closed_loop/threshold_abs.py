@@ -19,6 +19,11 @@ from friction_evaluation.protocol import DT
 from friction_runtime.processor import Health, Output
 from vehicle_models.brake_actuator import Command
 
+THRESHOLDS = "threshold"
+"""Name of this law."""
+_WINDOW = 5
+"""Samples over which the acceleration is taken."""
+
 
 @dataclass(frozen=True)
 class Thresholds:
@@ -43,14 +48,6 @@ class _Phase(Enum):
     RELEASE = 1
     RETURN = 2
     STEPS = 3
-
-
-_WINDOW = 5
-"""Samples over which the acceleration is taken."""
-
-
-THRESHOLDS = "threshold"
-"""Name of this law."""
 
 
 class ThresholdAbs:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from friction_evaluation.faults.case import Case, Hit
 from friction_evaluation.faults.manoeuvre import ONSET, Manoeuvre
 from friction_evaluation.faults.record import Record
-from friction_evaluation.faults.reference import Reference
+from friction_evaluation.faults.reference import ABS_END, LOCK_SLIP, Reference
 from friction_evaluation.protocol import DT
 from friction_evaluation.run_lengths import run_lengths
 from vehicle_models import burckhardt
@@ -19,9 +19,6 @@ from vehicle_models.surfaces import surface
 
 _SLOW = 3.0
 """Below this speed [m/s] slip and the loss of ABS do not count."""
-_ABS_END = 5.0
-"""Utilisation and locks count above this speed [m/s], as in the part abs."""
-_LOCK_SLIP = 0.95
 _LOST = 0.1
 """A healthy wheel whose supervisor does not act for longer [s] has lost its ABS."""
 
@@ -72,9 +69,9 @@ def measure(record: Record, case: Case, manoeuvre: Manoeuvre, reference: Referen
     released = (record.command == BrakeCommand.DECREASE) & braking[:, np.newaxis]
     begun = record.time > ONSET + max(case.begin, 0.0) - 0.5 * DT
     fast = (braking & (record.speed > _SLOW))[:, np.newaxis]
-    late = (record.speed > _ABS_END) & (record.time > ONSET + (case.end if case.end < inf else 0.0))
+    late = (record.speed > ABS_END) & (record.time > ONSET + (case.end if case.end < inf else 0.0))
     hit = _hit(case, record.slip.shape[1])
-    used = burckhardt.friction(theta, slip)[braking & (record.speed > _ABS_END)]
+    used = burckhardt.friction(theta, slip)[braking & (record.speed > ABS_END)]
     none = np.flatnonzero(begun & (record.command[:, hit] == BrakeCommand.NONE).all(axis=1))
     before = ONSET + case.begin - DT
     return Measures(
@@ -86,7 +83,7 @@ def measure(record: Record, case: Case, manoeuvre: Manoeuvre, reference: Referen
         samples_released=float(released.sum()),
         wrong_release=_longest(released & (slip < 0.5 * lambda_max)),
         largest_slip=float(np.where(fast, slip, 0.0).max()),
-        longest_lock=_longest((slip > _LOCK_SLIP) & late[:, np.newaxis]),
+        longest_lock=_longest((slip > LOCK_SLIP) & late[:, np.newaxis]),
         named=record.named - ONSET - max(case.begin, 0.0) if record.named < inf else inf,
         none=float(record.time[none[0]] - before) if none.size and case.begin >= 0.0 else 0.0 if none.size else inf,
         healthy_lost=_longest(~record.acting[:, ~hit] & fast & begun[:, np.newaxis]) > _LOST,

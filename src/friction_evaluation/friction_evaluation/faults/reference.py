@@ -7,8 +7,9 @@ from friction_evaluation.faults.manoeuvre import ONSET, Manoeuvre
 
 _LONGEST = 600.0
 """[s]"""
-_LOCK_SLIP, _FAST = 0.95, 5.0
-"""[-], [m/s]"""
+ABS_END = 5.0
+"""Utilisation and locks count above this speed [m/s], as in the part abs."""
+LOCK_SLIP = 0.95
 
 
 @dataclass(frozen=True)
@@ -32,5 +33,5 @@ def without_abs(manoeuvre: Manoeuvre) -> Reference:
         simulation.advance()
         if simulation.time <= ONSET:
             begin = simulation.distance
-        locks = locks or (simulation.speed > _FAST and simulation.largest_slip > _LOCK_SLIP)
+        locks = locks or (simulation.speed > ABS_END and simulation.largest_slip > LOCK_SLIP)
     return Reference(simulation.time - ONSET, simulation.distance - begin, locks)
