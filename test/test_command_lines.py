@@ -96,6 +96,7 @@ def bag_lines(directory: Path, given: dict[str, str]) -> Iterator[list[str]]:
         yield from with_each(["play", DRY], option, NUMBERS)
     for option in ("--ahead", "--subscribers"):
         yield from with_each(["play", DRY], option, COUNTS)
+    yield from with_each(["play", DRY], "--subscribers", ("a=", "a=0", "=", "a=b=c"))
     yield from with_each(["play", DRY], "--remap", ("a", ":=", "a:=", ":=b"))
 
 

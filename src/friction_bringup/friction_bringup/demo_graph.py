@@ -16,10 +16,15 @@ from friction_bringup.discovery import local_discovery
 from friction_bringup.node_start import WATCHING, Decided, commanding, node_starts
 from friction_bringup.processes import ProcessGroup
 from friction_runtime.domain import free_domain_id
+from friction_runtime.machine_load import slowdown
 from vehicle_models.vehicle_file import load_vehicle
 
 _RECORDER = "recorder"
 _PLAYER = "player"
+_LAST_ANSWERS = ("/abs_supervisor", "/friction_curve")
+"""The estimates that no other node waits for: when they are there, a sample is done."""
+_DISCOVERY_LIMIT = 10.0
+"""Wall time [s] the player waits for its subscribers, and again for its publishers, on an idle machine."""
 
 
 class DemoError(RuntimeError):
@@ -101,15 +106,18 @@ class DemoGraph:
     def begin(self, observer: Node) -> None:
         """Let the first sample come: start the plant's run, or the player.
 
-        The player waits for two subscribers of each topic, its node and the recorder, and until no more come.
+        The player waits for the recorder and for everything that hears a topic now.
         """
         if self._options.bag is None:
             observer.create_client(Trigger, f"{graph.PLANT}/start").call_async(Trigger.Request())
             return
-        play = ["friction_bags", "play", str(self._options.bag), "--wait", "60", "--subscribers", "2"]
+        heard = {name: observer.count_subscribers(name) for name, _ in observer.get_topic_names_and_types()}
+        last = [name for name in heard if name.endswith(_LAST_ANSWERS) and "/truth/" not in name]
+        play = ["friction_bags", "play", str(self._options.bag), "--topics", *graph.INPUTS]
+        play += ["--wait", f"{_DISCOVERY_LIMIT * slowdown():.0f}", "--settle", "1"]
+        play += ["--subscribers", "1", *(f"{name}={count + 1}" for name, count in heard.items())]
         # In real time, yet never further ahead of an estimator than queues hold: a stall of the machine loses nothing.
-        play += ["--follow", "*/abs_supervisor", "*/friction_curve", "--ahead", "30", "--settle", "1"]
-        self._run(_PLAYER, [sys.executable, "-m", *play, "--topics", *graph.INPUTS])
+        self._run(_PLAYER, [sys.executable, "-m", *play, "--follow", *last, "--ahead", "30"])
 
     @property
     def ended(self) -> bool:

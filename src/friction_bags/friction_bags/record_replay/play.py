@@ -59,7 +59,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="wait at most S until each topic has its subscribers (default 3: discovery can take 2.5 s)",
     )
     parser.add_argument(
-        "--subscribers", type=count, default=1, metavar="N", help="subscribers to wait for per topic (default 1)"
+        "--subscribers",
+        nargs="+",
+        type=_subscribers,
+        default=[],
+        metavar="[TOPIC=]N",
+        help="subscribers to wait for, of one topic or of each that is not named (default 1)",
     )
     parser.add_argument(
         "--settle",
@@ -107,8 +112,10 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
     span = Span(start, min(stop_at, reader.end + 1))
     if span.stop <= span.start:
         raise BagError(f"{args.bag}: nothing behind --start-offset {args.start_offset} s")
-    for name in player.wait_for_subscribers(args.subscribers, args.wait, stop, args.settle):
-        print(f"{name}: less than {args.subscribers} subscribers after {args.wait} s", file=sys.stderr)
+    wanted = dict(args.subscribers)
+    others = wanted.pop("", 1)
+    for name in player.wait_for_subscribers(wanted, others, args.wait, stop, args.settle):
+        print(f"{name}: less than {wanted.get(name, others)} subscribers after {args.wait} s", file=sys.stderr)
     rate = inf if args.as_fast_as_possible else args.rate
     flow = _flow_control(args, node, stop) if args.follow else None
     if flow is not None and not flow.topics:
@@ -171,6 +178,12 @@ def _remapping(text: str) -> tuple[str, str]:
     if not (old and separator and new):
         raise ArgumentTypeError(f"{text} is not of the form OLD:=NEW")
     return old, new
+
+
+def _subscribers(text: str) -> tuple[str, int]:
+    """Read `TOPIC=N`, or N with an empty name: the topics that are not named."""
+    name, _, number = text.rpartition("=")
+    return _absolute(name) if name else "", count(number)
 
 
 def _absolute(name: str) -> str:

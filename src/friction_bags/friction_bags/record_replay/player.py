@@ -76,12 +76,22 @@ class Player:
         self._clock = self._node.create_publisher(Clock, "/clock", 10)
         self._clock_period = 1.0 / frequency
 
-    def wait_for_subscribers(self, count: int, timeout: float, stop: Event, settle: float = 0.0) -> list[str]:
-        """Wait until each topic has `count` subscribers and none has come for `settle` [s], at most `timeout` [s].
+    def wait_for_subscribers(
+        self, wanted: Mapping[str, int], count: int, timeout: float, stop: Event, settle: float = 0.0
+    ) -> list[str]:
+        """Wait until each topic has its subscribers and none has come for `settle` [s], at most `timeout` [s].
+
+        Args:
+            wanted: subscribers of topics, by the absolute name.
+            count: subscribers of all other topics.
+            timeout: longest wait [s].
+            stop: event that ends the wait.
+            settle: time without a new subscriber [s].
 
         Returns:
             The topics that have fewer.
         """
+        needed = [wanted.get(each.topic_name, count) for each in self._publishers.values()]
         now = monotonic()
         end, changed_at = now + timeout, now
         counts: list[int] = []
@@ -90,10 +100,10 @@ class Player:
             now = monotonic()
             if counts != before:
                 changed_at = now
-            complete = all(found >= count for found in counts) and now - changed_at >= settle
-            if complete or stop.is_set() or now >= end:
-                publishers = zip(self._publishers.values(), counts, strict=True)
-                return [each.topic_name for each, found in publishers if found < count]
+            found = zip(self._publishers.values(), counts, needed, strict=True)
+            short = [each.topic_name for each, there, least in found if there < least]
+            if (not short and now - changed_at >= settle) or stop.is_set() or now >= end:
+                return short
             stop.wait(_POLL_PERIOD)
 
     def play(
