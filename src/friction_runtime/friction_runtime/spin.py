@@ -6,7 +6,6 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from threading import Event
 from typing import TypeVar
 
 import rclpy
@@ -21,6 +20,7 @@ from rclpy.signals import SignalHandlerOptions
 from friction_parameters.parameter import ParameterError
 from friction_runtime.machine_load import slowdown
 from friction_runtime.parameter_arguments import with_checked_parameters
+from friction_runtime.stop_flag import StopFlag
 
 _WAKE_PERIOD = 0.2
 """Period of a timer that wakes the executor [s]: EventsExecutor.spin() does not return on a signal by itself."""
@@ -114,12 +114,12 @@ def take_down(node: Node | None, executor: Executor | None = None) -> None:
         faulthandler.cancel_dump_traceback_later()
 
 
-def stop_on_signals() -> Event:
-    """Return an event that is set by SIGINT or SIGTERM.
+def stop_on_signals() -> StopFlag:
+    """Return a flag that is set by SIGINT or SIGTERM.
 
     Unlike with the handlers of rclpy, no exception and no end of the context comes in the middle of a call.
     """
-    stop = Event()
+    stop = StopFlag()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
     return stop

@@ -2,7 +2,6 @@
 
 import struct
 from collections import deque
-from threading import Event
 from time import monotonic
 from typing import Any
 
@@ -13,6 +12,7 @@ from friction_bags.bag_io.message_definition import UnknownTypeError, message_cl
 from friction_bags.record_replay import qos_profiles
 from friction_bags.record_replay.topic_selection import TopicSelection
 from friction_runtime.machine_load import slowdown
+from friction_runtime.stop_flag import StopFlag
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _POLL_PERIOD = 0.0002
@@ -71,7 +71,7 @@ class FlowControl:
         """Whether every followed topic has found its publisher."""
         return all(subscription.get_publisher_count() for subscription, _ in self._followed.values())
 
-    def wait_for_turn(self, stamp: int, stop: Event) -> None:
+    def wait_for_turn(self, stamp: int, stop: StopFlag) -> None:
         """Return when a sample with this header stamp [ns] may be published."""
         if stamp < self._last:
             self._under_way.clear()
@@ -110,7 +110,7 @@ class FlowControl:
     def _unanswered(self, topic: str) -> int:
         return sum(stamp > self._reached[topic] for stamp in self._under_way)
 
-    def wait_for_last(self, stop: Event) -> None:
+    def wait_for_last(self, stop: StopFlag) -> None:
         """Return when the last sample was answered, or after a second of silence."""
         since = monotonic()
         while self._under_way and not stop.is_set() and monotonic() - since < _PATIENCE:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from math import inf
 from pathlib import Path
-from threading import Event
 from time import monotonic
 
 from rclpy.node import Node
@@ -21,6 +20,7 @@ from friction_bags.record_replay.topic_selection import TopicSelection, add_sele
 from friction_parameters.command_line import count, not_negative, positive
 from friction_parameters.parameter import ParameterError
 from friction_runtime.spin import made, start_middleware, stop_on_signals, take_down
+from friction_runtime.stop_flag import StopFlag
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _PROGRESS_PERIOD = 0.1
@@ -96,7 +96,7 @@ def run(args: Namespace, ros_args: list[str]) -> int:
         take_down(node)
 
 
-def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
+def _play(args: Namespace, node: Node, reader: BagReader, stop: StopFlag) -> int:
     selection = selection_of(args, node.get_namespace())
     remapping = {_absolute(old): new for old, new in args.remap}
     topics = [topic for topic in reader.counts if selection.wants(topic.name)]
@@ -139,7 +139,7 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: Event) -> int:
     return 0 if delivered and not reader.problems else 1
 
 
-def _flow_control(args: Namespace, node: Node, stop: Event) -> FlowControl:
+def _flow_control(args: Namespace, node: Node, stop: StopFlag) -> FlowControl:
     """Follow the topics that appear within the time for discovery, which ends once all named ones have appeared."""
     flow = FlowControl(node, args.ahead)
     selection = TopicSelection(args.follow, (), node.get_namespace())

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
-from threading import Event
 from time import monotonic
 
 from rclpy.duration import Duration
@@ -18,6 +17,7 @@ from friction_bags.record_replay import qos_profiles
 from friction_bags.record_replay.flow_control import FlowControl, has_header, header_stamp
 from friction_bags.record_replay.foreign_type import raw_class
 from friction_runtime.machine_load import slowdown
+from friction_runtime.stop_flag import StopFlag
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _POLL_PERIOD = 0.005
@@ -77,7 +77,7 @@ class Player:
         self._clock_period = 1.0 / frequency
 
     def wait_for_subscribers(
-        self, wanted: Mapping[str, int], count: int, timeout: float, stop: Event, settle: float = 0.0
+        self, wanted: Mapping[str, int], count: int, timeout: float, stop: StopFlag, settle: float = 0.0
     ) -> list[str]:
         """Wait until each topic has its subscribers and none has come for `settle` [s], at most `timeout` [s].
 
@@ -85,7 +85,7 @@ class Player:
             wanted: subscribers of topics, by the absolute name.
             count: subscribers of all other topics.
             timeout: longest wait [s].
-            stop: event that ends the wait.
+            stop: flag that ends the wait.
             settle: time without a new subscriber [s].
 
         Returns:
@@ -107,14 +107,19 @@ class Player:
             stop.wait(_POLL_PERIOD)
 
     def play(
-        self, span: Span, rate: float, stop: Event, progress: Callable[[float], None], flow: FlowControl | None = None
+        self,
+        span: Span,
+        rate: float,
+        stop: StopFlag,
+        progress: Callable[[float], None],
+        flow: FlowControl | None = None,
     ) -> None:
         """Replay once.
 
         Args:
             span: part of the bag.
             rate: seconds of the bag per second; inf: as fast as possible.
-            stop: event that ends the replay.
+            stop: flag that ends the replay.
             progress: called with the time into the span [s] after each message.
             flow: flow control; holds the replay until the nodes have answered.
         """
@@ -148,7 +153,7 @@ class Player:
             for publisher in self._publishers.values()
         )
 
-    def _sleep_until(self, due: float, stop: Event) -> None:
+    def _sleep_until(self, due: float, stop: StopFlag) -> None:
         ahead = due - monotonic()
         if ahead > 0.0:
             stop.wait(ahead)

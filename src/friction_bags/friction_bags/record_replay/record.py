@@ -4,7 +4,6 @@ import sys
 from argparse import ArgumentParser, Namespace
 from datetime import datetime
 from pathlib import Path
-from threading import Event
 from time import monotonic
 
 from rclpy.node import Node
@@ -19,6 +18,7 @@ from friction_bags.record_replay.topic_selection import add_selection_arguments,
 from friction_parameters.command_line import positive
 from friction_parameters.parameter import ParameterError
 from friction_runtime.spin import made, start_middleware, stop_on_signals, take_down
+from friction_runtime.stop_flag import StopFlag
 from vehicle_models.vehicle_argument import add_vehicle_argument
 from vehicle_models.vehicle_file import load_vehicle, vehicle_reference
 
@@ -79,7 +79,7 @@ def _notes(args: Namespace) -> dict[str, str]:
     return notes
 
 
-def _loop(recorder: Recorder, writer: BagWriter, stop: Event, duration: float) -> None:
+def _loop(recorder: Recorder, writer: BagWriter, stop: StopFlag, duration: float) -> None:
     begun = monotonic()
     discover_at = flush_at = begun
     while not stop.is_set() and (now := monotonic()) - begun < duration:
