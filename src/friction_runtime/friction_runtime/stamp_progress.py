@@ -27,7 +27,7 @@ _DRIFT: Final = 1e-3
 _FIRST_PERIOD: Final = 0.005
 _LONGEST_PERIOD: Final = 0.1
 _PERIOD_GAIN: Final = 0.125
-"""Weight of the newest step in the mean of the steps of the stamps, which is the period."""
+"""Weight of the newest step in the mean of the steps of the stamps, which is the period; the first steps weigh alike."""
 
 
 class StampProgress:
@@ -43,6 +43,7 @@ class StampProgress:
         """Age of the newest stamp beyond the reference at the last poll [s]; 0 before the first message."""
         self._now = 0.0
         self._newest = 0
+        self._steps = 0
         self._reference: float | None = None
         self._keeps_up_since: float | None = None
         self._candidate = 0.0
@@ -59,7 +60,9 @@ class StampProgress:
         if stamp <= 0 or -NEW_RUN < step <= 0:
             return
         if self._newest > 0 and 0 < step * NANOSECOND <= 2.0 * _LONGEST_PERIOD:
-            period = self.period + _PERIOD_GAIN * (step * NANOSECOND - self.period)
+            self._steps += 1
+            gain = max(1.0 / self._steps, _PERIOD_GAIN)
+            period = self.period + gain * (step * NANOSECOND - self.period)
             self.period = min(period, _LONGEST_PERIOD)
         self._newest = stamp
 
