@@ -185,13 +185,9 @@ def test_a_checkout_that_fails_or_is_none_ends_the_command_with_code_2_and_its_o
     broken = checkout(tmp_path / "broken", 0.1, script="echo no such car >&2; exit 3")
     (tmp_path / "none" / "bags" / "dry").mkdir(parents=True)
     for after, said in ((broken, "no such car"), (tmp_path / "none", "no bags")):
-        with pytest.raises(SystemExit) as ended:
-            main(["checkouts", "--before", str(good), "--after", str(after)])
-        assert ended.value.code == 2
+        assert main(["checkouts", "--before", str(good), "--after", str(after)]) == 2
         assert said in capsys.readouterr().err
-    with pytest.raises(SystemExit) as ended:
-        main(["checkouts", "--before", str(tmp_path / "none"), "--after", str(good)])
-    assert ended.value.code == 2
+    assert main(["checkouts", "--before", str(tmp_path / "none"), "--after", str(good)]) == 2
     assert "is no checkout" in capsys.readouterr().err
 
 
@@ -216,6 +212,5 @@ def test_both_are_given_the_parameter_files_and_the_supervisor_commands_by_defau
     own = tmp_path / "own.yaml"
     own.write_text("/**/wheel_slip:\n  ros__parameters: {}\n")
     monkeypatch.setenv("SEEN", str(tmp_path / "seen"))
-    with pytest.raises(SystemExit):
-        main(["checkouts", "--before", str(before), "--after", str(before), "--params-file", str(own)])
+    assert main(["checkouts", "--before", str(before), "--after", str(before), "--params-file", str(own)]) == 2
     assert (tmp_path / "seen").read_text().splitlines() == ["/**/abs_supervisor:", "/**/wheel_slip:"]

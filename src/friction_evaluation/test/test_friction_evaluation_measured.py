@@ -11,6 +11,7 @@ from friction_evaluation import measured_data
 from friction_evaluation.measured import part as measured
 from friction_evaluation.measured.tyre_rig import tyre_rig_rows
 from friction_evaluation.rows import Row
+from friction_parameters.parameter import ParameterError
 
 DATA = measured_data.data_directory()
 needs_data = pytest.mark.skipif(
@@ -88,5 +89,5 @@ def test_sweeps_that_end_before_the_peak_claim_none(rig: dict[str, Row]) -> None
 
 
 def test_absent_data_are_named(tmp_path: Path) -> None:
-    with pytest.raises(SystemExit, match=measured_data.BMW):
+    with pytest.raises(ParameterError, match=measured_data.BMW):
         measured.run(argparse.Namespace(data=tmp_path))

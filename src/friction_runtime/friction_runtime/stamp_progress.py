@@ -27,7 +27,7 @@ _DRIFT: Final = 1e-3
 _FIRST_PERIOD: Final = 0.005
 _LONGEST_PERIOD: Final = 0.1
 _PERIOD_GAIN: Final = 0.125
-"""Weight of the newest step in the mean of the steps of the stamps, which is the period; the first steps weigh alike."""
+"""Weight of the newest step in the mean of the stamps' steps, which is the period; the first steps weigh alike."""
 
 
 class StampProgress:

@@ -10,7 +10,6 @@ The exit code is 1 where something differs, as of every part, and 2 where a chec
 """
 
 import argparse
-import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -19,6 +18,7 @@ from rich.progress import Progress
 from friction_evaluation.checkouts.bag_differences import TopicDifference, bag_differences
 from friction_evaluation.checkouts.checkout import Checkout, CheckoutError
 from friction_evaluation.rows import Row
+from friction_parameters.parameter import ParameterError
 
 _COMMANDING = "/**/abs_supervisor:\n  ros__parameters:\n    shadow: false\n"
 
@@ -37,7 +37,7 @@ def run(options: argparse.Namespace) -> list[Row]:
     """Process every bag in both checkouts; return a row a bag and kind of topic.
 
     Raises:
-        SystemExit: with code 2, there are no bags, or a checkout could not process one.
+        ParameterError: there are no bags, or a checkout could not process one.
     """
     bags = bags_of(options.bags or options.after / "bags")
     rows: list[Row] = []
@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> list[Row]:
                 found = bag_differences(*outs) or {"none": TopicDifference()}
                 rows += [{"bag": bag.name, "topic": kind} | each.row() for kind, each in sorted(found.items())]
     except CheckoutError as error:
-        _give_up(str(error))
+        raise ParameterError(str(error)) from error
     return rows
 
 
@@ -65,14 +65,9 @@ def bags_of(directory: Path) -> list[Path]:
     """Bags in a directory, by name.
 
     Raises:
-        SystemExit: with code 2, there are none.
+        ParameterError: there are none.
     """
     found = sorted(path.parent for path in directory.glob("*/metadata.yaml"))
     if not found:
-        _give_up(f"{directory} holds no bags")
+        raise ParameterError(f"{directory} holds no bags")
     return found
-
-
-def _give_up(text: str) -> None:
-    print(f"error: {text}", file=sys.stderr)
-    raise SystemExit(2)

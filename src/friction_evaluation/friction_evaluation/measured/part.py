@@ -22,6 +22,7 @@ from friction_curve_id.vehicle.whole_vehicle import WholeVehicle
 from friction_evaluation.measured.tyre_rig import estimate_columns, tyre_rig_rows
 from friction_evaluation.measured_data import BMW, BMW_M8, IAC, INDY_AV21, TYRE_RIG, data_directory
 from friction_evaluation.rows import Row, at_most
+from friction_parameters.parameter import ParameterError
 from vehicle_models.vehicle import Vehicle
 
 _KMH = 1.0 / 3.6
@@ -36,11 +37,11 @@ def run(options: argparse.Namespace) -> list[Row]:
     """Return one row a car and one a bin of the tyre rig.
 
     Raises:
-        SystemExit: a file is absent.
+        ParameterError: a file is absent.
     """
     for name in (BMW, IAC, TYRE_RIG):
         if not (options.data / name).is_file():
-            raise SystemExit(f"measured data are absent: {options.data / name} (give --data, or set FRICTION_DATA)")
+            raise ParameterError(f"measured data are absent: {options.data / name} (give --data, or set FRICTION_DATA)")
     rows = [
         vehicle_row("BMW M8, ABS stop", bmw_samples(options.data / BMW), BMW_M8),
         vehicle_row("Indy AV-21, laps", iac_samples(options.data / IAC), INDY_AV21),
