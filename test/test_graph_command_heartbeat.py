@@ -21,6 +21,7 @@ from dds_client import DdsClient, dds_client
 from friction_bringup import graph
 from friction_evaluation.live.part import LOOP
 from friction_runtime import qos
+from friction_runtime.machine_load import slowdown
 from friction_runtime.shipped_files import shipped_file
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -211,7 +212,8 @@ def test_a_supervisor_that_was_stopped_commands_nothing_for_what_is_old_when_it_
     loop.supervisor.send_signal(signal.SIGCONT)
     client.until(lambda: stamp_of(loop.commands[-1]) > woken_at)
     said = loop.commands[before:]
-    old = [each for each in said if stamp_of(each) < woken_at - LIFESPAN * NANOSECONDS]
+    # A busy machine holds up a supervisor between its look at the clock and the command, whether it was stopped or not.
+    old = [each for each in said if stamp_of(each) < woken_at - LIFESPAN * slowdown() * NANOSECONDS]
     assert {each.command for each in old} <= {BrakeCommand.NONE}
     assert all(a < b for a, b in pairwise(counters(loop.commands)))
 
