@@ -16,7 +16,7 @@ from friction_runtime import qos
 from friction_runtime.stamps import to_nanoseconds
 
 WHEEL = "front_left"
-VALID_FOR = 0.3
+VALID_FOR = 0.9
 """[s] longer than a busy machine needs for an answer, shorter than what waits for a process that was stopped."""
 _HALF_CYCLE = 500_000_000
 """[ns] of release, and of application."""

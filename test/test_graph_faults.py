@@ -267,7 +267,7 @@ def test_a_lost_input_brings_none_by_the_clock_with_its_reason_and_abs_comes_bac
             reasons = set(lost.values()) if reason == SupervisorState.NO_SLOPE else {reason}
             inputs.until(lambda reasons=reasons: in_force(BrakeCommand.NONE, reasons))  # type: ignore[misc]
             assert topic in inputs.states[-1].reason_text or inputs.states[-1].reason != reason
-            # It stays so. On a busy machine the first NONE may be of a sender that was held up, before the fault is seen.
+            # It stays so. The first NONE may be of a sender that a busy machine held up, before the fault is seen.
             inputs.until(lambda: {command.command for command in inputs.commands[-20:]} == {BrakeCommand.NONE})
             inputs.lost = ""
     counters = [command.counter for command in inputs.commands]
