@@ -14,6 +14,10 @@ PLANT = "corner_sim"
 SUPERVISOR = "abs_supervisor"
 NODES = (PLANT, *ESTIMATORS)
 """In the order in which data flows. Package, module, node and parameter file of a node have one name."""
+COMPOSED = ("wheel_slip", "friction_slope", "smart_tyre_forces", "friction_curve_id")
+"""Estimators that may share a process, in the order in which they are served: the last one when nothing else waits."""
+COMPOSED_PROCESS = "estimators"
+"""Name of the process of these."""
 ESTIMATES = ("slip", "friction_slope", "friction_curve", "abs_supervisor", "contact_patch", "tyre_force")
 """Topics of the estimators below each wheel."""
 COMMAND = "brake_command"

@@ -1,0 +1,71 @@
+"""The estimators in one process, one of them with a defect: python defective_graph.py raising|slow --ros-args ..."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from time import sleep
+from typing import Any
+
+import friction_curve_id.node
+import friction_slope.node
+from friction_bringup.__main__ import main
+from friction_runtime.processor import Output
+
+RAISES = (40, 80, 120)
+"""Numbers of the samples at which the slope of the front left wheel raises."""
+SLOW = 0.05
+"""Time that one curve takes [s]."""
+
+
+class Raising:
+    """The slope's processor of one wheel, with a defect that shows at some samples."""
+
+    def __init__(self, processor: Any) -> None:
+        self._processor = processor
+        self._samples = 0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._processor, name)
+
+    def process(self, topic: str, message: Any) -> Sequence[Output]:
+        if topic == "wheel_states":
+            self._samples += 1
+            if self._samples in RAISES:
+                raise ZeroDivisionError("a defect")
+        outputs: Sequence[Output] = self._processor.process(topic, message)
+        return outputs
+
+
+class Slow:
+    """The curve's processor of one wheel, on a machine that is far too slow for it."""
+
+    def __init__(self, processor: Any) -> None:
+        self._processor = processor
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._processor, name)
+
+    def process(self, topic: str, message: Any) -> Sequence[Output]:
+        outputs: Sequence[Output] = self._processor.process(topic, message)
+        sleep(SLOW if outputs else 0.0)
+        return outputs
+
+
+def _with_defect(kind: str) -> None:
+    if kind == "slow":
+        build = friction_curve_id.node.build
+        friction_curve_id.node.build = lambda *arguments: [Slow(each) for each in build(*arguments)]
+        return
+    build_slopes = friction_slope.node.build
+
+    def build_one_defective(*arguments: Any) -> list[Any]:
+        first, *others = build_slopes(*arguments)
+        return [Raising(first), *others]
+
+    friction_slope.node.build = build_one_defective
+
+
+if __name__ == "__main__":
+    _with_defect(sys.argv[1])
+    sys.exit(main(["graph", *sys.argv[2:]]))
