@@ -12,7 +12,7 @@ import friction_slope.node
 from friction_bringup.__main__ import main
 from friction_runtime.processor import Output
 
-RAISES = (40, 80, 120)
+RAISES = (20, 40, 60)
 """Numbers of the samples at which the slope of the front left wheel raises."""
 SLOW = 0.05
 """Time that one curve takes [s]."""
@@ -29,6 +29,7 @@ class Raising:
         return getattr(self._processor, name)
 
     def process(self, topic: str, message: Any) -> Sequence[Output]:
+        """Raise, or answer."""
         if topic == "wheel_states":
             self._samples += 1
             if self._samples in RAISES:
@@ -47,6 +48,7 @@ class Slow:
         return getattr(self._processor, name)
 
     def process(self, topic: str, message: Any) -> Sequence[Output]:
+        """Answer late."""
         outputs: Sequence[Output] = self._processor.process(topic, message)
         sleep(SLOW if outputs else 0.0)
         return outputs
