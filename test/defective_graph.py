@@ -14,7 +14,7 @@ from friction_runtime.processor import Output
 
 RAISES = (20, 40, 60)
 """Numbers of the samples at which the slope of the front left wheel raises."""
-SLOW = 0.05
+SLOW = 0.2
 """Time that one curve takes [s]."""
 
 
