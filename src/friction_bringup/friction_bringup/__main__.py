@@ -53,6 +53,7 @@ def _run(arguments: Sequence[str] | None) -> int:
     secure.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
     secure.add_argument("--namespace", default="/", help="namespace of the nodes, such as /car")
     secure.add_argument("--commanding", action="store_true", help="let abs_supervisor publish brake commands")
+    secure.add_argument("--composed", action="store_true", help="one enclave for the estimators that share a process")
     options, of_ros = parser.parse_known_args(arguments)
     if options.command == "graph":
         return run_composed(of_ros)
@@ -61,7 +62,8 @@ def _run(arguments: Sequence[str] | None) -> int:
     if options.command == "monitor":
         return run_monitor()
     if options.command == "policies":
-        print(policies(options.vehicle, options.params_file, options.namespace, options.commanding), end="")
+        secured = options.vehicle, options.params_file, options.namespace, options.commanding, options.composed
+        print(policies(*secured), end="")
         return 0
     try:
         return run_demo(_demo_options(options))

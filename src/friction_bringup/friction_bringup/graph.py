@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from friction_bags.offline.estimators import ESTIMATORS
@@ -73,4 +73,22 @@ def command(
         arguments += ["-p", f"{name}:={json.dumps(value)}"]
     if namespace:
         arguments += ["-r", f"__ns:=/{namespace.strip('/')}"]
+    return arguments
+
+
+def composed_arguments(
+    params_files: Iterable[Path], overrides: Mapping[str, Mapping[str, ParameterValue]]
+) -> list[str]:
+    """Return the ROS arguments of the process that holds several nodes.
+
+    Args:
+        params_files: parameter files; later ones override earlier ones.
+        overrides: parameters that override the files, by node.
+    """
+    arguments: list[str] = []
+    for path in dict.fromkeys(params_files):
+        arguments += ["--params-file", str(path)]
+    for node, values in overrides.items():
+        for name, value in values.items():
+            arguments += ["-p", f"{node}:{name}:={json.dumps(value)}"]
     return arguments
