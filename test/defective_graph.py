@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from time import sleep
 from typing import Any
 
-import friction_curve_id.node
-import friction_slope.node
 from friction_bringup.__main__ import main
 from friction_runtime.processor import Output
 
@@ -55,17 +54,14 @@ class Slow:
 
 
 def _with_defect(kind: str) -> None:
-    if kind == "slow":
-        build = friction_curve_id.node.build
-        friction_curve_id.node.build = lambda *arguments: [Slow(each) for each in build(*arguments)]
-        return
-    build_slopes = friction_slope.node.build
+    node: Any = import_module("friction_curve_id.node" if kind == "slow" else "friction_slope.node")
+    build = node.build
 
-    def build_one_defective(*arguments: Any) -> list[Any]:
-        first, *others = build_slopes(*arguments)
-        return [Raising(first), *others]
+    def build_defective(*arguments: Any) -> list[Any]:
+        first, *others = build(*arguments)
+        return [Slow(each) for each in (first, *others)] if kind == "slow" else [Raising(first), *others]
 
-    friction_slope.node.build = build_one_defective
+    node.build = build_defective
 
 
 if __name__ == "__main__":

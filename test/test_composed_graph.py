@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import subprocess
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -88,6 +89,10 @@ class Beside:
         for topic, message in sample:
             self._publishers[topic].publish(message)
 
+    def until_answers(self, count: int, *estimates: str) -> None:
+        """Wait until all wheels have an answer to so many samples."""
+        self._client.until(lambda: self.answers(*estimates) >= count)
+
     def answers(self, *estimates: str) -> int:
         """Return how many samples all wheels have an answer to."""
         return min(
@@ -111,7 +116,7 @@ def test_outputs_of_one_process_are_those_of_separate_nodes_to_the_last_bit(clie
         for each in (one, many):
             each.send(sample)
         for each in (one, many):
-            client.until(lambda each=each, number=number: each.answers(*EVERY_SAMPLE) >= number)
+            each.until_answers(number, *EVERY_SAMPLE)
     client.until(lambda: all(len(one.received[topic]) == len(found) for topic, found in many.received.items()))
     for topic, found in many.received.items():
         assert len(found) >= (SAMPLES if topic.endswith(EVERY_SAMPLE) else 0), topic
@@ -156,7 +161,7 @@ def test_an_exception_of_one_estimator_is_told_once_and_leaves_the_others_alone(
     beside = Beside(client, "", samples)
     for number, sample in enumerate(samples, start=1):
         beside.send(sample)
-        client.until(lambda number=number: beside.answers("/slip") >= number)
+        beside.until_answers(number, "/slip")
     every = [topic for topic in beside.received if topic.endswith(EVERY_SAMPLE) and "front_left/friction" not in topic]
     client.until(lambda: all(len(beside.received[topic]) == SAMPLES for topic in every))
     client.until(lambda: len(beside.received["front_left/friction_slope"]) > SAMPLES // 2)
@@ -213,9 +218,9 @@ def test_each_node_has_its_own_parameters_reset_and_diagnostics(
     beside = Beside(client, "my_car", samples)
     for sample in samples:
         beside.send(sample)
-    client.until(lambda: beside.answers(*EVERY_SAMPLE) == 5)
+    beside.until_answers(5, *EVERY_SAMPLE)
     for name in graph.COMPOSED:
-        client.until(lambda name=name: f"/my_car/{name}: inputs" in statuses)
+        client.until(partial(statuses.__contains__, f"/my_car/{name}: inputs"))
         answer = client.call(Trigger, f"/my_car/{name}/reset", Trigger.Request())
         assert answer.message == f"{name}: started again"
     for service in ("zero_shift", "zero_length"):
@@ -235,39 +240,41 @@ def test_a_change_of_method_connects_what_the_new_one_takes(client: DdsClient) -
     assert set_parameter(client, "/friction_curve_id", "method", "tyre_force").successful
     for number, sample in enumerate(samples, start=1):
         beside.send(sample)
-        client.until(lambda number=number: beside.answers("/slip") >= number)
+        beside.until_answers(number, "/slip")
     client.until(lambda: any(each.method == "tyre_force" for each in beside.received["front_left/friction_curve"]))
     assert [each.node_name for each in client.node.get_subscriptions_info_by_topic("/front_left/tyre_force")] == [
         "test_client"
     ]
 
 
-def test_remapping_connects_the_nodes_as_the_middleware_does(client: DdsClient) -> None:
-    """One reader of a slip gets it under its new name; the other still reads the old name, from outside."""
-    rules = ("-r", "wheel_slip:front_left/slip:=my_slip", "-r", "friction_slope:front_left/slip:=my_slip")
+def test_remapping_connects_the_nodes_as_the_middleware_does(
+    client: DdsClient, statuses: dict[str, DiagnosticStatus]
+) -> None:
+    """The slip of one wheel has another name for both nodes, that of another wheel for the one that makes it."""
+    both = ("-r", "wheel_slip:front_left/slip:=my_slip", "-r", "friction_slope:front_left/slip:=my_slip")
+    one = ("-r", "wheel_slip:front_right/slip:=elsewhere")
     renamed = ("-r", "smart_tyre_forces:__node:=tyres")
-    client.start(*COMPOSED, "--ros-args", *rules, *renamed, "-p", f"vehicle_file:={CAR}")
+    client.start(*COMPOSED, "--ros-args", *both, *one, *renamed, "-p", f"vehicle_file:={CAR}")
     node = client.node
-    client.until(lambda: node.count_publishers("/my_slip") == 1)
-    client.until(lambda: subscribed(node, "/front_left/slip") == ["friction_curve_id"])
-    assert subscribed(node, "/my_slip") == []
+    client.until(lambda: node.count_publishers("/my_slip") == node.count_publishers("/elsewhere") == 1)
+    client.until(lambda: subscribed(node, "/front_right/slip") == ["friction_slope"])
     client.until(lambda: subscribed(node, "/front_left/tyre_signals") == ["tyres"])
-    slopes: list[Any] = []
-    qos.subscribe(
-        node, outputs_of()["front_left/friction_slope"], "/front_left/friction_slope", slopes.append, qos.SENSOR
-    )
-    sensors = {topic: type(message) for topic, message in braking()[0]}
-    publishers = {topic: qos.publish(node, kind, topic) for topic, kind in sensors.items()}
-    samples = iter(braking())
+    assert not [name for name in ("my_slip", "elsewhere", "front_left/slip") if subscribed(node, f"/{name}")]
+    samples = braking()
+    publishers = {topic: qos.publish(node, type(message), topic) for topic, message in samples[0]}
+    client.until(lambda: all(each.get_subscription_count() for each in publishers.values()))
+    left, right = "/friction_slope: front_left", "/friction_slope: front_right"
 
-    def answered() -> bool:
-        for topic, message in next(samples, []):
+    def told() -> bool:
+        for topic, message in next(upcoming, []):
             if topic in publishers:
                 publishers[topic].publish(message)
         client.executor.spin_once(timeout_sec=0.05)
-        return any("no sample" not in each.reason_text for each in slopes)
+        return right in statuses and "front_right/slip: no message yet" in statuses[right].message
 
-    client.until(answered)
+    upcoming = iter(samples)
+    client.until(told)
+    assert "/slip" not in statuses[left].message
 
 
 def subscribed(node: Node, topic: str) -> list[str]:
