@@ -96,6 +96,16 @@ def test_only_a_supervisor_that_commands_may_publish_brake_commands(commanding: 
     assert publishers == ({graph.SUPERVISOR} if commanding else set())
 
 
+def test_estimators_of_one_process_share_an_enclave_and_keep_their_profiles() -> None:
+    root = ElementTree.fromstring(policies("compact_car", namespace="/car", composed=True))
+    found = {
+        str(enclave.get("path")): [profile.get("node") for profile in enclave.iterfind("profiles/profile")]
+        for enclave in root.iterfind("enclaves/enclave")
+    }
+    assert set(found) == {"/car/estimators", "/car/abs_supervisor"}
+    assert set(found["/car/estimators"]) == set(graph.COMPOSED)
+
+
 def drive(client: DdsClient) -> None:
     """Drive at a steady 20 m/s until the slip of each wheel is known and each supervisor publishes."""
     node = client.node

@@ -123,17 +123,15 @@ def test_supervisor_is_in_the_loop(demo: Finished) -> None:
     assert max(np.diff(changes)[::2], default=0) * 0.005 < 0.05
 
 
-def test_same_seed_gives_the_same_run_although_the_node_that_no_answer_waits_for_stalls(
-    demo: Finished, tmp_path: Path
-) -> None:
+def test_same_seed_gives_the_same_run_although_the_estimators_stall(demo: Finished, tmp_path: Path) -> None:
     out = tmp_path / "out"
     arguments = command(out, "--surface", "wet", "--params", str(parameters(tmp_path, SHORT)))
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
         until_under_way(process)
-        (curve,) = (number for number, line in processes_of(out).items() if "friction_curve_id" in line)
-        os.kill(curve, signal.SIGSTOP)
+        (estimators,) = (number for number, line in processes_of(out).items() if "friction_bringup graph" in line)
+        os.kill(estimators, signal.SIGSTOP)
         time.sleep(1.0)  # far longer than the samples for which the supervisor knows the curve in advance
-        os.kill(curve, signal.SIGCONT)
+        os.kill(estimators, signal.SIGCONT)
         assert process.stdout is not None
         output = process.stdout.read()
     assert process.returncode == 0, output
@@ -223,7 +221,7 @@ def test_node_that_ends_too_soon_is_named_with_its_log_and_ends_the_demo(tmp_pat
     arguments = ["--params", str(bad)]
     result = subprocess.run(command(tmp_path / "out", *arguments), capture_output=True, text=True, check=False)
     assert result.returncode == 1
-    assert "smart_tyre_forces ended with exit code 2" in result.stderr
+    assert "estimators ended with exit code 2" in result.stderr
     assert "/no/such/file" in result.stderr
     assert processes_of(tmp_path / "out") == {}
 

@@ -13,7 +13,7 @@ from ament_index_python.packages import get_package_share_directory
 
 from friction_bags.offline.estimators import ESTIMATORS
 from friction_bringup import graph
-from friction_bringup.node_start import WATCHING, commanding, node_starts
+from friction_bringup.node_start import WATCHING, commanding, composed_arguments, node_starts
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import NodeName, file_values
 from friction_runtime.shipped_files import shipped_file
@@ -168,6 +168,18 @@ def test_command_line_quotes_every_kind_of_parameter() -> None:
     ]
 
 
+def test_one_process_takes_what_is_decided_for_each_of_its_nodes(tmp_path: Path) -> None:
+    file = write(tmp_path, {"/**/wheel_slip": {"deadline": 0.1}})
+    starts = node_starts(graph.NODES, commanding("curve", CAR), file, CAR)
+    made = composed_arguments(starts)
+    files = [made[place + 1] for place, flag in enumerate(made) if flag == "--params-file"]
+    assert files == [*(str(shipped_file(node)) for node in ESTIMATORS if node in graph.COMPOSED), file]
+    assert made[made.index('friction_curve_id:method:="car"') - 1] == "-p"
+    assert {word.split(":")[0] for word in made if ":=" in word} == set(graph.COMPOSED)
+
+
+SHARED = ["friction_bringup", *(node for node in graph.NODES if node not in graph.COMPOSED)]
+"""Packages of the processes where the estimators share one."""
 needs_launch = pytest.mark.skipif(
     importlib.util.find_spec("launch_ros") is None, reason="launch_ros is not installed here"
 )
@@ -188,8 +200,10 @@ def launched(name: str, **arguments: str) -> list[Any]:
 @pytest.mark.parametrize(
     ("name", "nodes", "arguments"),
     [
-        ("demo", graph.NODES, {"surface": "snow"}),
-        ("demo", graph.NODES, {"use_sim_time": "True", "vehicle_file": CAR}),
+        ("demo", graph.NODES, {"surface": "snow", "composed": "false"}),
+        ("demo", SHARED, {"use_sim_time": "True", "vehicle_file": CAR}),
+        ("graph", ESTIMATORS, {"vehicle_file": CAR}),
+        ("graph", ["friction_bringup", graph.SUPERVISOR], {"vehicle_file": CAR, "composed": "true"}),
         ("alongside", ESTIMATORS, {"vehicle_file": CAR, "namespace": "my_car"}),
         ("node", [graph.PLANT], {"node": graph.PLANT}),
         ("node", [graph.SUPERVISOR], {"node": graph.SUPERVISOR, "vehicle_file": CAR}),

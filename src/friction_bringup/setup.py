@@ -26,6 +26,7 @@ setup(
     entry_points={
         "console_scripts": [
             "demo = friction_bringup.__main__:demo_main",
+            "graph = friction_bringup.__main__:graph_main",
             "monitor = friction_bringup.__main__:monitor_main",
         ]
     },

@@ -3,7 +3,7 @@
 from array import array
 from collections.abc import Sequence
 from math import nan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -15,6 +15,7 @@ from std_msgs.msg import Header
 from corner_sim.plant import SLIP_MIN_SPEED, PlantSample
 from corner_sim.sensors import Measurement
 from corner_sim.slope_truth import SlopeCrossings
+from friction_runtime.new_message import new_message
 from friction_runtime.processor import Output
 from friction_runtime.reason_text import set_reason
 from friction_runtime.stamps import from_nanoseconds
@@ -52,21 +53,32 @@ def topics(wheels: Sequence[str], vehicle_velocity: bool, brake_demand: bool, ty
     return given
 
 
+def is_truth(topic: str) -> bool:
+    """Whether a topic holds true values of the plant, which no car has."""
+    return topic.startswith("truth/")
+
+
 def wheel_states(stamp: Time, joints: Sequence[str], measured: Measurement) -> JointState:
     """Make the wheel encoders' message."""
-    return JointState(
-        header=Header(stamp=stamp), name=list(joints), velocity=[float(speed) for speed in measured.wheel_speed]
+    return _made(
+        JointState,
+        header=_header(stamp, ""),
+        name=list(joints),
+        position=array("d"),
+        velocity=array("d", measured.wheel_speed.tolist()),
+        effort=array("d"),
     )
 
 
 def brake_pressure(stamp: Time, wheel: str, pressure: float, variance: float) -> FluidPressure:
     """Make one wheel's pressure [Pa] message, with its variance [Pa^2]."""
-    return FluidPressure(header=Header(stamp=stamp, frame_id=wheel), fluid_pressure=pressure, variance=variance)
+    return _made(FluidPressure, header=_header(stamp, wheel), fluid_pressure=pressure, variance=variance)
 
 
 def imu(stamp: Time, acceleration: float, variance: float, axis: str = "x") -> Imu:
     """Make the message of an accelerometer: one axis [m/s^2], no orientation, no rates (marked in the covariances)."""
-    message = Imu(header=Header(stamp=stamp, frame_id=BASE_FRAME))
+    message = Imu()
+    message.header = _header(stamp, BASE_FRAME)
     setattr(message.linear_acceleration, axis, acceleration)
     message.linear_acceleration_covariance[4 * "xyz".index(axis)] = variance
     message.orientation_covariance[0] = -1.0
@@ -76,7 +88,8 @@ def imu(stamp: Time, acceleration: float, variance: float, axis: str = "x") -> I
 
 def velocity(stamp: Time, speed: float, variance: float) -> TwistWithCovarianceStamped:
     """Make a vehicle speed [m/s] message, with its variance [m^2/s^2]."""
-    message = TwistWithCovarianceStamped(header=Header(stamp=stamp, frame_id=BASE_FRAME))
+    message = TwistWithCovarianceStamped()
+    message.header = _header(stamp, BASE_FRAME)
     message.twist.twist.linear.x = speed
     message.twist.covariance[0] = variance
     return message
@@ -84,7 +97,9 @@ def velocity(stamp: Time, speed: float, variance: float) -> TwistWithCovarianceS
 
 def brake_demand(stamp_ns: int, pressure: float) -> BrakeDemand:
     """Make the driver's demand [Pa] message, for all wheels."""
-    return BrakeDemand(header=Header(stamp=from_nanoseconds(stamp_ns), frame_id=BASE_FRAME), pressure=pressure)
+    return _made(
+        BrakeDemand, header=_header(from_nanoseconds(stamp_ns), BASE_FRAME), wheel="", pressure=float(pressure)
+    )
 
 
 def sensors(
@@ -112,14 +127,15 @@ def tyre_signals(
     return [
         (
             f"{wheel}/tyre_signals",
-            TyreSignals(
-                header=Header(stamp=stamp, frame_id=wheel),
+            _made(
+                TyreSignals,
+                header=_header(stamp, wheel),
                 wheel=wheel,
                 sample_rate=TYRE_SAMPLE_RATE,
                 first_sample=block.first_sample,
                 encoder_voltage=array("f", block.encoder_voltage.tobytes()),
                 radial_acceleration=array("f", block.radial_acceleration.tobytes()),
-                inflation_pressure=inflation_pressure,
+                inflation_pressure=float(inflation_pressure),
             ),
         )
         for wheel, block in zip(wheels, blocks, strict=True)
@@ -132,7 +148,7 @@ def truth(stamp_ns: int, wheels: Sequence[str], sample: PlantSample, crossings: 
     stamp = from_nanoseconds(stamp_ns)
     outputs: list[Output] = [("truth/vehicle_velocity", velocity(stamp, sample.speed, 0.0))]
     for i, wheel in enumerate(wheels):
-        header = Header(stamp=stamp, frame_id=wheel)
+        header = _header(stamp, wheel)
         outputs.append((f"truth/{wheel}/slip", _slip(header, wheel, sample, i)))
         outputs.append((f"truth/{wheel}/friction_slope", _slope(header, wheel, sample, crossings, i)))
         outputs.append((f"truth/{wheel}/friction_curve", _curve(header, wheel, sample, crossings, i)))
@@ -142,13 +158,17 @@ def truth(stamp_ns: int, wheels: Sequence[str], sample: PlantSample, crossings: 
 
 def _slip(header: Header, wheel: str, sample: PlantSample, i: int) -> WheelSlip:
     moving = sample.speed > SLIP_MIN_SPEED
-    message = WheelSlip(
+    message = _made(
+        WheelSlip,
         header=header,
         wheel=wheel,
         slip=float(sample.slip[i]) if moving else nan,
         slip_rate=float(sample.slip_rate[i]),
         vehicle_speed=sample.speed,
         wheel_speed=float(sample.wheel_speed[i]),
+        slip_variance=0.0,
+        slip_rate_variance=0.0,
+        vehicle_speed_variance=0.0,
         speed_source=WheelSlip.SPEED_SENSOR,
     )
     set_reason(message, wheel, WheelSlip.OK if moving else WheelSlip.LOW_SPEED, "" if moving else _STANDING)
@@ -158,7 +178,8 @@ def _slip(header: Header, wheel: str, sample: PlantSample, i: int) -> WheelSlip:
 def _slope(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCrossings, i: int) -> FrictionSlope:
     moving = sample.speed > SLIP_MIN_SPEED
     count = int(crossings.count[i])
-    message = FrictionSlope(
+    message = _made(
+        FrictionSlope,
         header=header,
         wheel=wheel,
         method=FrictionSlope.METHOD_TRUTH,
@@ -179,7 +200,8 @@ def _curve(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCros
     theta = sample.theta[i]
     lambda_max, mu_max = (float(value) for value in sample.peak[i])
     slip = float(sample.tyre_slip[i])
-    return FrictionCurve(
+    return _made(
+        FrictionCurve,
         header=header,
         wheel=wheel,
         method="truth",
@@ -188,22 +210,52 @@ def _curve(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCros
         theta_3=float(theta[2]),
         lambda_max=lambda_max,
         mu_max=mu_max,
+        theta_1_stddev=0.0,
+        theta_2_stddev=0.0,
+        theta_3_stddev=0.0,
+        lambda_max_stddev=0.0,
+        mu_max_stddev=0.0,
         slip=slip,
         mu=float(sample.friction[i]),
         slope=float(sample.slope[i]),
+        slope_stddev=0.0,
         probability_beyond_peak=float(slip > lambda_max),
         samples=sample.index + 1,
         restarts=int(crossings.surface_changes[i]),
         restarted=bool(crossings.surface_changed[i]),
         restart_cause=FrictionCurve.RESTART_SURFACE if crossings.surface_changes[i] else FrictionCurve.RESTART_NONE,
+        abs_active=False,
+        at_activation=False,
         lambda_max_at_activation=nan,
         valid=True,
         reason=FrictionCurve.OK,
+        reason_text="",
     )
 
 
 def _force(header: Header, wheel: str, sample: PlantSample, i: int) -> TyreForce:
     load = float(sample.vertical_load[i])
-    return TyreForce(
-        header=header, wheel=wheel, fx=-load * float(sample.friction[i]), fz=load, valid=True, reason=TyreForce.OK
+    return _made(
+        TyreForce,
+        header=header,
+        wheel=wheel,
+        fx=-load * float(sample.friction[i]),
+        fz=load,
+        fx_stddev=0.0,
+        fz_stddev=0.0,
+        valid=True,
+        reason=TyreForce.OK,
+        reason_text="",
     )
+
+
+def _header(stamp: Time, frame_id: str) -> Header:
+    return _made(Header, stamp=stamp, frame_id=frame_id)
+
+
+def _made(kind: Any, **fields: Any) -> Any:
+    """Return a message of which every field is given."""
+    message = new_message(kind)
+    for name, value in fields.items():
+        setattr(message, name, value)
+    return message

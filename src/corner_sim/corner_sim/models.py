@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from corner_sim.two_axle_car import TwoAxleCar, WheelRoads
 from corner_sim.vehicle_model import JoinedCorners, VehicleModel
-from vehicle_models.two_axle import TwoAxleCar, four_wheels, peak_torque
+from vehicle_models.two_axle import four_wheels, peak_torque
 from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -37,43 +38,37 @@ def build_model(model: str, vehicle: Vehicle, speed: float) -> VehicleModel:
 
 
 class Car:
-    """One car of vehicle_models.two_axle, in neutral; its brake lines are the plant's."""
+    """One car on two axles, in neutral; its brake lines are the plant's."""
 
     def __init__(self, vehicle: Vehicle, speed: float) -> None:
         """Start free rolling at `speed` [m/s]."""
         self._vehicle = vehicle
-        self._car = TwoAxleCar(vehicle, [speed])
+        self._behind = np.array([0.0, 0.0, vehicle.wheelbase, vehicle.wheelbase])
+        self._car = TwoAxleCar(vehicle, speed)
+        self.radius: Array = np.array(self._car.radius)
+        """Radii [m], shape (4,)."""
+        self.inertia: Array = np.array(self._car.inertia)
+        """Wheel inertias [kg m^2], shape (4,)."""
 
     @property
     def speed(self) -> float:
         """Speed of the car [m/s]."""
-        return float(self._car.speed[0])
+        return self._car.speed
 
     @property
     def distance(self) -> Array:
         """Distance of each wheel from where the front axle started [m], shape (4,)."""
-        behind = self._vehicle.wheelbase
-        return self._car.distance[0] - np.array([0.0, 0.0, behind, behind])
+        return self._car.distance - self._behind
 
     @property
     def wheel_speed(self) -> Array:
         """Wheel speeds [rad/s], shape (4,)."""
-        return self._car.wheel_speed[0]
+        return np.array(self._car.wheel_speed)
 
     @property
     def slip(self) -> Array:
         """Slips [-], shape (4,)."""
-        return self._car.slip[0]
-
-    @property
-    def radius(self) -> Array:
-        """Radii [m], shape (4,)."""
-        return self._car.radius
-
-    @property
-    def inertia(self) -> Array:
-        """Wheel inertias [kg m^2], shape (4,)."""
-        return self._car.inertia
+        return np.array(self._car.slip)
 
     def peak_torque(self, theta: Array) -> float:
         """Brake torque [N m] that holds the front left wheel at the peak while all wheels are at theirs."""
@@ -81,16 +76,19 @@ class Car:
 
     def vertical_load(self, theta: Array) -> Array:
         """Loads [N], shape (4,), including the load transfer by the present acceleration."""
-        return self._car.wheel_loads(theta[np.newaxis])[0]
+        return np.array(self._car.loads(self.acceleration(theta)))
 
     def acceleration(self, theta: Array) -> float:
         """Acceleration [m/s^2]."""
-        return float(self._car.acceleration(theta[np.newaxis])[0])
+        return self._car.acceleration(self._friction(theta))
 
     def wheel_acceleration(self, theta: Array, brake_torque: Array) -> Array:
         """Wheel accelerations [rad/s^2], shape (4,)."""
-        return self._car.wheel_acceleration(theta[np.newaxis], brake_torque)[0]
+        return np.array(self._car.wheel_acceleration(self._friction(theta), brake_torque.tolist()))
 
     def step(self, torque_begin: Array, torque_end: Array, theta: Array, dt: float) -> None:
         """Advance by dt [s]."""
-        self._car.step(torque_begin, torque_end, theta[np.newaxis], dt)
+        self._car.step(torque_begin.tolist(), torque_end.tolist(), theta, dt)
+
+    def _friction(self, theta: Array) -> list[float]:
+        return WheelRoads(theta).friction(self._car.slip)

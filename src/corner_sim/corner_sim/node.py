@@ -171,7 +171,9 @@ class CornerSimNode(Node):
         if self._clock_output is not None:
             self._clock_output.publish(ClockMessage(clock=from_nanoseconds(self._simulation.stamp)))
         self._published, self._published_at, self._failure = True, monotonic(), None
-        for topic, message in self._simulation.messages():
+        # Nobody else gets what is published now: late subscribers are not sent what was before them.
+        heard = any(each.get_subscription_count() for topic, each in self._outputs.items() if messages.is_truth(topic))
+        for topic, message in self._simulation.messages(truth=heard):
             self._outputs[topic].publish(message)
 
     def _finish(self, reason: str) -> None:

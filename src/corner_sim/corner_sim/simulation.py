@@ -135,10 +135,14 @@ class Simulation:
             return f"end_time {p.end_time} s has passed"
         return None
 
-    def messages(self) -> Sequence[Output]:
-        """Measure the present sample and make all its messages. Call it once per sample: each call draws noise."""
+    def messages(self, truth: bool = True) -> Sequence[Output]:
+        """Measure the present sample and make its messages. Call it once per sample: each call draws noise.
+
+        Args:
+            truth: whether to make the messages of the truth; they are most of them.
+        """
         p, wheels = self._parameters, self._vehicle.wheel_names
-        outputs = messages.truth(self.stamp, wheels, self._sample, self._crossings)
+        outputs = messages.truth(self.stamp, wheels, self._sample, self._crossings) if truth else []
         if self._profile_in_force:
             outputs.append(("brake_demand", messages.brake_demand(self.stamp, self._driver.demand(self.time))))
         outputs += messages.sensors(

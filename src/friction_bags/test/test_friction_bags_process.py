@@ -21,12 +21,12 @@ from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import encode, installed_topic
 from friction_bags.bag_io.message_definition import message_class
-from friction_bags.offline.graph import OfflineGraph
 from friction_bags.offline.graph_stages import graph_stages
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_parameters.parameter import ParameterError
 from friction_parameters.values import from_mapping
+from friction_runtime.processor_graph import ProcessorGraph
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -301,10 +301,10 @@ def test_a_message_is_passed_on_to_all_who_take_it_once() -> None:
     chain: Any = [Relay("c", "d"), Relay("a", "b", "c"), Relay("b", "e")]
     message = BrakeDemand()
     message.header.stamp = from_nanoseconds(5)
-    given = OfflineGraph(chain).feed("a", message)
+    given = ProcessorGraph(chain).feed("a", message)
     assert sorted(name for name, _ in given) == ["b", "c", "d", "e"]
     assert all(each.header.stamp.nanosec == 5 for _, each in given)
-    assert OfflineGraph(chain).feed("unknown", message) == []
+    assert ProcessorGraph(chain).feed("unknown", message) == []
 
 
 def test_a_stage_takes_topics_of_the_stages_before_it_only() -> None:

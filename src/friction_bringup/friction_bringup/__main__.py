@@ -1,4 +1,4 @@
-"""Command line: ``python -m friction_bringup demo``, ``monitor`` and ``policies``."""
+"""Command line: ``python -m friction_bringup demo``, ``graph``, ``monitor`` and ``policies``."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_vehicle import vehicle_for
 from friction_bringup import graph
+from friction_bringup.composed import run_composed
 from friction_bringup.demo import run_demo
 from friction_bringup.demo_graph import DemoError, DemoOptions
 from friction_bringup.monitor import run_monitor
@@ -31,6 +32,7 @@ def _run(arguments: Sequence[str] | None) -> int:
     parser = argparse.ArgumentParser(prog="python -m friction_bringup", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     commands.add_parser("monitor", help="watch every wheel of a running graph; q quits")
+    commands.add_parser("graph", help=f"run {', '.join(graph.COMPOSED)} in one process; takes --ros-args")
     demo = commands.add_parser(
         "demo", help="brake from 30 m/s with the supervisor in the loop, or replay a bag, with a live view"
     )
@@ -51,11 +53,17 @@ def _run(arguments: Sequence[str] | None) -> int:
     secure.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
     secure.add_argument("--namespace", default="/", help="namespace of the nodes, such as /car")
     secure.add_argument("--commanding", action="store_true", help="let abs_supervisor publish brake commands")
-    options = parser.parse_args(arguments)
+    secure.add_argument("--composed", action="store_true", help="one enclave for the estimators that share a process")
+    options, of_ros = parser.parse_known_args(arguments)
+    if options.command == "graph":
+        return run_composed(of_ros)
+    if of_ros:
+        parser.error(f"unrecognized arguments: {' '.join(of_ros)}")
     if options.command == "monitor":
         return run_monitor()
     if options.command == "policies":
-        print(policies(options.vehicle, options.params_file, options.namespace, options.commanding), end="")
+        secured = options.vehicle, options.params_file, options.namespace, options.commanding, options.composed
+        print(policies(*secured), end="")
         return 0
     try:
         return run_demo(_demo_options(options))
@@ -89,6 +97,11 @@ def demo_main() -> int:
 def monitor_main() -> int:
     """``ros2 run friction_bringup monitor``."""
     return main(["monitor"])
+
+
+def graph_main() -> int:
+    """``ros2 run friction_bringup graph --ros-args ...``."""
+    return main(["graph", *sys.argv[1:]])
 
 
 if __name__ == "__main__":

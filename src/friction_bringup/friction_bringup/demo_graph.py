@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 from friction_bags.offline.estimators import ESTIMATORS
 from friction_bringup import graph
 from friction_bringup.discovery import local_discovery
-from friction_bringup.node_start import WATCHING, Decided, commanding, node_starts
+from friction_bringup.node_start import WATCHING, Decided, commanding, composed_arguments, node_starts
 from friction_bringup.processes import ProcessGroup
 from friction_runtime.domain import free_domain_id
 from friction_runtime.machine_load import slowdown
@@ -48,7 +48,7 @@ class DemoOptions:
 
 
 class DemoGraph:
-    """Recorder, estimators and the source of samples, each in its own process, on a separate domain."""
+    """Recorder, estimators, supervisor and the source of samples, each a process, on a separate domain."""
 
     def __init__(self, options: DemoOptions, directory: Path) -> None:
         """Check the parameters of the nodes, and choose the domain; nothing is started.
@@ -85,8 +85,11 @@ class DemoGraph:
         """Start recorder, estimators, and the plant, which waits for `begin`."""
         record = ["friction_bags", "record", "--out", str(self.bag), "--vehicle", self._options.vehicle]
         self._run(_RECORDER, [sys.executable, "-m", *record])
+        estimators = [sys.executable, "-m", "friction_bringup", "graph", "--ros-args"]
+        self._run(graph.COMPOSED_PROCESS, [*estimators, *composed_arguments(self._starts)])
         for start in self._starts:
-            self._run(start.node, graph.command(start.node, start.files, start.decided))
+            if start.node not in graph.COMPOSED:
+                self._run(start.node, graph.command(start.node, start.files, start.decided))
 
     def _run(self, name: str, command: list[str]) -> None:
         self._processes.start(name, [*command, *graph.QUIET_LOG], os.environ | self.environment)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from friction_bags.offline.estimators import ESTIMATORS
@@ -14,6 +14,10 @@ PLANT = "corner_sim"
 SUPERVISOR = "abs_supervisor"
 NODES = (PLANT, *ESTIMATORS)
 """In the order in which data flows. Package, module, node and parameter file of a node have one name."""
+COMPOSED = ("wheel_slip", "friction_slope", "smart_tyre_forces", "friction_curve_id")
+"""Estimators that may share a process, in the order in which they are served: the last one when nothing else waits."""
+COMPOSED_PROCESS = "estimators"
+"""Name of the process of these."""
 ESTIMATES = ("slip", "friction_slope", "friction_curve", "abs_supervisor", "contact_patch", "tyre_force")
 """Topics of the estimators below each wheel."""
 COMMAND = "brake_command"
@@ -69,4 +73,22 @@ def command(
         arguments += ["-p", f"{name}:={json.dumps(value)}"]
     if namespace:
         arguments += ["-r", f"__ns:=/{namespace.strip('/')}"]
+    return arguments
+
+
+def composed_arguments(
+    params_files: Iterable[Path], overrides: Mapping[str, Mapping[str, ParameterValue]]
+) -> list[str]:
+    """Return the ROS arguments of the process that holds several nodes.
+
+    Args:
+        params_files: parameter files; later ones override earlier ones.
+        overrides: parameters that override the files, by node.
+    """
+    arguments: list[str] = []
+    for path in dict.fromkeys(params_files):
+        arguments += ["--params-file", str(path)]
+    for node, values in overrides.items():
+        for name, value in values.items():
+            arguments += ["-p", f"{node}:{name}:={json.dumps(value)}"]
     return arguments

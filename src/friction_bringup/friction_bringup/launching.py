@@ -11,7 +11,7 @@ from launch_ros.actions import Node
 from launch_ros.utilities.namespace_utils import prefix_namespace
 
 from friction_bringup import graph
-from friction_bringup.node_start import Decided, node_starts
+from friction_bringup.node_start import Decided, composed_arguments, node_starts
 from vehicle_models.vehicle_file import vehicle_choices
 
 
@@ -48,13 +48,31 @@ def uses_sim_time(context: LaunchContext) -> bool:
     return argument(context, "use_sim_time").lower() == "true"
 
 
-def node_actions(context: LaunchContext, nodes: Sequence[str], decided: Decided) -> list[LaunchDescriptionEntity]:
+def composed_argument(default: str) -> LaunchDescriptionEntity:
+    """Declare whether the estimators share a process."""
+    return DeclareLaunchArgument(
+        "composed",
+        default_value=default,
+        choices=["true", "false", "True", "False"],
+        description=f"run {', '.join(graph.COMPOSED)} in one process",
+    )
+
+
+def is_composed(context: LaunchContext) -> bool:
+    """Return the launch argument composed."""
+    return argument(context, "composed").lower() == "true"
+
+
+def node_actions(
+    context: LaunchContext, nodes: Sequence[str], decided: Decided, composed: bool = False
+) -> list[LaunchDescriptionEntity]:
     """Start nodes with the common arguments, after checking their parameters.
 
     Args:
         context: context of the launch.
         nodes: names of the nodes.
         decided: parameters that override every file, by node.
+        composed: whether those of graph.COMPOSED share a process.
 
     Raises:
         ParameterError: a file is bad; nothing has been started.
@@ -62,8 +80,20 @@ def node_actions(context: LaunchContext, nodes: Sequence[str], decided: Decided)
     namespace = argument(context, "namespace")
     full = prefix_namespace(context.launch_configurations.get("ros_namespace"), namespace) or ""
     starts = node_starts(nodes, decided, argument(context, "params_file"), argument(context, "vehicle_file"), full)
+    alone = [start for start in starts if not (composed and start.node in graph.COMPOSED)]
+    sim_time = ["-p", f"use_sim_time:={str(uses_sim_time(context)).lower()}"]
     return [
         *(LogInfo(msg=note) for start in starts for note in start.notes),
+        *(
+            Node(
+                package="friction_bringup",
+                executable="graph",
+                namespace=namespace,
+                ros_arguments=[*composed_arguments(starts), *sim_time],
+                output="screen",
+            )
+            for _ in range(composed)
+        ),
         *(
             Node(
                 package=start.node,
@@ -72,6 +102,6 @@ def node_actions(context: LaunchContext, nodes: Sequence[str], decided: Decided)
                 parameters=[*start.files, {"use_sim_time": uses_sim_time(context), **start.decided}],
                 output="screen",
             )
-            for start in starts
+            for start in alone
         ),
     ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -61,6 +61,14 @@ def node_starts(
     if vehicle_file:
         car["vehicle_file"] = vehicle_reference(vehicle_file)
     return [_checked(node, {**car, **decided.get(node, {})}, path, namespace) for node in nodes]
+
+
+def composed_arguments(starts: Iterable[NodeStart]) -> list[str]:
+    """Return the ROS arguments of the process that holds the nodes of graph.COMPOSED; other starts are left aside."""
+    held = [start for start in starts if start.node in graph.COMPOSED]
+    # the user's file, which all of them have, comes after all that the packages ship
+    files = [*(start.files[0] for start in held), *(file for start in held for file in start.files[1:])]
+    return graph.composed_arguments(files, {start.node: start.decided for start in held})
 
 
 def _checked(

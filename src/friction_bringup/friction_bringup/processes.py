@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import signal
 import subprocess
@@ -53,6 +54,16 @@ class ProcessGroup:
         """Exit codes of the processes that have ended, by name."""
         codes = {name: process.poll() for name, process in self._processes.items()}
         return {name: code for name, code in codes.items() if code is not None}
+
+    def processor_times(self) -> dict[str, float]:
+        """Time that each process still running has had a processor for, by name [s]."""
+        found = {}
+        for name, process in self._processes.items():
+            if process.poll() is None:
+                # after the name in brackets, which may hold spaces: user and system time are fields 14 and 15
+                fields = Path(f"/proc/{process.pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+                found[name] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        return found
 
     def send(self, name: str, number: signal.Signals) -> None:
         """Send a signal to a process: SIGSTOP and SIGCONT make it stand and go on, SIGKILL ends it."""

@@ -29,7 +29,13 @@ OWN = {SMART_TYRE: tuple(f"~/{name}" for name in ZERO_REQUESTS)}
 _VERSION = "0.2.0"
 
 
-def policies(vehicle: str, files: Sequence[Path] = (), namespace: str = "/", commanding: bool = False) -> str:
+def policies(
+    vehicle: str,
+    files: Sequence[Path] = (),
+    namespace: str = "/",
+    commanding: bool = False,
+    composed: bool = False,
+) -> str:
     """Return the policies of all estimators.
 
     Args:
@@ -37,6 +43,7 @@ def policies(vehicle: str, files: Sequence[Path] = (), namespace: str = "/", com
         files: ROS parameter files that override those of the packages.
         namespace: namespace of the nodes.
         commanding: whether abs_supervisor may publish brake commands. No other node may in any case.
+        composed: whether the estimators share a process, which then has one enclave, named `estimators`.
 
     Raises:
         ParameterError: a parameter or the vehicle file is bad.
@@ -47,12 +54,16 @@ def policies(vehicle: str, files: Sequence[Path] = (), namespace: str = "/", com
     car = load_vehicle(vehicle)
     root = Element("policy", version=_VERSION)
     enclaves = SubElement(root, "enclaves")
+    of_process: dict[str, Element] = {}
     for name, own in parameters.items():
         processors = make_processors({name: own}, car, silent)
         taken = {topic for each in processors for topic in (*each.sensors, *each.estimates)}
         given = {topic for each in processors for topic in each.outputs}
-        enclave = SubElement(enclaves, "enclave", path=f"{place.rstrip('/')}/{name}")
-        profile = SubElement(SubElement(enclave, "profiles"), "profile", ns=place, node=name)
+        process = graph.COMPOSED_PROCESS if composed and name in graph.COMPOSED else name
+        if process not in of_process:
+            enclave = SubElement(enclaves, "enclave", path=f"{place.rstrip('/')}/{process}")
+            of_process[process] = SubElement(enclave, "profiles")
+        profile = SubElement(of_process[process], "profile", ns=place, node=name)
         _allow(profile, "services", "reply", "service", (*ANSWERED, *OWN.get(name, ())))
         _allow(profile, "topics", "publish", "topic", (*sorted(given), *PUBLISHED))
         _allow(profile, "topics", "subscribe", "topic", sorted(taken))

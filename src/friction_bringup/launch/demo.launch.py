@@ -1,7 +1,7 @@
 """The whole graph with the plant in the loop. The supervisor commands: the brake is simulated.
 
 ros2 launch friction_bringup demo.launch.py surface:=snow [law:=slope_sign] [vehicle_file:=FILE] [params_file:=FILE]
-    [namespace:=NAME] [use_sim_time:=true]
+    [namespace:=NAME] [use_sim_time:=true] [composed:=false]
 
 Time comes from message stamps; use_sim_time makes the plant publish /clock for other nodes.
 """
@@ -10,7 +10,14 @@ from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 
 from friction_bringup import graph
-from friction_bringup.launching import argument, common_arguments, node_actions, uses_sim_time
+from friction_bringup.launching import (
+    argument,
+    common_arguments,
+    composed_argument,
+    is_composed,
+    node_actions,
+    uses_sim_time,
+)
 from friction_bringup.node_start import commanding
 from friction_runtime.shipped_files import shipped_file
 
@@ -22,7 +29,7 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
         "use_sim_time": False,
     }
     decided = commanding(argument(context, "law"), argument(context, "vehicle_file"))
-    return node_actions(context, graph.NODES, {**decided, graph.PLANT: plant})
+    return node_actions(context, graph.NODES, {**decided, graph.PLANT: plant}, is_composed(context))
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -33,4 +40,4 @@ def generate_launch_description() -> LaunchDescription:
         "law", default_value=graph.LAWS[0], choices=list(graph.LAWS), description="what commands the brake"
     )
     shared = common_arguments(str(shipped_file("friction_bringup", "demo")), graph.DEMO_VEHICLE)
-    return LaunchDescription([surface, law, *shared, OpaqueFunction(function=_nodes)])
+    return LaunchDescription([surface, law, composed_argument("true"), *shared, OpaqueFunction(function=_nodes)])

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.processor import build
-from friction_runtime.processor_node import ProcessorNode
+from friction_runtime.processor_node import Connect, ProcessorNode, subscribe_to_all
 from friction_runtime.spin import run
 
 
-def make_node() -> ProcessorNode[FrictionCurveParameters]:
-    """Make the node; rclpy is initialised."""
-    return ProcessorNode("friction_curve_id", FrictionCurveParameters, build)
+def make_node(connect: Connect = subscribe_to_all) -> ProcessorNode[FrictionCurveParameters]:
+    """Make the node, whose inputs come by `connect`; rclpy is initialised."""
+    return ProcessorNode("friction_curve_id", FrictionCurveParameters, build, connect)
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -166,7 +166,7 @@ def _section_values(cls: type, path: str | Path, section: _Section, *, strict: b
         lines[name] = each.line
         try:
             if is_ros_own(name):
-                found[name] = _ros_value(name, each.value)
+                found[name] = ros_value(name, each.value)
             elif name in known:
                 found[name] = checked(name, known[name].hint, known[name].limits, each.value)
             elif strict or moved(cls, name):
@@ -176,7 +176,12 @@ def _section_values(cls: type, path: str | Path, section: _Section, *, strict: b
     return found
 
 
-def _ros_value(name: str, value: Any) -> Any:
+def ros_value(name: str, value: Any) -> Any:
+    """Return the value of a parameter that ROS declares.
+
+    Raises:
+        ParameterError: it has the wrong type.
+    """
     if not isinstance(value, bool if name in _ROS_OWN else (bool, int, str)):
         raise ParameterError(f"parameter '{name}' = {value!r} has the wrong type")
     return value

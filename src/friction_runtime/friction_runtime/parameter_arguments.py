@@ -1,4 +1,4 @@
-"""Parameters on the command line of a node, checked before the middleware starts.
+"""Parameters on the command line of one or several nodes, checked before the middleware starts.
 
 The middleware merges what it understands of a file and silently ignores the rest. So each file is read here, with the
 reader of the offline runner, and only the checked values go to the middleware; `-p` likewise. The rightmost value wins.
@@ -6,12 +6,12 @@ reader of the offline runner, and only the checked values go to the middleware; 
 
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from friction_parameters.parameter import ParameterError, checked
-from friction_parameters.parameter_file import EVERY_NODE, NodeName, file_values, is_ros_own
+from friction_parameters.parameter_file import NodeName, file_values, is_ros_own, ros_value
 from friction_parameters.values import declared, unknown
 from friction_parameters.yaml_source import read_value, yaml_text
 
@@ -22,31 +22,36 @@ _REMAP = ("-r", "--remap")
 _NAME = "[A-Za-z_][A-Za-z0-9_]*"
 
 
-def with_checked_parameters(arguments: Sequence[str], name: str, cls: type, directory: Path) -> list[str]:
-    """Replace the parameters and parameter files of a command line by the checked values for a node.
+def with_checked_parameters(arguments: Sequence[str], classes: Mapping[str, type], directory: Path) -> list[str]:
+    """Replace the parameters and parameter files of a command line by one file with the checked values of its nodes.
 
     Args:
-        arguments: command line of the node.
-        name: name of the node, unless it is remapped.
-        cls: parameter dataclass of the node.
-        directory: directory for new files.
+        arguments: command line of the process.
+        classes: parameter dataclass of each node, by its name unless it is remapped.
+        directory: directory for the new file.
 
     Returns:
         The command line to give to the middleware.
 
     Raises:
-        ParameterError: file_values refuses a file, a parameter is unknown or has a bad value.
+        ParameterError: file_values refuses a file, a parameter is unknown to a node or has a bad value, or two nodes
+            have one name.
     """
-    node = node_name(arguments, name)
+    nodes = {node_name(arguments, name): cls for name, cls in classes.items()}
+    if len(nodes) < len(classes):
+        raise ParameterError(f"{', '.join(classes)} are given one name: put that of the node first, as in NODE:__node")
+    found: dict[NodeName, dict[str, Any]] = {node: {} for node in nodes}
     result: list[str] = []
-    for place, (flag, value) in enumerate(_flags_and_values(arguments)):
-        if flag == _FILE and value is not None:
-            result += [_FILE, str(_checked_file(cls, value, node, directory / f"{place}.yaml"))]
-        elif flag in _PARAMETER and value is not None:
-            result += _checked_parameter(cls, value, node)
-        else:
+    for flag, value in _flags_and_values(arguments):
+        if value is None or flag not in (_FILE, *_PARAMETER):
             result += [flag] if value is None else [flag, value]
-    return result
+            continue
+        for node, cls in nodes.items():
+            values = file_values(cls, value, node) if flag == _FILE else _parameter(cls, value, node)
+            found[node].update(values)
+    path = directory / "parameters.yaml"
+    path.write_text("\n".join(_section(node, values) for node, values in found.items()), encoding="utf-8")
+    return [*result, _BEGIN, _FILE, str(path)] if any(found.values()) else result
 
 
 def node_name(arguments: Sequence[str], name: str) -> NodeName:
@@ -78,29 +83,27 @@ def _flags_and_values(arguments: Sequence[str]) -> Iterator[tuple[str, str | Non
         yield word, next(words, None) if inside and word in (_FILE, *_PARAMETER, *_REMAP) else None
 
 
-def _checked_file(cls: type, path: str, node: NodeName, copy: Path) -> Path:
-    values = file_values(cls, path, node)
-    lines = [f"{json.dumps(EVERY_NODE)}:", "  ros__parameters:" + ("" if values else " {}")]
+def _section(node: NodeName, values: Mapping[str, Any]) -> str:
+    lines = [f"{json.dumps(node.full)}:", "  ros__parameters:" + ("" if values else " {}")]
     lines += [f"    {json.dumps(name)}: {yaml_text(value)}" for name, value in values.items()]
-    copy.write_text("\n".join(lines), encoding="utf-8")
-    return copy
+    return "\n".join(lines)
 
 
-def _checked_parameter(cls: type, rule: str, node: NodeName) -> list[str]:
-    """Return flag and rule of one parameter; nothing if it is for another node."""
+def _parameter(cls: type, rule: str, node: NodeName) -> dict[str, Any]:
+    """Return name and value of one parameter on the command line; nothing if it is for another node."""
     left, assigned, text = rule.partition(":=")
     of_node, _, name = left.rpartition(":")
     if of_node not in ("", node.name):
-        return []
+        return {}
     if not assigned or not name:
         raise ParameterError(f"-p {rule}: it must be name:=value")
-    if is_ros_own(name):
-        return ["-p", rule]
     known = declared(cls)
-    if name not in known:
+    if name not in known and not is_ros_own(name):
         raise ParameterError(f"node {node.full}: {unknown(cls, name)}")
     try:
         value: Any = read_value(text)
     except ParameterError as error:
         raise ParameterError(f"-p {rule}: {error}") from error
-    return ["-p", f"{name}:={yaml_text(checked(name, known[name].hint, known[name].limits, value))}"]
+    return {
+        name: ros_value(name, value) if is_ros_own(name) else checked(name, known[name].hint, known[name].limits, value)
+    }

@@ -53,19 +53,26 @@ class Health:
     values: Mapping[str, str] = field(default_factory=dict)
 
 
-class Processor(Protocol):
-    """Estimator of one wheel or one car, with messages as inputs and outputs."""
+class Reader(Protocol):
+    """What takes messages and answers with messages."""
 
     @property
     def sensors(self) -> Mapping[str, type]:
-        """Relative topics and types of the inputs with sensor QoS (best effort)."""
+        """Topics and types of the inputs with sensor QoS (best effort)."""
 
     @property
     def estimates(self) -> Mapping[str, type]:
-        """Relative topics and types of the inputs with reliable QoS: other nodes' estimates, demands, tyre blocks.
+        """Topics and types of the inputs with reliable QoS: other nodes' estimates, demands, tyre blocks.
 
-        Best effort as well where the processor has `commands`.
+        Best effort as well where a processor has `commands`.
         """
+
+    def process(self, topic: str, message: Any) -> Sequence[Output]:
+        """Take one message; return the resulting outputs. Never raises for the content of a message: it is reported."""
+
+
+class Processor(Reader, Protocol):
+    """Estimator of one wheel or one car, with messages as inputs and outputs; all topics are relative."""
 
     @property
     def optional(self) -> Collection[str]:
@@ -74,9 +81,6 @@ class Processor(Protocol):
     @property
     def outputs(self) -> Mapping[str, type]:
         """Relative topics and types of the outputs."""
-
-    def process(self, topic: str, message: Any) -> Sequence[Output]:
-        """Take one message; return the resulting outputs. Never raises for the content of a message: it is reported."""
 
     def watch(self, ages: Mapping[str, float], now: float) -> Sequence[Output]:
         """Act on silence; called by a live node only, so its outputs are not part of an offline run.

@@ -1,6 +1,9 @@
 """Layer 3, the same for every estimator: parameters, subscriptions, publishers, diagnostics around processors."""
 
-from collections.abc import Callable, Mapping, Sequence
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from math import inf
 from time import monotonic
@@ -34,6 +37,8 @@ class NodeParameters(Protocol):
 
 
 Parameters = TypeVar("Parameters", bound=NodeParameters)
+Connect = Callable[["ProcessorNode[Any]"], None]
+"""Sees to it that a node gets its inputs; called whenever these may have changed."""
 
 _WATCH_PERIOD = 0.01
 """The supervisor must have told its brakes of a lost input 50 ms after it was due."""
@@ -42,11 +47,28 @@ _STALL = 2.0 * _WATCH_PERIOD
 _DIAGNOSTICS_PERIOD = 1.0
 
 
+@dataclass(frozen=True)
+class _Input:
+    """An input of a node."""
+
+    topic: str
+    """Relative name, by which the processors know it."""
+    kind: type
+    profile: QoSProfile
+
+
+def subscribe_to_all(node: ProcessorNode[Any]) -> None:
+    """Subscribe to every input of a node, which is alone in its process."""
+    for name in (*node.sensors, *node.estimates):
+        node.subscribe(name, partial(node.process, name))
+
+
 class ProcessorNode(Node, Generic[Parameters]):
     """A node around processors: it moves messages and holds no estimate.
 
-    Topics are relative, so a namespace and remapping work. `~/reset` (std_srvs/Trigger) resets every processor.
-    Staleness is by the steady clock of the machine; everything else is by message stamps.
+    Topics of processors are relative, so a namespace and remapping work; those of the node have their full names.
+    `~/reset` (std_srvs/Trigger) resets every processor. Staleness is by the steady clock of the machine; everything
+    else is by message stamps.
     """
 
     def __init__(
@@ -54,6 +76,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         name: str,
         parameter_class: type[Parameters],
         build: Callable[[Parameters, Vehicle, Report], Sequence[Processor]],
+        connect: Connect = subscribe_to_all,
     ) -> None:
         """Declare, build and connect.
 
@@ -62,15 +85,21 @@ class ProcessorNode(Node, Generic[Parameters]):
             parameter_class: dataclass of its parameters.
             build: makes the processors from the parameters and the car. It is called again when a parameter changes,
                 so the estimators start again; topics that are no longer needed fall silent.
+            connect: sees to it that messages for the inputs reach `process`.
 
         Raises:
             ParameterError: a parameter or the vehicle file is bad.
         """
         super().__init__(name)
         self._build = build
+        self._connect = connect
         self._limit = ReportLimit()
         self._unsaid: list[tuple[Severity, str]] = []
-        self._publishers_by_topic: dict[str, Publisher] = {}
+        self._outputs: dict[str, tuple[str, Publisher]] = {}
+        """Full name and publisher of each output, by its relative name."""
+        self._inputs: dict[str, _Input] = {}
+        """Inputs by their full names, those that no processor needs any more too."""
+        self._subscribed: set[str] = set()
         self._arrivals: dict[str, float] = {}
         self._counts: dict[str, int] = {}
         self._readers: dict[str, list[Guarded]] = {}
@@ -101,14 +130,38 @@ class ProcessorNode(Node, Generic[Parameters]):
         for guarded in processors:
             processor = guarded.processor
             for topic, kind in processor.outputs.items():
-                if topic not in self._publishers_by_topic:
-                    self._publishers_by_topic[topic] = qos.publish(self, kind, topic, _offered(processor, topic))
+                if topic not in self._outputs:
+                    publisher = qos.publish(self, kind, topic, _offered(processor, topic))
+                    self._outputs[topic] = publisher.topic_name, publisher
             for inputs, profile in ((processor.sensors, qos.SENSOR), (processor.estimates, _asked(processor))):
                 for topic, kind in inputs.items():
                     if topic not in self._counts:
                         self._counts[topic] = 0
-                        qos.subscribe(self, kind, topic, partial(self._on_message, topic), profile)
+                        self._inputs[self.resolve_topic_name(topic)] = _Input(topic, kind, profile)
                     self._readers.setdefault(topic, []).append(guarded)
+        self._connect(self)
+
+    @property
+    def sensors(self) -> Mapping[str, type]:
+        """Full names and types of the inputs with sensor QoS."""
+        return {name: each.kind for name, each in self._inputs.items() if each.profile is qos.SENSOR}
+
+    @property
+    def estimates(self) -> Mapping[str, type]:
+        """Full names and types of the other inputs."""
+        return {name: each.kind for name, each in self._inputs.items() if each.profile is not qos.SENSOR}
+
+    @property
+    def outputs(self) -> Collection[str]:
+        """Full names of the outputs."""
+        return [name for name, _ in self._outputs.values()]
+
+    def subscribe(self, name: str, callback: Callable[[Any], object]) -> None:
+        """Let the middleware hand every message of one input, by its full name, to a function; once for each input."""
+        if name not in self._subscribed:
+            self._subscribed.add(name)
+            given = self._inputs[name]
+            qos.subscribe(self, given.kind, given.topic, callback, given.profile)
 
     def _report(self, severity: Severity, text: str) -> None:
         """Log once what is to be published is on its way: the first line of a process takes 20 ms, a command waits."""
@@ -131,25 +184,29 @@ class ProcessorNode(Node, Generic[Parameters]):
                 else:
                     logger.error(text)
 
-    def _on_message(self, topic: str, message: Any) -> None:
+    def process(self, name: str, message: Any) -> list[Output]:
+        """Take a message of one input, by its full name; publish the resulting outputs, and return them likewise."""
         now = monotonic()
         if now - self._watched > _STALL:
             self._on_watch()
+        topic = self._inputs[name].topic
         self._arrivals[topic] = now
         self._counts[topic] += 1
+        given: list[Output] = []
         for processor in self._readers.get(topic, ()):
-            self._send(processor.process(topic, message))
+            for output, answer in processor.process(topic, message):
+                full_name, publisher = self._outputs[output]
+                publisher.publish(answer)
+                given.append((full_name, answer))
         self._say()
-
-    def _send(self, outputs: Sequence[Output]) -> None:
-        for topic, message in outputs:
-            self._publishers_by_topic[topic].publish(message)
+        return given
 
     def _on_watch(self) -> None:
         self._watched = now = monotonic()
         ages = self._ages(now)
         for processor in self._processors:
-            self._send(processor.watch(ages, now))
+            for topic, message in processor.watch(ages, now):
+                self._outputs[topic][1].publish(message)
         self._say()
 
     def _ages(self, now: float) -> dict[str, float]:

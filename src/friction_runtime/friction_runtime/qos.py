@@ -70,7 +70,7 @@ def subscribe(
     node: Node,
     kind: type,
     topic: str,
-    callback: Callable[[Any], None],
+    callback: Callable[[Any], object],
     profile: QoSProfile,
     events: SubscriptionEventCallbacks | None = None,
 ) -> Subscription:

@@ -3,7 +3,8 @@
 import faulthandler
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TypeVar
@@ -39,7 +40,7 @@ _REFUSALS = (
 
 
 def run(name: str, parameter_class: type, make_node: Callable[[], Node], args: Sequence[str] | None = None) -> int:
-    """Check the parameters, make the node and spin it until a signal, or until it calls rclpy.try_shutdown().
+    """Run one node, as run_nodes does.
 
     Args:
         name: name of the node, unless it is remapped.
@@ -48,18 +49,37 @@ def run(name: str, parameter_class: type, make_node: Callable[[], Node], args: S
         args: command line, that of the process if None.
 
     Returns:
+        Exit code.
+    """
+    return run_nodes({name: parameter_class}, lambda _: [make_node()], args)
+
+
+def run_nodes(
+    parameter_classes: Mapping[str, type],
+    make_nodes: Callable[[Executor], Sequence[Node]],
+    args: Sequence[str] | None = None,
+) -> int:
+    """Check the parameters, make the nodes and spin them until a signal, or until one calls rclpy.try_shutdown().
+
+    Args:
+        parameter_classes: dataclass of the parameters of each node, by its name unless it is remapped.
+        make_nodes: makes the nodes that the executor will spin; rclpy is initialised.
+        args: command line, that of the process if None.
+
+    Returns:
         Exit code: 0, or 2 when an argument, a parameter or a file is bad (which is printed in one line).
     """
     stop = stop_on_signals()
-    executor: EventsExecutor | None = None
-    node: Node | None = None
+    executor: Executor | None = None
+    nodes: Sequence[Node] = ()
     try:
         with TemporaryDirectory() as directory:
             given = sys.argv if args is None else args
-            start_middleware(with_checked_parameters(given, name, parameter_class, Path(directory)))
+            start_middleware(with_checked_parameters(given, parameter_classes, Path(directory)))
         executor = EventsExecutor()
-        node = made(make_node)
-        executor.add_node(node)
+        nodes = made(partial(make_nodes, executor))
+        for node in nodes:
+            executor.add_node(node)
         while rclpy.ok() and not stop.is_set():
             executor.spin_once(timeout_sec=_WAKE_PERIOD)
     except ExternalShutdownException:
@@ -68,7 +88,7 @@ def run(name: str, parameter_class: type, make_node: Callable[[], Node], args: S
         print(f"error: {error}", file=sys.stderr)
         return 2
     finally:
-        take_down(node, executor)
+        _take_down(nodes, executor)
     return 0
 
 
@@ -102,12 +122,16 @@ def take_down(node: Node | None, executor: Executor | None = None) -> None:
     Fast DDS can wait for itself forever when other processes vanish while it removes its participant (seen in 2 of 800
     exits, of many nodes at once). Such a process reports that on stderr and ends with exit code 1, instead of never.
     """
+    _take_down([] if node is None else [node], executor)
+
+
+def _take_down(nodes: Sequence[Node], executor: Executor | None) -> None:
     sys.stdout.flush()
     faulthandler.dump_traceback_later(_TAKE_DOWN_LIMIT * slowdown(), exit=True, file=_STDERR)
     try:
         if executor is not None:
             executor.shutdown()  # it would keep the node's participant until it is gone itself
-        if node is not None:
+        for node in nodes:
             node.destroy_node()
         rclpy.try_shutdown()
     finally:

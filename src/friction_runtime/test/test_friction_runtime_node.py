@@ -330,7 +330,7 @@ def ends_with(client: DdsClient, *arguments: str) -> str:
         ("filter.weights:=[]", "parameter 'filter.weights' is empty"),
         ("gain", "-p gain: it must be name:=value"),
         ("gain:=", "parameter 'gain' = None must be of type float"),
-        ("use_sim_time:=maybe", "Trying to set parameter 'use_sim_time' to 'maybe' of type 'STRING'"),
+        ("use_sim_time:=maybe", "parameter 'use_sim_time' = 'maybe' has the wrong type"),
         ("vehicle_file:=", "parameter 'vehicle_file' = None must be of type str"),
         ("vehicle_file:=''", "no vehicle file is given ('vehicle_file'): give a path, or one of those shipped: "),
         ("vehicle_file:=/no/car.yaml", "there is no vehicle file '/no/car.yaml': "),

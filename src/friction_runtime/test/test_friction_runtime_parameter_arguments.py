@@ -34,7 +34,7 @@ class EchoParameters:
 
 
 def checked(directory: Path, *arguments: str) -> list[str]:
-    return with_checked_parameters(arguments, "echo", EchoParameters, directory)
+    return with_checked_parameters(arguments, {"echo": EchoParameters}, directory)
 
 
 def seen_by_ros(*arguments: str) -> tuple[str, dict[str, Any]]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from friction_runtime.processor_node import ProcessorNode
+from friction_runtime.processor_node import Connect, ProcessorNode, subscribe_to_all
 from friction_runtime.spin import run
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.processor import build
@@ -10,9 +10,9 @@ from friction_slope.processor import build
 _NAME = "friction_slope"
 
 
-def make_node() -> ProcessorNode[FrictionSlopeParameters]:
-    """Make the node; rclpy is initialised."""
-    return ProcessorNode(_NAME, FrictionSlopeParameters, build)
+def make_node(connect: Connect = subscribe_to_all) -> ProcessorNode[FrictionSlopeParameters]:
+    """Make the node, whose inputs come by `connect`; rclpy is initialised."""
+    return ProcessorNode(_NAME, FrictionSlopeParameters, build, connect)
 
 
 def main(args: Sequence[str] | None = None) -> int:

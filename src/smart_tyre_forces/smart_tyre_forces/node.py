@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from std_srvs.srv import Trigger
 
 from friction_runtime.processor import Report
-from friction_runtime.processor_node import ProcessorNode
+from friction_runtime.processor_node import Connect, ProcessorNode, subscribe_to_all
 from friction_runtime.spin import run
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.processor import TyreProcessor, build
@@ -18,10 +18,10 @@ ZERO_REQUESTS = {"zero_shift": TyreProcessor.request_shift_zero, "zero_length": 
 class SmartTyreNode(ProcessorNode[SmartTyreParameters]):
     """The shared node with `~/zero_shift` and `~/zero_length` (std_srvs/Trigger)."""
 
-    def __init__(self) -> None:
-        """Make the node; rclpy is initialised."""
+    def __init__(self, connect: Connect) -> None:
+        """Make the node, whose inputs come by `connect`; rclpy is initialised."""
         self._tyres: list[TyreProcessor] = []
-        super().__init__("smart_tyre_forces", SmartTyreParameters, self._remember)
+        super().__init__("smart_tyre_forces", SmartTyreParameters, self._remember, connect)
         for name, request in ZERO_REQUESTS.items():
             self._serve(name, request)
 
@@ -41,6 +41,11 @@ class SmartTyreNode(ProcessorNode[SmartTyreParameters]):
         self.create_service(Trigger, f"~/{name}", on_call)
 
 
+def make_node(connect: Connect = subscribe_to_all) -> SmartTyreNode:
+    """Make the node, whose inputs come by `connect`; rclpy is initialised."""
+    return SmartTyreNode(connect)
+
+
 def main(args: Sequence[str] | None = None) -> int:
     """Run until a signal; return the exit code."""
-    return run("smart_tyre_forces", SmartTyreParameters, SmartTyreNode, args)
+    return run("smart_tyre_forces", SmartTyreParameters, make_node, args)

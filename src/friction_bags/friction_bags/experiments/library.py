@@ -17,9 +17,9 @@ from friction_bags.bag_io.message_bag import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.experiments import stops, tyre_runs
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
-from friction_bags.offline.graph import OfflineGraph
 from friction_parameters.values import from_mapping
 from friction_runtime.processor import Output, silent
+from friction_runtime.processor_graph import ProcessorGraph
 from vehicle_models.vehicle_file import load_vehicle
 
 START_STAMP = 1_000_000_000_000
@@ -137,7 +137,7 @@ def simulate(experiment: Experiment, seed: int = 0) -> Iterator[Output]:
     vehicle = load_vehicle(experiment.vehicle)
     simulation = Simulation(from_mapping(SimParameters, {**experiment.parameters, "seed": seed}), vehicle, START_STAMP)
     estimators = closed_loop_parameters(WHEEL_ESTIMATORS) if experiment.closed_loop else {}
-    graph = OfflineGraph(make_processors(estimators, vehicle, silent))
+    graph = ProcessorGraph(make_processors(estimators, vehicle, silent))
     while True:
         for topic, message in simulation.messages():
             yield f"/{topic}", message

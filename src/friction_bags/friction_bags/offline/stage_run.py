@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from friction_bags.bag_io.cdr import decode, encode
-from friction_bags.offline.graph import OfflineGraph
 from friction_bags.offline.graph_stages import Stage
+from friction_runtime.processor_graph import ProcessorGraph
 
 Outputs = list[tuple[int, bytes]]
 """Topic number and CDR of each output for one message."""
@@ -24,7 +24,7 @@ class StageRun:
             stage: processors of the stage.
             numbers: numbers of the topics that the processors of all stages make.
         """
-        self._graph = OfflineGraph(stage)
+        self._graph = ProcessorGraph(stage)
         self._numbers = dict(numbers)
         self._names = list(numbers)
         self.refused: dict[str, int] = {}

@@ -7,12 +7,12 @@ from friction_msgs.msg import BrakeCommand
 
 from corner_sim.plant import SAMPLE_TIME
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
-from friction_bags.offline.graph import OfflineGraph
 from friction_evaluation.closed_loop.car_setup import CarSetup
 from friction_evaluation.closed_loop.law_stops import ROLLING
 from friction_evaluation.closed_loop.longest_lock import LongestLock
 from friction_evaluation.closed_loop.panic_stop import END_SPEED, LOCK_ABOVE, LONGEST, PanicStops
 from friction_runtime.processor import Processor, silent
+from friction_runtime.processor_graph import ProcessorGraph
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.vehicle import Vehicle
 
@@ -31,7 +31,7 @@ def car_stops(setup: CarSetup, seeds: range, law: str) -> PanicStops:
 def _stop(setup: CarSetup, seed: int, law: str) -> PanicStops:
     told = setup.told
     wheels = told.wheel_names
-    graph = OfflineGraph(_processors(law, told))
+    graph = ProcessorGraph(_processors(law, told))
     simulation = setup.simulation(seed)
     best = setup.peak[1] * setup.vehicle.mass * GRAVITY
     lock = LongestLock(len(wheels))

@@ -10,10 +10,10 @@ from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.processor import WheelProcessor as SupervisorProcessor
 from corner_sim import messages
 from corner_sim.sensors import Measurement
-from friction_bags.offline.graph import OfflineGraph
 from friction_curve_id.parameters import SHIPPED as SHIPPED_CURVE
 from friction_curve_id.processor import build as curve_processors
 from friction_runtime.processor import Processor
+from friction_runtime.processor_graph import ProcessorGraph
 from friction_slope.parameters import SHIPPED as SHIPPED_SLOPE
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.processor import WheelProcessor as SlopeProcessor
@@ -70,7 +70,7 @@ class Controller:
         """
         self._vehicle, self._noise, self._speed_sensor = one_wheel(vehicle), noise, speed_sensor
         self.processors = make(self._vehicle)
-        self._graph = OfflineGraph(self.processors)
+        self._graph = ProcessorGraph(self.processors)
 
     def command(self, stamp: int, measured: Measurement, demand: float) -> int:
         """Pass the sensors' readings at a stamp [ns] and the demand [Pa] through; return the command for them."""

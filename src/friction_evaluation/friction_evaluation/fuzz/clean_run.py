@@ -12,9 +12,9 @@ from ament_index_python.packages import get_package_share_directory
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, closed_loop_parameters, make_processors
-from friction_bags.offline.graph import OfflineGraph
 from friction_parameters.values import from_mapping
 from friction_runtime.processor import silent
+from friction_runtime.processor_graph import ProcessorGraph
 from vehicle_models.vehicle import Vehicle
 
 START = 10**12
@@ -46,7 +46,7 @@ def clean_run(vehicle: Vehicle, seconds: float) -> list[tuple[str, Any]]:
         "vehicle_velocity": False,
     }
     simulation = Simulation(from_mapping(SimParameters, given), vehicle, START)
-    graph = OfflineGraph(make_processors(fuzzed_parameters(), vehicle, silent))
+    graph = ProcessorGraph(make_processors(fuzzed_parameters(), vehicle, silent))
     run: list[tuple[str, Any]] = []
     while simulation.end is None:
         for topic, message in simulation.messages():

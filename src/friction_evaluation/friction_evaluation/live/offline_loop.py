@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from corner_sim.simulation import Simulation
 from friction_bags.bag_io.cdr import encode
-from friction_bags.offline.graph import OfflineGraph
 from friction_runtime.processor import Processor
+from friction_runtime.processor_graph import ProcessorGraph
 
 
 def run_offline(simulation: Simulation, processors: Sequence[Processor]) -> dict[str, list[bytes]]:
@@ -23,7 +23,7 @@ def run_offline(simulation: Simulation, processors: Sequence[Processor]) -> dict
     Raises:
         RuntimeError: a sample stays without brake_command: the loop is not closed.
     """
-    graph = OfflineGraph(processors)
+    graph = ProcessorGraph(processors)
     found: dict[str, list[bytes]] = {}
     while True:
         for topic, message in simulation.messages():
