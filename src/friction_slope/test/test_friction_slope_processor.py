@@ -457,9 +457,7 @@ def test_numbers_are_those_of_the_messages() -> None:
     assert set(METHODS.values()) == set(Method)
 
 
-@pytest.mark.parametrize(
-    ("factor", "named"), [(1.0, ""), (1e-5, "in bar"), (1e5, "converted from bar")]
-)
+@pytest.mark.parametrize(("factor", "named"), [(1.0, ""), (1e-5, "in bar"), (1e5, "converted from bar")])
 def test_a_pressure_in_another_unit_is_named_and_gives_no_sign(factor: float, named: str) -> None:
     (processor,) = build(ALONE, VEHICLE)
     slopes = []
