@@ -111,7 +111,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     def _wrong_unit(
         self, sample: AlignedSample[tuple[float, ...]], pressures: Sequence[float], acceleration: float
     ) -> str:
-        """Look at the units of pressures and accelerometer; return one that seems to be wrong, empty where none does."""
+        """Return which unit of pressures or accelerometer seems to be wrong, empty where none does."""
         found = ""
         for watch, wheel_speed, pressure in zip(
             self._pressure_watches.values(), sample.payload, pressures, strict=True

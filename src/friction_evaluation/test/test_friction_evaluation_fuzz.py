@@ -105,7 +105,7 @@ def test_raw_garbage_is_another_sequence_of_bytes_each_time_and_may_be_empty() -
     assert {each[:4] for each in found} != {serialized[:4]}
 
 
-@pytest.mark.parametrize("node", ["wheel_slip", "abs_supervisor"])
+@pytest.mark.parametrize("node", ["wheel_slip", "friction_curve_id"])
 def test_a_node_outlives_typed_garbage_and_raw_bytes_and_answers_a_clean_drive_again(node: str) -> None:
     rows = live_rows([node], 5.0, np.random.default_rng(3))
     assert not failures(rows)

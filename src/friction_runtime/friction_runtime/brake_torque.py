@@ -36,7 +36,7 @@ class BrakeTorque:
         return torque
 
     def wrong_unit(self, stamp: int, wheel_speed: float, torque: float) -> str:
-        """Return which unit the pressure seems to have in place of Pa, with its topic, empty where nothing is suspected.
+        """Return which unit the pressure seems to have in place of Pa, with its topic; empty where none.
 
         Args:
             stamp: stamp of the sample [ns].

@@ -1,27 +1,29 @@
 """An accelerometer in g, or mounted the wrong way round, is named by how the wheels change their speed."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from math import inf, pi, sin
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from vehicle_models.acceleration_unit import AccelerationUnit
 
+Array = NDArray[np.float64]
 DT = 0.005
 STEP = 5_000_000
 IN_G = 1.0 / 9.81
 
 
-def texts(unit: AccelerationUnit, speeds: Sequence[float], readings: Sequence[float]) -> list[str]:
+def texts(unit: AccelerationUnit, speeds: Array, readings: Array) -> list[str]:
     found = []
-    for k, (speed, reading) in enumerate(zip(speeds, readings, strict=True)):
+    for k, (speed, reading) in enumerate(zip(speeds.tolist(), readings.tolist(), strict=True)):
         unit.update((k + 1) * STEP, speed, reading)
         found.append(unit.text)
     return found
 
 
-def drive(acceleration: Callable[[float], float], seconds: float = 6.0) -> tuple[np.ndarray, np.ndarray]:
+def drive(acceleration: Callable[[float], float], seconds: float = 6.0) -> tuple[Array, Array]:
     """Speeds with the noise of one encoder, and accelerations with that of an accelerometer, from 25 m/s."""
     rng = np.random.default_rng(1)
     times = DT * np.arange(round(seconds / DT))

@@ -1,9 +1,9 @@
 """Whether an accelerometer measures m/s^2, forward positive, by how the rolling wheels change their speed.
 
 Offset and slope of the road are in its reading and not in the speed of the wheels, and a slope alone changes the speed
-of a car that coasts: so the *changes* of both are compared, in steps of 0.1 s, as a straight line through those of the
-last seconds. That takes gentle braking. In hard braking, which no slope explains, the sign alone is judged: how fast the
-car slows down is not known from wheels that slip.
+of a car that coasts: so the changes of both are compared, in steps of 0.1 s, as a straight line through those of the
+last seconds. That takes gentle braking. In hard braking, which no slope explains, the sign alone is judged: how fast
+the car slows down is not known from wheels that slip.
 """
 
 from collections import deque

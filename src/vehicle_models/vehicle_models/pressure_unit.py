@@ -26,8 +26,8 @@ _LONGEST_STEP: Final = 0.1
 """Time between samples from which on they are not compared [s]."""
 _LEAST_SHARE: Final = 0.12
 _MOST_SHARE: Final = 5.0
-"""The pressure of one wheel, taken for that of all, explains a share between these of how fast the wheel slows down: the
-least where it dives into lock or brakes less than the others, the most on a road that falls."""
+"""The pressure of one wheel, taken for that of all, explains a share between these of how fast the wheel slows down:
+the least where it dives into lock or brakes less than the others, the most on a road that falls."""
 _OTHERS: Final = 20.0
 """In MPa or psi a pressure explains a share that is beyond those by a factor up to this."""
 

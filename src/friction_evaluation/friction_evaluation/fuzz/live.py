@@ -176,11 +176,11 @@ class _Trial:
         found: set[_Answer] = set()
         begun = self._drive(lambda topic, message: message, np.inf, found)
         quiet = time.monotonic() + slowdown()
-        while time.monotonic() < quiet and self._alive():
+        wanted = {(topic, stamp + begun, valid) for topic, stamp, valid in self._expected}
+        while not wanted <= found and time.monotonic() < quiet and self._alive():
             time.sleep(0.02)
             self._take(found)
-        right = {(topic, stamp - begun, valid) for topic, stamp, valid in found} & self._expected
-        return len(right) / len(self._expected)
+        return len(wanted & found) / len(wanted)
 
     def _drive(self, change: Callable[[str, Any], Any], until: float, found: set[_Answer] | None = None) -> int:
         """Publish the drive once, in real time; return the stamp of its begin [ns]."""

@@ -25,6 +25,7 @@ from friction_evaluation.fuzz.clean_run import clean_run, fuzzed_parameters, inp
 from friction_evaluation.fuzz.garbage import garbage
 from friction_evaluation.fuzz.live import live_rows
 from friction_evaluation.fuzz.nonsense import nonsense
+from friction_evaluation.fuzz.update_time import update_time_rows
 from friction_evaluation.rows import Row, at_most
 from friction_parameters.command_line import count, not_negative
 from friction_parameters.parameter import ParameterError
@@ -76,6 +77,7 @@ def run(options: argparse.Namespace) -> list[Row]:
     for number, (name, make) in track(list(enumerate(chosen.items())), description="fuzz"):
         rng = np.random.default_rng((options.seed, number))
         rows.extend(_judge(name, make, inputs_of(make(), drive), options.messages // len(chosen), rng))
+    rows.extend(update_time_rows(chosen, drive))
     if options.live > 0.0:
         nodes = list(dict.fromkeys(make.node for make in chosen.values()))
         rows.extend(live_rows(nodes, options.live, np.random.default_rng(options.seed)))
