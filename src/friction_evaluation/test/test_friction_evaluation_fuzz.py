@@ -13,6 +13,7 @@ from friction_evaluation.fuzz.garbage import garbage
 from friction_evaluation.fuzz.live import live_rows
 from friction_evaluation.fuzz.nonsense import nonsense
 from friction_evaluation.fuzz.raw_bytes import raw_garbage
+from friction_evaluation.fuzz.wrong_units import CORNER, wrong_unit_rows
 from friction_evaluation.rows import failures
 
 
@@ -110,3 +111,10 @@ def test_a_node_outlives_typed_garbage_and_raw_bytes_and_answers_a_clean_drive_a
     rows = live_rows([node], 5.0, np.random.default_rng(3))
     assert not failures(rows)
     assert rows[0]["messages"] > 200
+
+
+def test_wrong_units_are_named_on_stops_of_the_plant_and_right_ones_never() -> None:
+    rows = wrong_unit_rows([CORNER], ["wet"])
+    assert {row["processor"] for row in rows} == {"chapter_corner, gentle", "chapter_corner, hard"}
+    assert len([row for row in rows if row["limit"] == 1]) == 11
+    assert not failures(rows)
