@@ -50,6 +50,10 @@ class ProcessGroup:
         """Log file of a process."""
         return self._log_directory / f"{name}.log"
 
+    def pid(self, name: str) -> int:
+        """Process id of a process."""
+        return self._processes[name].pid
+
     def ended(self) -> dict[str, int]:
         """Exit codes of the processes that have ended, by name."""
         codes = {name: process.poll() for name, process in self._processes.items()}

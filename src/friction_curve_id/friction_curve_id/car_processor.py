@@ -1,13 +1,14 @@
 """Messages of all wheels in, <wheel>/friction_curve of every wheel and vehicle_fit out: layer 2 of the method 'car'."""
 
-from collections.abc import Mapping
-from math import nan
+from collections.abc import Mapping, Sequence
+from math import inf, isfinite, nan
 from typing import Any, Final
 
 from friction_msgs.msg import FrictionCurve, VehicleFit
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_curve_id.car import CarEstimator, CarSample
+from friction_curve_id.car.braked_speed import BrakedSpeed
 from friction_curve_id.car.gain_over_mass import GainOverMass
 from friction_curve_id.curve_messages import CurveMessages, health_of
 from friction_curve_id.inputs import IMU
@@ -16,16 +17,19 @@ from friction_curve_id.parameters import FrictionCurveParameters
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.new_message import new_message
+from friction_runtime.pressure_watch import PressureWatch
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, silent
 from friction_runtime.reason_text import set_reason
 from friction_runtime.stamps import header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from vehicle_models.acceleration_unit import AccelerationUnit
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import HIGHEST_PRESSURE
 from vehicle_models.vehicle import Vehicle
 
 VEHICLE_FIT = "vehicle_fit"
+_UNKNOWN: Final = (nan,)
 _PERIOD: Final = 1.0
 """Time between two messages of what was learned [s]; one more when a braking was learned from."""
 
@@ -41,6 +45,9 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         aligned = [AlignedInput(topic, max_gap) for topic in self._pressures]
         aligned.append(AlignedInput(IMU, max_gap))
         super().__init__("car", Primary(WHEEL_STATES, "car", report), aligned, parameters.deadline, (IMU,))
+        self._pressure_watches = {topic: PressureWatch(vehicle, wheel) for topic, wheel in self._pressures.items()}
+        self._braked_speed = BrakedSpeed(vehicle)
+        self._acceleration_unit = AccelerationUnit(largest=inf)  # no wheel that slips is in that speed
         self._mounting = vehicle.accelerometer
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
         self._estimator = CarEstimator(vehicle, parameters.car)
@@ -73,25 +80,24 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             # No delay is taken off: the age of the pressures is an unknown too.
             reading = float(message.fluid_pressure)
             if not abs(reading) <= HIGHEST_PRESSURE:
+                self._pressure_watches[topic].refuse(to_nanoseconds(message.header.stamp), reading)
                 return f"{topic}: {reading} Pa is not a brake pressure"
         return self._aligner.offer(topic, to_nanoseconds(message.header.stamp), (reading,))
 
     def _fire(self, sample: AlignedSample[tuple[float, ...]]) -> list[Output]:
-        pressures = [sample.values.get(topic) for topic in self._pressures]
-        acceleration = sample.values.get(IMU)
-        answers = self._estimator.update(
-            CarSample(
-                sample.stamp / NANOSECONDS,
-                sample.payload,
-                [nan if pressure is None else pressure[0] for pressure in pressures],
-                nan if acceleration is None else acceleration[0],
-            )
-        )
+        pressures = [sample.values.get(topic, _UNKNOWN)[0] for topic in self._pressures]
+        (acceleration,) = sample.values.get(IMU, _UNKNOWN)
+        taken = CarSample(sample.stamp / NANOSECONDS, sample.payload, pressures, acceleration)
+        if wrong_unit := self._wrong_unit(sample, pressures, acceleration):
+            # All wheels are fitted together, so one wrong unit spoils them all.
+            answers: Sequence[CurveEstimate | Refusal] = [Refusal(Reason.BAD_INPUT, wrong_unit)] * len(self._wheels)
+        else:
+            answers = self._estimator.update(taken)
         self._last = []
         outputs: list[Output] = []
         for (topic, wheel), answer in zip(self._pressures.items(), answers, strict=True):
             found: CurveEstimate | Refusal = answer
-            if isinstance(answer, Refusal) and topic in sample.missing:
+            if isinstance(answer, Refusal) and topic in sample.missing and not wrong_unit:
                 found = Refusal(Reason.NO_TORQUE, sample.missing[topic])
             message = self._messages[wheel].message(sample.stamp, found, nan, self._cause)
             self._last.append(message)
@@ -102,12 +108,30 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             outputs.append((VEHICLE_FIT, vehicle_fit(found_of_car, sample.stamp)))
         return outputs
 
+    def _wrong_unit(
+        self, sample: AlignedSample[tuple[float, ...]], pressures: Sequence[float], acceleration: float
+    ) -> str:
+        """Return which unit of pressures or accelerometer seems to be wrong, empty where none does."""
+        found = ""
+        for watch, wheel_speed, pressure in zip(
+            self._pressure_watches.values(), sample.payload, pressures, strict=True
+        ):
+            found = watch.judge(sample.stamp, wheel_speed, pressure) or found
+        speed = self._braked_speed.update(sample.stamp / NANOSECONDS, sample.payload, pressures)
+        if isfinite(speed) and isfinite(acceleration):
+            self._acceleration_unit.update(sample.stamp, speed, acceleration)
+        return found or self._acceleration_unit.text
+
     def _to_be_told(self, stamp: int) -> bool:
         brakings, self._brakings = self._brakings, self._estimator.learner.brakings
         return brakings != self._brakings or self._told is None or abs(stamp - self._told) >= _PERIOD * NANOSECONDS
 
     def _forget(self) -> None:
         self._last = []
+        for watch in self._pressure_watches.values():
+            watch.reset()
+        self._braked_speed.reset()
+        self._acceleration_unit.reset()
         self._restart(RestartCause.REQUEST)
 
     def _start_again(self, stamp: int) -> None:

@@ -71,6 +71,9 @@ class WheelInputs:
         values = sample.values.get(self._slip)
         slip = values[2] if values is not None and values[3] == 1.0 else nan
         torque = sample.values.get(self._pressure)
+        given = nan if torque is None else torque[0]
+        if wrong_unit := self._brake_torque.wrong_unit(sample.stamp, sample.payload, given):
+            return Refusal(Reason.BAD_INPUT, wrong_unit), slip
         if torque is None:
             return Refusal(Reason.NO_TORQUE, sample.missing[self._pressure]), slip
         speed = known_speed(sample, self._speed)
@@ -84,3 +87,4 @@ class WheelInputs:
     def reset(self) -> None:
         """Reset the estimator."""
         self._estimator.reset()
+        self._brake_torque.reset()

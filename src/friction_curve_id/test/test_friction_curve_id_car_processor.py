@@ -150,3 +150,30 @@ def test_a_reset_forgets_what_was_learned() -> None:
     assert fits(processor, released())[-1].valid
     processor.reset()
     assert not fits(processor, released()[:100])[0].valid
+
+
+@pytest.mark.parametrize(
+    ("kind", "factor", "named"),
+    [
+        (FluidPressure, 1e-5, "in bar"),
+        (FluidPressure, 1e5, "converted from bar"),
+        (Imu, 1.0 / 9.81, "in g"),
+        (Imu, -1.0, "wrong sign"),
+    ],
+)
+def test_a_pressure_or_an_acceleration_in_another_unit_is_named_and_gives_no_curve(
+    kind: type, factor: float, named: str
+) -> None:
+    messages = stream()
+    for _, message in messages:
+        if isinstance(message, FluidPressure) and kind is FluidPressure:
+            message.fluid_pressure *= factor
+        elif isinstance(message, Imu) and kind is Imu:
+            message.linear_acceleration.x *= factor
+    curves = [curve for _, curve in drive(made(), messages)]
+    assert not any(curve.valid for curve in curves)
+    assert all(curve.reason == FrictionCurve.BAD_INPUT and named in curve.reason_text for curve in curves[-400:])
+
+
+def test_no_unit_of_a_car_that_is_only_not_known_exactly_is_suspected() -> None:
+    assert not [curve.reason_text for _, curve in drive(made(), stream()) if curve.reason_text.endswith("?")]

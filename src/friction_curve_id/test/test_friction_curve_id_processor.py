@@ -489,3 +489,19 @@ def test_a_wheel_method_is_never_valid_on_a_car_that_is_not_known_exactly(method
     assert unknown[-1].lambda_max == known[-1].lambda_max
     assert unknown[-1].reason == FrictionCurve.UNKNOWN_CAR
     assert "'mass' has the stddev 10" in unknown[-1].reason_text and "'car'" in unknown[-1].reason_text
+
+
+@pytest.mark.parametrize(("factor", "named"), [(1e-5, "in bar"), (1e5, "converted from bar")])
+def test_a_pressure_in_another_unit_is_named_and_gives_no_curve(clean: Brake, factor: float, named: str) -> None:
+    (processor,) = build(FrictionCurveParameters(method="default"), CORNER)
+    curves = []
+    for topic, message in braking(clean):
+        if isinstance(message, FluidPressure):
+            message.fluid_pressure *= factor
+        if topic != "vehicle_velocity":
+            curves += [curve for _, curve in processor.process(topic, message)]
+    assert len(curves) > 80
+    assert not any(curve.valid for curve in curves)
+    assert curves[-1].reason == FrictionCurve.BAD_INPUT
+    assert curves[-1].reason_text.startswith("front_left/brake_pressure: ")
+    assert named in curves[-1].reason_text

@@ -24,6 +24,7 @@ PARTS = {
     "fuzz": "hostile messages into every processor: exceptions, valid nonsense, recovery",
     "bags": "offline processing of bags: real-time factor, memory over length",
     "live": "the graph over DDS: lost samples, delay, agreement with the offline processors",
+    "soak": "the whole graph with tyres over DDS for minutes: memory, threads, descriptors, lost samples, delays",
     "checkouts": "the estimates of two built checkouts over every bag, compared field by field",
     "report": "every table and figure of the chapter beside its own numbers, as one page",
 }

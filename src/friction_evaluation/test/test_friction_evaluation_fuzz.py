@@ -10,7 +10,11 @@ from friction_bags.bag_io.cdr import encode
 from friction_evaluation.__main__ import main
 from friction_evaluation.fuzz import part
 from friction_evaluation.fuzz.garbage import garbage
+from friction_evaluation.fuzz.live import live_rows
 from friction_evaluation.fuzz.nonsense import nonsense
+from friction_evaluation.fuzz.raw_bytes import raw_garbage
+from friction_evaluation.fuzz.wrong_units import CORNER, wrong_unit_rows
+from friction_evaluation.rows import failures
 
 
 class Broken:
@@ -91,3 +95,26 @@ def test_every_processor_survives_hostile_messages(capsys: pytest.CaptureFixture
 def test_an_unknown_processor_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["fuzz", "--processors", "nobody"]) == 2
     assert "Traceback" not in capsys.readouterr().err
+
+
+def test_raw_garbage_is_another_sequence_of_bytes_each_time_and_may_be_empty() -> None:
+    rng = np.random.default_rng(2)
+    serialized = encode(JointState(name=["a"], velocity=[1.0]))
+    found = [raw_garbage(serialized, rng) for _ in range(3000)]
+    assert sum(each == serialized for each in found) < 30
+    assert min(map(len, found)) == 0
+    assert {each[:4] for each in found} != {serialized[:4]}
+
+
+@pytest.mark.parametrize("node", ["wheel_slip", "friction_curve_id"])
+def test_a_node_outlives_typed_garbage_and_raw_bytes_and_answers_a_clean_drive_again(node: str) -> None:
+    rows = live_rows([node], 5.0, np.random.default_rng(3))
+    assert not failures(rows)
+    assert rows[0]["messages"] > 200
+
+
+def test_wrong_units_are_named_on_stops_of_the_plant_and_right_ones_never() -> None:
+    rows = wrong_unit_rows([CORNER], ["wet"])
+    assert {row["processor"] for row in rows} == {"chapter_corner, gentle", "chapter_corner, hard"}
+    assert len([row for row in rows if row["limit"] == 1]) == 11
+    assert not failures(rows)

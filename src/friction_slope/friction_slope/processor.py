@@ -78,6 +78,7 @@ class WheelProcessor(AlignedProcessor[float]):
 
     def _forget(self) -> None:
         self._detector.reset()
+        self._brake_torque.reset()
         self._last: SlopeEstimate | None = None
         self._text = ""
         self._slip_fault = ""
@@ -134,17 +135,21 @@ class WheelProcessor(AlignedProcessor[float]):
         torque = sample.values.get(self._pressure)
         slip, slip_rate, valid, speed, known = sample.values.get(self._slip, _UNKNOWN_SLIP)
         acceleration = sample.values.get(_IMU, (nan,))
+        brake_torque = nan if torque is None else torque[0]
         estimate = self._detector.update(
             SlopeSample(
                 stamp=sample.stamp,
                 wheel_speed=sample.payload,
-                brake_torque=nan if torque is None else torque[0],
+                brake_torque=brake_torque,
                 slip=slip if valid == 1.0 else nan,
                 slip_rate=slip_rate if valid == 1.0 else nan,
                 vehicle_speed=speed if known == 1.0 else nan,
                 acceleration=acceleration[0],
             )
         )
+        wrong_unit = self._brake_torque.wrong_unit(sample.stamp, sample.payload, brake_torque)
+        if wrong_unit:
+            estimate.reason, estimate.text = Reason.BAD_INPUT, wrong_unit
         self._last = estimate
         self._text = self._reason(sample, estimate)
         return [(self._topic, self._message(sample.stamp, estimate))]

@@ -455,3 +455,22 @@ def test_numbers_are_those_of_the_messages() -> None:
     for method in Method:
         assert getattr(FrictionSlope, f"METHOD_{method.name}") == method
     assert set(METHODS.values()) == set(Method)
+
+
+@pytest.mark.parametrize(("factor", "named"), [(1.0, ""), (1e-5, "in bar"), (1e5, "converted from bar")])
+def test_a_pressure_in_another_unit_is_named_and_gives_no_sign(factor: float, named: str) -> None:
+    (processor,) = build(ALONE, VEHICLE)
+    slopes = []
+    for k in range(1, 400):
+        torque = 300.0 * min(max(0.01 * (k - 100), 0.0), 1.0)  # brakes the car by 4.4 m/s^2
+        rolled = 100.0 - max(k - 100, 0) * 0.005 * 300.0 / (0.3 * 225.0) / 0.3
+        for topic, message in (pressure(k * STEP, factor * torque), speed(k * STEP, rolled)):
+            slopes += [slope for _, slope in processor.process(topic, message)]
+    assert len(slopes) > 380
+    if named:
+        assert not any(slope.valid for slope in slopes)
+        assert slopes[-1].reason == FrictionSlope.BAD_INPUT
+        assert slopes[-1].reason_text.startswith(PRESSURE)
+        assert named in slopes[-1].reason_text
+    else:
+        assert not any(slope.reason == FrictionSlope.BAD_INPUT for slope in slopes)

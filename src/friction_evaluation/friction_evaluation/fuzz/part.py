@@ -23,9 +23,12 @@ from friction_bags.bag_io.cdr import encode
 from friction_bags.offline.estimators import make_processors
 from friction_evaluation.fuzz.clean_run import clean_run, fuzzed_parameters, inputs_of
 from friction_evaluation.fuzz.garbage import garbage
+from friction_evaluation.fuzz.live import live_rows
 from friction_evaluation.fuzz.nonsense import nonsense
+from friction_evaluation.fuzz.update_time import update_time_rows
+from friction_evaluation.fuzz.wrong_units import wrong_unit_rows
 from friction_evaluation.rows import Row, at_most
-from friction_parameters.command_line import count
+from friction_parameters.command_line import count, not_negative
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import silent
 from vehicle_models.vehicle import Vehicle
@@ -52,10 +55,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--messages", type=count, default=100_000, help="messages in all (1000000 for the record)")
     parser.add_argument("--seed", type=int, default=0, help="seed of what is broken, and how")
     parser.add_argument("--processors", nargs="+", default=[], metavar="NAME", help="only these, such as wheel_slip")
+    parser.add_argument("--units", action="store_true", help="then sensors in wrong units on stops of two cars")
+    parser.add_argument(
+        "--live", type=not_negative, default=0.0, metavar="SECONDS", help="then each node so long over DDS (60)"
+    )
 
 
 def run(options: argparse.Namespace) -> list[Row]:
-    """Send the messages; return four rows a processor.
+    """Send the messages; return four rows a processor, and five a node that got garbage over DDS.
 
     Raises:
         ParameterError: no message, or a processor that is not there.
@@ -72,6 +79,12 @@ def run(options: argparse.Namespace) -> list[Row]:
     for number, (name, make) in track(list(enumerate(chosen.items())), description="fuzz"):
         rng = np.random.default_rng((options.seed, number))
         rows.extend(_judge(name, make, inputs_of(make(), drive), options.messages // len(chosen), rng))
+    rows.extend(update_time_rows(chosen, drive))
+    if options.units:
+        rows.extend(wrong_unit_rows())
+    if options.live > 0.0:
+        nodes = list(dict.fromkeys(make.node for make in chosen.values()))
+        rows.extend(live_rows(nodes, options.live, np.random.default_rng(options.seed)))
     return rows
 
 

@@ -1,0 +1,233 @@
+"""The graph as processes: a corner with a smart tyre that brakes to a standstill, lap after lap, and all estimators."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import rclpy
+from ament_index_python.packages import get_package_share_directory
+from friction_msgs.msg import BrakeCommand, ContactPatch, FrictionCurve, FrictionSlope, SupervisorState, WheelSlip
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+
+from corner_sim.plant import SAMPLE_TIME
+from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, WHEEL_ESTIMATORS
+from friction_bringup import graph
+from friction_bringup.discovery import local_discovery
+from friction_bringup.node_start import commanding, node_starts
+from friction_bringup.processes import ProcessGroup
+from friction_evaluation.process_use import ProcessUse, use_of
+from friction_evaluation.soak.lap import Answers, Seen, answers, stamp_of
+from friction_runtime.domain import free_domain_id
+from friction_runtime.machine_load import slowdown
+from vehicle_models.nanoseconds import NANOSECONDS
+
+_VEHICLE = "chapter_corner"
+_WHEELS = ("front_left",)
+"""Wheels that are observed."""
+_SOURCE = "wheel_states"
+_PATCHES = "contact_patch"
+_KINDS: Mapping[str, type] = {
+    "slip": WheelSlip,
+    "friction_slope": FrictionSlope,
+    "friction_curve": FrictionCurve,
+    "abs_supervisor": SupervisorState,
+    "brake_command": BrakeCommand,
+}
+LAP = 6.0
+"""Length of a lap [s]: rolling, a panic stop, standing."""
+_PLANT: Mapping[str, graph.ParameterValue] = {
+    "initial_speed": 25.0,
+    "demand_start": 2.5,
+    "end_speed": -1.0,
+    "acceleration_variance": 0.01,
+    "vehicle_velocity": False,
+    "tyre_signals": True,
+    "autostart": False,
+}
+_LAW = "curve"
+_TAKE_PERIOD = 0.02
+_START_LIMIT = 60.0
+_SETTLE = 2.0
+"""Wall time [s] before the first lap in which the nodes find each other."""
+_TRUSTED_AFTER = 1.0
+"""Time after the jump back of the stamps from which samples count [s]: a supervisor that commands trusts stamps again
+once they have gone with the clock for half a second, and leaves samples unanswered until then."""
+_QUIET = 1.0
+"""Wall time [s] after the last sample of a lap in which its last answers arrive."""
+
+
+class SoakError(RuntimeError):
+    """The graph cannot go on; the text says why, with the end of a log."""
+
+
+class SoakGraph:
+    """Starts the processes; ends them on leaving the context."""
+
+    def __init__(self, lap: float = LAP, pace: float = 1.0) -> None:
+        """Start them, wait until all are there, and connect.
+
+        Args:
+            lap: length of a lap [s].
+            pace: message time over wall time; below 1 the supervisor does not watch its inputs by the clock.
+        """
+        self._lap, self._pace = lap, pace
+        os.environ.update(local_discovery())
+        domain = free_domain_id()
+        self._logs = tempfile.TemporaryDirectory(prefix="friction_soak_")
+        self._processes = ProcessGroup(Path(self._logs.name))
+        self._context = rclpy.Context()
+        rclpy.init(context=self._context, domain_id=domain)
+        try:
+            self._start(os.environ | {"ROS_DOMAIN_ID": str(domain), "OMP_NUM_THREADS": "1"})
+            self._connect()
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> SoakGraph:
+        """Return the running graph."""
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        """End the processes."""
+        self.close()
+
+    def close(self) -> None:
+        """End the processes and the observer."""
+        self._processes.stop()
+        rclpy.try_shutdown(context=self._context)
+        self._logs.cleanup()
+
+    def lap(self) -> dict[str, Answers]:
+        """Drive one lap; return what each topic had to say, by topic.
+
+        Raises:
+            SoakError: a process has ended, or the plant does not come to the end of the lap.
+        """
+        self._call("reset")
+        self._take()
+        self.lost_packets = 0
+        # The graph has nothing to say between the end of a lap and the start of the next but heartbeats of the end.
+        begun = time.time_ns()
+        self._seen = {topic: Seen(begun) for topic in self._taps}
+        self._call("start")
+        samples = round(self._lap / SAMPLE_TIME) + 1
+        source = self._seen[_SOURCE].published
+        self._until(
+            lambda: len(source) >= samples, self._lap / self._pace + _START_LIMIT * slowdown(), "the end of a lap"
+        )
+        last = max(source)
+        quiet = time.monotonic() + _QUIET * slowdown()
+        self._until(
+            lambda: time.monotonic() > quiet or all(last in seen.published for seen in self._seen.values()),
+            _START_LIMIT * slowdown(),
+            "the last answers",
+        )
+        begin = min(source) + round(_TRUSTED_AFTER * NANOSECONDS)
+        sent = self._seen[_SOURCE]
+        return {topic: answers(sent, seen, begin) for topic, seen in self._seen.items() if topic != _SOURCE}
+
+    def use(self) -> dict[str, ProcessUse]:
+        """Return what each process holds now, by the name of its node.
+
+        Raises:
+            SoakError: one has ended.
+        """
+        self._check()
+        return {name: use_of(self._processes.pid(name)) for name in (*ESTIMATORS, graph.PLANT)}
+
+    def _start(self, env: Mapping[str, str]) -> None:
+        calibration = Path(get_package_share_directory(SMART_TYRE), "calibration", "plant_tyres.yaml")
+        readers = len(WHEEL_ESTIMATORS) + 1  # and this process
+        commands = commanding(_LAW, _VEHICLE)
+        plant = {"end_time": self._lap, "real_time_factor": self._pace, "wait_for_subscribers": readers}
+        decided = {
+            **commands,
+            graph.SUPERVISOR: {**commands[graph.SUPERVISOR], "real_time": self._pace >= 1.0},
+            SMART_TYRE: {"calibration_file": str(calibration)},
+            graph.PLANT: {**_PLANT, **plant},
+        }
+        for start in node_starts((*ESTIMATORS, graph.PLANT), decided, vehicle_file=_VEHICLE):
+            self._processes.start(start.node, graph.command(start.node, start.files, start.decided), env)
+
+    def _connect(self) -> None:
+        self._node = node = rclpy.create_node("soak_observer", context=self._context)
+        profile = QoSProfile(depth=5000, reliability=ReliabilityPolicy.RELIABLE)
+        kinds = {_SOURCE: JointState, **{f"{wheel}/{name}": k for wheel in _WHEELS for name, k in _KINDS.items()}}
+        self._taps = {
+            topic: node.create_subscription(kind, topic, _never_called, profile, raw=True)
+            for topic, kind in kinds.items()
+        }
+        self._patches = [
+            node.create_subscription(ContactPatch, f"{wheel}/{_PATCHES}", _never_called, profile) for wheel in _WHEELS
+        ]
+        self._seen = {topic: Seen(0) for topic in self._taps}
+        self.lost_packets = 0
+        """Contact patches of the present lap that lack blocks of a tyre."""
+        self.patches = 0
+        """Contact patches since the start."""
+        caller = rclpy.create_node("soak_driver", context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(caller)
+        self._clients = {name: caller.create_client(Trigger, f"/{graph.PLANT}/{name}") for name in ("reset", "start")}
+        taps = (*self._taps.values(), *self._patches)
+        self._until(
+            lambda: (
+                all(tap.get_publisher_count() for tap in taps)
+                and all(client.service_is_ready() for client in self._clients.values())
+            ),
+            _START_LIMIT * slowdown(),
+            "all nodes",
+        )
+        settled = time.monotonic() + _SETTLE * slowdown()
+        self._until(lambda: time.monotonic() > settled, _START_LIMIT * slowdown(), "the nodes to find each other")
+
+    def _call(self, name: str) -> None:
+        future = self._clients[name].call_async(Trigger.Request())
+        self._executor.spin_until_future_complete(future, _START_LIMIT * slowdown())
+        if not future.done():
+            raise SoakError(f"/{graph.PLANT}/{name} does not answer")
+
+    def _until(self, condition: Callable[[], bool], limit: float, what: str) -> None:
+        deadline = time.monotonic() + limit
+        while not condition():
+            if time.monotonic() > deadline:
+                raise SoakError(f"waited {limit:.0f} s for {what}")
+            time.sleep(_TAKE_PERIOD)
+            self._check()
+            self._take()
+
+    def _take(self) -> None:
+        """Take all messages that have arrived. Without an executor: less work, and each with its publication time."""
+        for topic, tap in self._taps.items():
+            seen = self._seen[topic]
+            while (taken := _taken(tap, raw=True)) is not None:
+                serialized, info = taken
+                seen.note(stamp_of(serialized), info["source_timestamp"])
+        for tap in self._patches:
+            while (taken := _taken(tap, raw=False)) is not None:
+                self.lost_packets += taken[0].reason == ContactPatch.LOST_PACKETS
+                self.patches += 1
+
+    def _check(self) -> None:
+        for name, code in self._processes.ended().items():
+            end = self._processes.log(name).read_text(errors="replace").splitlines()[-5:]
+            raise SoakError(f"{name} ended with code {code}: {' / '.join(end)}")
+
+
+def _taken(tap: Any, raw: bool) -> Any:
+    with tap.handle:
+        return tap.handle.take_message(tap.msg_type, raw)
+
+
+def _never_called(_: Any) -> None:
+    """Stand in for a callback: the observer takes messages itself."""

@@ -1,0 +1,162 @@
+"""Whether an accelerometer measures m/s^2, forward positive, by how the rolling wheels change their speed.
+
+Offset and slope of the road are in its reading and not in the speed of the wheels, and a slope alone changes the speed
+of a car that coasts: so the changes of both are compared, in steps of 0.1 s, as a straight line through those of the
+last seconds. That takes gentle braking. In hard braking, which no slope explains, the sign alone is judged: how fast
+the car slows down is not known from wheels that slip.
+"""
+
+from collections import deque
+from math import sqrt
+from typing import Final
+
+from vehicle_models.nanoseconds import NANOSECONDS
+
+_STEP: Final = 0.1
+"""Time over which speeds and accelerations are averaged [s]."""
+_LONGEST_GAP: Final = 0.1
+"""[s] Where samples are further apart the comparison of steps begins again."""
+_MEMORY: Final = 50
+"""Steps that are compared."""
+_LEAST_STEPS: Final = 6
+_GENTLE: Final = 4.0
+"""Largest acceleration of wheels that roll [m/s^2]: beyond it their slip counts."""
+_LEAST_SPREAD: Final = 0.15
+"""Least standard deviation of the wheels' acceleration in these steps [m/s^2]."""
+_SURE: Final = 6.0
+"""Slope of the straight line over its standard deviation from which on two accelerations are those of one motion."""
+_LEAST_AGREEING: Final = 0.6
+_MOST_AGREEING: Final = 1.6
+"""Slopes of two sensors of one motion lie between."""
+_LEAST_IN_G: Final = 0.07
+_MOST_IN_G: Final = 0.14
+"""Slopes between which an acceleration in g lies to one in m/s^2, or one in m/s^2 to that of wheels in revolutions."""
+_DROP: Final = 1.0
+"""Speed that all wheels must lose for the sign to be judged [m/s]."""
+_HARD: Final = 2.0
+"""Deceleration that is no road's [m/s^2]."""
+_OPPOSITE: Final = 0.6
+"""Mean reading that is no offset [m/s^2]."""
+
+
+class AccelerationUnit:
+    """Compares one accelerometer with the wheels. `text` says what is suspected, empty where nothing is."""
+
+    def __init__(self, largest: float = _GENTLE) -> None:
+        """Start without samples.
+
+        Args:
+            largest: accelerations up to this are compared [m/s^2]; inf where the speed does not come from wheels that
+                may slip.
+        """
+        self._largest = largest
+        self.reset()
+
+    def reset(self) -> None:
+        """Know nothing."""
+        self.known = False
+        """Whether both have agreed: a unit does not change on the way, so nothing is suspected from then on."""
+        self.text = ""
+        """What is suspected."""
+        self._steps: deque[tuple[float, float]] = deque(maxlen=_MEMORY)
+        self._last = 0
+        self._begin_again(0.0)
+
+    def update(self, stamp: int, speed: float, acceleration: float) -> None:
+        """Take one sample.
+
+        Args:
+            stamp: stamp of the sample [ns].
+            speed: speed at the rim of the fastest wheel, or another one that changes as that of the car [m/s], finite.
+            acceleration: reading, forward positive [m/s^2], finite.
+        """
+        if self.known:
+            return
+        step = (stamp - self._last) / NANOSECONDS
+        self._last = stamp
+        if not 0.0 < step <= _LONGEST_GAP:
+            self._begin_again(speed)
+            return
+        self._watch_drop(step, speed, acceleration)
+        self._integral += step * acceleration
+        self._time += step
+        self._count += 1
+        self._speed_sum += speed
+        self._integral_sum += self._integral
+        if self._time >= _STEP:
+            self._end_step()
+
+    def _begin_again(self, speed: float) -> None:
+        self._integral = 0.0
+        """Of the reading [m/s]."""
+        self._begin_step()
+        self._before: tuple[float, float] | None = None
+        self._waiting: tuple[float, float] | None = None
+        self._steps.clear()
+        self._begin_drop(speed)
+
+    def _begin_step(self) -> None:
+        self._time = self._speed_sum = self._integral_sum = 0.0
+        self._count = 0
+
+    def _end_step(self) -> None:
+        """Take the changes of the mean speed and of the mean integral, which are averages with the same weights."""
+        now, time = (self._speed_sum / self._count, self._integral_sum / self._count), self._time
+        self._begin_step()
+        before, self._before = self._before, now
+        if before is None:
+            return
+        step = ((now[0] - before[0]) / time, (now[1] - before[1]) / time)
+        if not abs(step[0]) < self._largest:
+            # Wheels that slip; between two dives they slow down gently, too.
+            self._waiting = None
+            self._steps.clear()
+            return
+        # A wheel that begins to dive slows down gently at first: a step counts once the next one is gentle.
+        waiting, self._waiting = self._waiting, step
+        if waiting is not None:
+            self._steps.append(waiting)
+            self._judge_changes()
+
+    def _judge_changes(self) -> None:
+        """Put a straight line through the readings over the accelerations of the wheels."""
+        count = len(self._steps)
+        if count < _LEAST_STEPS:
+            return
+        mean_x = sum(x for x, _ in self._steps) / count
+        mean_y = sum(y for _, y in self._steps) / count
+        xx = sum((x - mean_x) ** 2 for x, _ in self._steps)
+        yy = sum((y - mean_y) ** 2 for _, y in self._steps)
+        xy = sum((x - mean_x) * (y - mean_y) for x, y in self._steps)
+        if xx < count * _LEAST_SPREAD**2:
+            return
+        slope = xy / xx
+        if abs(slope) < _SURE * sqrt(max(yy - slope * xy, 0.0) / ((count - 2) * xx)):
+            return
+        if _LEAST_AGREEING < slope < _MOST_AGREEING:
+            self.known, self.text = True, ""
+        elif _LEAST_AGREEING < -slope < _MOST_AGREEING:
+            self._name_sign()
+        elif _LEAST_IN_G < slope < _MOST_IN_G:
+            self.text = (
+                f"imu/data is {slope:.2f} times the acceleration of the rolling wheels: "
+                "in g, or wheel_states in revolutions a minute?"
+            )
+
+    def _begin_drop(self, speed: float) -> None:
+        self._from, self._dropping, self._gained = speed, 0.0, 0.0
+
+    def _watch_drop(self, step: float, speed: float, acceleration: float) -> None:
+        """Follow wheels that slow down hard; the reading must not say that the car gains speed meanwhile."""
+        self._dropping += step
+        self._gained += step * acceleration
+        lost = self._from - speed
+        if lost <= 0.0 or lost < _HARD * self._dropping - _DROP:
+            self._begin_drop(speed)
+        elif lost >= _DROP and lost >= _HARD * self._dropping:
+            if self._gained > _OPPOSITE * self._dropping:
+                self._name_sign()
+            self._begin_drop(speed)
+
+    def _name_sign(self) -> None:
+        self.text = "imu/data has the wrong sign against the wheels: forward is positive"
