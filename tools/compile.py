@@ -17,8 +17,8 @@ from pathlib import Path
 from progress import run_with_progress
 
 COMPILED = {
-    "friction_runtime": "aligned_processor aligner brake_torque new_message pressure_watch primary processor_graph reason_text "
-    "slip_fault stamp_progress stamps wheel_speeds",
+    "friction_runtime": "aligned_processor aligner brake_torque new_message pressure_watch primary processor_graph "
+    "reason_text slip_fault stamp_progress stamps wheel_speeds",
     "vehicle_models": "acceleration_unit derivatives pressure_unit slowest_car wheel_load",
     "wheel_slip": "carried_wheels estimate estimator online_radii processor radius_calibration slide_detector slip "
     "speed_filter speed_queue speed_sample stuck_sensor unit_check vehicle_speed wheel_speed_filter",

@@ -9,7 +9,7 @@ from math import inf
 from typing import Final
 
 from abs_supervisor.supervisor import Reason
-from friction_runtime.stamp_progress import StampProgress
+from friction_runtime.stamp_progress import LAG, StampProgress
 from friction_runtime.wheel_speeds import WHEEL_STATES
 
 _HEARTBEAT: Final = 0.009
@@ -47,7 +47,22 @@ class InputWatch:
         for topic, progress in self._inputs.items():
             if progress.poll(now, ages.get(topic, inf)) and self.loss is None:
                 self.loss = self._reasons[topic], _text(topic, progress, ages.get(topic, inf))
+        if self.loss is None:
+            self.loss = self._apart()
         return self.loss
+
+    def _apart(self) -> Loss | None:
+        """Return the loss of an input whose clock is not that of the others: samples of different times are no pair.
+
+        Each alone may be steady: one that was set takes up a new reference.
+        """
+        references = {topic: each.reference for topic, each in self._inputs.items() if each.reference is not None}
+        ahead = min(references, key=lambda topic: references[topic])
+        for topic, reference in references.items():
+            behind = reference - references[ahead]
+            if behind > LAG:
+                return self._reasons[topic], f"{topic}: stamps are {behind:.3f} s behind those of {ahead}"
+        return None
 
     def is_old(self, stamp: int) -> bool:
         """Whether a slope with this stamp [ns] waited in a queue for so long that no answer is of use any more."""

@@ -144,6 +144,19 @@ def test_a_lost_input_brings_none_within_50_ms_and_its_period(lost: str, fault: 
     assert bench.newest == BrakeCommand.INCREASE, "the input is back"
 
 
+@pytest.mark.parametrize("lost", list(LOST))
+def test_an_input_whose_clock_was_set_alone_stays_lost_until_it_is_that_of_the_others_again(lost: str) -> None:
+    """Its stamps progress with the clock, but samples of different times are paired by them."""
+    bench = Bench()
+    bench.run(1000)
+    bench.run(3000, back, lost)
+    assert {command.command for at, command in bench.commands if at > 1070} == {BrakeCommand.NONE}
+    assert bench.state.reason == LOST[lost]
+    assert f"{lost}: stamps are 0.0{50 + PERIODS[lost]} s behind those of " in bench.state.reason_text
+    bench.run(3700)
+    assert bench.newest == BrakeCommand.INCREASE
+
+
 def test_garbage_is_no_progress() -> None:
     garbage: dict[str, Fault] = {
         WHEEL_STATES: lambda topic, now, _: message(topic, START + now * 1_000_000, nan),

@@ -11,7 +11,8 @@ from corner_sim.commands import CommandInbox, DemandInbox
 from corner_sim.driver import DriverProfile
 from corner_sim.models import CAR, build_model, in_order
 from corner_sim.parameters import SimParameters
-from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant
+from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant, PlantSample
+from corner_sim.recorded_plant import RecordedPlant
 from corner_sim.road import Road
 from corner_sim.sensors import Sensors
 from corner_sim.slope_truth import SlopeCrossings
@@ -27,13 +28,16 @@ if TYPE_CHECKING:
 class Simulation:
     """A run from the first sample on. `messages` returns the present sample, `advance` goes to the next."""
 
-    def __init__(self, parameters: SimParameters, vehicle: Vehicle, start_stamp: int) -> None:
+    def __init__(
+        self, parameters: SimParameters, vehicle: Vehicle, start_stamp: int, recorded: Sequence[PlantSample] = ()
+    ) -> None:
         """Build the run.
 
         Args:
             parameters: parameters of the run.
             vehicle: the car; two_axle and car take its wheels front left, front right, rear left, rear right.
             start_stamp: stamp of the first sample [ns], > 0.
+            recorded: samples of the same run without commands, which need not be computed again; not of model 'car'.
 
         Raises:
             ValueError: parameters and vehicle do not fit each other; the message names them.
@@ -43,7 +47,7 @@ class Simulation:
         self._vehicle = vehicle = in_order(parameters.model, vehicle)
         wheels = vehicle.wheel_names
         self._noise = CHAPTER_NOISE if parameters.noise == "chapter" else NO_NOISE
-        self._plant: Plant | CarPlant
+        self._plant: Plant | RecordedPlant | CarPlant
         self._sensors: Sensors | CarPlant
         road = Road(parameters.surfaces, parameters.surface_distances)
         p, speed = parameters, parameters.initial_speed
@@ -53,7 +57,8 @@ class Simulation:
             peak_torque = car.peak_torque
         else:
             model = build_model(p.model, vehicle, speed)
-            self._plant = Plant(model, road, p.actuator, vehicle)
+            plant = Plant(model, road, p.actuator, vehicle)
+            self._plant = RecordedPlant(plant, recorded) if recorded else plant
             self._sensors = Sensors(self._noise, p.acceleration_variance, p.acceleration_offset, vehicle, p.seed)
             peak_torque = model.peak_torque(road.theta(0.0))
         level = parameters.demand_level
@@ -91,6 +96,11 @@ class Simulation:
         return self._start_stamp + self.index * SAMPLE_TIME_NS
 
     @property
+    def sample(self) -> PlantSample:
+        """True state now."""
+        return self._sample
+
+    @property
     def speed(self) -> float:
         """Vehicle speed now [m/s]."""
         return self._sample.speed
@@ -99,11 +109,6 @@ class Simulation:
     def distance(self) -> float:
         """Distance covered by the first wheel [m]."""
         return self._sample.distance
-
-    @property
-    def largest_slip(self) -> float:
-        """True slip of the wheel that has most [-]; NaN at standstill."""
-        return float(self._sample.slip.max())
 
     @property
     def unanswered(self) -> list[str]:

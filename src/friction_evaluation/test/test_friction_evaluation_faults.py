@@ -2,6 +2,7 @@
 
 from argparse import Namespace
 from collections.abc import Sequence
+from dataclasses import fields
 from math import inf
 
 import numpy as np
@@ -21,7 +22,7 @@ from friction_evaluation.faults.manoeuvre import CORNER, FOUR_WHEELS, ONSET, Man
 from friction_evaluation.faults.measures import Measures, measure
 from friction_evaluation.faults.plan import quick, whole
 from friction_evaluation.faults.record import Record
-from friction_evaluation.faults.reference import Reference, without_abs
+from friction_evaluation.faults.reference import Reference, samples_without_abs, without_abs
 from friction_evaluation.faults.signals import frozen, lagging, silent
 from friction_evaluation.parts import part
 from friction_evaluation.protocol import DT, SPEED
@@ -157,6 +158,22 @@ def test_the_stop_without_abs_is_that_of_the_momentum() -> None:
     assert found.distance == pytest.approx(0.5 * SPEED * found.duration, rel=0.03)
 
 
+@pytest.mark.parametrize(
+    ("car", "demand", "releases"), [(CORNER, 0.6, False), (CORNER, 1.5, True), (FOUR_WHEELS, 1.5, True)]
+)
+def test_a_stop_that_shares_its_plant_with_other_seeds_is_the_same_as_one_with_a_plant_of_its_own(
+    car: str, demand: float, releases: bool
+) -> None:
+    manoeuvre = Manoeuvre(car, "dry", demand)
+    own, shared = (
+        Loop(manoeuvre, NO_FAULT, 40_003, recorded=recorded).run(0.6)
+        for recorded in ((), samples_without_abs(manoeuvre))
+    )
+    assert (BrakeCommand.DECREASE in own.command) == releases
+    for each in fields(Record):
+        np.testing.assert_array_equal(getattr(shared, each.name), getattr(own, each.name), each.name)
+
+
 def test_a_demand_at_which_a_wheel_locks_without_abs_is_no_ordinary_braking() -> None:
     """At 0.9 of the peak torque of a front wheel at rest the rear ones, relieved of load, are beyond theirs."""
     released = measured(record([1] * 10 + [int(BrakeCommand.DECREASE)] * 40 + [1] * 50, [0.2] * 100, [True] * 100))
@@ -224,8 +241,9 @@ def test_the_whole_plan_has_every_fault_on_every_road_and_the_quick_one_is_part_
 def test_partial_braking_of_the_corner_keeps_its_brake() -> None:
     faults = ["none", "slope_invalid", "stamps_crawl"]
     options = Namespace(
-        seeds=1, law="slope_sign", quick=False, live=None, car=[CORNER], surface=["dry"], fault=faults, demand=[0.6]
-    )
+        seeds=1, processes=1, law="slope_sign", quick=False, live=None, car=[CORNER], surface=["dry"], fault=faults,
+        demand=[0.6],
+    )  # fmt: skip
     rows = list(part("faults").run(options))
     assert [row["fault"] for row in rows] == faults
     assert {row["fault"]: row["failures"] for row in rows if not row["passed"]} == {}

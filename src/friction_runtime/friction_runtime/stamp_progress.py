@@ -44,7 +44,9 @@ class StampProgress:
         self._now = 0.0
         self._newest = 0
         self._steps = 0
-        self._reference: float | None = None
+        self.reference: float | None = None
+        """Least age of a stamp on arrival by the steady clock [s], whose zero is any; None while it is being learned.
+        Those of two inputs differ by their transport, unless their clocks differ."""
         self._keeps_up_since: float | None = None
         self._candidate = 0.0
         self._candidate_since: float | None = None
@@ -81,30 +83,30 @@ class StampProgress:
         # An upper bound of the newest stamp's age on arrival: what came after it may have been refused.
         on_arrival = age - quiet
         self._follow_candidate(age, on_arrival, limit)
-        if self._reference is None:
+        if self.reference is None:
             self.lag = 0.0
             self.lost = self._candidate_steady_for() < _FIRST_REFERENCE
             if not self.lost:
-                self._reference = self._candidate
+                self.reference = self._candidate
             return self.lost
-        self._reference += _DRIFT * min(passed, 1.0)
-        self.lag = age - self._reference
+        self.reference += _DRIFT * min(passed, 1.0)
+        self.lag = age - self.reference
         if not -_LEAP <= self.lag <= limit:
             self.lost, self._keeps_up_since = True, None
         else:
-            self._reference = min(self._reference, on_arrival)
+            self.reference = min(self.reference, on_arrival)
             if self._keeps_up_since is None:
                 self._keeps_up_since = now
             self.lost = self.lost and now - self._keeps_up_since < _KEEPS_UP
         if self.lost and self._candidate_steady_for() >= _NEW_REFERENCE:
-            self._reference, self.lost, self.lag = self._candidate, False, age - self._candidate
+            self.reference, self.lost, self.lag = self._candidate, False, age - self._candidate
         return self.lost
 
     def is_old(self, stamp: int) -> bool:
         """Whether a stamp [ns] lay too far back at the last poll for an answer to it to be of use."""
-        if self._reference is None:
+        if self.reference is None:
             return False
-        return self._now - stamp * NANOSECOND - self._reference > LAG + self.period
+        return self._now - stamp * NANOSECOND - self.reference > LAG + self.period
 
     def _follow_candidate(self, age: float, on_arrival: float, limit: float) -> None:
         """Look for stamps that progress with the clock: their age stays within the limits of an input."""

@@ -141,3 +141,5 @@ FAULTS = (*NOISE, *WHEEL_SENSOR, *PRESSURE, *DEMAND, *GRAPH, *IMU, *STAMPS, *TRA
 """All of them."""
 LOCKED_START = Case("locked_start", partial(estimates.lost, name="brake_command"), ALL, BEFORE_BRAKING, end=1.5)
 """Commands reach the brake only when the wheel has locked."""
+CASES = {case.name: case for case in (NO_FAULT, *FAULTS, LOCKED_START)}
+"""By name."""

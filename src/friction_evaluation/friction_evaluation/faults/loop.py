@@ -11,7 +11,7 @@ import numpy as np
 from friction_msgs.msg import BrakeCommand, SupervisorState
 
 from abs_supervisor.parameters import SLOPE_SIGN
-from corner_sim.plant import SAMPLE_TIME
+from corner_sim.plant import SAMPLE_TIME, PlantSample
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
 from friction_evaluation.faults.case import Case
 from friction_evaluation.faults.fault import Arrival, Fault, Site, at_once
@@ -31,12 +31,29 @@ class Loop:
     before the messages of the first sample that is not earlier.
     """
 
-    def __init__(self, manoeuvre: Manoeuvre, case: Case, seed: int, law: str = SLOPE_SIGN) -> None:
-        """Put the car at the start of the road; `law` is that of abs_supervisor."""
+    def __init__(
+        self,
+        manoeuvre: Manoeuvre,
+        case: Case,
+        seed: int,
+        law: str = SLOPE_SIGN,
+        recorded: Sequence[PlantSample] = (),
+    ) -> None:
+        """Put the car at the start of the road.
+
+        Args:
+            manoeuvre: what is driven.
+            case: the fault.
+            seed: of sensor noise and fault.
+            law: that of abs_supervisor.
+            recorded: samples of the stop without ABS, which need not be computed again until a command changes it.
+        """
         vehicle = manoeuvre.vehicle
         self._case = case
-        self._simulation = manoeuvre.simulation(seed)
+        self._simulation = manoeuvre.simulation(seed, recorded)
         self._fault = case.make(Site(vehicle, np.random.default_rng([seed, 13])))
+        self._now = 0.0
+        self._acting: Fault = at_once
         parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, len(vehicle.wheels))
         self._processors = make_processors(parameters, vehicle, silent)
         self._readers: dict[str, list[Processor]] = {}
@@ -52,28 +69,23 @@ class Loop:
         """Drive to standstill, or for so long [s] after the onset of braking."""
         simulation = self._simulation
         while simulation.end is None and simulation.time < ONSET + longest:
-            while self._late and self._late[0][0] <= simulation.time + 1e-9:
+            self._now = simulation.time
+            since = self._now - ONSET + _HALF * 0.1
+            self._acting = self._fault if self._case.begin <= since < self._case.end else at_once
+            while self._late and self._late[0][0] <= self._now + 1e-9:
                 self._deliver(heappop(self._late)[2])
-            for topic, message in simulation.messages():
-                if topic.startswith("truth/"):
-                    self._recorder.truth(topic, message)
-                else:
-                    self._send(topic, message)
+            for topic, message in simulation.messages(truth=False):
+                self._send(topic, message)
             if simulation.index % _WATCH_SAMPLES == 0:
                 self._watch()
-            self._recorder.sample(simulation.time, simulation.distance)
+            self._recorder.sample(simulation.sample)
             simulation.advance()
         return self._recorder.record(simulation.end is not None)
 
-    def _active(self) -> Fault:
-        since = self._simulation.time - ONSET + _HALF * 0.1
-        return self._fault if self._case.begin <= since < self._case.end else at_once
-
     def _send(self, topic: str, message: Any) -> None:
-        now = self._simulation.time
-        for arrival in self._active()(topic, message):
+        for arrival in self._acting(topic, message):
             if arrival.delay > 0.0:
-                heappush(self._late, (now + arrival.delay, next(self._numbers), arrival))
+                heappush(self._late, (self._now + arrival.delay, next(self._numbers), arrival))
             else:
                 self._deliver(arrival)
 
@@ -84,20 +96,19 @@ class Loop:
             _, topic, message = waiting.popleft()
             if isinstance(message, BrakeCommand):
                 if self._simulation.take_command(message.wheel, message) is None:
-                    self._recorder.command(self._simulation.time, message)
+                    self._recorder.command(self._now, message)
             elif isinstance(message, SupervisorState):
-                self._recorder.state(self._simulation.time, message)
+                self._recorder.state(self._now, message)
             if topic in self._arrived:
-                self._arrived[topic] = self._simulation.time
+                self._arrived[topic] = self._now
             for processor in self._readers.get(topic, ()):
                 waiting.extend(self._passed(processor.process(topic, message)))
 
     def _passed(self, outputs: Sequence[tuple[str, Any]]) -> list[Arrival]:
-        fault = self._active()
-        return [arrival for topic, message in outputs for arrival in fault(topic, message)]
+        return [arrival for topic, message in outputs for arrival in self._acting(topic, message)]
 
     def _watch(self) -> None:
-        now = self._simulation.time
+        now = self._now
         ages = {topic: now - at for topic, at in self._arrived.items()}
         for processor in self._processors:
             for arrival in self._passed(processor.watch(ages, now)):

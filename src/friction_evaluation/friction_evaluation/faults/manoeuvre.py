@@ -1,9 +1,11 @@
 """What is driven: a car, a surface and a demand, from 30 m/s to standstill."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from corner_sim.models import in_order
 from corner_sim.parameters import SimParameters
+from corner_sim.plant import PlantSample
 from corner_sim.simulation import Simulation
 from friction_evaluation.protocol import ACCELERATION_STDDEV, SPEED
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -34,8 +36,8 @@ class Manoeuvre:
         """The car, its wheels in the order of wheel_states."""
         return in_order(_MODELS[self.car], load_vehicle(_VEHICLES[self.car]))
 
-    def simulation(self, seed: int) -> Simulation:
-        """Return the plant at its first sample."""
+    def simulation(self, seed: int, recorded: Sequence[PlantSample] = ()) -> Simulation:
+        """Return the plant at its first sample; `recorded` are the samples of this stop without commands."""
         parameters = SimParameters(
             model=_MODELS[self.car],
             initial_speed=SPEED,
@@ -46,4 +48,4 @@ class Manoeuvre:
             seed=seed,
             vehicle_velocity=self.car == CORNER,
         )
-        return Simulation(parameters, self.vehicle, _START)
+        return Simulation(parameters, self.vehicle, _START, recorded)

@@ -6,13 +6,13 @@ limit that does not hold. The numbers are the worst over the seeds.
 """
 
 import argparse
-from time import process_time
+from os import times
 
 from rich.progress import Progress
 
 from abs_supervisor.parameters import CURVE, SLOPE_SIGN
 from friction_evaluation.faults.plan import Plan, quick, whole
-from friction_evaluation.faults.rows import rows_of
+from friction_evaluation.faults.rows import rows
 from friction_evaluation.rows import Row
 from friction_parameters.command_line import count, positive
 
@@ -32,6 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     for name in ("car", "surface", "fault"):
         parser.add_argument(f"--{name}", action="append", help="only these rows; repeatable")
+    parser.add_argument("--processes", type=count, default=1, help="processes that share the stops")
     parser.add_argument("--demand", type=positive, action="append", help="only these rows; repeatable")
 
 
@@ -39,15 +40,9 @@ def run(options: argparse.Namespace) -> list[Row]:
     """Make all stops; return a row per car, surface, demand and fault."""
     if options.live is not None:
         return _live(options.live)
-    begun = process_time()
-    rows: list[Row] = []
-    with Progress() as progress:
-        plan = _chosen(options)
-        task = progress.add_task("faults", total=sum(len(cases) for _, cases in plan))
-        for manoeuvre, cases in plan:
-            rows += rows_of(manoeuvre, cases, options.seeds, options.law, lambda: progress.advance(task))
-    print(f"{len(rows)} rows, {process_time() - begun:.0f} s of CPU")
-    return rows
+    found = rows(_chosen(options), options.seeds, options.law, options.processes)
+    print(f"{len(found)} rows, {sum(times()[:4]):.0f} s of CPU")
+    return found
 
 
 def _live(trials: int) -> list[Row]:

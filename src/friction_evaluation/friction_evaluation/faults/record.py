@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 from math import inf, nan
-from typing import Any
 
 import numpy as np
 from friction_msgs.msg import BrakeCommand, SupervisorState
 from numpy.typing import NDArray
 
+from corner_sim.plant import SAMPLE_TIME, SLIP_MIN_SPEED, PlantSample
 from friction_evaluation.faults.manoeuvre import Manoeuvre
 
 Array = NDArray[np.float64]
@@ -48,23 +48,13 @@ class Recorder:
         self._wheels = manoeuvre.vehicle.wheel_names
         self._begin, self._name = begin, named
         n = len(self._wheels)
-        self._slip, self._command, self._acting = [nan] * n, [int(BrakeCommand.NONE)] * n, [False] * n
+        self._command, self._acting = [int(BrakeCommand.NONE)] * n, [False] * n
         self._expires = [-inf] * n
-        self._speed = nan
-        self._rows: list[tuple[float, ...]] = []
-        self._slips: list[list[float]] = []
+        self._samples: list[PlantSample] = []
         self._commands: list[list[int]] = []
         self._actings: list[list[bool]] = []
         self._before: set[str] = set()
         self._named, self._said = inf, ""
-
-    def truth(self, topic: str, message: Any) -> None:
-        """Take a message of the plant's truth."""
-        _, _, rest = topic.partition("/")
-        if rest == "vehicle_velocity":
-            self._speed = message.twist.twist.linear.x
-        elif rest.endswith("/slip"):
-            self._slip[self._wheels.index(message.wheel)] = message.slip
 
     def command(self, now: float, message: BrakeCommand) -> None:
         """Take a command that the plant has taken."""
@@ -84,10 +74,10 @@ class Recorder:
         elif self._named == inf and self._name in text and _kind(text) not in self._before:
             self._named, self._said = now, text
 
-    def sample(self, now: float, distance: float) -> None:
+    def sample(self, truth: PlantSample) -> None:
         """End a sample."""
-        self._rows.append((now, self._speed, distance))
-        self._slips.append(list(self._slip))
+        now = truth.index * SAMPLE_TIME
+        self._samples.append(truth)
         in_force = [now <= at + 1e-9 for at in self._expires]
         none = int(BrakeCommand.NONE)
         self._commands.append([each if on else none for each, on in zip(self._command, in_force, strict=True)])
@@ -95,13 +85,15 @@ class Recorder:
 
     def record(self, stopped: bool) -> Record:
         """Return what was collected."""
-        time, speed, distance = np.array(self._rows).T
+        samples = self._samples
+        speed = np.array([each.speed for each in samples])
+        slip = np.array([each.slip for each in samples])
         return Record(
             stopped,
-            time,
+            np.array([each.index * SAMPLE_TIME for each in samples]),
             speed,
-            distance,
-            np.array(self._slips),
+            np.array([each.distance for each in samples]),
+            np.where(speed[:, np.newaxis] > SLIP_MIN_SPEED, slip, nan),
             np.array(self._commands),
             np.array(self._actings),
             self._named,

@@ -1,8 +1,10 @@
 """The stop without ABS: the plant alone, which no command reaches."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
+from corner_sim.plant import SAMPLE_TIME, PlantSample
 from friction_evaluation.faults.manoeuvre import ONSET, Manoeuvre
 
 _LONGEST = 600.0
@@ -24,14 +26,23 @@ class Reference:
     """A wheel locks above 5 m/s: the demand is above its own peak torque, as at the rear at 0.9 of the front's."""
 
 
-@cache
-def without_abs(manoeuvre: Manoeuvre) -> Reference:
+@lru_cache(maxsize=1)  # a gentle stop on snow has 30,000 samples
+def samples_without_abs(manoeuvre: Manoeuvre) -> Sequence[PlantSample]:
     """Brake without commands. Without them no sensor reaches the plant, so it is the same for every seed and fault."""
     simulation = manoeuvre.simulation(0)
-    begin, locks = 0.0, False
+    samples = [simulation.sample]
     while simulation.end is None and simulation.time < _LONGEST:
         simulation.advance()
-        if simulation.time <= ONSET:
-            begin = simulation.distance
-        locks = locks or (simulation.speed > ABS_END and simulation.largest_slip > LOCK_SLIP)
-    return Reference(simulation.time - ONSET, simulation.distance - begin, locks)
+        samples.append(simulation.sample)
+    return samples
+
+
+@cache
+def without_abs(manoeuvre: Manoeuvre) -> Reference:
+    """Return the numbers of the stop without ABS."""
+    samples = samples_without_abs(manoeuvre)
+    return Reference(
+        duration=samples[-1].index * SAMPLE_TIME - ONSET,
+        distance=samples[-1].distance - samples[round(ONSET / SAMPLE_TIME)].distance,
+        locks=any(each.speed > ABS_END and each.slip.max() > LOCK_SLIP for each in samples),
+    )

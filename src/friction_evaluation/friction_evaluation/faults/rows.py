@@ -1,46 +1,79 @@
 """Rows of the campaign: a manoeuvre and a case, over the seeds."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 from friction_evaluation.faults.case import Case
-from friction_evaluation.faults.catalogue import NO_FAULT
+from friction_evaluation.faults.catalogue import CASES, NO_FAULT
 from friction_evaluation.faults.limits import limits
 from friction_evaluation.faults.loop import Loop
 from friction_evaluation.faults.manoeuvre import Manoeuvre
 from friction_evaluation.faults.measures import Measures, measure, worst
-from friction_evaluation.faults.reference import without_abs
+from friction_evaluation.faults.plan import Plan
+from friction_evaluation.faults.reference import samples_without_abs, without_abs
+from friction_evaluation.pool import in_processes
 from friction_evaluation.rows import Row
 
 _FIRST_SEED = 40_000
 """Far from the seeds of the tuning and of the other parts."""
 
 
-def rows_of(manoeuvre: Manoeuvre, cases: Sequence[Case], seeds: int, law: str, done: Callable[[], None]) -> list[Row]:
-    """Make all stops of a manoeuvre under a law; return a row per case.
+@dataclass(frozen=True)
+class Stop:
+    """What a process needs to make one stop."""
 
-    The stop without fault is made once for all of them. `done` is called after each row.
+    manoeuvre: Manoeuvre
+    fault: str
+    seed: int
+    law: str
+
+
+@dataclass(frozen=True)
+class _Stops:
+    """The worst numbers over the seeds, and what diagnostics said first in the first run."""
+
+    found: Measures
+    said: str
+
+
+def make_stop(stop: Stop) -> tuple[Measures, str]:
+    """Return the numbers of a stop, and what diagnostics said first."""
+    manoeuvre, case = stop.manoeuvre, CASES[stop.fault]
+    reference = without_abs(manoeuvre)
+    loop = Loop(manoeuvre, case, stop.seed, stop.law, samples_without_abs(manoeuvre))
+    record = loop.run(1.3 * reference.duration + 2.0)
+    return measure(record, case, manoeuvre, reference), record.said
+
+
+def rows(plan: Plan, seeds: int, law: str, processes: int) -> list[Row]:
+    """Make all stops of a plan under a law; return a row per manoeuvre and case.
+
+    The stop without fault is made once for all cases of a manoeuvre.
     """
-    no_fault, quiet = _stops(manoeuvre, NO_FAULT, seeds, law)
-    rows: list[Row] = []
-    for case in cases:
-        found, said = (no_fault, quiet) if case is NO_FAULT else _stops(manoeuvre, case, seeds, law)
-        rows.append(_row(manoeuvre, case, seeds, found, no_fault, said))
-        done()
-    return rows
+    chosen = [(manoeuvre, list(dict.fromkeys((NO_FAULT, *cases)))) for manoeuvre, cases in plan]
+    stops = [
+        Stop(manoeuvre, case.name, _FIRST_SEED + seed, law)
+        for manoeuvre, cases in chosen
+        for case in cases
+        for seed in range(seeds)
+    ]
+    made = iter(in_processes(make_stop, stops, "stops", processes))
+    found: list[Row] = []
+    for (manoeuvre, made_cases), (_, cases) in zip(chosen, plan, strict=True):
+        of_case = {case: _over_seeds(made, seeds) for case in made_cases}
+        found += [_row(manoeuvre, case, seeds, of_case[case], of_case[NO_FAULT]) for case in cases]
+    return found
 
 
-def _stops(manoeuvre: Manoeuvre, case: Case, seeds: int, law: str) -> tuple[Measures, str]:
-    """Return the worst numbers over the seeds, and what diagnostics said first in the first run."""
-    reference = without_abs(manoeuvre)
-    longest = 1.3 * reference.duration + 2.0
-    records = [Loop(manoeuvre, case, seed, law).run(longest) for seed in range(_FIRST_SEED, _FIRST_SEED + seeds)]
-    return worst([measure(record, case, manoeuvre, reference) for record in records]), records[0].said
+def _over_seeds(made: Iterator[tuple[Measures, str]], seeds: int) -> _Stops:
+    runs = [next(made) for _ in range(seeds)]
+    return _Stops(worst([found for found, _ in runs]), runs[0][1])
 
 
-def _row(manoeuvre: Manoeuvre, case: Case, seeds: int, found: Measures, no_fault: Measures, said: str) -> Row:
-    reference = without_abs(manoeuvre)
-    judged = limits(case, manoeuvre, found, no_fault)
+def _row(manoeuvre: Manoeuvre, case: Case, seeds: int, stops: _Stops, no_fault: _Stops) -> Row:
+    reference, found = without_abs(manoeuvre), stops.found
+    judged = limits(case, manoeuvre, found, no_fault.found)
     failures = [str(each) for each in judged if not each.passed]
     row: dict[str, Any] = {
         "car": manoeuvre.car,
@@ -54,7 +87,7 @@ def _row(manoeuvre: Manoeuvre, case: Case, seeds: int, found: Measures, no_fault
         "failures": "; ".join(failures),
         "distance_m": found.distance,
         "distance_no_abs_m": reference.distance,
-        "distance_no_fault_m": no_fault.distance,
+        "distance_no_fault_m": no_fault.found.distance,
         "longest_release_s": found.longest_release,
         "released_share": found.released,
         "release_below_half_lambda_max_s": found.wrong_release,
@@ -63,6 +96,6 @@ def _row(manoeuvre: Manoeuvre, case: Case, seeds: int, found: Measures, no_fault
         "none_after_s": found.none if case.none_within < 1e9 else None,
         "named_after_s": found.named,
         "healthy_lost_abs": found.healthy_lost,
-        "diagnostics": said,
+        "diagnostics": stops.said,
     }
     return row

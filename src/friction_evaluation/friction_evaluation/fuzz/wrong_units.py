@@ -16,11 +16,11 @@ from sensor_msgs.msg import FluidPressure, Imu
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
 from friction_bags.offline.estimators import closed_loop_parameters, make_processors
-from friction_bags.offline.graph import OfflineGraph
 from friction_evaluation.fuzz.clean_run import START
 from friction_evaluation.rows import Row, at_least, at_most, not_judged
 from friction_parameters.values import from_mapping
 from friction_runtime.processor import silent
+from friction_runtime.processor_graph import ProcessorGraph
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -114,7 +114,7 @@ def _answers(car: Vehicle, stop: Stop, change: Change) -> dict[str, list[Any]]:
     """Return the answers to a stop whose sensors are changed, by the last part of their topic."""
     law = "curve" if len(car.wheels) > 1 else "slope_sign"
     nodes = ("wheel_slip", _SLOPE, "friction_curve_id", "abs_supervisor")
-    graph = OfflineGraph(make_processors(closed_loop_parameters(nodes, law, len(car.wheels)), car, silent))
+    graph = ProcessorGraph(make_processors(closed_loop_parameters(nodes, law, len(car.wheels)), car, silent))
     found: dict[str, list[Any]] = {}
     for topic, message in stop:
         changed = deepcopy(message)
