@@ -85,7 +85,8 @@ class Processor(Reader, Protocol):
     def watch(self, ages: Mapping[str, float], now: float) -> Sequence[Output]:
         """Act on silence; called by a live node only, so its outputs are not part of an offline run.
 
-        A node calls it every 10 ms, and after a stall before it hands on the messages that have waited.
+        A node that commands calls it every 10 ms, and after a stall before it hands on the messages that have waited;
+        any other node calls it before each of its diagnostics.
 
         Args:
             ages: age of each input by the steady clock [s], inf before the first message.

@@ -114,7 +114,8 @@ class ProcessorNode(Node, Generic[Parameters]):
         self._say()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_service(Trigger, "~/reset", self._on_reset)
-        self.create_timer(_WATCH_PERIOD, self._on_watch, clock=steady)
+        if self._commands:
+            self.create_timer(_WATCH_PERIOD, self._on_watch, clock=steady)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self.create_timer(_DIAGNOSTICS_PERIOD, self._on_diagnostics, clock=steady)
 
@@ -126,6 +127,7 @@ class ProcessorNode(Node, Generic[Parameters]):
                 self._ignored.add(text)
                 self._report("warning", text)
         self._processors = processors
+        self._commands = any(isinstance(each.processor, CommandingProcessor) for each in processors)
         self._readers = {}
         for guarded in processors:
             processor = guarded.processor
@@ -187,7 +189,7 @@ class ProcessorNode(Node, Generic[Parameters]):
     def process(self, name: str, message: Any) -> list[Output]:
         """Take a message of one input, by its full name; publish the resulting outputs, and return them likewise."""
         now = monotonic()
-        if now - self._watched > _STALL:
+        if self._commands and now - self._watched > _STALL:
             self._on_watch()
         topic = self._inputs[name].topic
         self._arrivals[topic] = now
@@ -222,6 +224,8 @@ class ProcessorNode(Node, Generic[Parameters]):
         return response
 
     def _on_diagnostics(self) -> None:
+        if not self._commands:
+            self._on_watch()  # nobody else needs to know of silence
         message = DiagnosticArray()
         message.header.stamp = self.get_clock().now().to_msg()
         message.status = [self._status(processor.health()) for processor in self._processors]
