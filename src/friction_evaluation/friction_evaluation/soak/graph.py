@@ -123,14 +123,16 @@ class SoakGraph:
         samples = round(self._lap / SAMPLE_TIME) + 1
         source = self._seen[_SOURCE].published
         self._until(
-            lambda: len(source) >= samples, self._lap / self._pace + _START_LIMIT * slowdown(), "the end of a lap"
+            lambda: len(source) >= samples,
+            self._lap / self._pace + _START_LIMIT,
+            lambda: f"the end of a lap: {len(source)} of {samples} samples came; {self._end_of_log(graph.PLANT)}",
         )
         last = max(source)
         quiet = time.monotonic() + _QUIET * slowdown()
         self._until(
             lambda: time.monotonic() > quiet or all(last in seen.published for seen in self._seen.values()),
             _START_LIMIT * slowdown(),
-            "the last answers",
+            lambda: "the last answers",
         )
         begin = min(source) + round(_TRUSTED_AFTER * NANOSECONDS)
         sent = self._seen[_SOURCE]
@@ -186,10 +188,12 @@ class SoakGraph:
                 and all(client.service_is_ready() for client in self._clients.values())
             ),
             _START_LIMIT * slowdown(),
-            "all nodes",
+            lambda: "all nodes",
         )
         settled = time.monotonic() + _SETTLE * slowdown()
-        self._until(lambda: time.monotonic() > settled, _START_LIMIT * slowdown(), "the nodes to find each other")
+        self._until(
+            lambda: time.monotonic() > settled, _START_LIMIT * slowdown(), lambda: "the nodes to find each other"
+        )
 
     def _call(self, name: str) -> None:
         future = self._clients[name].call_async(Trigger.Request())
@@ -197,11 +201,11 @@ class SoakGraph:
         if not future.done():
             raise SoakError(f"/{graph.PLANT}/{name} does not answer")
 
-    def _until(self, condition: Callable[[], bool], limit: float, what: str) -> None:
+    def _until(self, condition: Callable[[], bool], limit: float, what: Callable[[], str]) -> None:
         deadline = time.monotonic() + limit
         while not condition():
             if time.monotonic() > deadline:
-                raise SoakError(f"waited {limit:.0f} s for {what}")
+                raise SoakError(f"waited {limit:.0f} s for {what()}")
             time.sleep(_TAKE_PERIOD)
             self._check()
             self._take()
@@ -220,8 +224,10 @@ class SoakGraph:
 
     def _check(self) -> None:
         for name, code in self._processes.ended().items():
-            end = self._processes.log(name).read_text(errors="replace").splitlines()[-5:]
-            raise SoakError(f"{name} ended with code {code}: {' / '.join(end)}")
+            raise SoakError(f"{name} ended with code {code}; {self._end_of_log(name)}")
+
+    def _end_of_log(self, name: str) -> str:
+        return f"{name} says: {' / '.join(self._processes.log(name).read_text(errors='replace').splitlines()[-5:])}"
 
 
 def _taken(tap: Any, raw: bool) -> Any:
