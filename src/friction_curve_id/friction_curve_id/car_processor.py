@@ -52,7 +52,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
         self._estimator = CarEstimator(vehicle, parameters.car)
         self._messages = {
-            wheel: CurveMessages(wheel, wheel, parameters.method, parameters.abs_activation_slip)
+            wheel: CurveMessages(wheel, wheel, parameters.method, parameters.abs_activation_slip, parameters.highest_mu)
             for wheel in self._wheels
         }
         self._cause = RestartCause.NONE
