@@ -47,12 +47,12 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         super().__init__("car", Primary(WHEEL_STATES, "car", report), aligned, parameters.deadline, (IMU,))
         self._pressure_watches = {topic: PressureWatch(vehicle, wheel) for topic, wheel in self._pressures.items()}
         self._braked_speed = BrakedSpeed(vehicle)
-        self._acceleration_unit = AccelerationUnit(largest=inf)  # no wheel that slips is in that speed
+        self._acceleration_unit = AccelerationUnit(largest=inf, lasting=2)  # no slip is in that speed
         self._mounting = vehicle.accelerometer
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
         self._estimator = CarEstimator(vehicle, parameters.car)
         self._messages = {
-            wheel: CurveMessages(wheel, wheel, parameters.method, parameters.abs_activation_slip)
+            wheel: CurveMessages(wheel, wheel, parameters.method, parameters.abs_activation_slip, parameters.highest_mu)
             for wheel in self._wheels
         }
         self._cause = RestartCause.NONE

@@ -13,7 +13,6 @@ from friction_runtime.processor import Level, level_of
 from friction_runtime.reason_text import set_reason
 from friction_runtime.stamps import header_at
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.plausible import HIGHEST_MU
 
 _NO_ESTIMATE = CurveEstimate(samples=0, slip=nan)
 _QUIET = (Reason.OK, Reason.TOO_FEW_SAMPLES, Reason.PEAK_NOT_PASSED, Reason.LOW_SPEED, Reason.NO_EXCITATION)
@@ -30,12 +29,21 @@ def health_of(message: FrictionCurve) -> Level:
 class CurveMessages:
     """Makes the messages of one wheel."""
 
-    def __init__(self, wheel: str, frame_id: str, method: str, activation_slip: float) -> None:
-        """Name the wheel, its frame and the method; `activation_slip` [-] is that of ABS activation."""
+    def __init__(self, wheel: str, frame_id: str, method: str, activation_slip: float, highest_mu: float) -> None:
+        """Name the wheel, its frame and the method.
+
+        Args:
+            wheel: its name.
+            frame_id: its frame.
+            method: name of the method.
+            activation_slip: slip of ABS activation [-].
+            highest_mu: largest mu_max [-] that is valid.
+        """
         self._wheel = wheel
         self._frame_id = frame_id
         self._method = method
         self._activation = ActivationMark(activation_slip)
+        self._highest_mu = highest_mu
         self._restarts = 0
         self._cause = RestartCause.NONE
 
@@ -56,7 +64,7 @@ class CurveMessages:
         if isinstance(answer, Refusal):
             estimate = _NO_ESTIMATE
         else:
-            estimate = _of_a_tyre(answer)
+            estimate = _of_a_tyre(answer, self._highest_mu)
             reason, text, slip = estimate.reason, estimate.text, estimate.slip
         if estimate.restarted:
             self._restarts += 1
@@ -78,13 +86,13 @@ class CurveMessages:
         return message
 
 
-def _of_a_tyre(answer: CurveEstimate) -> CurveEstimate:
+def _of_a_tyre(answer: CurveEstimate, highest_mu: float) -> CurveEstimate:
     """Return the answer without a peak that no tyre has, whatever the method: it has no part in any decision."""
     if answer.lambda_max >= 1.0 or answer.lambda_max <= 0.0:
         none = answer._replace(lambda_max=nan, mu_max=nan, lambda_max_stddev=nan, mu_max_stddev=nan)
         said = answer.text or f"the fitted peak is at a slip of {answer.lambda_max:.3g}, not in (0, 1)"
         return none._replace(reason=Reason.NO_PEAK if answer.valid else answer.reason, text=said)
-    if answer.valid and answer.mu_max > HIGHEST_MU:
+    if answer.valid and answer.mu_max > highest_mu:
         return answer._replace(reason=Reason.UNCERTAIN, text=f"no tyre has a mu_max of {answer.mu_max:.2f}")
     return answer
 

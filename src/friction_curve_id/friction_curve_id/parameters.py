@@ -16,6 +16,7 @@ from friction_curve_id.vehicle.vehicle_samples import WholeVehicleParameters
 from friction_parameters import shared
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import group, parameter
+from vehicle_models.plausible import HIGHEST_MU
 from vehicle_models.single_corner import CornerParameters
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import moved, vehicle_file_parameter
@@ -40,6 +41,7 @@ class FrictionCurveParameters:
         choices=(SLIP, VEHICLE_VELOCITY, NO_SPEED),
     )
     abs_activation_slip: float = parameter(0.15, "slip whose first passing is marked", minimum=0.01, maximum=0.9)
+    highest_mu: float = parameter(HIGHEST_MU, "a larger mu_max is never valid", minimum=0.1, maximum=10.0)
     deadline: float = shared.deadline()
     gate: GateParameters = group(GateParameters(), selector="method", methods=(AUTO, *METHODS))
     noise: MeasurementNoise = group(MeasurementNoise(), selector="method", methods=(AUTO, *METHODS))

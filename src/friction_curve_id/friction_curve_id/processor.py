@@ -37,7 +37,9 @@ class CurveProcessor(AlignedProcessor[Any]):
         super().__init__(name, Primary(inputs.primary, name, report), inputs.aligned, parameters.deadline)
         self._inputs = inputs
         self._topic = f"{name}/friction_curve"
-        self._messages = CurveMessages(name, frame_id, parameters.method, parameters.abs_activation_slip)
+        self._messages = CurveMessages(
+            name, frame_id, parameters.method, parameters.abs_activation_slip, parameters.highest_mu
+        )
         self._cause = RestartCause.NONE
         self._last: FrictionCurve | None = None
         self._slip_faults: dict[str, str] = {}

@@ -9,7 +9,7 @@ from friction_curve_id.interface import CurveEstimate, Reason, RestartCause
 
 def message(lambda_max: float, mu_max: float, reason: Reason = Reason.OK, text: str = "") -> FrictionCurve:
     answer = CurveEstimate(40, 0.1, lambda_max, mu_max, 0.01, 0.01, reason=reason, text=text)
-    return CurveMessages("front_left", "front_left", "car", 0.15).message(10**9, answer, 0.1, RestartCause.NONE)
+    return CurveMessages("front_left", "front_left", "car", 0.15, 2.5).message(10**9, answer, 0.1, RestartCause.NONE)
 
 
 @pytest.mark.parametrize("lambda_max", [1.0, 1.004, 40.0, 0.0, -0.1])
@@ -29,3 +29,10 @@ def test_friction_that_no_tyre_has_is_not_valid_and_named() -> None:
     found = message(0.1, 3.94)
     assert (found.valid, found.reason) == (False, FrictionCurve.UNCERTAIN)
     assert "3.94" in found.reason_text
+
+
+def test_the_largest_valid_friction_is_a_parameter() -> None:
+    answer = CurveEstimate(40, 0.1, 0.1, 1.5, 0.01, 0.01, reason=Reason.OK)
+    for highest, valid in ((1.4, False), (1.6, True)):
+        messages = CurveMessages("front_left", "front_left", "car", 0.15, highest)
+        assert messages.message(10**9, answer, 0.1, RestartCause.NONE).valid == valid

@@ -40,14 +40,14 @@ def test_the_stamp_of_a_serialized_message_is_read_without_decoding_it() -> None
 
 
 def test_a_sample_without_answer_is_lost_and_a_heartbeat_of_the_lap_before_answers_none() -> None:
-    sent = seen({stamp: stamp * MILLISECOND for stamp in (0, 5, 10, 15)})
-    topic = seen({15: 1, 5: 8 * MILLISECOND}, since=2)
+    sent = seen({stamp: stamp * MILLISECOND for stamp in (0, 5, 10, 15, 20)})
+    topic = seen({15: 1, 5: 8 * MILLISECOND, 20: 3}, since=2)
     topic.note(15, 20 * MILLISECOND)
     topic.note(15, 90 * MILLISECOND)
     found = answers(sent, topic, begin=5)
-    assert (found.samples, found.lost) == (3, 1)
+    assert (found.samples, found.lost) == (4, 2)
     assert sorted(found.delays) == [3.0, 5.0]
-    assert together([found, found]).lost == 2
+    assert together([found, found]).lost == 4
 
 
 def test_what_a_process_holds_is_read_while_it_changes() -> None:

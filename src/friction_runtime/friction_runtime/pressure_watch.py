@@ -2,11 +2,12 @@
 
 from collections import deque
 from math import nan
+from typing import Final
 
 from vehicle_models.pressure_unit import PressureUnit
 from vehicle_models.vehicle import Vehicle
 
-_KEPT = 100
+_KEPT: Final = 100
 """Refused pressures that wait for their sample: 0.5 s at 200 Hz."""
 
 

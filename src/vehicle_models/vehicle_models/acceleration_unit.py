@@ -31,25 +31,33 @@ _MOST_AGREEING: Final = 1.6
 _LEAST_IN_G: Final = 0.07
 _MOST_IN_G: Final = 0.14
 """Slopes between which an acceleration in g lies to one in m/s^2, or one in m/s^2 to that of wheels in revolutions."""
+_LASTING: Final = 8
+"""Steps for which a unit must be suspected before it is named: a filter that lags by a second passes every slope."""
 _DROP: Final = 1.0
 """Speed that all wheels must lose for the sign to be judged [m/s]."""
 _HARD: Final = 2.0
 """Deceleration that is no road's [m/s^2]."""
 _OPPOSITE: Final = 0.6
-"""Mean reading that is no offset [m/s^2]."""
+"""Mean reading, and rise of the reading, that is no offset [m/s^2]."""
+_SMOOTHING: Final = 0.1
+"""Time constant of the reading before a drop [s]."""
+_SIGN: Final = "imu/data has the wrong sign against the wheels: forward is positive"
+_IN_G: Final = "imu/data is a tenth of the acceleration of the wheels: in g, or wheel_states in revolutions a minute?"
 
 
 class AccelerationUnit:
     """Compares one accelerometer with the wheels. `text` says what is suspected, empty where nothing is."""
 
-    def __init__(self, largest: float = _GENTLE) -> None:
+    def __init__(self, largest: float = _GENTLE, lasting: int = _LASTING) -> None:
         """Start without samples.
 
         Args:
             largest: accelerations up to this are compared [m/s^2]; inf where the speed does not come from wheels that
                 may slip.
+            lasting: steps for which the line must tell the same before a unit is named.
         """
         self._largest = largest
+        self._lasting = lasting
         self.reset()
 
     def reset(self) -> None:
@@ -60,6 +68,8 @@ class AccelerationUnit:
         """What is suspected."""
         self._steps: deque[tuple[float, float]] = deque(maxlen=_MEMORY)
         self._last = 0
+        self._suspicion, self._suspected = "", 0
+        self._reading = 0.0
         self._begin_again(0.0)
 
     def update(self, stamp: int, speed: float, acceleration: float) -> None:
@@ -136,27 +146,32 @@ class AccelerationUnit:
         if _LEAST_AGREEING < slope < _MOST_AGREEING:
             self.known, self.text = True, ""
         elif _LEAST_AGREEING < -slope < _MOST_AGREEING:
-            self._name_sign()
+            self._suspect(_SIGN)
         elif _LEAST_IN_G < slope < _MOST_IN_G:
-            self.text = (
-                f"imu/data is {slope:.2f} times the acceleration of the rolling wheels: "
-                "in g, or wheel_states in revolutions a minute?"
-            )
+            self._suspect(_IN_G)
+        else:
+            self._suspected = 0
+
+    def _suspect(self, text: str) -> None:
+        self._suspected = self._suspected + 1 if text == self._suspicion else 1
+        self._suspicion = text
+        if self._suspected >= self._lasting:
+            self.text = text
 
     def _begin_drop(self, speed: float) -> None:
         self._from, self._dropping, self._gained = speed, 0.0, 0.0
+        self._read_before = self._reading
 
     def _watch_drop(self, step: float, speed: float, acceleration: float) -> None:
         """Follow wheels that slow down hard; the reading must not say that the car gains speed meanwhile."""
+        self._reading += step / (step + _SMOOTHING) * (acceleration - self._reading)
         self._dropping += step
         self._gained += step * acceleration
         lost = self._from - speed
         if lost <= 0.0 or lost < _HARD * self._dropping - _DROP:
             self._begin_drop(speed)
         elif lost >= _DROP and lost >= _HARD * self._dropping:
-            if self._gained > _OPPOSITE * self._dropping:
-                self._name_sign()
+            # A filter that lags still tells of the acceleration before.
+            if self._gained > (_OPPOSITE + max(self._read_before, 0.0)) * self._dropping:
+                self.text = _SIGN
             self._begin_drop(speed)
-
-    def _name_sign(self) -> None:
-        self.text = "imu/data has the wrong sign against the wheels: forward is positive"

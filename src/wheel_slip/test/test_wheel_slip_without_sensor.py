@@ -330,3 +330,18 @@ def test_slow_inputs_are_followed_too(every: int, estimator: SlipEstimator) -> N
         if k > 200:
             # The newest acceleration stands for the whole interval: at its change over 0.2 s that is a few cm/s.
             assert row[0].vehicle_speed == pytest.approx(d.speed[k], abs=0.05 + 0.005 * every * 8.0)
+
+
+def test_a_wheel_that_spins_beyond_a_slip_of_1_5_has_no_slip_and_the_car_keeps_its_speed() -> None:
+    estimator = SlipEstimator(load_vehicle("chapter_corner"))
+    found: list[WheelEstimate] = []
+    for k in range(1, 600):
+        spun = 1.0 if k < 200 else 1.0 + min(0.02 * (k - 200), 4.0)
+        known = [SpeedSample(k * STEP, 10.0, 0.01)]
+        found += estimator.update(k * STEP, (10.0 * spun / RADIUS,), 0.0, known)
+    assert all(abs(each.slip) <= 1.5 for each in found if each.reason is Reason.OK)
+    assert min(each.slip for each in found if each.reason is Reason.OK) < -1.3
+    assert found[-1].reason is Reason.BAD_INPUT
+    assert isnan(found[-1].slip)
+    assert found[-1].vehicle_speed == pytest.approx(10.0, abs=0.2)
+    assert "spins" in found[-1].text

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from friction_parameters import shared
 from friction_parameters.parameter import group, parameter
+from vehicle_models.plausible import HIGHEST_SLIP
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
 from wheel_slip.online_radii import OnlineRadii
@@ -123,6 +124,9 @@ class SlipEstimator:
             if variance > self._largest_variance:
                 reason, text = Reason.UNCERTAIN, f"standard deviation of the slip is {sqrt(variance):.3f}"
                 variance = nan
+            elif abs(slip(car_speed[0], omega[0], radius)) > HIGHEST_SLIP:
+                reason, variance = Reason.BAD_INPUT, nan
+                text = f"slip of {slip(car_speed[0], omega[0], radius):.2f}: the wheel spins, or the speed is wrong"
             else:
                 omega_dot = (wheel.acceleration, wheel.acceleration_variance)
                 slip_found = slip(car_speed[0], omega[0], radius)

@@ -7,6 +7,7 @@ each, the processor is reset and takes the clean drive: its answers must be thos
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import time
 from collections.abc import Iterator, Sequence
@@ -27,6 +28,7 @@ from friction_evaluation.fuzz.live import live_rows
 from friction_evaluation.fuzz.nonsense import nonsense
 from friction_evaluation.fuzz.update_time import update_time_rows
 from friction_evaluation.fuzz.wrong_units import wrong_unit_rows
+from friction_evaluation.process_use import use_of
 from friction_evaluation.rows import Row, at_most
 from friction_parameters.command_line import count, not_negative
 from friction_parameters.parameter import ParameterError
@@ -46,6 +48,9 @@ _OUTLIVE_A_RESET = ("counter", "restarts", "restart_cause")
 """Fields by which a receiver sees that messages were lost or that the fit began again: a reset does not rewind them."""
 _HUNG = 20.0
 """CPU time of one update after which it is ended [s]."""
+_LARGEST_MEMORY = 600.0
+"""Largest resident memory after all messages [MB]: a clean drive with smart tyres takes a fifth."""
+_MEGABYTE = 1e6
 _LARGEST_UPDATE = 1.0
 """Largest CPU time of one update [s], a block of 100 000 samples included."""
 
@@ -80,6 +85,8 @@ def run(options: argparse.Namespace) -> list[Row]:
         rng = np.random.default_rng((options.seed, number))
         rows.extend(_judge(name, make, inputs_of(make(), drive), options.messages // len(chosen), rng))
     rows.extend(update_time_rows(chosen, drive))
+    memory = at_most(use_of(os.getpid()).rss / _MEGABYTE, _LARGEST_MEMORY)
+    rows.append({"processor": "all", "quantity": "memory of this process at the end [MB]", **memory})
     if options.units:
         rows.extend(wrong_unit_rows())
     if options.live > 0.0:

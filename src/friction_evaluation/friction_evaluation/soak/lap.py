@@ -57,7 +57,7 @@ def answers(sent: Seen, topic: Seen, begin: int) -> Answers:
         begin: first stamp that is to be answered [ns].
     """
     asked = {stamp: at for stamp, at in sent.published.items() if stamp >= begin}
-    delays = [topic.published[stamp] - at for stamp, at in asked.items() if stamp in topic.published]
+    delays = [topic.published[stamp] - at for stamp, at in asked.items() if topic.published.get(stamp, 0) >= at]
     return Answers(len(asked), len(asked) - len(delays), np.array(delays, dtype=float) * 1e-6)
 
 
