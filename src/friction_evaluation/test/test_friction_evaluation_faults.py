@@ -212,6 +212,21 @@ def test_measures_of_a_run_whose_numbers_are_known() -> None:
     assert found.largest_slip == 0.5
 
 
+@pytest.mark.parametrize("case", [NO_FAULT, *FAULTS], ids=lambda case: case.name)
+def test_a_release_before_the_peak_fails_under_every_fault_where_the_demand_is_below_it(case: Case) -> None:
+    released = measured(
+        record([1] * 10 + [int(BrakeCommand.DECREASE)] * 5 + [1] * 85, [0.02] * 100, [True] * 100), case
+    )
+    failed = {
+        demand: [
+            each.name for each in limits(case, Manoeuvre(CORNER, "dry", demand), released, released) if not each.passed
+        ]
+        for demand in (0.6, 1.5)
+    }
+    assert "release below half of lambda_max [s]" in failed[0.6]
+    assert "release below half of lambda_max [s]" not in failed[1.5]
+
+
 def test_a_healthy_wheel_without_abs_is_noticed_and_one_that_is_hit_is_not_healthy() -> None:
     lost = record([1] * 100, [0.01] * 100, [True] * 50 + [False] * 50)
     assert measured(lost).healthy_lost

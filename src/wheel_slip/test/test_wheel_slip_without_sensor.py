@@ -227,6 +227,19 @@ def test_one_faulty_wheel_does_not_disturb_the_speed(reading: float, estimator: 
     assert estimator.vehicle.disagreement > 5.0
 
 
+@pytest.mark.parametrize("blind_below", [0.0, 0.6], ids=["ideal", "encoders that read zero below 0.6 m/s"])
+def test_a_wheel_that_is_stuck_at_the_speed_of_a_stop_is_not_the_speed_of_the_car_at_its_end(
+    blind_below: float, estimator: SlipEstimator
+) -> None:
+    """The others count as blind below 0.6 m/s: they may as well be locked."""
+    d = drive(lambda t: -5.0 if t > 3.0 else 0.0, lambda t: 0.02 if t > 3.0 else 0.0, 8.95, 30.0)
+    d.wheel_speed[d.wheel_speed * RADIUS < blind_below] = 0.0
+    d.wheel_speed[700:, 0] = d.wheel_speed[700, 0]
+    _, speed = follow(d, estimator)
+    assert d.speed[-1] < 0.3
+    assert np.max(np.abs(speed - d.speed)[700:]) < 0.5
+
+
 def test_silent_imu_wheels_serve_while_they_roll_and_a_slide_is_not_bridged_in_silence(
     estimator: SlipEstimator,
 ) -> None:

@@ -271,6 +271,11 @@ class VehicleSpeed:
         noise = 3.0 * sqrt(self._rim_speed_variance)
         margin = _BOUND_MARGIN * abs(self._filter.speed) + _BOUND_LATENCY * abs(a) + noise
         second = min(1, len(known) - 1)
+        if len(known) == 1 < len(rim_speeds):
+            # Where the others are blind, it may be stuck at the speed of a car that has become slow with them.
+            likely = _PLAUSIBLE * sqrt(self._filter.speed_variance) + margin
+            if abs(known[0] - self._filter.speed) > likely:
+                return
         if a < -1.0:
             if self._filter.speed < known[-1 - second] - margin:
                 self._filter.correct(known[-1 - second] - margin, margin**2)

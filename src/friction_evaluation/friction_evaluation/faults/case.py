@@ -41,5 +41,3 @@ class Case:
     """What the text must contain in which the fault is named."""
     stretch: float = inf
     """Longest distance over that of the same stop without fault."""
-    wrong_release: float = inf
-    """[s] longest release (DECREASE) at a slip below half of the true lambda_max."""

@@ -19,7 +19,6 @@ _RELEASE = 0.3
 """[s] The longest release: a wheel that was about to lock is seen to be dead when it does not make it turn."""
 _MISMATCH = 0.5
 """[s] of braking, after which a pressure that does not follow the demand is named."""
-_WRONG_RELEASE = 0.02
 _LATE_STRETCH = 1.02
 _SHARE = 0.05
 """Of the messages that are dropped, duplicated or reordered."""
@@ -34,8 +33,8 @@ def _sensors(site: Site) -> tuple[str, ...]:
 
 
 NOISE = (
-    Case("wheel_noise_x3", wheel_sensor.noisy, ALL, BEFORE_BRAKING, wrong_release=_WRONG_RELEASE),
-    Case("wheel_ripple", wheel_sensor.rippled, ALL, BEFORE_BRAKING, wrong_release=_WRONG_RELEASE),
+    Case("wheel_noise_x3", wheel_sensor.noisy, ALL, BEFORE_BRAKING),
+    Case("wheel_ripple", wheel_sensor.rippled, ALL, BEFORE_BRAKING),
 )
 WHEEL_SENSOR = (
     Case(

@@ -16,6 +16,8 @@ _PARTIAL = 1.05
 """Distance with a fault over that without ABS, at a demand below the peak torque."""
 _PANIC = 1.02
 """The same above it."""
+_WRONG_RELEASE = 0.02
+"""[s] longest release at a slip below half of the true lambda_max, at a demand below the peak torque."""
 _UTILISATION = {"dry": 0.798, "wet": 0.850, "cobblestone": 0.742, "snow": 0.777}
 """Least of the corner in a panic stop without fault."""
 _LONGEST_LOCK = 0.05
@@ -61,7 +63,7 @@ def _all(case: Case, manoeuvre: Manoeuvre, found: Measures, no_fault: Measures) 
     if case is LOCKED_START:
         yield Limit("lock [s]", found.longest_lock, _RECOVERY)
     if not panic:
-        yield Limit("release below half of lambda_max [s]", found.wrong_release, case.wrong_release)
+        yield Limit("release below half of lambda_max [s]", found.wrong_release, _WRONG_RELEASE)
     yield Limit("NONE after [s]", found.none, case.none_within + (case.none_later if panic else 0.0))
     yield Limit("named after [s]", found.named, case.named_within)
     yield Limit("over no fault", found.distance / no_fault.distance, case.stretch)
