@@ -118,8 +118,6 @@ class Measured:
     """Share of a core that each process took [-]."""
     answers: Mapping[str, Answers]
     """By topic."""
-    samples: int
-    """Number of wheel_states messages of each car that the recording holds."""
 
 
 def commands(drive: Drive, form: str, supervisor: bool) -> dict[str, list[str]]:
@@ -221,6 +219,6 @@ def _observe(
         }
         take_until(after(_QUIET * slowdown()))
         node.destroy_node()
-        return Measured(used, found, max(len(found[topic].published) for topic in sources))
+        return Measured(used, found)
     finally:
         rclpy.try_shutdown(context=context)
