@@ -39,7 +39,6 @@ FORMS = ("separate", "composed", "relays")
 SOURCE = "wheel_states"
 ESTIMATES: Mapping[str, type] = {"slip": WheelSlip, "friction_slope": FrictionSlope, "friction_curve": FrictionCurve}
 """Answers of a wheel to every sample."""
-_COMMANDS: Mapping[str, type] = {graph.COMMAND: BrakeCommand}
 _PLAYER = "player"
 _TAKE_PERIOD = 0.02
 _START_LIMIT = 60.0
@@ -119,8 +118,6 @@ class Measured:
     """Share of a core that each process took [-]."""
     answers: Mapping[str, Answers]
     """By topic."""
-    samples: int
-    """Number of wheel_states messages of each car that the recording holds."""
 
 
 def commands(drive: Drive, form: str, supervisor: bool) -> dict[str, list[str]]:
@@ -160,9 +157,11 @@ def run(
     """
     os.environ.update(local_discovery())
     env = os.environ | {"ROS_DOMAIN_ID": str(free_domain_id()), "OMP_NUM_THREADS": "1"}
-    kinds = {**ESTIMATES, **(_COMMANDS if supervisor else {})}
+    # Every reader costs the publisher: estimates are observed at one wheel of a car, commands at all of them.
+    observed = drive.wheels[:: len(drive.wheels) // len(drive.namespaces)]
     taps = {f"{place}/{SOURCE}": JointState for place in drive.namespaces}
-    taps |= {f"{wheel}/{name}": kind for wheel in drive.wheels for name, kind in kinds.items()}
+    taps |= {f"{wheel}/{name}": kind for wheel in observed for name, kind in ESTIMATES.items()}
+    taps |= {f"{wheel}/{graph.COMMAND}": BrakeCommand for wheel in drive.wheels if supervisor}
     with tempfile.TemporaryDirectory(prefix="friction_live_") as logs:
         processes = ProcessGroup(Path(logs))
         try:
@@ -220,6 +219,6 @@ def _observe(
         }
         take_until(after(_QUIET * slowdown()))
         node.destroy_node()
-        return Measured(used, found, max(len(found[topic].published) for topic in sources))
+        return Measured(used, found)
     finally:
         rclpy.try_shutdown(context=context)
