@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from math import inf
 from typing import NamedTuple
 
+from abs_supervisor.parameters import SupervisorParameters
 from friction_evaluation.faults.case import Case
 from friction_evaluation.faults.catalogue import LOCKED_START, NO_FAULT
 from friction_evaluation.faults.manoeuvre import CORNER, Manoeuvre
@@ -67,4 +68,5 @@ def _all(case: Case, manoeuvre: Manoeuvre, found: Measures, no_fault: Measures) 
     yield Limit("NONE after [s]", found.none, case.none_within + (case.none_later if panic else 0.0))
     yield Limit("named after [s]", found.named, case.named_within)
     yield Limit("over no fault", found.distance / no_fault.distance, case.stretch)
-    yield Limit("healthy wheels without ABS", float(found.healthy_lost), 0.0)
+    if without_abs(manoeuvre).torque >= SupervisorParameters().braking_torque:
+        yield Limit("healthy wheels without ABS", float(found.healthy_lost), 0.0)

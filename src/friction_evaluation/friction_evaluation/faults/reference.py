@@ -24,6 +24,8 @@ class Reference:
     """[m]"""
     locks: bool
     """A wheel locks above 5 m/s: the demand is above its own peak torque, as at the rear at 0.9 of the front's."""
+    torque: float
+    """Of the wheel that is braked least [N m]."""
 
 
 @lru_cache(maxsize=1)  # a gentle stop on snow has 30,000 samples
@@ -45,4 +47,5 @@ def without_abs(manoeuvre: Manoeuvre) -> Reference:
         duration=samples[-1].index * SAMPLE_TIME - ONSET,
         distance=samples[-1].distance - samples[round(ONSET / SAMPLE_TIME)].distance,
         locks=any(each.speed > ABS_END and each.slip.max() > LOCK_SLIP for each in samples),
+        torque=float(samples[-1].brake_torque.min()),
     )
