@@ -58,7 +58,7 @@ def test_every_topic_carries_every_sample_with_the_stamps_of_the_schedule() -> N
     for topic, list_of_messages in found.items():
         stamps = [to_nanoseconds(message.header.stamp) for message in list_of_messages]
         assert stamps == [START + 5_000_000 * k for k in range(30)], topic
-        assert all(type(message) is topics[topic] for message in list_of_messages), topic
+        assert all(message.__class__ is topics[topic] for message in list_of_messages), topic
 
 
 def test_topics_that_are_not_wanted_are_not_published() -> None:
