@@ -60,25 +60,17 @@ def is_truth(topic: str) -> bool:
 
 def wheel_states(stamp: Time, joints: Sequence[str], measured: Measurement) -> JointState:
     """Make the wheel encoders' message."""
-    return _made(
-        JointState,
-        header=_header(stamp, ""),
-        name=list(joints),
-        position=array("d"),
-        velocity=array("d", measured.wheel_speed.tolist()),
-        effort=array("d"),
-    )
+    return JointState(header=Header(stamp=stamp), name=list(joints), velocity=measured.wheel_speed.tolist())
 
 
 def brake_pressure(stamp: Time, wheel: str, pressure: float, variance: float) -> FluidPressure:
     """Make one wheel's pressure [Pa] message, with its variance [Pa^2]."""
-    return _made(FluidPressure, header=_header(stamp, wheel), fluid_pressure=pressure, variance=variance)
+    return FluidPressure(header=Header(stamp=stamp, frame_id=wheel), fluid_pressure=pressure, variance=variance)
 
 
 def imu(stamp: Time, acceleration: float, variance: float, axis: str = "x") -> Imu:
     """Make the message of an accelerometer: one axis [m/s^2], no orientation, no rates (marked in the covariances)."""
-    message = Imu()
-    message.header = _header(stamp, BASE_FRAME)
+    message = Imu(header=Header(stamp=stamp, frame_id=BASE_FRAME))
     setattr(message.linear_acceleration, axis, acceleration)
     message.linear_acceleration_covariance[4 * "xyz".index(axis)] = variance
     message.orientation_covariance[0] = -1.0
@@ -88,8 +80,7 @@ def imu(stamp: Time, acceleration: float, variance: float, axis: str = "x") -> I
 
 def velocity(stamp: Time, speed: float, variance: float) -> TwistWithCovarianceStamped:
     """Make a vehicle speed [m/s] message, with its variance [m^2/s^2]."""
-    message = TwistWithCovarianceStamped()
-    message.header = _header(stamp, BASE_FRAME)
+    message = TwistWithCovarianceStamped(header=Header(stamp=stamp, frame_id=BASE_FRAME))
     message.twist.twist.linear.x = speed
     message.twist.covariance[0] = variance
     return message
@@ -97,9 +88,7 @@ def velocity(stamp: Time, speed: float, variance: float) -> TwistWithCovarianceS
 
 def brake_demand(stamp_ns: int, pressure: float) -> BrakeDemand:
     """Make the driver's demand [Pa] message, for all wheels."""
-    return _made(
-        BrakeDemand, header=_header(from_nanoseconds(stamp_ns), BASE_FRAME), wheel="", pressure=float(pressure)
-    )
+    return BrakeDemand(header=Header(stamp=from_nanoseconds(stamp_ns), frame_id=BASE_FRAME), pressure=pressure)
 
 
 def sensors(
@@ -127,15 +116,14 @@ def tyre_signals(
     return [
         (
             f"{wheel}/tyre_signals",
-            _made(
-                TyreSignals,
-                header=_header(stamp, wheel),
+            TyreSignals(
+                header=Header(stamp=stamp, frame_id=wheel),
                 wheel=wheel,
                 sample_rate=TYRE_SAMPLE_RATE,
                 first_sample=block.first_sample,
                 encoder_voltage=array("f", block.encoder_voltage.tobytes()),
                 radial_acceleration=array("f", block.radial_acceleration.tobytes()),
-                inflation_pressure=float(inflation_pressure),
+                inflation_pressure=inflation_pressure,
             ),
         )
         for wheel, block in zip(wheels, blocks, strict=True)
@@ -254,7 +242,7 @@ def _header(stamp: Time, frame_id: str) -> Header:
 
 
 def _made(kind: Any, **fields: Any) -> Any:
-    """Return a message of which every field is given."""
+    """Return a message of the truth, all of its fields given: there are many of these, and nobody changes them."""
     message = new_message(kind)
     for name, value in fields.items():
         setattr(message, name, value)

@@ -28,5 +28,6 @@ def _bare_class(kind: Any) -> Any:
     """Return a subclass whose fields are the slots themselves. Its messages say that they are of the class itself."""
     fields = {name: getattr(kind, f"_{name}") for name in kind.get_fields_and_field_types()}
     own = {"__slots__": (), "__module__": kind.__module__, "__class__": kind, "__init__": object.__init__}
-    own["_check_fields"] = False  # for its text
-    return type(kind)(kind.__name__, (kind,), {**own, **fields})
+    # Asked for by repr() of a message with an array, set by copy().
+    unchecked = property(lambda _: False, lambda *_: None)
+    return type(kind)(kind.__name__, (kind,), {**own, "_check_fields": unchecked, **fields})

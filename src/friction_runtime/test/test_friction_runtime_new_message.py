@@ -1,7 +1,11 @@
 """Messages made without defaults are the messages the generated constructor makes."""
 
+from array import array
+from copy import copy, deepcopy
+
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
 from friction_runtime.new_message import new_message
@@ -18,6 +22,16 @@ def test_a_message_with_every_field_set_equals_one_of_the_constructor_and_travel
     assert repr(message) == repr(made)
     assert isinstance(message, Header)
     assert deserialize_message(serialize_message(message), Header) == made
+
+
+def test_a_message_with_an_array_can_be_shown_and_copied() -> None:
+    message = new_message(JointState)
+    message.header = Header()
+    message.name = ["front_left"]
+    message.position, message.velocity, message.effort = array("d"), array("d", [1.0]), array("d")
+    made = JointState(name=["front_left"], velocity=[1.0])
+    assert repr(message) == repr(made)
+    assert deepcopy(message) == copy(message) == made
 
 
 def test_a_forgotten_field_cannot_be_published() -> None:
