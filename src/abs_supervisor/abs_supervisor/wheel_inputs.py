@@ -1,5 +1,6 @@
 """What envelope and checks need beside the law's inputs: wheel speeds, slip, pressure and curve of one wheel."""
 
+from collections import deque
 from collections.abc import Mapping
 from math import inf, isfinite, nan, sqrt
 from typing import Any, Final
@@ -22,6 +23,8 @@ from vehicle_models.vehicle import Vehicle
 _SPEED_SENSOR, _UNCERTAIN = int(WheelSlip.SPEED_SENSOR), int(WheelSlip.UNCERTAIN)
 _VAGUEST: Final = 0.2
 """Standard deviation of a slip that says something still."""
+_TEXTS: Final = 20
+"""Changes of the reason of a slip that are kept: a sample waits for its inputs far less long."""
 Reading = tuple[int, tuple[float, ...]]
 
 
@@ -51,7 +54,7 @@ class WheelInputs:
     def reset(self) -> None:
         """Forget everything."""
         self._curve.reset()
-        self._slip_text = ""
+        self._slip_texts: deque[tuple[int, str]] = deque(maxlen=_TEXTS)
 
     def take_curve(self, message: FrictionCurve) -> int:
         """Take a curve; return from which stamp on it counts [ns]."""
@@ -76,7 +79,7 @@ class WheelInputs:
             return stamp, tuple(flagged)
         slip, variance = message.slip, message.slip_variance
         if not message.valid:
-            self._slip_text = message.reason_text
+            self._keep_text(stamp, message.reason_text)
             slip, variance = nan, nan
             if self._fine and message.reason == _UNCERTAIN:
                 slip, variance = self._uncertain(message)
@@ -85,6 +88,19 @@ class WheelInputs:
         flagged_slip = _flagged(slip if known else nan)
         car = _flagged(message.vehicle_speed if speed_is_known(message) else nan)
         return stamp, (*flagged_slip, variance if known else 0.0, *car, measured)
+
+    def _keep_text(self, stamp: int, text: str) -> None:
+        """Keep why a slip is not valid, from a stamp [ns] on: a sample is told what holds for it, not the last."""
+        if self._slip_texts and stamp < self._slip_texts[-1][0]:
+            self._slip_texts.clear()
+        if not self._slip_texts or self._slip_texts[-1][1] != text:
+            self._slip_texts.append((stamp, text))
+
+    def _slip_text(self, stamp: int) -> str:
+        for since, text in reversed(self._slip_texts):
+            if since <= stamp:
+                return text or "not valid"
+        return "not valid"
 
     def _uncertain(self, message: WheelSlip) -> tuple[float, float]:
         """Return slip [-] and its variance where wheel_slip is not sure of it: here its error is weighed."""
@@ -114,7 +130,7 @@ class WheelInputs:
         slip, known, variance, car, car_known, measured = sample.values.get(self.slip, (0.0,) * 6)
         text = ""
         if known != 1.0:
-            slip, text = nan, sample.missing.get(self.slip) or of_topic(self.slip, self._slip_text or "not valid")
+            slip, text = nan, sample.missing.get(self.slip) or of_topic(self.slip, self._slip_text(sample.stamp))
         car_speed = car if car_known == 1.0 else nan
         lambda_max, doubt = self._curve.at(sample.stamp, car_speed)
         return Seen(
