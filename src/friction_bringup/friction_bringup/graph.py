@@ -66,11 +66,7 @@ def command(
         overrides: parameters that override the files.
         namespace: namespace of the node and its relative topics; empty for none.
     """
-    arguments = [sys.executable, "-m", node, "--ros-args"]
-    for path in params_files:
-        arguments += ["--params-file", str(path)]
-    for name, value in overrides.items():
-        arguments += ["-p", f"{name}:={json.dumps(value)}"]
+    arguments = [sys.executable, "-m", node, "--ros-args", *_parameter_arguments(params_files, overrides)]
     if namespace:
         arguments += ["-r", f"__ns:=/{namespace.strip('/')}"]
     return arguments
@@ -85,10 +81,14 @@ def composed_arguments(
         params_files: parameter files; later ones override earlier ones.
         overrides: parameters that override the files, by node.
     """
+    addressed = {f"{node}:{name}": value for node, values in overrides.items() for name, value in values.items()}
+    return _parameter_arguments(dict.fromkeys(params_files), addressed)
+
+
+def _parameter_arguments(params_files: Iterable[Path], overrides: Mapping[str, ParameterValue]) -> list[str]:
     arguments: list[str] = []
-    for path in dict.fromkeys(params_files):
+    for path in params_files:
         arguments += ["--params-file", str(path)]
-    for node, values in overrides.items():
-        for name, value in values.items():
-            arguments += ["-p", f"{node}:{name}:={json.dumps(value)}"]
+    for name, value in overrides.items():
+        arguments += ["-p", f"{name}:={json.dumps(value)}"]
     return arguments

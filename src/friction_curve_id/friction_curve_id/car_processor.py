@@ -117,9 +117,10 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             self._pressure_watches.values(), sample.payload, pressures, strict=True
         ):
             found = watch.judge(sample.stamp, wheel_speed, pressure) or found
-        speed = self._braked_speed.update(sample.stamp / NANOSECONDS, sample.payload, pressures)
-        if isfinite(speed) and isfinite(acceleration):
-            self._acceleration_unit.update(sample.stamp, speed, acceleration)
+        if not self._acceleration_unit.known:
+            speed = self._braked_speed.update(sample.stamp / NANOSECONDS, sample.payload, pressures)
+            if isfinite(speed) and isfinite(acceleration):
+                self._acceleration_unit.update(sample.stamp, speed, acceleration)
         return found or self._acceleration_unit.text
 
     def _to_be_told(self, stamp: int) -> bool:

@@ -11,10 +11,11 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
+from friction_bags.record_replay.flow_control import header_stamp
 from friction_evaluation.process_use import ProcessUse, use_of
 from friction_evaluation.rows import failures
 from friction_evaluation.soak.graph import SoakGraph
-from friction_evaluation.soak.lap import Answers, Seen, answers, stamp_of, together
+from friction_evaluation.soak.lap import Answers, Seen, answers, together
 from friction_evaluation.soak.part import Lap, lost_rows, use_rows
 from friction_runtime.stamps import from_nanoseconds
 
@@ -36,7 +37,7 @@ def seen(published: dict[int, int], since: int = 0) -> Seen:
 def test_the_stamp_of_a_serialized_message_is_read_without_decoding_it() -> None:
     stamp = 1_700_000_000_123_456_789
     message = JointState(header=Header(stamp=from_nanoseconds(stamp), frame_id="x"), name=["a"], velocity=[1.0])
-    assert stamp_of(serialize_message(message)) == stamp
+    assert header_stamp(serialize_message(message)) == stamp
 
 
 def test_a_sample_without_answer_is_lost_and_a_heartbeat_of_the_lap_before_answers_none() -> None:

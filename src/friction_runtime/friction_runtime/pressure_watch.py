@@ -20,6 +20,11 @@ class PressureWatch:
         self._unit = PressureUnit(vehicle, wheel)
         self._refused: deque[tuple[int, float]] = deque(maxlen=_KEPT)
 
+    @property
+    def done(self) -> bool:
+        """Whether the unit is known, so that nothing will be suspected any more."""
+        return self._unit.known
+
     def reset(self) -> None:
         """Know nothing of the unit."""
         self._unit.reset()
@@ -37,6 +42,8 @@ class PressureWatch:
             wheel_speed: speed of the wheel [rad/s]; not finite where it is missing.
             pressure: pressure at the stamp [Pa], NaN where it is missing.
         """
+        if self.done:
+            return ""
         refused = nan
         while self._refused and self._refused[0][0] <= stamp:
             _, refused = self._refused.popleft()

@@ -19,7 +19,7 @@ _LONGEST_GAP: Final = 0.1
 _MEMORY: Final = 50
 """Steps that are compared."""
 _LEAST_STEPS: Final = 6
-_GENTLE: Final = 4.0
+GENTLE: Final = 4.0
 """Largest acceleration of wheels that roll [m/s^2]: beyond it their slip counts."""
 _LEAST_SPREAD: Final = 0.15
 """Least standard deviation of the wheels' acceleration in these steps [m/s^2]."""
@@ -48,7 +48,7 @@ _IN_G: Final = "imu/data is a tenth of the acceleration of the wheels: in g, or 
 class AccelerationUnit:
     """Compares one accelerometer with the wheels. `text` says what is suspected, empty where nothing is."""
 
-    def __init__(self, largest: float = _GENTLE, lasting: int = _LASTING) -> None:
+    def __init__(self, largest: float = GENTLE, lasting: int = _LASTING) -> None:
         """Start without samples.
 
         Args:

@@ -51,6 +51,11 @@ class PressureUnit:
         self._least = inf
         self._begin(0.0)
 
+    @property
+    def known(self) -> bool:
+        """Whether pressures have shown to be in Pa: a unit does not change on the way."""
+        return self._in_pascal >= _SURE_AFTER
+
     def update(self, stamp: int, wheel_speed: float, pressure: float) -> None:
         """Take one sample.
 
@@ -59,9 +64,11 @@ class PressureUnit:
             wheel_speed: speed of the wheel [rad/s]; not finite where it is missing.
             pressure: pressure of its brake [Pa], also one that no brake has; not finite where it is missing.
         """
-        if self._in_pascal >= _SURE_AFTER:
+        if not self.known:
+            self._count(abs(pressure))
+        if self.known:
+            self.text = ""
             return
-        self._count(abs(pressure))
         speed = abs(wheel_speed) * self._radius
         if not (isfinite(speed) and isfinite(pressure)):
             return
@@ -83,8 +90,6 @@ class PressureUnit:
             self._in_pascal += 1
         elif pressure > HIGHEST_PRESSURE:
             self._in_pascal = max(self._in_pascal - 1, 0)
-        if self._in_pascal >= _SURE_AFTER:
-            self.text = ""
 
     def _begin(self, speed: float) -> None:
         """Compare from this speed at the rim on [m/s]."""

@@ -9,15 +9,13 @@ from math import isfinite, pi
 from statistics import median
 from typing import Final
 
-from vehicle_models.acceleration_unit import AccelerationUnit
+from vehicle_models.acceleration_unit import GENTLE, AccelerationUnit
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _ALIKE: Final = 0.03
 """Share by which the speeds of wheels that roll may differ."""
 _LOWEST_SPEED: Final = 2.0
 """Lowest speed at the rim at which ratios are judged [m/s]."""
-_GENTLE: Final = 4.0
-"""Largest acceleration of wheels that roll [m/s^2]: beyond it their slip counts."""
 _LEAST_AGREEING: Final = 0.7
 _MOST_AGREEING: Final = 1.4
 """Ratios of two sensors of one motion lie between."""
@@ -89,7 +87,7 @@ class UnitCheck:
         rim = median(known)
         if rim < _LOWEST_SPEED or max(known) - min(known) > _ALIKE * rim:
             return
-        if measured_speed is not None and abs(median(rim_accelerations)) < _GENTLE:
+        if measured_speed is not None and abs(median(rim_accelerations)) < GENTLE:
             self._compare_speeds(measured_speed / rim, dt)
 
     def _compare_speeds(self, ratio: float, dt: float) -> None:

@@ -21,8 +21,6 @@ import rclpy
 from numpy.random import Generator
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.subscription import Subscription
 
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS
 from friction_bags.bag_io.cdr import encode
@@ -30,6 +28,7 @@ from friction_bags.offline.estimators import make_processors
 from friction_bringup import graph
 from friction_bringup.discovery import local_discovery
 from friction_bringup.processes import ProcessGroup
+from friction_evaluation.arrived import arrived, tap
 from friction_evaluation.fuzz.clean_run import START, clean_run, fuzzed_parameters
 from friction_evaluation.fuzz.garbage import garbage
 from friction_evaluation.fuzz.nonsense import nonsense
@@ -118,11 +117,7 @@ class _Trial:
         self._publishers: dict[str, Publisher] = {
             topic: qos.publish(node, kind, topic) for topic, kind in kinds.items()
         }
-        profile = QoSProfile(depth=5000, reliability=ReliabilityPolicy.RELIABLE)
-        self._taps: dict[str, Subscription] = {
-            topic: node.create_subscription(kind, topic, _never_called, profile)
-            for topic, kind in processor.outputs.items()
-        }
+        self._taps = {topic: tap(node, kind, topic) for topic, kind in processor.outputs.items()}
         self._node = node
         self._nonsense: list[str] = []
         self._sent = 0
@@ -155,7 +150,7 @@ class _Trial:
         limit = time.monotonic() + _START_LIMIT * slowdown()
         while not (
             all(each.get_subscription_count() for each in self._publishers.values())
-            and all(tap.get_publisher_count() for tap in self._taps.values())
+            and all(each.get_publisher_count() for each in self._taps.values())
         ):
             if time.monotonic() > limit or not self._alive():
                 log = self._processes.log(self._name).read_text(errors="replace")
@@ -203,13 +198,8 @@ class _Trial:
         return START + shift
 
     def _take(self, found: _Answers | None) -> None:
-        for topic, tap in self._taps.items():
-            while True:
-                with tap.handle:
-                    taken = tap.handle.take_message(tap.msg_type, False)
-                if taken is None:
-                    break
-                message = taken[0]
+        for topic, subscription in self._taps.items():
+            for message, _ in arrived(subscription):
                 if text := nonsense(message):
                     self._nonsense.append(text)
                 if found is not None:
@@ -222,7 +212,3 @@ def _time(message: Any) -> int:
 
 def _is_valid(message: Any) -> bool:
     return bool(getattr(message, "valid", True))
-
-
-def _never_called(_: Any) -> None:
-    """Stand in for a callback: messages are taken here."""

@@ -12,13 +12,13 @@ from typing import Any
 
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 from std_srvs.srv import Trigger
 
 from friction_bringup import graph
 from friction_bringup.discovery import local_discovery
 from friction_bringup.processes import ProcessGroup
+from friction_evaluation.arrived import arrived, tap
 from friction_runtime.domain import free_domain_id
 from friction_runtime.machine_load import slowdown
 from friction_runtime.stamps import to_nanoseconds
@@ -48,6 +48,12 @@ class Observation:
     def stamps(self) -> list[int]:
         """Message stamps [ns]."""
         return [to_nanoseconds(message.header.stamp) for message in self.messages]
+
+    def take(self, subscription: Subscription) -> None:
+        """Take all messages that have arrived."""
+        for message, published in arrived(subscription):
+            self.messages.append(message)
+            self.published.append(published)
 
 
 def run_graph(
@@ -98,16 +104,15 @@ def _observe(
     rclpy.init(context=context, domain_id=domain)
     try:
         node = rclpy.create_node("live_observer", context=context)
-        profile = QoSProfile(depth=5000, reliability=ReliabilityPolicy.RELIABLE)
-        taps = {topic: node.create_subscription(kind, topic, _never_called, profile) for topic, kind in topics.items()}
+        taps = {topic: tap(node, kind, topic) for topic, kind in topics.items()}
         found = {topic: Observation() for topic in topics}
         deadline = time.monotonic() + timeout
 
         def take_until(condition: Callable[[], bool]) -> None:
             while not condition():
                 time.sleep(_TAKE_PERIOD)
-                for topic, tap in taps.items():
-                    _drain(tap, found[topic])
+                for topic, subscription in taps.items():
+                    found[topic].take(subscription)
                 _check(processes, deadline)
                 progress(len(found["wheel_states"].messages))
 
@@ -115,7 +120,7 @@ def _observe(
             until = time.monotonic() + seconds
             take_until(lambda: time.monotonic() > until)
 
-        take_until(lambda: all(tap.get_publisher_count() for tap in taps.values()))
+        take_until(lambda: all(each.get_publisher_count() for each in taps.values()))
         take_for(_SETTLE * slowdown())
         _start(context)
         take_until(lambda: graph.PLANT in processes.ended())
@@ -124,22 +129,6 @@ def _observe(
         return found
     finally:
         rclpy.try_shutdown(context=context)
-
-
-def _drain(tap: Subscription, found: Observation) -> None:
-    """Take all messages that have arrived. Without an executor: less work, and each comes with its publication time."""
-    while True:
-        with tap.handle:
-            taken = tap.handle.take_message(tap.msg_type, False)
-        if taken is None:
-            return
-        message, info = taken
-        found.messages.append(message)
-        found.published.append(info["source_timestamp"])
-
-
-def _never_called(_: Any) -> None:
-    """Stand in for a callback: the observer takes messages itself."""
 
 
 def _start(context: rclpy.Context) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import struct
 import sys
 import tempfile
 import time
@@ -16,22 +15,22 @@ import numpy as np
 import rclpy
 from friction_msgs.msg import BrakeCommand, FrictionCurve, FrictionSlope, WheelSlip
 from numpy.typing import NDArray
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
 from friction_bags.bag_io.message_bag import write_bag
+from friction_bags.record_replay.flow_control import header_stamp
 from friction_bringup import graph
 from friction_bringup.discovery import local_discovery
 from friction_bringup.processes import ProcessGroup
+from friction_evaluation.arrived import arrived, tap
 from friction_evaluation.live.graph import LiveRunError
 from friction_parameters.values import from_mapping
 from friction_runtime.domain import free_domain_id
 from friction_runtime.machine_load import slowdown
 from friction_runtime.processor import Output
-from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle_file import load_vehicle
 
 FORMS = ("separate", "composed", "relays")
@@ -94,16 +93,10 @@ class Answers:
     published: dict[int, int] = field(default_factory=dict)
     """Wall clock [ns] by stamp [ns]."""
 
-    def drain(self, tap: Subscription) -> None:
+    def take(self, subscription: Subscription) -> None:
         """Take all messages that have arrived, without decoding them: less work."""
-        while True:
-            with tap.handle:
-                taken = tap.handle.take_message(tap.msg_type, True)
-            if taken is None:
-                return
-            encoded, info = taken
-            seconds, rest = struct.unpack_from("<iI", encoded, 4)  # the header comes first in all of them
-            self.published.setdefault(seconds * NANOSECONDS + rest, info["source_timestamp"])
+        for encoded, published in arrived(subscription, raw=True):
+            self.published.setdefault(header_stamp(encoded), published)
 
     def delays(self, sent: Answers) -> NDArray[np.float64]:
         """Delays behind the samples that were sent [ms]."""
@@ -186,17 +179,16 @@ def _observe(
     rclpy.init(context=context, domain_id=int(domain))
     try:
         node = rclpy.create_node("live_observer", context=context)
-        profile = QoSProfile(depth=5000, reliability=ReliabilityPolicy.RELIABLE)
-        taps = {topic: node.create_subscription(kind, topic, lambda _: None, profile) for topic, kind in kinds.items()}
+        taps = {topic: tap(node, kind, topic) for topic, kind in kinds.items()}
         found = {topic: Answers() for topic in kinds}
         sources = [topic for topic in kinds if topic.endswith(SOURCE)]
-        estimated = [tap for topic, tap in taps.items() if topic not in sources]
+        estimated = [each for topic, each in taps.items() if topic not in sources]
 
         def take_until(condition: Callable[[], bool]) -> None:
             while not condition():
                 time.sleep(_TAKE_PERIOD)
-                for topic, tap in taps.items():
-                    found[topic].drain(tap)
+                for topic, subscription in taps.items():
+                    found[topic].take(subscription)
                 for name, code in processes.ended().items():
                     if code != 0 or name != _PLAYER:
                         text = "\n".join(processes.log(name).read_text(errors="replace").splitlines()[-15:])
@@ -208,7 +200,7 @@ def _observe(
             return lambda: time.monotonic() > until
 
         late = after(_START_LIMIT * slowdown())
-        take_until(lambda: all(tap.get_publisher_count() for tap in estimated) or late())
+        take_until(lambda: all(each.get_publisher_count() for each in estimated) or late())
         start()
         take_until(lambda: bool(found[sources[0]].published) or _PLAYER in processes.ended())
         begun, before = time.monotonic(), processes.processor_times()

@@ -8,23 +8,23 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
 import rclpy
 from ament_index_python.packages import get_package_share_directory
 from friction_msgs.msg import BrakeCommand, ContactPatch, FrictionCurve, FrictionSlope, SupervisorState, WheelSlip
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, WHEEL_ESTIMATORS
+from friction_bags.record_replay.flow_control import header_stamp
 from friction_bringup import graph
 from friction_bringup.discovery import local_discovery
 from friction_bringup.node_start import commanding, node_starts
 from friction_bringup.processes import ProcessGroup
+from friction_evaluation.arrived import arrived, tap
 from friction_evaluation.process_use import ProcessUse, use_of
-from friction_evaluation.soak.lap import Answers, Seen, answers, stamp_of
+from friction_evaluation.soak.lap import Answers, Seen, answers
 from friction_runtime.domain import free_domain_id
 from friction_runtime.machine_load import slowdown
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -170,15 +170,9 @@ class SoakGraph:
 
     def _connect(self) -> None:
         self._node = node = rclpy.create_node("soak_observer", context=self._context)
-        profile = QoSProfile(depth=5000, reliability=ReliabilityPolicy.RELIABLE)
         kinds = {_SOURCE: JointState, **{f"{wheel}/{name}": k for wheel in _WHEELS for name, k in _KINDS.items()}}
-        self._taps = {
-            topic: node.create_subscription(kind, topic, _never_called, profile, raw=True)
-            for topic, kind in kinds.items()
-        }
-        self._patches = [
-            node.create_subscription(ContactPatch, f"{wheel}/{_PATCHES}", _never_called, profile) for wheel in _WHEELS
-        ]
+        self._taps = {topic: tap(node, kind, topic) for topic, kind in kinds.items()}
+        self._patches = [tap(node, ContactPatch, f"{wheel}/{_PATCHES}") for wheel in _WHEELS]
         self._seen = {topic: Seen(0) for topic in self._taps}
         self.lost_packets = 0
         """Contact patches of the present lap that lack blocks of a tyre."""
@@ -191,7 +185,7 @@ class SoakGraph:
         taps = (*self._taps.values(), *self._patches)
         self._until(
             lambda: (
-                all(tap.get_publisher_count() for tap in taps)
+                all(each.get_publisher_count() for each in taps)
                 and all(client.service_is_ready() for client in self._clients.values())
             ),
             _START_LIMIT * slowdown(),
@@ -218,15 +212,14 @@ class SoakGraph:
             self._take()
 
     def _take(self) -> None:
-        """Take all messages that have arrived. Without an executor: less work, and each with its publication time."""
-        for topic, tap in self._taps.items():
+        """Take all messages that have arrived."""
+        for topic, subscription in self._taps.items():
             seen = self._seen[topic]
-            while (taken := _taken(tap, raw=True)) is not None:
-                serialized, info = taken
-                seen.note(stamp_of(serialized), info["source_timestamp"])
-        for tap in self._patches:
-            while (taken := _taken(tap, raw=False)) is not None:
-                self.lost_packets += taken[0].reason == ContactPatch.LOST_PACKETS
+            for encoded, published in arrived(subscription, raw=True):
+                seen.note(header_stamp(encoded), published)
+        for subscription in self._patches:
+            for patch, _ in arrived(subscription):
+                self.lost_packets += patch.reason == ContactPatch.LOST_PACKETS
                 self.patches += 1
 
     def _check(self) -> None:
@@ -235,12 +228,3 @@ class SoakGraph:
 
     def _end_of_log(self, name: str) -> str:
         return f"{name} says: {' / '.join(self._processes.log(name).read_text(errors='replace').splitlines()[-5:])}"
-
-
-def _taken(tap: Any, raw: bool) -> Any:
-    with tap.handle:
-        return tap.handle.take_message(tap.msg_type, raw)
-
-
-def _never_called(_: Any) -> None:
-    """Stand in for a callback: the observer takes messages itself."""

@@ -2,24 +2,11 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-
-from vehicle_models.nanoseconds import NANOSECONDS
-
-_STAMP = struct.Struct("<iI")
-_ENCAPSULATION = 4
-"""Bytes before the first field of a serialized message."""
-
-
-def stamp_of(serialized: bytes) -> int:
-    """Return the stamp [ns] of a serialized message that begins with a header, as little-endian machines send it."""
-    seconds, nanoseconds = _STAMP.unpack_from(serialized, _ENCAPSULATION)
-    return int(seconds * NANOSECONDS + nanoseconds)
 
 
 @dataclass
