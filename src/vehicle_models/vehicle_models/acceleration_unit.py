@@ -35,10 +35,14 @@ _LASTING: Final = 8
 """Steps for which a unit must be suspected before it is named: a filter that lags by a second passes every slope."""
 _DROP: Final = 1.0
 """Speed that all wheels must lose for the sign to be judged [m/s]."""
+_LEAST_DROPPING: Final = 0.1
+"""Time for which they must lose it [s]: a released tyre springs back, and pushes the car forward for a moment."""
 _HARD: Final = 2.0
 """Deceleration that is no road's [m/s^2]."""
 _OPPOSITE: Final = 0.6
 """Mean reading, and rise of the reading, that is no offset [m/s^2]."""
+_LONGEST_LAG: Final = 1.0
+"""Time for which a filter may still tell of the acceleration before [s]."""
 _SMOOTHING: Final = 0.1
 """Time constant of the reading before a drop [s]."""
 _SIGN: Final = "imu/data has the wrong sign against the wheels: forward is positive"
@@ -72,13 +76,14 @@ class AccelerationUnit:
         self._reading = 0.0
         self._begin_again(0.0)
 
-    def update(self, stamp: int, speed: float, acceleration: float) -> None:
+    def update(self, stamp: int, speed: float, acceleration: float, *, rolling: bool = True) -> None:
         """Take one sample.
 
         Args:
             stamp: stamp of the sample [ns].
-            speed: speed at the rim of the fastest wheel, or another one that changes as that of the car [m/s], finite.
+            speed: speed at the rim of a wheel, or another one that changes as that of the car [m/s], finite.
             acceleration: reading, forward positive [m/s^2], finite.
+            rolling: whether the speed may be that of rolling wheels; if not, only the sign is judged, in hard braking.
         """
         if self.known:
             return
@@ -88,6 +93,9 @@ class AccelerationUnit:
             self._begin_again(speed)
             return
         self._watch_drop(step, speed, acceleration)
+        if not rolling:
+            self._begin_steps()
+            return
         self._integral += step * acceleration
         self._time += step
         self._count += 1
@@ -97,13 +105,16 @@ class AccelerationUnit:
             self._end_step()
 
     def _begin_again(self, speed: float) -> None:
+        self._begin_steps()
+        self._begin_drop(speed)
+
+    def _begin_steps(self) -> None:
         self._integral = 0.0
         """Of the reading [m/s]."""
         self._begin_step()
         self._before: tuple[float, float] | None = None
         self._waiting: tuple[float, float] | None = None
         self._steps.clear()
-        self._begin_drop(speed)
 
     def _begin_step(self) -> None:
         self._time = self._speed_sum = self._integral_sum = 0.0
@@ -117,8 +128,8 @@ class AccelerationUnit:
         if before is None:
             return
         step = ((now[0] - before[0]) / time, (now[1] - before[1]) / time)
-        if not abs(step[0]) < self._largest:
-            # Wheels that slip; between two dives they slow down gently, too.
+        if not max(abs(step[0]), abs(step[1])) < self._largest:
+            # Wheels that slip; between two dives they slow down gently, too, while the car does not.
             self._waiting = None
             self._steps.clear()
             return
@@ -170,8 +181,7 @@ class AccelerationUnit:
         lost = self._from - speed
         if lost <= 0.0 or lost < _HARD * self._dropping - _DROP:
             self._begin_drop(speed)
-        elif lost >= _DROP and lost >= _HARD * self._dropping:
-            # A filter that lags still tells of the acceleration before.
-            if self._gained > (_OPPOSITE + max(self._read_before, 0.0)) * self._dropping:
+        elif lost >= _DROP and lost >= _HARD * self._dropping and self._dropping >= _LEAST_DROPPING:
+            lagging = max(self._read_before, 0.0) * min(self._dropping, _LONGEST_LAG)
+            if self._gained > _OPPOSITE * self._dropping + lagging:
                 self.text = _SIGN
-            self._begin_drop(speed)

@@ -9,10 +9,16 @@ import numpy as np
 import pytest
 from friction_msgs.msg import WheelSlip
 
+from corner_sim.car.car_parameters import CarParameters
+from corner_sim.car.pressure_prescription import Cycling, SlipCycle
+from corner_sim.car.recording import record
+from corner_sim.car.tyre import TYRES
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
 from friction_parameters.values import from_mapping
 from vehicle_models.vehicle_file import load_vehicle
+from wheel_slip.estimate import Reason
+from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.processor import build
 from wheel_slip.unit_check import UnitCheck
@@ -110,6 +116,18 @@ def test_a_healthy_car_is_never_suspected(demand: float, speed_sensor: bool) -> 
     found = answers(drive(demand, speed_sensor), lambda topic, message: None)
     assert not [each.reason_text for each in found if each.reason == WheelSlip.BAD_INPUT]
     assert sum(each.valid for each in found) > 0.8 * len(found)
+
+
+@pytest.mark.parametrize("road", ["dry", "cobblestone", "snow"])
+def test_a_car_whose_first_braking_cycles_its_slips_through_the_peak_is_not_suspected(road: str) -> None:
+    car = CarParameters(tyres=(TYRES["burckhardt"][road],) * 4, relaxation_length=(0.3,) * 4)
+    run = record(car, SlipCycle(car, Cycling(start=0.6)), seed=1, speed=25.0, duration=5.0)
+    estimator = SlipEstimator(load_vehicle("compact_car"))
+    named = set()
+    for time, wheel_speeds, acceleration in zip(run.time, run.wheel_speed, run.acceleration, strict=True):
+        answers = estimator.update(round(time * 1e9) + 10**9, wheel_speeds.tolist(), float(acceleration))
+        named |= {answer.text for answer in answers if answer.reason is Reason.BAD_INPUT}
+    assert not named
 
 
 def test_wheels_that_agreed_once_may_all_slide_at_any_slip() -> None:

@@ -79,13 +79,16 @@ class UnitCheck:
             acceleration = None
         if measured_speed is None and acceleration is None:
             return
-        known = [speed for speed in rim_speeds if isfinite(speed)]
+        known = sorted([speed for speed in rim_speeds if isfinite(speed)])
         if not known:
             return
-        if acceleration is not None and isfinite(acceleration):
-            self._acceleration.update(stamp, max(known), acceleration)
         rim = median(known)
-        if rim < _LOWEST_SPEED or max(known) - min(known) > _ALIKE * rim:
+        alike = known[-1] - known[0] <= _ALIKE * rim
+        if acceleration is not None and isfinite(acceleration):
+            # Neither the wheels of an axle that spins nor one that has failed are this one.
+            slower = known[(len(known) - 1) // 2]
+            self._acceleration.update(stamp, slower, acceleration, rolling=alike)
+        if rim < _LOWEST_SPEED or not alike:
             return
         if measured_speed is not None and abs(median(rim_accelerations)) < GENTLE:
             self._compare_speeds(measured_speed / rim, dt)
