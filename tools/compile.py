@@ -21,7 +21,7 @@ COMPILED = {
     "reason_text slip_fault stamp_progress stamps wheel_speeds",
     "vehicle_models": "acceleration_unit derivatives pressure_unit slowest_car wheel_load",
     "wheel_slip": "carried_wheels estimate estimator online_radii processor radius_calibration slide_detector slip "
-    "speed_filter speed_queue speed_sample stuck_sensor unit_check vehicle_speed wheel_speed_filter",
+    "slope_watch speed_filter speed_queue speed_sample stuck_sensor unit_check vehicle_speed wheel_speed_filter",
     "friction_slope": "crossing detector estimate indicator processor signals tyre_relaxation",
     "abs_supervisor": "braking braking_log curve_control curve_queue curve_report end_of_stop envelope fsm guard "
     "input_watch known_curve law/brake_line law/disturbance law/released_wheel law/road_curve law/set_point "

@@ -37,6 +37,8 @@ _DROP: Final = 1.0
 """Speed that all wheels must lose for the sign to be judged [m/s]."""
 _LEAST_DROPPING: Final = 0.1
 """Time for which they must lose it [s]: a released tyre springs back, and pushes the car forward for a moment."""
+_LONGEST_DROPPING: Final = 3.0
+"""Time after which a drop is over, wherever wheels are that it has locked [s]."""
 _HARD: Final = 2.0
 """Deceleration that is no road's [m/s^2]."""
 _OPPOSITE: Final = 0.6
@@ -179,7 +181,7 @@ class AccelerationUnit:
         self._dropping += step
         self._gained += step * acceleration
         lost = self._from - speed
-        if lost <= 0.0 or lost < _HARD * self._dropping - _DROP:
+        if lost <= 0.0 or lost < _HARD * self._dropping - _DROP or self._dropping > _LONGEST_DROPPING:
             self._begin_drop(speed)
         elif lost >= _DROP and lost >= _HARD * self._dropping and self._dropping >= _LEAST_DROPPING:
             lagging = max(self._read_before, 0.0) * min(self._dropping, _LONGEST_LAG)

@@ -10,7 +10,7 @@ from wheel_slip.speed_queue import SpeedQueue
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
 MS = 1_000_000
-QUIET = SpeedFilterParameters(acceleration_stddev=1e-3, offset_stddev=0.4, offset_walk=1e-4)
+QUIET = SpeedFilterParameters(acceleration_stddev=1e-3, offset_stddev=0.4, offset_walk=1e-4, gain_stddev=0.0)
 
 
 def wheel_filter() -> WheelSpeedFilter:
@@ -81,6 +81,51 @@ def run_speed_filter(late: int, offset: float) -> SpeedFilter:
 def test_offset_is_learned_and_latency_leaves_no_bias(late: int) -> None:
     f = run_speed_filter(late, 0.35)
     assert f.offset == pytest.approx(0.35, abs=0.01)
+
+
+def test_scale_of_the_accelerometer_is_learned_in_braking_with_its_deviation() -> None:
+    f = SpeedFilter(SpeedFilterParameters(acceleration_stddev=1e-3, offset_stddev=0.01, gain_stddev=0.02))
+    rng = np.random.default_rng(1)
+    for k in range(1, 601):
+        t = k * 0.005
+        f.predict(k * 5 * MS, -7.0 * 1.03 if t > 0.5 else 0.0)
+        f.correct(30.0 - 7.0 * max(t - 0.5, 0.0) + 0.02 * rng.normal(), 0.02**2)
+    assert f.gain == pytest.approx(0.03 / 1.03, abs=0.003)
+
+
+def test_noise_of_an_accelerometer_says_nothing_of_its_scale() -> None:
+    f = SpeedFilter(SpeedFilterParameters())
+    rng = np.random.default_rng(2)
+    for k in range(1, 6001):
+        f.predict(k * 5 * MS, 0.3 + 0.1 * rng.normal())
+        f.correct(20.0 + 0.02 * rng.normal(), 0.02**2)
+    assert f.gain == 0.0
+    assert f.offset == pytest.approx(0.3, abs=0.02)
+
+
+@pytest.mark.parametrize("compliance", [0.003, 0.04])
+def test_slip_of_rolling_wheels_is_told_from_the_speed_at_the_onset_of_braking(compliance: float) -> None:
+    f = SpeedFilter(SpeedFilterParameters())
+    rng = np.random.default_rng(3)
+    speed = 20.0
+    for k in range(1, 801):
+        deceleration = 2.0 * min(max(k * 0.005 - 2.0, 0.0) / 0.2, 1.0)
+        speed -= 0.005 * deceleration
+        f.predict(k * 5 * MS, -deceleration + 0.1 * rng.normal())
+        rim_speed = speed * (1.0 - compliance * deceleration) + 0.02 * rng.normal()
+        f.correct(rim_speed, 0.02**2, k * 5 * MS, deceleration)
+    assert abs(f.speed - speed) < 2.5 * f.speed_variance**0.5
+    assert f.speed == pytest.approx(speed, abs=0.15)
+
+
+def test_a_gain_that_is_not_known_makes_the_speed_as_uncertain_as_what_was_integrated_and_no_steady_road() -> None:
+    f = SpeedFilter(SpeedFilterParameters(blind_offset_walk=1e-4, offset_stddev=1e-3, gain_stddev=0.02))
+    f.predict(5 * MS, 0.0)
+    f.start(30.0, 1e-6)
+    for k in range(2, 402):
+        f.predict(k * 5 * MS, -8.0, observed=False)
+    assert f.speed_variance**0.5 == pytest.approx(0.02 * 16.0, rel=0.05)
+    assert f.steady_road_variance**0.5 < 0.03
 
 
 def test_sample_from_before_the_history_is_refused_and_changes_nothing() -> None:

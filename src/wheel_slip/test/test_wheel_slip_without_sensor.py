@@ -121,6 +121,31 @@ def test_offset_is_learned_while_rolling_and_its_injection_does_not_matter() -> 
     assert np.max(np.abs(speeds[2] - speeds[0])[learned]) < 0.03
 
 
+@pytest.mark.parametrize("slope", [-0.1, 0.06, 0.1])
+def test_a_step_of_slope_under_a_car_that_coasts_is_no_slide(slope: float, estimator: SlipEstimator) -> None:
+    """The accelerometer goes on reading nothing; the tyres have no force, so the wheels cannot slip."""
+    d = drive(lambda t: -9.81 * slope if t > 3.0 else 0.0, lambda _t: 0.0, 9.0, 22.0)
+    rng = np.random.default_rng(6)
+    estimates, speed = follow(replace(d, acceleration=OFFSET + 0.1 * rng.normal(size=d.speed.size)), estimator)
+    error = np.abs(speed - d.speed)[200:]
+    deviation = np.sqrt([each[0].vehicle_speed_variance for each in estimates[200:]])
+    assert np.max(error) < 0.35
+    assert np.mean(error < 2.0 * deviation) > 0.9
+    assert np.max(error[-400:]) < 0.1
+
+
+def test_wheels_that_spring_back_above_the_speed_of_the_car_do_not_raise_it(estimator: SlipEstimator) -> None:
+    """Released tyres turn all wheels a tenth faster than the car for 40 ms, five times a second."""
+    d = drive(
+        lambda t: -8.0 if t > 3.0 else 0.0,
+        lambda t: 0.0 if t < 3.0 else (-0.1 if (t - 3.0) % 0.2 > 0.16 else 0.1),
+        5.0,
+        30.0,
+    )
+    _, speed = follow(d, estimator)
+    assert np.max(np.abs(speed - d.speed)[600:]) < 0.2
+
+
 def test_slope_step_while_rolling_is_relearned_in_two_seconds(estimator: SlipEstimator) -> None:
     d = drive(lambda _t: 0.0, lambda _t: 0.0, 10.0, 25.0)
     step = 0.02 * 9.81

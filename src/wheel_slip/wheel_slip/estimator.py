@@ -25,7 +25,7 @@ class EstimatorParameters:
     minimum_speed: float = shared.minimum_speed(1.0)
     max_gap: float = shared.max_gap(0.1)
     max_slip_stddev: float = parameter(
-        0.07, "no slip where its standard deviation is larger", minimum=1e-3, maximum=1.0
+        0.12, "no slip where its standard deviation is larger", minimum=1e-3, maximum=1.0
     )
     learn_radii: bool = parameter(False, "calibrate the radii while the car coasts, and use them")
     wheel_filter: WheelFilterParameters = group(WheelFilterParameters())
@@ -89,27 +89,39 @@ class SlipEstimator:
         self._units.update(stamp, smooth_rim_speeds, rim_accelerations, acceleration, newest)
         car = self._motion()
         return [
-            self._estimate(wheel, measured, radius, car)
-            for wheel, measured, radius in zip(self._wheels, wheel_speeds, radii, strict=True)
+            self._estimate(wheel, measured, radius, car, unlike)
+            for wheel, measured, radius, unlike in zip(
+                self._wheels, wheel_speeds, radii, self._unlike(smooth_rim_speeds), strict=True
+            )
         ]
+
+    def _unlike(self, rim_speeds: Sequence[float]) -> list[float]:
+        """Return how far each wheel is from the mean of all [m/s] while they roll: by curves, radii or slip."""
+        known = [speed for speed in rim_speeds if isfinite(speed)]
+        if self.vehicle.source is not SpeedSource.WHEELS or not known:
+            return [0.0] * len(rim_speeds)
+        mean = sum(known) / len(known)
+        return [speed - mean if isfinite(speed) else 0.0 for speed in rim_speeds]
 
     def _motion(self) -> "_Motion":
         """Return the motion of the car, with the reason if no wheel can have a slip."""
         vehicle, lowest = self.vehicle, self._p.minimum_speed
         source = vehicle.source
         if self._units.text:
-            return _Motion((nan, nan), (nan, nan), SpeedSource.NONE, Reason.BAD_INPUT, self._units.text)
+            return _Motion((nan, nan), (nan, nan), nan, SpeedSource.NONE, Reason.BAD_INPUT, self._units.text)
         if source is SpeedSource.NONE:
             text = "no vehicle speed: no sensor, and the wheels have not shown to roll yet"
-            return _Motion((nan, nan), (nan, nan), source, Reason.NO_SPEED, text)
+            return _Motion((nan, nan), (nan, nan), nan, source, Reason.NO_SPEED, text)
         speed, acceleration = (vehicle.speed, vehicle.variance), (vehicle.acceleration, vehicle.acceleration_variance)
         if vehicle.speed < lowest:
             text = f"vehicle speed is below {lowest} m/s"
-            return _Motion(speed, acceleration, source, Reason.LOW_SPEED, text)
-        return _Motion(speed, acceleration, source, Reason.OK, "")
+            return _Motion(speed, acceleration, vehicle.stated_variance, source, Reason.LOW_SPEED, text)
+        return _Motion(speed, acceleration, vehicle.stated_variance, source, Reason.OK, "")
 
-    def _estimate(self, wheel: WheelSpeedFilter, measured: float, radius: float, car: "_Motion") -> WheelEstimate:
-        car_speed, car_acceleration, source, reason, text = car
+    def _estimate(
+        self, wheel: WheelSpeedFilter, measured: float, radius: float, car: "_Motion", unlike: float
+    ) -> WheelEstimate:
+        car_speed, car_acceleration, _, source, reason, text = car
         omega = (wheel.speed, wheel.speed_variance)
         slip_found = rate = variance = rate_variance = nan
         if not isfinite(measured):
@@ -121,6 +133,7 @@ class SlipEstimator:
                 reason, text = Reason.NOT_READY, "too few samples since start"
         elif reason is Reason.OK:
             variance = slip_variance(car_speed[0], car_speed[1], omega[0], omega[1], radius)
+            variance += (unlike / car_speed[0]) ** 2
             if variance > self._largest_variance:
                 reason, text = Reason.UNCERTAIN, f"standard deviation of the slip is {sqrt(variance):.3f}"
                 variance = nan
@@ -133,7 +146,7 @@ class SlipEstimator:
                 rate = slip_rate(car_speed[0], car_acceleration[0], omega[0], omega_dot[0], radius)
                 rate_variance = slip_rate_variance(car_speed, car_acceleration, omega, omega_dot, radius)
         return WheelEstimate(
-            slip_found, rate, car_speed[0], omega[0], variance, rate_variance, car_speed[1], source, reason, text
+            slip_found, rate, car_speed[0], omega[0], variance, rate_variance, car.stated, source, reason, text
         )
 
 
@@ -142,6 +155,8 @@ class _Motion(NamedTuple):
 
     speed: tuple[float, float]
     acceleration: tuple[float, float]
+    stated: float
+    """Variance of the speed with that of the radii [m^2/s^2]."""
     source: SpeedSource
     reason: Reason
     text: str

@@ -20,6 +20,7 @@ from typing import Final
 
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
+from wheel_slip.slope_watch import STEEPEST, SlopeWatch
 
 _LAG: Final = 0.015
 """Time constant [s] that gives the acceleration the lag of the wheel filter."""
@@ -36,6 +37,8 @@ _STEADY_TIME: Final = 2.0
 """Wheels that are steady and turn alike for this long [s] are right, whatever the accelerometer reads."""
 _BLIND: Final = 0.6
 """Rim speed [m/s] below which a wheel may as well be locked."""
+_FORCELESS: Final = 0.6
+"""Force of all tyres over the mass of the car [m/s^2] below which they have no slip to speak of."""
 _STRONGEST: Final = 14.0
 """Without an accelerometer a wheel that changes faster [m/s^2] does not roll."""
 _SETTLE: Final = 0.3
@@ -78,10 +81,12 @@ class SlideDetector:
         self._p = parameters
         self._free = [index for index, by_engine in enumerate(driven) if not by_engine]
         self._all = list(range(len(driven)))
+        self.slope = SlopeWatch()
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
+        self.slope.reset()
         self.sliding = True
         """Whether the car slides, so that the wheels are not trusted."""
         self.rolling = [False] * len(self._all)
@@ -95,6 +100,8 @@ class SlideDetector:
         self._history: deque[tuple[int, float, Sequence[float]]] = deque()
         self.contradicted = False
         """Whether the wheels were trusted again because they turned alike, against the accelerometer."""
+        self.agreed = False
+        """Whether the wheels were trusted again because they agreed with the integrated speed."""
         self._rolled_since: int | None = None
         self._steady_from: tuple[int, float] | None = None
         self._travelled = 0.0
@@ -106,6 +113,7 @@ class SlideDetector:
         rim_speeds: Sequence[float],
         rim_accelerations: Sequence[float],
         acceleration: float | None,
+        specific_force: float | None,
         offset_stddev: float,
         integrated: tuple[float, float] | None,
     ) -> None:
@@ -116,6 +124,7 @@ class SlideDetector:
             rim_speeds: r omega of each wheel [m/s], NaN where unknown.
             rim_accelerations: rates of the rim speeds [m/s^2].
             acceleration: acceleration of the car, corrected for offset [m/s^2]; None without an accelerometer.
+            specific_force: reading of the accelerometer [m/s^2]: force of the tyres over the mass of the car.
             offset_stddev: standard deviation of that correction [m/s^2].
             integrated: integrated speed [m/s] and its standard deviation [m/s]; None if there is none.
         """
@@ -127,7 +136,10 @@ class SlideDetector:
         while len(history) > 2 and history[1][0] <= begin:
             history.popleft()
         self._allowed = self._p.threshold + 2.0 * offset_stddev * self._p.window
+        if specific_force is not None and abs(specific_force) < _FORCELESS:
+            self._allowed += STEEPEST * self._p.window
         middle = 0.5 * (known[(len(known) - 1) // 2] + known[len(known) // 2]) if known else nan
+        self._watch_slope(stamp, rim_speeds, middle)
         self.rolling = self._roll(rim_speeds, rim_accelerations, middle)
         self._change_mode(stamp, rim_speeds, middle, integrated)
 
@@ -135,6 +147,10 @@ class SlideDetector:
         """Return the wheels to take the speed from: those that roll, without the driven ones if a free one is left."""
         free = [index for index in self._free if self.rolling[index]]
         return free or [index for index in self._all if self.rolling[index]]
+
+    def free_believed(self) -> bool:
+        """Whether the wheels that are believed are not driven, and some are."""
+        return len(self._free) < len(self._all) and any(self.rolling[index] for index in self._free)
 
     def _integrate(self, stamp: int, acceleration: float | None) -> None:
         if acceleration is None:
@@ -147,6 +163,18 @@ class SlideDetector:
         dt = (stamp - self._history[-1][0]) / NANOSECONDS
         self.acceleration = before + (1.0 - exp(-dt / _LAG)) * (acceleration - before)
         self._travelled += 0.5 * dt * (before + self.acceleration)
+
+    def _watch_slope(self, stamp: int, rim_speeds: Sequence[float], middle: float) -> None:
+        known = self.acceleration is not None and abs(middle) > _BLIND
+        alike = known and self.spread <= _SPREAD_AT_REST + _SPREAD * abs(middle)
+        begin, travelled, before = self._history[0]
+        time = (stamp - begin) / NANOSECONDS
+        differences: list[float] = []
+        if time >= 0.5 * self._p.window:
+            change = self._travelled - travelled
+            changes = [now - earlier for now, earlier in zip(rim_speeds, before, strict=True)]
+            differences = [(each - change) / time for each in changes if isfinite(each)]
+        self.slope.update(stamp, alike, differences, self.acceleration or 0.0)
 
     def _roll(self, rim_speeds: Sequence[float], rim_accelerations: Sequence[float], middle: float) -> list[bool]:
         """Return which wheels roll; `middle`: the median of the rim speeds [m/s]."""
@@ -180,7 +208,7 @@ class SlideDetector:
             return
         self._watch_steadiness(stamp, judged, rim_speeds, middle)
         if self._steady_from is not None and stamp - self._steady_from[0] >= _STEADY_TIME * NANOSECONDS:
-            self.sliding, self.since, self.contradicted = False, stamp, not wheels_roll
+            self.sliding, self.since, self.contradicted, self.agreed = False, stamp, not wheels_roll, False
             return
         if strength > self._p.roll_below or not wheels_roll:
             self._rolled_since = None
@@ -191,6 +219,7 @@ class SlideDetector:
         agree = integrated is None or abs(middle - integrated[0]) <= integrated[1] + 0.02 * abs(middle) + 0.1
         calm = abs(a) < _CALM and rolled >= _PATIENCE
         if rolled >= _SETTLE and (agree or calm or pulled):
+            self.agreed = agree
             self.sliding, self.since, self.contradicted = False, stamp, False
 
     def _watch_steadiness(self, stamp: int, judged: list[int], rim_speeds: Sequence[float], middle: float) -> None:

@@ -1,23 +1,25 @@
-"""Vehicle speed and accelerometer offset: a Kalman filter driven by the accelerometer.
+"""Speed of the car: a Kalman filter driven by the accelerometer, with its errors and the slip of rolling wheels.
 
-    v_dot = a_m - b + n_a,    b_dot = n_b
+    v_dot = (a_m - b) (1 - k),    b_dot = n_b,    k_dot = 0,    c_dot = (c_0 - c) / T + n_c
 
-a_m is the measured acceleration, b its offset: sensor bias and road slope together (g sin(slope)), which a speed
-measurement separates from a_m and nothing else can. An accelerometer is low-passed before it is sampled, so a sample is
-taken to hold for the whole interval it ends. Without an accelerometer a_m is 0, b is minus the acceleration of
-the car, and n_b is as strong as the changes of acceleration of a braking car.
+a_m is the measured acceleration, n_a its noise, b its offset: sensor bias and road slope together (g sin(slope)), which
+a speed measurement separates from a_m and nothing else can. k is the error of its scale, with that of the body's pitch.
+c is the slip of rolling wheels per deceleration of the car: such wheels measure v (1 + c v_dot). An accelerometer is
+low-passed before it is sampled, so a sample is taken to hold for the whole interval it ends. Without an accelerometer
+a_m is 0, b is minus the acceleration of the car, and n_b is as strong as the changes of acceleration of a braking car.
 
 While nothing observes the offset, the road may change its slope unseen. What that may have done to speed and offset is
-kept apart, in a second covariance (the unseen part); the sum of both is the uncertainty. `believe` corrects as if the
-road had kept its slope and leaves the unseen part alone. Every other correction takes both together.
+kept apart, in a second covariance (the unseen part), and so is what k has done to the speed; the sum of all is the
+uncertainty. `believe` corrects as if the road had kept its slope and leaves the unseen part alone. Every other
+correction takes all together.
 
-A measurement z of the speed at an earlier time t_m is used as it is: v(t_m) = v - A + b (t - t_m), where A is the
-integral of a_m from t_m to t. So a late sensor delays nothing and blurs nothing.
+A measurement z of the speed at an earlier time t_m is used as it is: v(t_m) = v - (A - b (t - t_m)) (1 - k), where A
+is the integral of a_m from t_m to t. So a late sensor delays nothing and blurs nothing.
 """
 
 from collections import deque
 from dataclasses import dataclass
-from math import isfinite, sqrt
+from math import exp, isfinite, sqrt
 from typing import Final
 
 from friction_parameters.parameter import parameter
@@ -33,7 +35,10 @@ _UNKNOWN_ACCELERATION_VARIANCE: Final = 25.0
 """Variance of the acceleration when the accelerometer has just gone, or over a gap [m^2/s^4]."""
 _GAP: Final = 0.1
 """Longer steps between samples are gaps [s]."""
+_TELLING: Final = 0.7
+"""Acceleration from which on it tells of the gain [m/s^2]: wheels do not follow noise, which looks like a gain of 0."""
 _NOTHING = (0.0, 0.0, 0.0)
+_ALL: Final = range(4)
 
 
 @dataclass(frozen=True)
@@ -60,61 +65,87 @@ class SpeedFilterParameters:
         minimum=1e-4,
         maximum=10.0,
     )
+    gain_stddev: float = parameter(
+        0.02,
+        "deviation of the accelerometer's scale and of the pitch of the body, as a share of the acceleration",
+        minimum=0.0,
+        maximum=0.5,
+    )
+    compliance: float = parameter(
+        0.008, "slip of a rolling wheel per acceleration of the car, to expect", unit="s^2/m", minimum=0.0, maximum=0.1
+    )
+    compliance_stddev: float = parameter(0.02, "its standard deviation", unit="s^2/m", minimum=1e-4, maximum=0.1)
+    compliance_time: float = parameter(
+        2.0, "time in which it changes: the road, and how near the peak is", unit="s", minimum=0.1, maximum=100.0
+    )
 
 
 class SpeedFilter:
-    """State (v, b) and its covariance."""
+    """State (v, b, k, c) and its covariance."""
 
-    def __init__(self, parameters: SpeedFilterParameters) -> None:
-        """Start with nothing known."""
+    def __init__(self, parameters: SpeedFilterParameters, gain_stddev: float | None = None) -> None:
+        """Start with nothing known; `gain_stddev` as in the parameters, where the car's is known."""
         self._parameters = parameters
+        self._gain_variance = (parameters.gain_stddev if gain_stddev is None else gain_stddev) ** 2
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
+        p = self._parameters
         self.speed = 0.0
         """Vehicle speed [m/s], forward positive."""
         self.offset = 0.0
         """Offset b [m/s^2]; minus the acceleration while there is no accelerometer."""
+        self.gain = 0.0
+        """Error k of the accelerometer's scale, as a share."""
+        self.compliance = p.compliance
+        """Slip c of rolling wheels per deceleration [s^2/m]."""
         self.surprise = 0.0
         """Last innovation over its standard deviation [-]."""
-        self._pv, self._pc, self._pb = _FIRST_SPEED_VARIANCE, 0.0, self._parameters.offset_stddev**2
+        self._p = _diagonal(_FIRST_SPEED_VARIANCE, p.offset_stddev**2, self._gain_variance, p.compliance_stddev**2)
         self._unseen = _NOTHING
+        self._unseen_gain = 0.0
+        """What a gain of 1 would have done to the speed unseen [m/s]."""
         self._measured: float | None = 0.0
         self._travelled = 0.0
         self._history: deque[tuple[int, float]] = deque()
-        self._kept = (0.0, self._pb)
+        self._kept = (0.0, p.offset_stddev**2)
 
     @property
     def speed_variance(self) -> float:
         """[m^2/s^2]"""
-        return self._pv + self._unseen[0]
+        return self._p[0][0] + self._unseen[0] + self._by_gain()
 
     @property
     def offset_variance(self) -> float:
         """[m^2/s^4]"""
-        return self._pb + self._unseen[2]
+        return self._p[1][1] + self._unseen[2]
 
     @property
     def steady_road_variance(self) -> float:
         """Variance of the speed, if the road has kept its slope [m^2/s^2]."""
-        return self._pv
+        return self._p[0][0]
 
     @property
     def acceleration(self) -> float:
         """Acceleration of the car [m/s^2], forward positive."""
-        return (self._measured or 0.0) - self.offset
+        return ((self._measured or 0.0) - self.offset) * self._scale
 
     @property
     def acceleration_variance(self) -> float:
         """[m^2/s^4]"""
         noise = self._parameters.acceleration_stddev**2 if self._measured is not None else 0.0
-        return self.offset_variance + noise
+        return self.offset_variance + noise + self._p[2][2] * self.acceleration**2
+
+    @property
+    def _scale(self) -> float:
+        return 1.0 if self._measured is None else 1.0 - self.gain
 
     def start(self, speed: float, variance: float) -> None:
-        """Start at the last stamp with a speed [m/s] and its variance [m^2/s^2]; what is known of the offset stays."""
+        """Start at the last stamp with a speed [m/s] and its variance [m^2/s^2]; what is known of the others stays."""
         self._see()
-        self.speed, self._pv, self._pc = speed, variance, 0.0
+        self.speed = speed
+        self._forget(0, variance)
 
     def predict(self, stamp: int, measured: float | None, *, observed: bool = True) -> None:
         """Go to `stamp` [ns], later than the last.
@@ -133,23 +164,50 @@ class SpeedFilter:
             if measured is None:
                 walk, noise = _ACCELERATION_WALK, 0.0
             change = dt * (measured or 0.0)
-            self.speed += change - dt * self.offset
-            pv, pc, pb = _predicted((self._pv, self._pc, self._pb), dt, walk)
-            self._pv, self._pc, self._pb = pv + dt * dt * noise, pc, pb
+            driving = change - dt * self.offset
+            self.speed += driving * (1.0 if measured is None else 1.0 - self.gain)
+            self._predict_covariance(dt, walk)
+            self._p[0][0] += dt * dt * noise
+            if measured is not None and abs(measured - self.offset) > _TELLING:
+                self._unseen_gain -= driving
             if observed:
                 self._see()
             elif measured is not None:
                 self._unseen = _predicted(self._unseen, dt, p.blind_offset_walk**2)
             self._travelled += change
             if dt > _GAP:
-                self._pv += _UNKNOWN_ACCELERATION_VARIANCE * dt**2
+                self._p[0][0] += _UNKNOWN_ACCELERATION_VARIANCE * dt**2
         self._measured = measured
         self._history.append((stamp, self._travelled))
         while self._history[0][0] < stamp - _HISTORY:
             self._history.popleft()
 
-    def correct(self, speed: float, variance: float, stamp: int | None = None) -> bool:
+    def _by_gain(self) -> float:
+        g, p = self._unseen_gain, self._p
+        return g * (2.0 * p[0][2] + g * p[2][2])
+
+    def _predict_covariance(self, dt: float, walk: float) -> None:
+        p, parameters = self._p, self._parameters
+        row = [p[0][j] - dt * p[1][j] for j in _ALL]
+        p[0][0] = row[0] - dt * row[1] + walk * dt**3 / 3.0
+        for j in (1, 2, 3):
+            p[0][j] = p[j][0] = row[j]
+        p[0][1] = p[1][0] = row[1] - 0.5 * walk * dt * dt
+        p[1][1] += walk * dt
+        stay = exp(-dt / parameters.compliance_time)
+        self.compliance = parameters.compliance + stay * (self.compliance - parameters.compliance)
+        for j in (0, 1, 2):
+            p[3][j] = p[j][3] = stay * p[3][j]
+        p[3][3] = stay * stay * p[3][3] + (1.0 - stay * stay) * parameters.compliance_stddev**2
+
+    def correct(self, speed: float, variance: float, stamp: int | None = None, effort: float = 0.0) -> bool:
         """Use a measured speed [m/s] with its variance [m^2/s^2], taken at `stamp` [ns] (None: now).
+
+        Args:
+            speed: the measured speed [m/s].
+            variance: [m^2/s^2]
+            stamp: when it was taken [ns].
+            effort: deceleration by which the tyres of the wheels that measured it slip [m/s^2]; 0: they do not.
 
         Returns:
             False if the filter was not running at that time, or it is too long ago: nothing is changed.
@@ -162,52 +220,91 @@ class SpeedFilter:
             age = (self._history[-1][0] - stamp) / NANOSECONDS
             travelled = self._travelled - then
         self._see()
-        return self._update(speed, variance, age, travelled)
+        return self._update(speed, variance, age, travelled, effort)
 
     def believe(self, speed: float, variance: float) -> None:
         """Use a speed [m/s] with its variance [m^2/s^2] as if the road had kept its slope."""
-        self._update(speed, variance, 0.0, 0.0)
+        self._update(speed, variance, 0.0, 0.0, 0.0)
 
     def limit(self, variance: float) -> None:
         """Limit the variance of the speed to `variance` [m^2/s^2] without moving it: as a measurement that agrees."""
         uv, uc, ub = self._unseen
-        total = self._pv + uv
+        pv, by_gain = self._p[0][0], self._by_gain()
+        total = pv + uv + by_gain
         if total <= variance:
             return
-        if self._pv < variance:
-            share = (total - variance) / uv
-            self._unseen = (variance - self._pv, uc - share * uc, ub - share * uc * uc / uv)
+        if pv < variance:
+            share = (total - variance) / (uv + by_gain)
+            self._unseen = (uv - share * uv, uc - share * uc, ub - share * uc * uc / uv if uv else ub)
+            self._unseen_gain *= sqrt(1.0 - share)
         else:
             self._see()
-            self._update(self.speed, total * variance / (total - variance), 0.0, 0.0)
+            self._update(self.speed, total * variance / (total - variance), 0.0, 0.0, 0.0)
 
-    def _update(self, speed: float, variance: float, age: float, travelled: float) -> bool:
-        pv, pc, pb = self._pv, self._pc, self._pb
-        hv, hb = pv + age * pc, pc + age * pb
-        total = hv + age * hb + variance
+    def _update(self, speed: float, variance: float, age: float, travelled: float, effort: float) -> bool:
+        p = self._p
+        driving = travelled - age * self.offset
+        then = self.speed - driving * self._scale
+        rolling = 1.0 - self.compliance * effort
+        by_gain = rolling * driving if abs(driving) > _TELLING * age else 0.0
+        h = (rolling, rolling * age, by_gain, -then * effort)
+        ph = [sum(p[i][j] * h[j] for j in _ALL) for i in _ALL]
+        total = sum(h[i] * ph[i] for i in _ALL) + variance
         if not isfinite(total):
             return False
-        gain_v, gain_b = hv / total, hb / total
-        innovation = speed - (self.speed - travelled + age * self.offset)
+        innovation = speed - then * rolling
         self.surprise = innovation / sqrt(total)
-        self.speed += gain_v * innovation
-        self.offset += gain_b * innovation
-        self._pv = pv - gain_v * hv
-        self._pc = pc - gain_v * hb
-        self._pb = pb - gain_b * hb
+        self.speed += ph[0] / total * innovation
+        self.offset += ph[1] / total * innovation
+        self.gain += ph[2] / total * innovation
+        self.compliance += ph[3] / total * innovation
+        for i in _ALL:
+            for j in _ALL:
+                p[i][j] -= ph[i] * ph[j] / total
         return True
 
     def _see(self) -> None:
         """Merge the unseen part into the covariance: it is observed from now on."""
+        if self._unseen_gain:
+            g, p = self._unseen_gain, self._p
+            row = [p[0][j] + g * p[2][j] for j in _ALL]
+            p[0][0] = row[0] + g * row[2]
+            for j in (1, 2, 3):
+                p[0][j] = p[j][0] = row[j]
+            self._unseen_gain = 0.0
         if self._unseen is not _NOTHING:
             uv, uc, ub = self._unseen
-            self._pv, self._pc, self._pb = self._pv + uv, self._pc + uc, self._pb + ub
+            p = self._p
+            p[0][0] += uv
+            p[0][1] += uc
+            p[1][0] += uc
+            p[1][1] += ub
             self._unseen = _NOTHING
 
     def doubt_offset(self, variance: float) -> None:
         """Widen the variance of the offset to at least `variance` [m^2/s^4]: it has changed."""
         self._see()
-        self._pb = max(self._pb, variance)
+        self._p[1][1] = max(self._p[1][1], variance)
+
+    def doubt_past_offset(self, variance: float, time: float) -> None:
+        """Widen what is known as after a step of the offset `time` [s] ago, of a variance [m^2/s^4]."""
+        self._see()
+        p = self._p
+        p[0][0] += variance * time * time
+        p[0][1] -= variance * time
+        p[1][0] = p[0][1]
+        p[1][1] += variance
+
+    def doubt_road(self, variance: float) -> None:
+        """Widen the unseen variance of the offset to at least `variance` [m^2/s^4]: the road may have changed."""
+        uv, uc, ub = self._unseen
+        self._unseen = (uv, uc, max(ub, variance))
+
+    def _forget(self, index: int, variance: float) -> None:
+        p = self._p
+        for j in _ALL:
+            p[index][j] = p[j][index] = 0.0
+        p[index][index] = variance
 
     def _travelled_at(self, stamp: int) -> float | None:
         """Return the integral of the measured acceleration up to `stamp` [m/s]."""
@@ -227,13 +324,17 @@ class SpeedFilter:
         """Convert the offset when the accelerometer came or went; the acceleration of the car stays."""
         self._see()
         if measured is None:
-            self._kept = (self.offset, self._pb)
+            self._kept = (self.offset, self._p[1][1])
             self.offset -= self._measured or 0.0
-            self._pb = _UNKNOWN_ACCELERATION_VARIANCE
+            self._forget(1, _UNKNOWN_ACCELERATION_VARIANCE)
         else:
-            self.offset, self._pb = self._kept
-        self._pc = 0.0
+            self.offset, variance = self._kept
+            self._forget(1, variance)
         self._measured = measured
+
+
+def _diagonal(*variances: float) -> list[list[float]]:
+    return [[variance if i == j else 0.0 for j in _ALL] for i, variance in enumerate(variances)]
 
 
 def _predicted(covariance: tuple[float, float, float], dt: float, walk: float) -> tuple[float, float, float]:

@@ -12,12 +12,13 @@
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite, sqrt
+from math import copysign, hypot, isfinite, sqrt
 from statistics import median
 from typing import Final
 
 from friction_parameters.parameter import group, parameter
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.single_corner import GRAVITY
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.carried_wheels import CarriedWheels
 from wheel_slip.estimate import SpeedSource
@@ -50,6 +51,16 @@ _STANDING: Final = 0.5
 """Time [s] over which the slip of a carried wheel counts as one error: longer than a supervisor leaves it released."""
 _PLAUSIBLE: Final = 3.0
 """Standard deviations by which a carried wheel may differ from the integrated speed."""
+_EFFORT: Final = 0.7
+"""Acceleration from which on the slip of rolling wheels hides what the road does to the offset [m/s^2]."""
+_STEP_AGO: Final = 0.3
+"""Age of a step of the road's slope when wheels and accelerometer are seen to differ [s]."""
+_DOUBT_EVERY: Final = round(0.5 * NANOSECONDS)
+"""Time that a doubt of the offset needs to be settled [ns]."""
+_FREE: Final = 0.3
+"""Acceleration by drag and slope, for which tyres need no slip to speak of [m/s^2]."""
+_SPRING_BACK: Final = 0.1
+"""Time for which wheels must be beyond the bound [s]: released tyres spring back and turn them faster than the car."""
 _BOUND_LATENCY: Final = 0.03
 """Time [s] by which wheel speeds may be older than the acceleration."""
 
@@ -88,7 +99,8 @@ class VehicleSpeed:
         """
         self._p = parameters
         self._rim_speed_variance = (wheel_speed_stddev * max(vehicle.radii)) ** 2
-        self._filter = SpeedFilter(parameters.speed_filter)
+        self._filter = SpeedFilter(parameters.speed_filter, _gain_stddev(vehicle))
+        self._radius_share = _radius_share(vehicle)
         self._slide = SlideDetector(parameters.slide, [wheel.driven for wheel in vehicle.wheels])
         self._carried = CarriedWheels(len(vehicle.wheels), self._rim_speed_variance)
         self._repetition = StuckSensor()
@@ -106,7 +118,9 @@ class VehicleSpeed:
         """Where the speed comes from at the last sample."""
         self._sensor_stamp: int | None = None
         self._surprise = 0.0
-        self._not_yet_believed: deque[tuple[int, float, float]] = deque()
+        self._beyond = 0.0
+        self._doubted: int | None = None
+        self._not_yet_believed: deque[tuple[int, float, float, float]] = deque()
         self._last: int | None = None
 
     @property
@@ -139,6 +153,13 @@ class VehicleSpeed:
         """Variance of the speed [m^2/s^2], including that of the radii, which scale every speed learned from wheels."""
         return self._filter.speed_variance + (self._p.radius_uncertainty * self._filter.speed) ** 2
 
+    @property
+    def stated_variance(self) -> float:
+        """The same with what the radii have in common [m^2/s^2], which the slip of a wheel does not contain."""
+        if self.source is SpeedSource.SENSOR:
+            return self.variance
+        return self.variance + (self._radius_share * self._filter.speed) ** 2
+
     def update(
         self,
         stamp: int,
@@ -167,12 +188,16 @@ class VehicleSpeed:
         )
         if self.accelerometer_is_stuck:
             acceleration = None
-        self._filter.predict(stamp, acceleration, observed=not (started and self._slide.sliding))
+        effort = abs(self._slide.acceleration or 0.0)
+        self._filter.predict(stamp, acceleration, observed=not (started and (self._slide.sliding or effort > _EFFORT)))
         integrated = (self._filter.speed, sqrt(self._filter.speed_variance)) if started else None
         slid = self._slide.sliding
         corrected = None if acceleration is None else acceleration - self._filter.offset
         offset_stddev = sqrt(self._filter.offset_variance)
-        self._slide.update(stamp, smooth_rim_speeds, rim_accelerations, corrected, offset_stddev, integrated)
+        self._slide.update(
+            stamp, smooth_rim_speeds, rim_accelerations, corrected, acceleration, offset_stddev, integrated
+        )
+        self._doubt_road(stamp)
         if slid and not self._slide.sliding and started and not self._sensor_is_fresh(stamp):
             self._return_to_wheels(smooth_rim_speeds)
         for sample in measured:
@@ -182,7 +207,7 @@ class VehicleSpeed:
             self._not_yet_believed.clear()
             self._surprise = 0.0
             if self.source is not SpeedSource.NONE:
-                self._bound(rim_speeds)
+                self._bound(dt, rim_speeds)
                 self._believe_carried(dt, rim_speeds)
         else:
             self._carried.reset()
@@ -227,19 +252,43 @@ class VehicleSpeed:
             a = self._slide.acceleration or 0.0
             blind = abs(speed) < _BLIND_SPEED
             if not blind or abs(a) < _AT_REST:
-                slip = self._p.slip_per_acceleration * speed * a
+                slip = self._p.slip_per_acceleration * speed * min(abs(a), _FREE)
                 many = max(_SLIP_CORRELATION / dt, 1.0)
                 noise = _BLIND_STDDEV**2 * many if blind else self._rim_speed_variance / len(believed)
                 variance = noise + slip**2 * many
-                self._not_yet_believed.append((stamp, speed, variance))
+                self._not_yet_believed.append((stamp, speed, variance, self._effort()))
         if self.source is SpeedSource.NONE and self._not_yet_believed:
-            self._filter.start(*self._not_yet_believed.pop()[1:])
+            _, speed, variance, effort = self._not_yet_believed.pop()
+            slip = self._p.speed_filter.compliance_stddev * effort
+            self._filter.start(speed * (1.0 + self._p.speed_filter.compliance * effort), variance + (slip * speed) ** 2)
             self._not_yet_believed.clear()
             self.source = SpeedSource.WHEELS
         while self._not_yet_believed and self._not_yet_believed[0][0] <= stamp - _BELIEF_LAG:
-            when, speed, variance = self._not_yet_believed.popleft()
-            if self._filter.correct(speed, variance, when):
+            when, speed, variance, effort = self._not_yet_believed.popleft()
+            if self._filter.correct(speed, variance, when, effort):
                 self._watch_offset(dt)
+
+    def _doubt_road(self, stamp: int) -> None:
+        """Where wheels that turn alike and accelerometer differ for long, the road may have changed its slope."""
+        mismatch = self._slide.slope.mismatch
+        if not mismatch or (self._doubted is not None and stamp - self._doubted <= _DOUBT_EVERY):
+            return
+        self._doubted = stamp
+        if self._slide.sliding:
+            self._filter.doubt_road(mismatch**2)
+        else:
+            self._filter.doubt_past_offset(mismatch**2, _STEP_AGO)
+
+    def _effort(self) -> float:
+        """Deceleration by which the tyres of the wheels that are believed slip [m/s^2]."""
+        a = self._slide.acceleration or 0.0
+        if a > 0.0 and self._slide.free_believed():
+            return 0.0
+        # On a slope that has been learned the corrected acceleration is that of the road: tyres need no slip for it.
+        force = a + self._filter.offset if self._slide.acceleration is not None else 0.0
+        if a * force <= 0.0:
+            return 0.0
+        return -copysign(max(min(abs(a), abs(force)) - _FREE, 0.0), a)
 
     def _return_to_wheels(self, smooth_rim_speeds: Sequence[float]) -> None:
         """Take the speed from the wheels.
@@ -251,8 +300,13 @@ class VehicleSpeed:
         if not believed:
             believed = [speed for speed in smooth_rim_speeds if isfinite(speed)]
         speed = median(believed)
-        slip = self._p.slip_per_acceleration * speed * (self._slide.acceleration or 0.0)
-        self._filter.start(speed, self._rim_speed_variance + slip**2)
+        effort = self._effort()
+        if self._slide.agreed:
+            self._filter.correct(speed, self._rim_speed_variance, None, effort)
+        else:
+            p = self._p.speed_filter
+            slip = p.compliance_stddev * effort
+            self._filter.start(speed * (1.0 + p.compliance * effort), self._rim_speed_variance + (slip * speed) ** 2)
         if self._slide.contradicted:
             self._filter.doubt_offset(self._p.speed_filter.offset_stddev**2)
 
@@ -262,7 +316,7 @@ class VehicleSpeed:
         if abs(self._surprise) > _SURPRISE:
             self._filter.doubt_offset(_DOUBT**2)
 
-    def _bound(self, rim_speeds: Sequence[float]) -> None:
+    def _bound(self, dt: float, rim_speeds: Sequence[float]) -> None:
         """Keep the speed above braked and below driven wheels; two of them must agree, for one may vibrate or fail."""
         a = self._slide.acceleration
         known = sorted(speed for speed in rim_speeds if abs(speed) > _BLIND_SPEED)
@@ -271,18 +325,22 @@ class VehicleSpeed:
         noise = 3.0 * sqrt(self._rim_speed_variance)
         margin = _BOUND_MARGIN * abs(self._filter.speed) + _BOUND_LATENCY * abs(a) + noise
         second = min(1, len(known) - 1)
+        many = max(_SLIP_CORRELATION / dt, 1.0)
         if len(known) == 1 < len(rim_speeds):
             # Where the others are blind, it may be stuck at the speed of a car that has become slow with them.
             likely = _PLAUSIBLE * sqrt(self._filter.speed_variance) + margin
             if abs(known[0] - self._filter.speed) > likely:
                 return
+        beyond = 0.0
         if a < -1.0:
-            if self._filter.speed < known[-1 - second] - margin:
-                self._filter.correct(known[-1 - second] - margin, margin**2)
+            beyond = known[-1 - second] - margin - self._filter.speed
             if known[-1 - second] > (1.0 - _CLOSE) * self._filter.speed:
                 self._filter.limit((0.5 * _CLOSE * self._filter.speed) ** 2 + margin**2)
-        elif a > 1.0 and self._filter.speed > known[second] + margin:
-            self._filter.correct(known[second] + margin, margin**2)
+        elif a > 1.0:
+            beyond = self._filter.speed - known[second] - margin
+        self._beyond = self._beyond + dt if beyond > 0.0 else 0.0
+        if self._beyond >= _SPRING_BACK:
+            self._filter.correct(self._filter.speed - copysign(beyond, a), margin**2 * many)
 
     def _believe_carried(self, dt: float, rim_speeds: Sequence[float]) -> None:
         """Correct the speed by the fastest wheel that the road carries, if it is where the speed may be.
@@ -300,3 +358,18 @@ class VehicleSpeed:
             variance = self._carried.gap_variance(dt) + slip**2
             if gap**2 < _PLAUSIBLE**2 * (car.steady_road_variance + variance):
                 car.believe(car.speed + gap, variance * max(_STANDING / dt, 1.0))
+
+
+def _gain_stddev(vehicle: Vehicle) -> float | None:
+    """Deviation of the accelerometer's gain as a share, by scale and pitch; None where the vehicle file states none."""
+    known = vehicle.accelerometer.deviations
+    if "scale" not in known:
+        return None
+    pitch = known["pitch_gain"].stddev if "pitch_gain" in known else 0.0
+    return hypot(known["scale"].stddev / vehicle.accelerometer.scale, GRAVITY * pitch)
+
+
+def _radius_share(vehicle: Vehicle) -> float:
+    """Deviation of the radii as a share, 0 where the vehicle file states none."""
+    shares = [each.deviations["radius"].stddev / each.radius for each in vehicle.wheels if "radius" in each.deviations]
+    return max(shares, default=0.0)

@@ -17,6 +17,7 @@ from rich.progress import Progress
 from friction_evaluation.measured_data import BMW, data_directory
 from friction_evaluation.rows import Row, at_most
 from friction_evaluation.slip.following import Followed, follow, follow_bmw, shipped
+from friction_evaluation.slip.honesty import honesty_rows
 from friction_evaluation.slip.stops import cruise_torque, stops
 from friction_evaluation.slip.tables import tables
 from friction_parameters.command_line import count
@@ -34,8 +35,8 @@ _CAR_OF_STOPS = "compact_car"
 INJECTED_OFFSET = 0.35
 """[m/s^2]"""
 GRADE_STEP = 0.02
-CASES = ("stops", "measured", "tables")
-"""Simulated stops, the BMW stop, Tables 8.4 and 8.5."""
+CASES = ("stops", "measured", "tables", "drives")
+"""Simulated stops, the BMW stop, Tables 8.4 and 8.5, drives of a car that is known only by its vehicle file."""
 _FIRST_SEED = 30_000
 
 
@@ -65,6 +66,8 @@ def run(options: argparse.Namespace) -> list[Row]:
         rows += measured + _judged(measured)
     if "tables" in options.cases:
         rows += tables(seeds, shipped())
+    if "drives" in options.cases:
+        rows += honesty_rows(_car_of_stops(options.vehicle), shipped().estimator, seeds)
     return rows
 
 

@@ -1,0 +1,155 @@
+"""Drives of the independent plant on which speed without a speed sensor is judged: stops, hills, locks, spins.
+
+The estimator has the vehicle file. The plant's radii, pitch, and scale and offset of its accelerometer are drawn with
+the deviations that this file states; a trouble by name is set on top of that.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from corner_sim.car.car import Car
+from corner_sim.car.car_parameters import CarParameters
+from corner_sim.car.ordinary_driving import OrdinaryDriver
+from corner_sim.car.pressure_prescription import Cycling, SlipCycle, peak_pressures
+from corner_sim.car.random_car import random_car
+from corner_sim.car.recording import Prescription, Recording, Surroundings, record
+from corner_sim.car.tyre import TYRES
+from vehicle_models.vehicle import Vehicle
+
+BEGIN = 6.0
+"""Begin of braking, slope or spin [s]: before it the car rolls and the offset can be learned."""
+_RISE = 0.5
+"""Time in which a gentle brake is applied [s]."""
+_DURATION = 14.0
+"""Longest drive [s]."""
+_STEEP = 0.1
+_HILL = 0.06
+"""Sines of slopes: that of a step, and that of a hill that comes within a second."""
+_LOCKED = 3.0
+"""Time for which all wheels are locked [s]."""
+_SPIN = (270.0, 1.5)
+"""Torque at each rear wheel [N m], beyond the grip of snow, and its time [s]."""
+_ORDINARY = 60.0
+"""Length of an ordinary drive [s]."""
+Around = Callable[[float, Car], Surroundings]
+
+
+@dataclass(frozen=True)
+class Held:
+    """A share of the pressures of the peak that is applied within a rise and held."""
+
+    parameters: CarParameters
+    share: float
+    until: float = np.inf
+    """Release [s]."""
+
+    def pressure(self, time: float, dt: float, car: Car) -> list[float]:
+        """Pressures [Pa] of the step of dt [s] from `time` [s], shape (4,)."""
+        applied = min(max((time - BEGIN) / _RISE, 0.0), 1.0) if time < self.until else 0.0
+        return [applied * self.share * each for each in peak_pressures(self.parameters)]
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is special about a drive."""
+
+    family: str = "burckhardt"
+    road: str = "dry"
+    share: float | None = None
+    """Share of the peak's pressures of a gentle stop; None: the slips are cycled through the peak."""
+    trouble: Mapping[str, Any] | None = None
+    """Parameters of car or sensors in place of the drawn ones."""
+    around: Around | None = None
+    until: float = np.inf
+    """End of braking [s]."""
+
+
+def _hill(time: float, car: Car) -> Surroundings:
+    return Surroundings(slope=_HILL * min(max(time - BEGIN - _RISE, 0.0), 1.0))
+
+
+def _step(sine: float) -> Around:
+    return lambda time, car: Surroundings(slope=sine if time > BEGIN + 2.0 * _RISE else 0.0)
+
+
+def _spin(time: float, car: Car) -> Surroundings:
+    torque, lasting = _SPIN
+    return Surroundings(engine_torque=torque if BEGIN < time < BEGIN + lasting else 0.0)
+
+
+_TROUBLES: Mapping[str, Mapping[str, Any]] = {
+    "scale +3 %": {"acceleration_scale": 1.03},
+    "scale -3 %": {"acceleration_scale": 0.97},
+    "pitch as the file": {"pitch_gain": 0.0026},
+    "no pitch": {"pitch_gain": 0.0},
+    "offset 0.5 m/s^2": {"acceleration_offset": 0.5},
+    "accelerometer 10 ms late": {"acceleration_delay": 0.01},
+    "48 teeth at 200 Hz": {"encoder_teeth": 48},
+    "48 teeth at 50 Hz": {"encoder_teeth": 48, "sample_rate": 50},
+    "radius -1 %": {"radius": (0.297,) * 4},
+}
+
+
+def cases() -> dict[str, Case]:
+    """Return all drives by name."""
+    found: dict[str, Case] = {}
+    for family, roads in TYRES.items():
+        for road in roads:
+            for share in (0.5, 0.8, 0.9, 0.95):
+                found[f"{family}, {road}, at {share:.0%} of the peak"] = Case(family, road, share)
+            found[f"{family}, {road}, through the peak"] = Case(family, road)
+    for name, trouble in _TROUBLES.items():
+        found[f"{name}, at half of the peak"] = Case(share=0.5, trouble=trouble)
+        found[f"{name}, through the peak"] = Case(trouble=trouble)
+    for name, around in (("hill of 6 % in 1 s", _hill), ("step of +10 %", _step(_STEEP)), ("of -10 %", _step(-_STEEP))):
+        found[f"{name}, coasting"] = Case(share=0.0, around=around)
+        found[f"{name}, at half of the peak"] = Case(share=0.5, around=around)
+        found[f"{name}, through the peak"] = Case(around=around)
+    for road in ("dry", "snow"):
+        found[f"four wheels locked for 3 s, {road}"] = Case(road=road, share=2.0, until=BEGIN + _LOCKED)
+    for family in TYRES:
+        found[f"driven wheels spin on snow, {family}"] = Case(family, "snow", share=0.0, around=_spin)
+    return found
+
+
+def drive(case: Case, vehicle: Vehicle, seed: int) -> Recording:
+    """Drive one case with a car drawn from the deviations of its vehicle file."""
+    car = _drawn(case, vehicle, seed)
+    cycled = case.share is None
+    pressures: Prescription = (
+        SlipCycle(car, Cycling(start=BEGIN)) if cycled else Held(car, case.share or 0.0, case.until)
+    )
+    return record(car, pressures, seed, duration=_DURATION, surroundings=case.around)
+
+
+def ordinary_drive(seed: int) -> Recording:
+    """Drive a random car through ordinary traffic; roads and families take turns."""
+    families = tuple(TYRES)
+    family = families[seed % len(families)]
+    roads = tuple(TYRES[family])
+    car = replace(random_car(seed, roads[seed // len(families) % len(roads)], family).parameters, slope=0.0)
+    driver = OrdinaryDriver(car, seed)
+    return record(car, driver, seed, speed=15.0, duration=_ORDINARY, surroundings=driver.surroundings)
+
+
+def _drawn(case: Case, vehicle: Vehicle, seed: int) -> CarParameters:
+    rng = np.random.default_rng([seed, 4])
+    accelerometer, wheel = vehicle.accelerometer, vehicle.wheels[0]
+
+    def around(part: Any, name: str) -> float:
+        return float(getattr(part, name) + part.deviations[name].stddev * rng.normal())
+
+    values: dict[str, Any] = {
+        "radius": (around(wheel, "radius"),) * 4,
+        "pitch_gain": around(accelerometer, "pitch_gain"),
+        "acceleration_offset": around(accelerometer, "offset"),
+        "acceleration_scale": around(accelerometer, "scale"),
+        **(case.trouble or {}),
+    }
+    nominal = CarParameters(relaxation_length=(0.3,) * 4, damper_share=0.5)
+    of_sensors = {name: values.pop(name) for name in list(values) if hasattr(nominal.sensors, name)}
+    sensors = replace(nominal.sensors, acceleration_stddev=0.1, **of_sensors)
+    return replace(nominal, tyres=(TYRES[case.family][case.road],) * 4, sensors=sensors, **values)

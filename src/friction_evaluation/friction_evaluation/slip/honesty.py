@@ -1,0 +1,94 @@
+"""Whether the stated deviations of speed and slip hold without a speed sensor, on a plant of its own."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from geometry_msgs.msg import Vector3
+from numpy.typing import NDArray
+from rich.progress import track
+
+from corner_sim.car.recording import Recording
+from friction_evaluation.rows import Row, at_least, at_most, not_judged
+from friction_evaluation.slip.car_drives import cases, drive, ordinary_drive
+from vehicle_models.vehicle import Vehicle
+from wheel_slip.estimator import EstimatorParameters, SlipEstimator
+
+Array = NDArray[np.float64]
+_INTERVAL = 1.96
+_LARGEST_Z = 1.3
+_LEAST_COVERAGE = 90.0
+_LEAST_SPEED = 3.0
+"""Speed below which nothing is judged [m/s]."""
+_BASE_STAMP = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Errors over the samples with a valid slip, and what was stated for them."""
+
+    speed: Array
+    """Error of the speed [m/s], (N,)."""
+    speed_deviation: Array
+    """[m/s], (N,)"""
+    slip: Array
+    """Errors of the valid slips [-], (M,)."""
+    slip_deviation: Array
+    """[-], (M,)"""
+    valid: float
+    """Share of valid slips [%]."""
+
+
+def honesty_rows(vehicle: Vehicle, parameters: EstimatorParameters, seeds: Sequence[int]) -> list[Row]:
+    """Return the rows of all drives, each with one car for each seed."""
+    rows: list[Row] = []
+    for name, case in track(cases().items(), description="drives"):
+        rows += _rows(name, [judge(drive(case, vehicle, seed), vehicle, parameters) for seed in seeds])
+    ordinary = [ordinary_drive(seed) for seed in range(seeds[0], seeds[0] + 8 * len(seeds))]
+    return rows + _rows("ordinary driving", [judge(each, vehicle, parameters) for each in ordinary])
+
+
+def judge(run: Recording, vehicle: Vehicle, parameters: EstimatorParameters) -> Judged:
+    """Follow a recording without a speed sensor and compare with the truth."""
+    estimator = SlipEstimator(vehicle, parameters)
+    speeds, slips = [], []
+    valid = 0
+    mounting = vehicle.accelerometer
+    for time, wheel_speeds, reading, speed, slip in zip(
+        run.time, run.wheel_speed, run.acceleration, run.speed, run.slip, strict=True
+    ):
+        stamp = _BASE_STAMP + round(time * 1e9)
+        answers = estimator.update(stamp, wheel_speeds.tolist(), mounting.forward(Vector3(x=float(reading))))
+        found = [
+            (answer.slip - true, answer.slip_variance)
+            for answer, true in zip(answers, slip, strict=True)
+            if not answer.reason
+        ]
+        valid += len(found)
+        if found and speed > _LEAST_SPEED:
+            speeds.append((answers[0].vehicle_speed - speed, answers[0].vehicle_speed_variance))
+            slips += found
+    of_speed, of_slip = np.reshape(speeds, (-1, 2)), np.reshape(slips, (-1, 2))
+    return Judged(
+        of_speed[:, 0], np.sqrt(of_speed[:, 1]), of_slip[:, 0], np.sqrt(of_slip[:, 1]), 100.0 * valid / run.slip.size
+    )
+
+
+def _rows(case: str, runs: Sequence[Judged]) -> list[Row]:
+    error = np.concatenate([run.speed for run in runs])
+    z = error / np.concatenate([run.speed_deviation for run in runs])
+    slip_z = np.concatenate([run.slip / run.slip_deviation for run in runs])
+    start = {"case": case, "runs": len(runs)}
+    if not error.size:
+        return [{**start, "quantity": "valid [%]", **not_judged(0.0)}]
+    return [
+        {**start, "quantity": "z of the speed, RMS", **at_most(float(np.sqrt(np.mean(z**2))), _LARGEST_Z)},
+        {**start, "quantity": "coverage of the speed [%]", **at_least(_inside(z), _LEAST_COVERAGE)},
+        {**start, "quantity": "coverage of the slip [%]", **at_least(_inside(slip_z), _LEAST_COVERAGE)},
+        {**start, "quantity": "speed RMS [m/s]", **not_judged(float(np.sqrt(np.mean(error**2))))},
+        {**start, "quantity": "valid [%]", **not_judged(float(np.mean([run.valid for run in runs])))},
+    ]
+
+
+def _inside(z: Array) -> float:
+    return 100.0 * float(np.mean(np.abs(z) < _INTERVAL))

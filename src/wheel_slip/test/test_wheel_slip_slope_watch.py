@@ -1,0 +1,57 @@
+"""A step of the road's slope is told from wheels that dive, or slip steadily."""
+
+from collections.abc import Callable
+
+import pytest
+
+from wheel_slip.slope_watch import SlopeWatch
+
+MS = 1_000_000
+
+
+def followed(difference: Callable[[int], float], acceleration: float = 0.0, alike: bool = True) -> list[float]:
+    """Mismatch over two seconds at 200 Hz; `difference` is that of all four wheels after a number of samples."""
+    watch = SlopeWatch()
+    found = []
+    for k in range(400):
+        watch.update((k + 1) * 5 * MS, alike, [difference(k)] * 4, acceleration)
+        found.append(watch.mismatch)
+    return found
+
+
+@pytest.mark.parametrize("slope", [-1.0, 0.6, 1.2])
+def test_a_difference_that_a_road_can_make_is_told_once_it_has_lasted(slope: float) -> None:
+    found = followed(lambda k: slope if k >= 100 else 0.0)
+    assert not any(found[:140])
+    assert all(each == slope for each in found[145:])
+
+
+@pytest.mark.parametrize(
+    ("difference", "acceleration"),
+    [
+        (lambda k: -0.02 * (k - 100) if k > 100 else 0.0, 0.0),  # slower and slower: a dive passes in 0.3 s
+        (lambda k: 0.5, -6.0),  # steady slip of 8 %
+        (lambda k: 0.3, 0.0),  # noise
+        (lambda k: -8.0, 0.0),
+    ],
+)
+def test_dives_steady_slip_and_noise_are_no_slope(difference: Callable[[int], float], acceleration: float) -> None:
+    found = followed(difference, acceleration)
+    assert sum(map(bool, found)) <= 20
+
+
+def test_wheels_that_do_not_turn_alike_say_nothing_for_half_a_second() -> None:
+    assert not any(followed(lambda k: 1.0, alike=False))
+    watch = SlopeWatch()
+    watch.update(5 * MS, False, [1.0], 0.0)
+    found = []
+    for k in range(1, 300):
+        watch.update((k + 1) * 5 * MS, True, [1.0], 0.0)
+        found.append(watch.mismatch)
+    assert found.index(1.0) == pytest.approx(140, abs=5)
+
+
+def test_a_wheel_without_speed_is_no_sample() -> None:
+    watch = SlopeWatch()
+    watch.update(5 * MS, True, [], 0.0)
+    assert watch.mismatch == 0.0
