@@ -18,14 +18,15 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos_overriding_options import InvalidQosOverridesError
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 
 from friction_parameters.parameter import ParameterError
 from friction_runtime.machine_load import slowdown
 from friction_runtime.parameter_arguments import with_checked_parameters
 from friction_runtime.stop_flag import StopFlag
 
-_WAKE_PERIOD = 0.2
-"""Period of a timer that wakes the executor [s]: EventsExecutor.spin() does not return on a signal by itself."""
+_LONGEST_WAIT = 0.2
+"""Time between two looks at whether a signal has come [s]: the executor does not return on one by itself."""
 _TAKE_DOWN_LIMIT = 0.8
 """Longest time for taking a node down on an idle machine [s]."""
 _STDERR = 2
@@ -83,7 +84,8 @@ def run_nodes(
             executor.add_node(node)
         gc.freeze()  # what has been loaded stays: to look for garbage in it takes 40 ms each time
         while rclpy.ok() and not stop.is_set():
-            executor.spin_once(timeout_sec=_WAKE_PERIOD)
+            # not spin_once, which returns after each callback
+            executor.spin_until_future_complete(Future(), timeout_sec=_LONGEST_WAIT)
     except ExternalShutdownException:
         pass  # the node has called try_shutdown()
     except ParameterError as error:
