@@ -28,7 +28,7 @@ COMPILED = {
     "law/three_commands law/torque_set_point law/usable_curve law/wheel_observer law/wheel_step pressure_check "
     "processor release_caps release_evidence rolling_scatter speed_trend supervisor wheel_check wheel_inputs "
     "wheel_motion",
-    "friction_curve_id": "activation car_processor chapter/curve_fitting chapter/dead_reckoning "
+    "friction_curve_id": "activation car/pitch_filter car_processor chapter/curve_fitting chapter/dead_reckoning "
     "chapter/exponential_curve chapter/friction_samples chapter/recursive_ls chapter/square_root curve/fitted_curve "
     "curve_messages inputs processor wheel_inputs",
     "friction_bags": "bag_io/bag_writer bag_io/cdr bag_io/mcap_chunk bag_io/mcap_writer offline/stage_run",
