@@ -122,7 +122,7 @@ class EncoderCrossings:
         limit = self._parameters.interval_ratio
         uneven = (ratio > limit) | (ratio * limit < 1.0)
         long = intervals > self._longest_interval
-        if not (uneven.any() or long.any()):
+        if not (np.count_nonzero(uneven) or np.count_nonzero(long)):
             return [Stretch(None, times)]
         wrong = np.zeros(len(known), dtype=bool)
         wrong[2:] = uneven

@@ -135,12 +135,13 @@ class PatchTracker:
         if self._next is None or first_sample != self._next:
             self._restart(first_sample)
         self._next = first_sample + len(voltage)
-        if not (np.abs(voltage) <= _HIGHEST_VOLTAGE).all():
+        if np.count_nonzero(np.abs(voltage) <= _HIGHEST_VOLTAGE) < len(voltage):
             passages += self._interrupt(PatchReason.BAD_INPUT, first_sample)
             self._restart(self._next)
             return passages
         measured = np.abs(acceleration) <= _HIGHEST_ACCELERATION
-        self._acceleration.append(acceleration if measured.all() else np.where(measured, acceleration, np.nan))
+        complete = np.count_nonzero(measured) == len(measured)
+        self._acceleration.append(acceleration if complete else np.where(measured, acceleration, np.nan))
         for stretch in self._crossings.push(np.asarray(voltage, dtype=np.float64)):
             if stretch.interrupted is not None:
                 passages += self._interrupt(stretch.interrupted, int(stretch.times[0]))
