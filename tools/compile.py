@@ -17,8 +17,8 @@ from pathlib import Path
 from progress import run_with_progress
 
 COMPILED = {
-    "friction_runtime": "aligned_processor aligner brake_torque new_message pressure_watch primary processor_graph "
-    "reason_text slip_fault stamp_progress stamps wheel_speeds",
+    "friction_runtime": "aligned_processor aligner brake_torque cdr_codec cdr_layout new_message pressure_watch "
+    "primary processor_graph reason_text slip_fault stamp_progress stamps wheel_speeds wire",
     "vehicle_models": "acceleration_unit derivatives pressure_unit slowest_car wheel_load",
     "wheel_slip": "carried_wheels estimate estimator online_radii processor radius_calibration slide_detector slip "
     "slope_watch speed_filter speed_queue speed_sample stuck_sensor unit_check vehicle_speed wheel_speed_filter",
@@ -28,11 +28,10 @@ COMPILED = {
     "law/three_commands law/torque_set_point law/usable_curve law/wheel_observer law/wheel_step pressure_check "
     "processor release_caps release_evidence rolling_scatter speed_trend supervisor wheel_check wheel_inputs "
     "wheel_motion",
-    "friction_curve_id": "activation car_processor chapter/curve_fitting chapter/dead_reckoning "
+    "friction_curve_id": "activation car/pitch_filter car_processor chapter/curve_fitting chapter/dead_reckoning "
     "chapter/exponential_curve chapter/friction_samples chapter/recursive_ls chapter/square_root curve/fitted_curve "
     "curve_messages inputs processor wheel_inputs",
-    "friction_bags": "bag_io/bag_writer bag_io/cdr bag_io/cdr_layout bag_io/mcap_chunk bag_io/mcap_writer "
-    "offline/stage_run",
+    "friction_bags": "bag_io/bag_writer bag_io/cdr bag_io/mcap_chunk bag_io/mcap_writer offline/stage_run",
     "friction_parameters": "",
 }
 """Modules by package, as paths within it. The compiled modules need the types of a package without any."""

@@ -5,11 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from importlib import import_module
 
-from rclpy.executors import Executor
-
 from friction_bringup import graph
 from friction_runtime.connected_nodes import ConnectedNodes
-from friction_runtime.processor_node import ProcessorNode
 from friction_runtime.spin import run_nodes
 
 
@@ -23,8 +20,8 @@ def run_composed(arguments: Sequence[str]) -> int:
         Exit code: 0, or 2 when an argument, a parameter or a file is bad (which is printed in one line).
     """
     classes = {name: graph.parameter_class(name) for name in graph.COMPOSED}
-    return run_nodes(classes, _make_nodes, arguments)
+    return run_nodes(classes, _connected_nodes, arguments)
 
 
-def _make_nodes(executor: Executor) -> list[ProcessorNode]:
-    return ConnectedNodes(executor, [import_module(f"{name}.node").make_node for name in graph.COMPOSED]).nodes
+def _connected_nodes() -> ConnectedNodes:
+    return ConnectedNodes([import_module(f"{name}.node").make_node for name in graph.COMPOSED])

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from time import monotonic
 from typing import Any
 
 from rclpy.executors import Executor
@@ -28,19 +29,30 @@ class ConnectedNodes:
     takes long does not hold back the others for longer than one of its estimates takes.
     """
 
-    def __init__(self, executor: Executor, makers: Sequence[Callable[[Connect], ProcessorNode[Any]]]) -> None:
-        """Make the nodes and connect them.
-
-        Args:
-            executor: will spin the nodes.
-            makers: make the nodes, in the order in which they are served.
-        """
+    def __init__(self, makers: Sequence[Callable[[Connect], ProcessorNode[Any]]]) -> None:
+        """Make the nodes, in the order in which they are served, and connect them."""
         self.nodes: list[ProcessorNode[Any]] = []
         """In the order in which they are served."""
         made = [make(self._connect) for make in makers]
-        self._last = _WhenNothingWaits(made[-1], executor, self._hand_on)
+        self._last = _Queued(made[-1])
+        self._fed = 0
         self.nodes = made
         self._connect(made[0])
+
+    def spin(self, executor: Executor, seconds: float) -> None:
+        """Serve what arrives for about some time [s]; the last node works whenever nothing has arrived.
+
+        A task of the executor for each piece of that work would take longer than to look whether anything waits.
+        """
+        until = monotonic() + seconds
+        while (now := monotonic()) < until:
+            if not self._last.waiting:
+                executor.spin_once(timeout_sec=until - now)
+                continue
+            fed = self._fed
+            executor.spin_once(timeout_sec=0.0)
+            if self._fed == fed:
+                self._hand_on(self._last.work())
 
     def _connect(self, _: ProcessorNode[Any]) -> None:
         """Connect the nodes anew, once all of them are there."""
@@ -55,6 +67,7 @@ class ConnectedNodes:
                 node.subscribe(name, partial(self._feed, name))
 
     def _feed(self, name: str, message: Any) -> None:
+        self._fed += 1
         self._graph.feed(name, message)
 
     def _hand_on(self, outputs: Sequence[Output]) -> None:
@@ -62,17 +75,13 @@ class ConnectedNodes:
             self._graph.feed(name, message)
 
 
-class _WhenNothingWaits:
-    """A node that gets its messages when the executor has nothing else to do, up to one estimate at a time."""
+class _Queued:
+    """A node that gets its messages later, up to one estimate at a time."""
 
-    def __init__(
-        self, node: ProcessorNode[Any], executor: Executor, hand_on: Callable[[Sequence[Output]], None]
-    ) -> None:
+    def __init__(self, node: ProcessorNode[Any]) -> None:
         self._node = node
-        self._executor = executor
-        self._hand_on = hand_on
-        self._waiting: deque[Output] = deque(maxlen=_MOST_WAITING)
-        self._planned = False
+        self.waiting: deque[Output] = deque(maxlen=_MOST_WAITING)
+        """Messages that have not been handed over."""
 
     @property
     def sensors(self) -> Mapping[str, type]:
@@ -83,20 +92,12 @@ class _WhenNothingWaits:
         return self._node.estimates
 
     def process(self, name: str, message: Any) -> Sequence[Output]:
-        self._waiting.append((name, message))
-        self._plan()
+        self.waiting.append((name, message))
         return ()
 
-    def _plan(self) -> None:
-        if not self._planned:
-            self._planned = True
-            self._executor.create_task(self._work)  # behind all messages that have arrived
-
-    def _work(self) -> None:
-        self._planned = False
-        while self._waiting:
-            if outputs := self._node.process(*self._waiting.popleft()):
-                self._hand_on(outputs)
-                break
-        if self._waiting:
-            self._plan()
+    def work(self) -> Sequence[Output]:
+        """Hand over messages up to the first that is answered; return the answers."""
+        while self.waiting:
+            if outputs := self._node.process(*self.waiting.popleft()):
+                return outputs
+        return ()

@@ -1,5 +1,6 @@
 """Messages without defaults for fields that are set anyway, and without the checks of their setters."""
 
+from functools import cache
 from os import getenv
 from typing import Any, Final
 
@@ -20,11 +21,12 @@ def new_message(kind: Any) -> Any:
     """
     make = _makers.get(kind)
     if make is None:
-        make = _makers[kind] = kind if _CHECK_FIELDS else _bare_class(kind)
+        make = _makers[kind] = kind if _CHECK_FIELDS else bare_class(kind)
     return make()
 
 
-def _bare_class(kind: Any) -> Any:
+@cache
+def bare_class(kind: Any) -> Any:
     """Return a subclass whose fields are the slots themselves. Its messages say that they are of the class itself."""
     fields = {name: getattr(kind, f"_{name}") for name in kind.get_fields_and_field_types()}
     own = {"__slots__": (), "__module__": kind.__module__, "__class__": kind, "__init__": object.__init__}

@@ -73,11 +73,23 @@ def subscribe(
     callback: Callable[[Any], object],
     profile: QoSProfile,
     events: SubscriptionEventCallbacks | None = None,
+    raw: bool = False,
 ) -> Subscription:
-    """Subscribe with QoS overriding on; `events` are the callbacks for what the middleware reports."""
+    """Subscribe with QoS overriding on.
+
+    Args:
+        node: the node that subscribes.
+        kind: message class.
+        topic: relative or full name.
+        callback: takes each message, or its bytes.
+        profile: QoS.
+        events: callbacks for what the middleware reports.
+        raw: whether the callback takes the bytes of a message (wire.py).
+    """
     # a copy: rclpy writes the overrides of this topic into the profile it is given
+    options = _overriding(profile)
     return node.create_subscription(
-        kind, topic, callback, copy(profile), event_callbacks=events, qos_overriding_options=_overriding(profile)
+        kind, topic, callback, copy(profile), event_callbacks=events, qos_overriding_options=options, raw=raw
     )
 
 

@@ -5,10 +5,10 @@ import gc
 import signal
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 import rclpy
 from rclpy.exceptions import NameValidationException, ParameterException
@@ -18,14 +18,15 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos_overriding_options import InvalidQosOverridesError
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 
 from friction_parameters.parameter import ParameterError
 from friction_runtime.machine_load import slowdown
 from friction_runtime.parameter_arguments import with_checked_parameters
 from friction_runtime.stop_flag import StopFlag
 
-_WAKE_PERIOD = 0.2
-"""Period of a timer that wakes the executor [s]: EventsExecutor.spin() does not return on a signal by itself."""
+_LONGEST_WAIT = 0.2
+"""Time between two looks at whether a signal has come [s]: the executor does not return on one by itself."""
 _TAKE_DOWN_LIMIT = 0.8
 """Longest time for taking a node down on an idle machine [s]."""
 _STDERR = 2
@@ -52,19 +53,38 @@ def run(name: str, parameter_class: type, make_node: Callable[[], Node], args: S
     Returns:
         Exit code.
     """
-    return run_nodes({name: parameter_class}, lambda _: [make_node()], args)
+    return run_nodes({name: parameter_class}, lambda: _Alone([make_node()]), args)
+
+
+class Nodes(Protocol):
+    """The nodes of a process."""
+
+    @property
+    def nodes(self) -> Sequence[Node]:
+        """The nodes."""
+
+    def spin(self, executor: Executor, seconds: float) -> None:
+        """Serve what arrives for about some time [s]; the executor holds the nodes."""
+
+
+@dataclass(frozen=True)
+class _Alone:
+    """One node."""
+
+    nodes: Sequence[Node]
+
+    def spin(self, executor: Executor, seconds: float) -> None:
+        executor.spin_until_future_complete(Future(), timeout_sec=seconds)  # spin_once returns after each callback
 
 
 def run_nodes(
-    parameter_classes: Mapping[str, type],
-    make_nodes: Callable[[Executor], Sequence[Node]],
-    args: Sequence[str] | None = None,
+    parameter_classes: Mapping[str, type], make_nodes: Callable[[], Nodes], args: Sequence[str] | None = None
 ) -> int:
     """Check the parameters, make the nodes and spin them until a signal, or until one calls rclpy.try_shutdown().
 
     Args:
         parameter_classes: dataclass of the parameters of each node, by its name unless it is remapped.
-        make_nodes: makes the nodes that the executor will spin; rclpy is initialised.
+        make_nodes: makes the nodes; rclpy is initialised.
         args: command line, that of the process if None.
 
     Returns:
@@ -72,25 +92,25 @@ def run_nodes(
     """
     stop = stop_on_signals()
     executor: Executor | None = None
-    nodes: Sequence[Node] = ()
+    held: Nodes = _Alone([])
     try:
         with TemporaryDirectory() as directory:
             given = sys.argv if args is None else args
             start_middleware(with_checked_parameters(given, parameter_classes, Path(directory)))
         executor = EventsExecutor()
-        nodes = made(partial(make_nodes, executor))
-        for node in nodes:
+        held = made(make_nodes)
+        for node in held.nodes:
             executor.add_node(node)
         gc.freeze()  # what has been loaded stays: to look for garbage in it takes 40 ms each time
         while rclpy.ok() and not stop.is_set():
-            executor.spin_once(timeout_sec=_WAKE_PERIOD)
+            held.spin(executor, _LONGEST_WAIT)
     except ExternalShutdownException:
         pass  # the node has called try_shutdown()
     except ParameterError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     finally:
-        _take_down(nodes, executor)
+        _take_down(held.nodes, executor)
     return 0
 
 

@@ -110,6 +110,23 @@ def test_node_moves_messages_takes_parameters_resets_and_reports(
     assert names == {"/echo: echo", "/echo: inputs"}
 
 
+def test_bytes_that_are_no_message_are_named_and_refused(echo: subprocess.Popen[str], client: DdsClient) -> None:
+    logged: list[str] = []
+    client.node.create_subscription(Log, "/rosout", lambda line: logged.append(line.msg), 10)
+    link = Link(client)
+    link.until_answer(6.0)
+    garbage = client.node.create_publisher(BrakeDemand, "brake_demand", qos.ESTIMATE)
+
+    def told() -> bool:
+        garbage.publish(b"\0\1\0\0garbage")
+        client.executor.spin_once(timeout_sec=0.05)
+        return any("brake_demand: not a BrakeDemand" in line for line in logged)
+
+    client.until(told)
+    link.until_answer(6.0)
+    assert echo.poll() is None
+
+
 def test_an_exception_of_a_processor_ends_no_node_and_is_an_error_until_a_reset(
     echo: subprocess.Popen[str], client: DdsClient
 ) -> None:

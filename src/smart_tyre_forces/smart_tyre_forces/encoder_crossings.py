@@ -6,6 +6,7 @@ crossings, so they alternate between rising and falling and lie 180/teeth degree
 """
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +17,10 @@ from smart_tyre_forces.reasons import PatchReason
 
 Array = NDArray[np.float64]
 
-_HANN = 0.5 + 0.5 * np.cos(np.linspace(-np.pi, np.pi, 7))
+_HANN: Final = 0.5 + 0.5 * np.cos(np.linspace(-np.pi, np.pi, 7))
 _TAPS = _HANN[1:-1] / np.sum(_HANN)
 _DELAY = (len(_TAPS) - 1) // 2
-_LONGEST_INTERVAL = 0.033
+_LONGEST_INTERVAL: Final = 0.033
 """Time between crossings [s] above which the wheel may have turned back: the sine has no direction."""
 
 
@@ -78,19 +79,22 @@ class EncoderCrossings:
         if len(known) < len(_TAPS):
             return []
         smooth = filtered(_TAPS, known)
-        armed = np.flatnonzero(np.abs(smooth) >= self._parameters.hysteresis)
+        armed = (np.abs(smooth) >= self._parameters.hysteresis).nonzero()[0]
         if len(armed) == 0:
             return []
-        values, places = smooth[armed], np.asarray(armed + float(first), dtype=np.float64)
+        carried = 0 if self._armed is None else 1
+        places, values = np.empty((2, carried + len(armed)))
+        places[carried:] = armed + float(first)
+        values[carried:] = smooth[armed]
         if self._armed is not None:
-            places = np.concatenate(((self._armed[0],), places))
-            values = np.concatenate(((self._armed[1],), values))
+            places[0], values[0] = self._armed
         self._armed = (float(places[-1]), float(values[-1]))
         positive = values > 0.0
-        change = np.flatnonzero(positive[1:] != positive[:-1])
+        change = (positive[1:] != positive[:-1]).nonzero()[0]
         if len(change) == 0:
             return []
-        return self._checked(self._between(places[change], places[change + 1], values[change], values[change + 1]))
+        after = change + 1
+        return self._checked(self._between(places[change], places[after], values[change], values[after]))
 
     def _between(self, begin: Array, end: Array, before: Array, after: Array) -> Array:
         """Times of the zeros between samples of opposite sign: first on the chord, then on the sine.
@@ -99,25 +103,31 @@ class EncoderCrossings:
         |after| give the phase x at which the zero lies, whatever the amplitude A.
         """
         before, after = np.abs(before), np.abs(after)
-        chord = begin + (end - begin) * (before / (before + after))
-        last = np.concatenate(((self._last_chord,), chord[:-1]))
+        step = end - begin
+        chord = begin + step * (before / (before + after))
+        last = np.empty(len(chord))
+        last[0], last[1:] = self._last_chord, chord[:-1]
         self._last_chord = float(chord[-1])
-        delta = np.minimum(np.pi * (end - begin) / (chord - last), 2.0)
+        delta = np.minimum(np.pi * step / (chord - last), 2.0)
         phase = np.arctan2(before * np.sin(delta), after + before * np.cos(delta))
-        return np.where(np.isfinite(delta), begin + (end - begin) * phase / delta, chord)
+        return np.where(np.isfinite(delta), begin + step * phase / delta, chord)
 
     def _checked(self, times: Array) -> list[Stretch]:
-        known = np.concatenate((self._previous, times))
-        self._previous = list(known[-2:])
-        carried = len(known) - len(times)
-        intervals = np.diff(known)
+        carried = len(self._previous)
+        known = np.empty(carried + len(times))
+        known[:carried], known[carried:] = self._previous, times
+        self._previous = known[-2:].tolist()
+        intervals = known[1:] - known[:-1]
+        ratio = intervals[1:] / intervals[:-1]
+        limit = self._parameters.interval_ratio
+        uneven = (ratio > limit) | (ratio * limit < 1.0)
+        long = intervals > self._longest_interval
+        if not (np.count_nonzero(uneven) or np.count_nonzero(long)):
+            return [Stretch(None, times)]
         wrong = np.zeros(len(known), dtype=bool)
-        if len(intervals) > 1:
-            ratio = intervals[1:] / intervals[:-1]
-            limit = self._parameters.interval_ratio
-            wrong[2:] = (ratio > limit) | (ratio * limit < 1.0)
+        wrong[2:] = uneven
         standing = np.zeros(len(known), dtype=bool)
-        standing[1:] = intervals > self._longest_interval
+        standing[1:] = long
         faults = np.flatnonzero((wrong | standing)[carried:])
         if len(faults) == 0:
             return [Stretch(None, times)]

@@ -20,8 +20,10 @@ def filtered(taps: Array, values: Array) -> Array:
         Shape (..., n - m + 1); the first result belongs to value m - 1.
     """
     last = values.shape[-1] - len(taps) + 1
-    total = taps[-1] * values[..., :last]
-    for age in range(len(taps) - 2, -1, -1):
-        begin = len(taps) - 1 - age
-        total += taps[age] * values[..., begin : begin + last]
+    oldest, *others = taps[::-1].tolist()
+    total = oldest * values[..., :last]
+    term = np.empty_like(total)
+    for begin, tap in enumerate(others, start=1):
+        np.multiply(values[..., begin : begin + last], tap, out=term)
+        total += term
     return total

@@ -5,6 +5,7 @@ come, and then from samples chosen by angle, never by block.
 """
 
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from smart_tyre_forces.encoder_crossings import CrossingParameters, EncoderCross
 from smart_tyre_forces.front_template import FrontRefiner
 from smart_tyre_forces.fronts import FREE_BEGIN, FREE_END, WINDOW_END, find_fronts, noise_over_slope
 from smart_tyre_forces.reasons import PatchReason
+from smart_tyre_forces.sample_buffer import SampleBuffer
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.wheel_angle import WheelAngle
 from vehicle_models.vehicle import Wheel
@@ -23,18 +25,18 @@ Array = NDArray[np.float64]
 
 _ACQUISITION_WIDTH = np.radians(20.0)
 """Width of the running mean whose minimum is the patch [rad]."""
-_DEEP = 0.4
+_DEEP: Final = 0.4
 """Share of the median over the revolution below which that minimum counts as the patch."""
 _LENGTHS = np.radians((8.0, 50.0))
 """Plausible contact patch lengths [rad]."""
-_FAILURES = 3
+_FAILURES: Final = 3
 """Passages without fronts after which the patch is searched for again."""
-_HIGHEST_VOLTAGE = 1e4
+_HIGHEST_VOLTAGE: Final = 1e4
 """Highest voltage of an encoder [V]: what is beyond it is garbage."""
-_HIGHEST_ACCELERATION = 1e7
+_HIGHEST_ACCELERATION: Final = 1e7
 """Highest acceleration in a tyre [m/s^2], far beyond where any sensor saturates."""
-_BUFFER = 60_000
-"""Most samples kept: a wheel slower than one revolution in 6 s has no angle anyway."""
+_BUFFER: Final = 60_000
+"""Samples kept at least: a wheel slower than one revolution in 6 s has no angle anyway."""
 
 
 @dataclass(frozen=True)
@@ -105,8 +107,7 @@ class PatchTracker:
         self.wheel = WheelAngle(wheel.encoder_teeth, table)
         """Angle of the wheel over time."""
         self._refiner = refiner
-        self._acceleration: Array = np.zeros(0)
-        self._base = 0
+        self._acceleration = SampleBuffer(0)
         self._next: int | None = None
         self._revolution = 0
         self._centre: float | None = None
@@ -134,31 +135,30 @@ class PatchTracker:
         if self._next is None or first_sample != self._next:
             self._restart(first_sample)
         self._next = first_sample + len(voltage)
-        if not np.all(np.abs(voltage) <= _HIGHEST_VOLTAGE):
+        if np.count_nonzero(np.abs(voltage) <= _HIGHEST_VOLTAGE) < len(voltage):
             passages += self._interrupt(PatchReason.BAD_INPUT, first_sample)
             self._restart(self._next)
             return passages
-        measured = np.where(np.abs(acceleration) <= _HIGHEST_ACCELERATION, acceleration, np.nan)
-        self._acceleration = np.concatenate((self._acceleration, measured))
-        stretches = self._crossings.push(np.asarray(voltage, dtype=np.float64))
-        for stretch in stretches:
+        measured = np.abs(acceleration) <= _HIGHEST_ACCELERATION
+        complete = np.count_nonzero(measured) == len(measured)
+        self._acceleration.append(acceleration if complete else np.where(measured, acceleration, np.nan))
+        for stretch in self._crossings.push(np.asarray(voltage, dtype=np.float64)):
             if stretch.interrupted is not None:
                 passages += self._interrupt(stretch.interrupted, int(stretch.times[0]))
                 self.wheel.restart()
                 self._centre = None
             self.wheel.extend(stretch.times)
             passages += self._revolutions()
-        if stretches:
+        if passages:
             self._trim()
-        elif len(self._acceleration) > 2 * _BUFFER:
-            self._drop(self._base + len(self._acceleration) - _BUFFER)
+        if len(self._acceleration) > 2 * _BUFFER:
+            self._acceleration.drop_before(self._acceleration.next - _BUFFER)
         return passages
 
     def _restart(self, sample: int) -> None:
         self._crossings.restart(sample)
         self.wheel.restart()
-        self._acceleration = np.zeros(0)
-        self._base = sample
+        self._acceleration = SampleBuffer(sample)
         self._centre = None
 
     def _interrupt(self, reason: PatchReason, sample: int) -> list[Passage]:
@@ -196,8 +196,7 @@ class PatchTracker:
         """Return times [samples] and acceleration of the samples between two angles [rad]."""
         first, last = np.ceil(self.wheel.time_of(begin)), np.floor(self.wheel.time_of(end))
         times = np.arange(first, last + 1.0)
-        start = int(first) - self._base
-        return times, self._acceleration[start : start + len(times)]
+        return times, self._acceleration.get(int(first), len(times))
 
     def _acquire(self, begin: float) -> float | None:
         """Return the centre of the next patch [rad], from the revolution that starts at angle `begin`."""
@@ -284,13 +283,4 @@ class PatchTracker:
         if self.wheel.known and len(self.wheel.times):
             if self._centre is not None:
                 self.wheel.forget_before(self.wheel.time_of(self._centre + FREE_BEGIN))
-            keep = int(self.wheel.times[0]) - 1
-        else:
-            keep = self._base + len(self._acceleration) - _BUFFER
-        self._drop(max(keep, self._base + len(self._acceleration) - _BUFFER))
-
-    def _drop(self, before: int) -> None:
-        surplus = before - self._base
-        if surplus > 0:
-            self._acceleration = self._acceleration[surplus:].copy()
-            self._base = before
+            self._acceleration.drop_before(int(self.wheel.times[0]) - 1)

@@ -8,9 +8,6 @@ rosbags in a fraction of the time.
 """
 
 from array import array
-from collections.abc import Callable
-from contextlib import suppress
-from operator import attrgetter
 from typing import Any, Final
 
 import numpy as np
@@ -19,12 +16,8 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from friction_bags.bag_io.bag_format import Topic
-from friction_bags.bag_io.cdr_layout import HEADER, Layout, Message, UnsupportedFieldError
 from friction_bags.bag_io.message_definition import message_definition, type_name
-
-_LENGTH_SIZE: Final = 4
-_MOST_LAYOUTS: Final = 64
-"""Most layouts kept of one class before all are dropped, so that strings of ever new lengths do not fill the memory."""
+from friction_runtime.cdr_codec import LayoutCodec
 
 
 def installed_topic(name: str, kind: type) -> Topic:
@@ -63,68 +56,22 @@ class _Codec:
         self._name = type_name(kind)
         self._store: Any = get_typestore(Stores.EMPTY)
         self._store.register(get_types_from_msg(message_definition(self._name).text, self._name))
-        self._layouts: dict[tuple[int, ...], Layout] = {}
-        self._first_length = 0
-        self._tried: dict[tuple[int, bytes], Layout] = {}
-        """The layout that fitted last, by size and first length of the data."""
-        self._message: Message | None = None
-        self._values_of: Callable[[Any], tuple[Any, ...]] | None = None
-        self._texts: list[int] = []
-        with suppress(UnsupportedFieldError):
-            self._message = Message(kind)
-            slots = list(self._message.written_slots())
-            self._texts = [index + 1 for index in range(1, len(slots)) if slots[index] == slots[index - 1]]
-            """Places of the texts in Layout.write."""
-            if len(slots) > 1:
-                self._values_of = attrgetter(*slots)
+        self._layouts = LayoutCodec(kind, lambda each: self._store.types[type_name(each)])
 
     def encode(self, message: Any) -> bytes:
-        if self._values_of is None or self._message is None:
-            return bytes(self._store.serialize_cdr(_Numpy(message), self._name))
-        values = [HEADER, *self._values_of(message)]
-        lengths = []
-        for index in self._texts:
-            text = values[index].encode()
-            length = len(text) + 1
-            values[index - 1] = length
-            values[index] = text
-            lengths.append(length)
-        return self._layout(self._message, tuple(lengths)).write(values)
+        written = self._layouts.write(message)
+        return bytes(self._store.serialize_cdr(_Numpy(message), self._name)) if written is None else written
 
     def decode(self, data: bytes) -> Any:
-        known = self._tried.get(self._key(data))
-        if known is not None:
-            message = self._read(known, data)
-            if message is not None:
-                return message
+        message = self._layouts.read(data)
+        if message is not None:
+            return message
         try:
             message = self._store.deserialize_cdr(data, self._name)
         except SerdeError:
             return self._decode_padded(data)
-        if self._message is not None:
-            layout = self._layout(self._message, tuple(self._message.lengths(message)))
-            if layout.size == len(data):
-                self._first_length = layout.first_length
-                self._tried[self._key(data)] = layout
+        self._layouts.learn(data, message)
         return message
-
-    def _key(self, data: bytes) -> tuple[int, bytes]:
-        return len(data), data[self._first_length : self._first_length + _LENGTH_SIZE]
-
-    def _read(self, layout: Layout, data: bytes) -> Any:
-        try:
-            return layout.read(data)
-        except ValueError:
-            return None
-
-    def _layout(self, message: Message, lengths: tuple[int, ...]) -> Layout:
-        layout = self._layouts.get(lengths)
-        if layout is None:
-            if len(self._layouts) == _MOST_LAYOUTS:
-                self._layouts.clear()
-                self._tried.clear()
-            layout = self._layouts[lengths] = Layout(message, lengths, self._store.types)
-        return layout
 
     def _decode_padded(self, data: bytes) -> Any:
         try:

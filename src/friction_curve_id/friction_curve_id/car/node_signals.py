@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_model import CarConstants, Nodes
+from friction_curve_id.car.neighbours import largest_around
 
 Array = NDArray[np.float64]
 
@@ -85,7 +86,7 @@ def node_signals(
         speed += 0.5 * late
         # Where teeth come more slowly than samples, a speed is held, or the mean over a longer time than it should be.
         held = np.maximum(tooth - 0.7 * interval, 0.0)
-        random = growth**2 * tooth**2 / 24.0 + (_around(growth) * held) ** 2
+        random = growth**2 * tooth**2 / 24.0 + (largest_around(growth) * held) ** 2
         noise[:, :-1] += random
         noise[:, 1:] = np.maximum(noise[:, 1:], noise[:, 1:] + random - noise[:, :-1])
     return Nodes(
@@ -139,13 +140,10 @@ def rolling_noise(wheel_speed: Array, least: float) -> Array:
 
 def _near(standing: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Nodes that have a marked sample among the three on either side; shapes (W, n) and (W, n - 1)."""
-    padded = np.pad(standing, ((0, 0), (2, 2)))
-    n = standing.shape[1]
-    return np.asarray(np.logical_or.reduce([padded[:, k : k + n - 1] for k in range(6)]))
-
-
-def _around(values: Array) -> Array:
-    """Largest size of a value and its two neighbours on either side, along the second axis, shape (W, n)."""
-    padded = np.abs(np.pad(values, ((0, 0), (2, 2)), mode="edge"))
-    n = values.shape[1]
-    return np.asarray(np.max([padded[:, k : k + n] for k in range(5)], axis=0))
+    wheels, n = standing.shape
+    padded = np.zeros((wheels, n + 4), dtype=bool)
+    padded[:, 2:-2] = standing
+    near = padded[:, : n - 1]
+    for k in range(1, 6):
+        near = near | padded[:, k : k + n - 1]
+    return near

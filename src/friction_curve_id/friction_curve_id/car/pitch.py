@@ -3,17 +3,15 @@
     p'' + 2 zeta w p' + w^2 p = w^2 f,    q = p + d (2 zeta / w) p'
 
 f is the specific force, p the one whose steady pitch the body has, q the one whose steady load transfer acts; d is the
-share of the dampers in the transfer. Discretised by the trapezoidal rule (Tustin).
-
-The filter is a plain loop: importing scipy.signal takes longer than all else that a node or a command does at start.
+share of the dampers in the transfer.
 """
 
 from dataclasses import dataclass
-from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_curve_id.car.pitch_filter import filtered
 from friction_curve_id.car.unknowns import Unknown
 
 Array = NDArray[np.float64]
@@ -45,39 +43,16 @@ class Pitch:
 def pitch_of_body(force: Array, interval: float, unknowns: Array, state: PitchState) -> Pitch:
     """Return the pitch under a specific force [m/s^2], shape (n,), sampled every `interval` [s]."""
     frequency, damping, share = (float(unknowns[each]) for each in PITCH_UNKNOWNS)
-    pitch = _filtered(force, interval, frequency, damping, 0.0, state.force, state.pitch)
-    load = _filtered(force, interval, frequency, damping, share, state.force, state.load)
+    given = force.tolist()
+
+    def load_of(log_frequency: float, zeta: float, part: float) -> Array:
+        return np.array(filtered(given, interval, log_frequency, zeta, part, state.force, state.load))
+
+    pitch = np.array(filtered(given, interval, frequency, damping, 0.0, state.force, state.pitch))
+    load = load_of(frequency, damping, share)
     gradient = np.empty((3, force.size))
     for row, step in enumerate(_STEPS):
         moved = [frequency, damping, share]
         moved[row] += step
-        stepped = _filtered(force, interval, moved[0], moved[1], moved[2], state.force, state.load)
-        gradient[row] = (stepped - load) * (1.0 / step)
+        gradient[row] = (load_of(*moved) - load) * (1.0 / step)
     return Pitch(pitch, load, gradient)
-
-
-def _filtered(
-    force: Array,
-    interval: float,
-    log_frequency: float,
-    damping: float,
-    share: float,
-    inputs: tuple[float, float],
-    outputs: tuple[float, float],
-) -> Array:
-    """Filter; `inputs` and `outputs` are those before the first, newest first."""
-    x = 0.5 * exp(log_frequency) * interval
-    zeta = min(max(damping, 0.05), 2.0)
-    square, first = x * x, 2.0 * zeta * x
-    scale = 1.0 / (1.0 + first + square)
-    b0, b1, b2 = (square + share * first) * scale, 2.0 * square * scale, (square - share * first) * scale
-    a1, a2 = 2.0 * (square - 1.0) * scale, (1.0 - first + square) * scale
-    later = b1 * inputs[0] + b2 * inputs[1] - a1 * outputs[0] - a2 * outputs[1]
-    latest = b2 * inputs[0] - a2 * outputs[0]
-    filtered: list[float] = []
-    for taken in force.tolist():
-        given = later + b0 * taken
-        later = latest + b1 * taken - a1 * given
-        latest = b2 * taken - a2 * given
-        filtered.append(given)
-    return np.array(filtered)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Motion, Nodes
 from friction_curve_id.car.curve_family import Family, curve_values
+from friction_curve_id.car.neighbours import with_repeated_ends
 from friction_curve_id.car.pitch import PITCH_UNKNOWNS
 from friction_curve_id.car.unknowns import SHARED, Unknown
 
@@ -150,7 +151,7 @@ def wheel_equation(
 
 def _mean_of_five(values: Array) -> Array:
     """Means over a value and its two neighbours on either side, along the second axis; the ends are repeated."""
-    padded = np.pad(values, ((0, 0), (2, 2)), mode="edge")
+    padded = with_repeated_ends(values)
     n = values.shape[1]
     return np.asarray(
         (padded[:, :n] + padded[:, 1 : n + 1] + padded[:, 2 : n + 2] + padded[:, 3 : n + 3] + padded[:, 4:]) * 0.2

@@ -1,6 +1,6 @@
 """CPU time of rosbags and the mcap package for what friction_bags does itself: decode, encode and write messages.
 
-Why there is code of our own in friction_bags/bag_io: cdr_layout.py and mcap_chunk.py.
+Why there is code of our own: friction_runtime/cdr_layout.py and friction_bags/bag_io/mcap_chunk.py.
 """
 
 import time

@@ -1,18 +1,17 @@
 """Where the fields of a message are in its CDR, once the lengths of its strings and sequences are known.
 
 The strings and sequences of a topic seldom change their lengths. As long as they do not, a whole message is one struct,
-read or written at once instead of field by field. cdr.py takes the lengths from what rosbags has read, and falls back
-to rosbags for what is not covered here.
+read or written at once instead of field by field. Another library reads what is not covered here, and a message whose
+lengths are new (cdr_codec.py).
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from importlib import import_module
 from struct import Struct, calcsize
 from typing import Any, Final
 
 import numpy as np
-
-from friction_bags.bag_io.message_definition import message_class, type_name
 
 HEADER: Final = b"\0\1\0\0"
 """Encapsulation header of little-endian CDR; alignment counts from its end."""
@@ -67,7 +66,7 @@ class Message:
             UnsupportedFieldError: a field is not covered.
         """
         self.name = name
-        self.type_name = type_name(kind)
+        self.kind = kind
         self.children: list[Field | Message] = []
         for each, declared in kind.get_fields_and_field_types().items():
             found = _DECLARED.fullmatch(declared)
@@ -77,11 +76,11 @@ class Message:
             if element in _CODES and not (count is not None and element == "string"):
                 self.children.append(Field(each, _CODES[element], count, is_sequence))
             elif element == declared and "/" in element:
-                self.children.append(Message(message_class(element.replace("/", "/msg/")), each))
+                self.children.append(Message(_class_named(element), each))
             else:
-                raise UnsupportedFieldError(f"{self.type_name}: {each} is {declared}")
+                raise UnsupportedFieldError(f"{kind.__name__}: {each} is {declared}")
         if not self.children:
-            raise UnsupportedFieldError(f"{self.type_name} has no fields")  # a byte stands in for them in the CDR
+            raise UnsupportedFieldError(f"{kind.__name__} has no fields")  # a byte stands in for them in the CDR
 
     def lengths(self, message: Any) -> Iterator[int]:
         """Yield the lengths of its strings and sequences in the CDR, see Layout."""
@@ -101,9 +100,15 @@ class Message:
             if isinstance(child, Message):
                 yield from child.written_slots(f"{slot}.")
             elif child.is_sequence or child.count is not None:
-                raise UnsupportedFieldError(f"{self.type_name}: {child.name} is no single value")
+                raise UnsupportedFieldError(f"{self.kind.__name__}: {child.name} is no single value")
             else:
                 yield from (slot, slot) if child.code == _TEXT else (slot,)
+
+
+def _class_named(name: str) -> Any:
+    """Return the class of a message within another one, which has imported it; `name` is its package/Name."""
+    package, _, own = name.partition("/")
+    return getattr(import_module(f"{package}.msg"), own)
 
 
 class _Numbers:
@@ -155,14 +160,14 @@ _Part = _Numbers | _Texts | _Fields
 class Layout:
     """The CDR of a message class with known lengths."""
 
-    def __init__(self, message: Message, lengths: Sequence[int], kinds: Mapping[str, Any]) -> None:
+    def __init__(self, message: Message, lengths: Sequence[int], made_as: Callable[[Any], Any]) -> None:
         """Compute the layout.
 
         Args:
             message: the class.
             lengths: lengths of its strings (bytes, with the zero at the end) and sequences (elements) in the order of
                 the CDR; the number of strings in a sequence comes before their lengths.
-            kinds: classes of the messages to be made, by type name.
+            made_as: returns the class of what is made of a message of a class.
         """
         self._format = "<4s"
         self._position = 0
@@ -171,7 +176,7 @@ class Layout:
         self._text_places: list[int] = []
         self._parts: list[_Part] = []
         self._lengths = iter(lengths)
-        self._kinds = kinds
+        self._made_as = made_as
         self.first_length = 0
         """Position of the first length in the data: the same for all layouts of a class; 0 where there is none."""
         self._root = self._message(message)
@@ -212,7 +217,7 @@ class Layout:
             (each.name, self._message(each) if isinstance(each, Message) else self._field(each))
             for each in message.children
         ]
-        return self._part(_Fields(self._kinds[message.type_name], places))
+        return self._part(_Fields(self._made_as(message.kind), places))
 
     def _field(self, field: Field) -> int:
         count = self._length() if field.is_sequence else field.count
