@@ -152,6 +152,29 @@ def test_pressure_that_does_not_follow_is_named_within_half_a_second(
     assert 0.0 < (named - 100) * DT <= 0.5
 
 
+@pytest.mark.parametrize("level", [55.0, 77.0, 150.0])
+def test_half_of_a_gentle_pressure_is_named_and_one_with_tolerances_is_not(level: float) -> None:
+    halved = pressures(lambda k: level if k >= 100 else 0.0, lambda k: Command.NONE, lambda true: 0.5 * true[-1])
+    named = next(k for k, text in enumerate(halved) if text)
+    assert 0.0 < (named - 100) * DT <= 0.5
+    assert "N m" in halved[named]
+    for gain, offset in ((0.85, -8.0), (1.15, 8.0)):
+        with_tolerances = pressures(
+            lambda k: level if k >= 100 else 0.0,
+            cycling,
+            lambda true, gain=gain, offset=offset: gain * true[-1] + offset,  # type: ignore[misc]
+        )
+        assert not any(with_tolerances)
+
+
+@pytest.mark.parametrize("rate", [100.0, 400.0, 2000.0])
+def test_pressure_that_follows_a_pedal_that_moves_is_not_blamed(rate: float) -> None:
+    def pedal(k: int) -> float:
+        return min(rate * DT * k, 300.0) - min(max(rate * DT * (k - 250), 0.0), 200.0)
+
+    assert not any(pressures(pedal, lambda k: Command.NONE, lambda true: true[-1]))
+
+
 def test_all_wheels_that_lock_without_a_known_speed_of_the_car_are_no_standstill() -> None:
     guard, random = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True), np.random.default_rng(1)
     commands = []
