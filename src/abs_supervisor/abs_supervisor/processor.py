@@ -223,9 +223,11 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             self._command = Command.NONE
             return self._fail(loss, loss[1]) or self._outputs()
         self._reason, self._text = self._judge(sample, torque)
-        indicator = slope.indicator if slope.valid and slope.reason == _SLOPE_OK else nan
+        h, indicator = slope.h, slope.indicator if slope.valid and slope.reason == _SLOPE_OK else nan
+        if slope.reason == _SLOPE_LOW_SPEED and self._guard.slides:
+            h, indicator = nan, self._p.thresholds.h_instability
         evidence = Evidence(
-            h=slope.h,
+            h=h,
             indicator=indicator,
             usable=self._reason in _USABLE,
             slow=self._reason is Reason.LOW_SPEED,
@@ -269,9 +271,10 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             return Reason.NO_PRESSURE, sample.missing[self._inputs.pressure]
         if guard.wheel_text:
             return Reason.WHEEL_SENSOR, guard.wheel_text
-        if slope.reason == _SLOPE_LOW_SPEED:
+        slow = slope.reason == _SLOPE_LOW_SPEED
+        if slow and not guard.slides:
             return Reason.LOW_SPEED, without_wheel(self._wheel, slope.reason_text)
-        alive = slope.reason in _UNMEASURED or (slope.reason == _SLOPE_OK and slope.valid)
+        alive = slow or slope.reason in _UNMEASURED or (slope.reason == _SLOPE_OK and slope.valid)
         if not alive and not (slope.reason == _SLOPE_NOT_READY and isfinite(slope.indicator)):
             return Reason.INVALID_SLOPE, of_topic(self._slope, slope.reason_text)
         if guard.pressure_text:

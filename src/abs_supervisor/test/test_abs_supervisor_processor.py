@@ -587,6 +587,34 @@ def test_dead_wheel_sensor_gives_the_brake_to_the_driver_and_says_so() -> None:
     assert "dead" in health.message
 
 
+@pytest.mark.parametrize(("rear", "acts"), [(10.0, True), (0.1, False)])
+def test_wheel_that_slides_too_slowly_for_its_slope_keeps_its_abs_while_others_turn(rear: float, acts: bool) -> None:
+    """Without slip friction_slope knows the speed of its own wheel only [rad/s], and calls that near standstill."""
+    car = load_vehicle("compact_car")
+    processor = WheelProcessor("front_left", car, P)
+    state, commands = SupervisorState(), set()
+    for k in range(1, 80):
+        stamp, front = k * STEP, max(40.0 - 1.0 * max(k - 10, 0), 2.0)
+        header, low = Header(stamp=from_nanoseconds(stamp)), front < 5.0
+        speeds = {"front_left": front, "front_right": front, "rear_left": rear, "rear_right": rear}
+        wheels = JointState(header=header, name=list(speeds), velocity=[v + 1e-3 * (k % 2) for v in speeds.values()])
+        for topic, message in (
+            ("brake_demand", demand(stamp, 300.0)),
+            ("wheel_states", wheels),
+            ("front_left/slip", WheelSlip(header=header, vehicle_speed=nan, reason=WheelSlip.BAD_INPUT)),
+            pressure(stamp, 300.0),
+            (SLOPE, slope(stamp, 500.0, reason=FrictionSlope.LOW_SPEED if low else FrictionSlope.OK)),
+        ):
+            for output, answer in processor.process(topic, message):
+                if output.endswith("abs_supervisor"):
+                    state = answer
+                elif low:
+                    commands.add(answer.command)
+    assert (state.state != SupervisorState.S0) == acts
+    assert (BrakeCommand.DECREASE in commands) == acts
+    assert (state.reason == SupervisorState.LOW_SPEED) != acts
+
+
 def test_missing_inputs_are_named_and_fail_safe() -> None:
     for missing, reason in (
         ("wheel_states", SupervisorState.NO_WHEEL_SPEED),
