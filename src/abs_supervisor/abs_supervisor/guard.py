@@ -119,6 +119,8 @@ class Guard:
         """What contradicts the wheel speed; what is wrong with the pressure. Empty where nothing is."""
         self.slides = False
         """Whether a wheel of unknown slip turns so much slower than others that its own speed is not the car's."""
+        self.may_be_locked = False
+        """Whether a lock of this wheel would look like a standstill of the car."""
         self.unchecked = ""
         """What could not be compared with anything independent."""
 
@@ -162,6 +164,7 @@ class Guard:
                 alike=self._alike(seen),
             ),
         )
+        self.may_be_locked = not others and not isfinite(seen.car_speed)
         self.unchecked = self._what_is_unchecked(seen, bool(others))
 
     def _behind(self, seen: Seen) -> float:
@@ -207,8 +210,8 @@ class Guard:
             missing.append("no friction curve")
         if not has_others:
             missing.append("no other wheel")
-            if not isfinite(seen.car_speed):
-                missing.append("whether a wheel that stands is locked")
+        if self.may_be_locked:
+            missing.append("whether a wheel that stands is locked")
         if not isfinite(self._trend.deceleration):
             missing.append("deceleration of the car")
         if not self.envelope.evidence.scatter_is_learned:

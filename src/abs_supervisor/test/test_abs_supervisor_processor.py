@@ -216,6 +216,22 @@ def test_low_speed_ends_the_intervention() -> None:
     assert bench.state.reason_text == "front_left: why"
 
 
+def test_low_speed_of_a_wheel_that_may_be_locked_says_that_the_abs_is_lost() -> None:
+    """Without slip, a wheel that is alone cannot tell its lock from a standstill of the car."""
+    bench = Bench()
+    bench.brake_into_s22()
+    for known in (True, False):
+        for _ in range(40):
+            bench.stamp += STEP
+            given = [*turning(bench.stamp), pressure(bench.stamp, 500.0), ("brake_demand", demand(bench.stamp, 500.0))]
+            for topic, message in (*given, (SLOPE, slope(bench.stamp, nan, reason=FrictionSlope.LOW_SPEED))):
+                if topic.endswith("slip") and not known:
+                    message = WheelSlip(header=message.header, vehicle_speed=nan, reason=WheelSlip.BAD_INPUT)
+                bench.take(bench.processor.process(topic, message))
+        assert ("no ABS" in bench.state.reason_text) != known
+        assert bench.processor.health().level is (Level.OK if known else Level.WARN)
+
+
 def test_silence_brings_the_fail_safe_by_the_clock_of_the_node() -> None:
     bench = Bench()
     bench.brake_into_s22()
