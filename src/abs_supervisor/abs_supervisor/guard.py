@@ -23,7 +23,7 @@ _WITNESSES: Final = 2
 """Other wheels that must turn, for a wheel to be seen to slide."""
 _MOVES: Final = 1.5
 """[m/s] of their circumferences; below it the ABS ends."""
-_ALIKE: Final = 0.03
+_ALIKE: Final = 0.1
 _ALIKE_STANDING: Final = 0.2
 """Wheels turn alike that differ by less than this share and [m/s]."""
 _SLIDES: Final = 0.5

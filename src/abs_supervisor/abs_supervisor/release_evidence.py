@@ -111,9 +111,11 @@ _SUSPICIOUS: Final = 0.5
 """Share of the slip that a release needs."""
 _FELL: Final = 0.2
 """[m/s] that a wheel is behind what a car can brake: far more than the noise of its speed."""
+_CRAWLS: Final = 1.0
+"""[m/s] slower wheels are together in a lock, too."""
 _RECOVERING: Final = 2.0
 """[m/s^2] of the circumference of a wheel that recovers."""
-_PAST_PEAK: Final = 0.25
+_PAST_PEAK: Final = 0.15
 """Share of its largest gain of speed by which a wheel gains less once it is before the peak again."""
 
 
@@ -140,7 +142,7 @@ class ReleaseEvidence:
         self._dive_since: int | None = None
         self._dived = self._away = False
         self._largest_gain = 0.0
-        self._slides = False
+        self._slides = True
         self.dives = False
         """Whether the wheel decelerates as for a release, with at least half of the slip that a release needs."""
         self.allows_hold = False
@@ -194,12 +196,13 @@ class ReleaseEvidence:
         self.grips = slip > base
         follows = isfinite(wheel.car_deceleration) and abs(self.deceleration - own) < _STEADY + error
         self._steady_since = _since(self._steady_since, stamp, follows)
-        if self._steady_since is not None and stamp - self._steady_since >= _STEADY_TIME:
+        steady = self._steady_since is not None and stamp - self._steady_since >= _STEADY_TIME
+        if steady:
             base *= _STEADY_FACTOR
         self.release_slip = base + p.sigmas * doubt
-        if not wheel.alike or slowest - rim > _FELL:
+        if rim > _CRAWLS and (not wheel.alike or slowest - rim > _FELL):
             self._slides = True
-        elif slip < p.least_slip:
+        elif rim > _CRAWLS and (steady or slip < p.least_slip):
             self._slides = False
         # Wheels that keep together, and none faster than a car can brake: it is the speed of the car that is wrong.
         slip_shows = slip > self.release_slip and self._slides

@@ -202,11 +202,12 @@ def test_speed_of_the_car_that_no_wheel_has_is_believed_where_it_is_measured_or_
 ) -> None:
     guard, random = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True), np.random.default_rng(1)
     commands = []
-    for k in range(20):
+    for k in range(40):
         speed = 10.0 / CORNER.radius + 0.07 * float(random.standard_normal())
+        slip, car = (0.0, 10.0) if k < 20 else (0.5, 20.0)
         guard.look(
             k * STEP + STEP,
-            Seen(speed, 500.0, 500.0, others, slip=0.5, slip_stddev=0.01, car_speed=20.0, car_is_measured=measured),
+            Seen(speed, 500.0, 500.0, others, slip=slip, slip_stddev=0.01, car_speed=car, car_is_measured=measured),
         )
         commands.append(guard.command(k * STEP + STEP, Command.DECREASE))
     assert (Command.DECREASE in commands) == released

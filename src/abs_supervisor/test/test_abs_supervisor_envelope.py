@@ -139,6 +139,28 @@ def test_slip_of_wheels_that_keep_together_and_never_fell_is_an_error_of_the_spe
     assert (Command.DECREASE in commands) == released
 
 
+def test_after_a_hard_application_of_the_brake_wheels_that_keep_together_are_believed_again() -> None:
+    """A step of the pressure takes a wheel to its slip faster than any car brakes: that is no slide."""
+    bench, commands = Bench(), []
+    for k in range(400):
+        slip = 0.12 * min(k / 20, 1.0)
+        rim = (SPEED - 5.0 * DT * k) * (1.0 - slip)
+        believed = slip + max(k - 100, 0) * 0.002
+        commands.append(bench.sample(rim, slip=believed, alike=True))
+    assert Command.DECREASE not in commands
+
+
+def test_wheels_that_are_locked_together_are_released() -> None:
+    bench = Bench()
+    bench.slipping(0.01, 40, alike=True)
+    dive = [
+        bench.sample(max(SPEED - 30.0 * DT * k, 0.0), slip=min(30.0 * DT * k / SPEED, 1.0), alike=True)
+        for k in range(900)
+    ]
+    assert Command.DECREASE in dive[:80]
+    assert Command.DECREASE in dive[300:], "once the caps allow it"
+
+
 def test_known_slip_is_believed_in_place_of_other_wheels() -> None:
     assert Command.DECREASE not in Bench().slipping(0.05, 40, behind=0.5)
 
