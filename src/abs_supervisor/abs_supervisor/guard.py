@@ -19,6 +19,15 @@ from vehicle_models.slowest_car import SlowestCar
 
 _BRAKED: Final = 20.0
 """[N m] below this, measured and demanded, a wheel rolls freely."""
+_WITNESSES: Final = 2
+"""Other wheels that must turn, for a wheel to be seen to slide."""
+_MOVES: Final = 1.5
+"""[m/s] of their circumferences; below it the ABS ends."""
+_ALIKE: Final = 0.1
+_ALIKE_STANDING: Final = 0.2
+"""Wheels turn alike that differ by less than this share and [m/s]."""
+_SLIDES: Final = 0.5
+"""Share by which a sliding wheel turns slower."""
 
 
 class Seen:
@@ -108,6 +117,10 @@ class Guard:
         self._seen: Seen | None = None
         self.wheel_text = self.pressure_text = ""
         """What contradicts the wheel speed; what is wrong with the pressure. Empty where nothing is."""
+        self.slides = False
+        """Whether a wheel of unknown slip turns so much slower than others that its own speed is not the car's."""
+        self.may_be_locked = False
+        """Whether a lock of this wheel would look like a standstill of the car."""
         self.unchecked = ""
         """What could not be compared with anything independent."""
 
@@ -143,13 +156,39 @@ class Guard:
                 speed=seen.wheel_speed,
                 slip=seen.slip,
                 slip_stddev=seen.slip_stddev,
+                behind=self._behind(seen),
                 lambda_max=seen.lambda_max,
                 lambda_max_stddev=seen.lambda_max_stddev,
                 car_deceleration=self._trend.deceleration,
                 braked=not strongest < _BRAKED,
+                alike=self._alike(seen),
             ),
         )
+        self.may_be_locked = not others and not isfinite(seen.car_speed)
         self.unchecked = self._what_is_unchecked(seen, bool(others))
+
+    def _behind(self, seen: Seen) -> float:
+        """Return the share by which a wheel of unknown slip turns slower than two others do, NaN where these stand.
+
+        Two, as the sensor of one may be wrong.
+        """
+        self.slides = False
+        if isfinite(seen.slip) or len(seen.others) < _WITNESSES:
+            return nan
+        car = sorted(seen.others)[-_WITNESSES]
+        if not car > _MOVES:
+            return nan
+        behind = 1.0 - self._radius * seen.wheel_speed / car
+        self.slides = behind > _SLIDES
+        return behind
+
+    def _alike(self, seen: Seen) -> bool:
+        """Return whether two other wheels or more turn like this one, where no sensor measures the speed of the car."""
+        if seen.car_is_measured or len(seen.others) < _WITNESSES:
+            return False
+        rim = self._radius * seen.wheel_speed
+        apart = _ALIKE * abs(rim) + _ALIKE_STANDING
+        return all(abs(each - rim) < apart for each in seen.others)
 
     def command(self, stamp: int, law: Command) -> Command:
         """Return the command that may be given for what the law asks at the stamp [ns] of the last `look`."""
@@ -171,6 +210,8 @@ class Guard:
             missing.append("no friction curve")
         if not has_others:
             missing.append("no other wheel")
+        if self.may_be_locked:
+            missing.append("whether a wheel that stands is locked")
         if not isfinite(self._trend.deceleration):
             missing.append("deceleration of the car")
         if not self.envelope.evidence.scatter_is_learned:

@@ -1,7 +1,8 @@
 """Brake pressure against demand and commands: what the hydraulics would do with them.
 
 The pressure may be late by the delay of the hydraulics and some more, so it is compared with a band: the least and the
-largest torque that the model has had of late.
+largest torque that the model has had of late. Where the model has settled at the demand, the mean deviation is judged
+too: noise and delay do not enter it, so that a weaker braking can be judged.
 """
 
 from collections import deque
@@ -17,9 +18,21 @@ _LATE: Final = 0.025
 _SHARE: Final = 0.2
 """Of the torque that is expected, by which it may be wrong."""
 _LEAST: Final = 30.0
-"""[N m] by which the torque may be wrong in any case; a weaker braking cannot be judged."""
+"""[N m] by which the torque may be wrong in any case."""
+_OFFSET: Final = 15.0
+"""[N m] the same for the mean of a torque that has settled; with `_SHARE`, half a pressure is seen from 50 N m on."""
+_JUDGED: Final = 50.0
+"""[N m] a smaller torque is not judged by its mean: 'braking_torque' as shipped, below which nothing is commanded."""
+_STILL: Final = 5.0
+"""[N m] by which the band is wide at most where the torque has settled."""
+_SETTLED: Final = 0.15
+"""[s] for which it has."""
+_MEMORY: Final = 30
+"""Samples over which it is averaged: the noise of the mean is a fifth of that of a sample."""
 _LASTS: Final = 0.025
 """[s] a deviation that lasts so long is one."""
+_FORGETS: Final = 0.25
+"""[s] in which the model follows a pressure that is right: a command that came late to the brake is not remembered."""
 _CLEAN: Final = 1.0
 """[s] without deviation after which the pressure counts as right again."""
 _GAP: Final = 0.1
@@ -41,8 +54,11 @@ class PressureCheck:
         self._band: deque[tuple[int, float]] = deque()
         self._model = nan
         self._last: int | None = None
+        self._dt = 0.0
         self._wrong_since: int | None = None
         self._named: int | None = None
+        self._settled_since: int | None = None
+        self._mean, self._averaged = 0.0, 0
         self.text = ""
         """What is wrong, empty where nothing is."""
 
@@ -55,8 +71,12 @@ class PressureCheck:
         low, high = min(each for _, each in self._band), max(each for _, each in self._band)
         allowed = _LEAST + _SHARE * max(high, 0.0)
         below, above = torque < low - allowed, torque > high + allowed
+        if self._settled(stamp, torque, low, high) and abs(self._mean) > _OFFSET + _SHARE * high:
+            self._named = stamp
+            self.text = f"{high + self._mean:.0f} N m for {_SETTLED} s, where the demand gives {high:.0f} N m"
         if not (below or above):
             self._wrong_since = None
+            self._model += (torque - self._model) * min(self._dt / _FORGETS, 1.0)
         elif self._wrong_since is None:
             self._wrong_since = stamp
         if self._wrong_since is not None and stamp - self._wrong_since >= _LASTS * NANOSECONDS:
@@ -65,6 +85,17 @@ class PressureCheck:
         elif self._named is not None and stamp - self._named > _CLEAN * NANOSECONDS:
             self._named, self.text = None, ""
         return self.text
+
+    def _settled(self, stamp: int, torque: float, low: float, high: float) -> bool:
+        """Average the deviation while the model stays at the demand; return whether it did for long enough."""
+        if self._order[1] in (Command.HOLD, Command.DECREASE) or low < max(high - _STILL, _JUDGED):
+            self._settled_since = None
+            return False
+        if self._settled_since is None:
+            self._settled_since, self._averaged = stamp, 0
+        self._averaged = min(self._averaged + 1, _MEMORY)
+        self._mean += (torque - self._model - self._mean) / self._averaged
+        return stamp - self._settled_since >= _SETTLED * NANOSECONDS
 
     def commanded(self, stamp: int, demand: float, command: Command) -> None:
         """Take the command that was given for a stamp [ns], and the demand [N m] it came with. Comes after `update`."""
@@ -75,9 +106,10 @@ class PressureCheck:
             self._model = max(torque, 0.0)
             self._line.clear()
             self._band.clear()
-            self._last = stamp
+            self._settled_since = None
+            self._last, self._dt = stamp, 0.0
             return
-        dt = (stamp - self._last) / NANOSECONDS
+        dt = self._dt = (stamp - self._last) / NANOSECONDS
         self._last = stamp
         while self._line and self._line[0][0] < stamp:
             _, demand, command = self._line.popleft()

@@ -11,7 +11,7 @@ from abs_supervisor.braking import TorqueWithHysteresis
 from abs_supervisor.braking_log import BrakingLog
 from abs_supervisor.curve_control import CurveControl, describe
 from abs_supervisor.end_of_stop import EndOfStop
-from abs_supervisor.fsm import COMMANDS, Command
+from abs_supervisor.fsm import COMMANDS, Cause, Command, State
 from abs_supervisor.guard import Guard, Seen
 from abs_supervisor.input_watch import InputWatch, Loss
 from abs_supervisor.parameters import CURVE, SupervisorParameters
@@ -43,6 +43,7 @@ _UNMEASURED = tuple(int(each) for each in (FrictionSlope.NOT_BRAKING, FrictionSl
 """Reasons of friction_slope with which the machine goes on although there is no indicator."""
 _CURVE_GAP: Final = 0.02
 """[s] curves of a tyre's blocks are further apart; nothing waits for these, as nobody knows when the next one comes."""
+_MAY_BE_LOCKED: Final = "this wheel alone: it may be locked, and has no ABS"
 _SLOPE_NOT_READY = int(FrictionSlope.NOT_READY)
 """With an indicator: it has not passed a threshold yet. Without: the window is not full."""
 _COUNTER_END: Final = 2**32
@@ -172,7 +173,10 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             self._log.note(self._supervisor, self._stamp, "")
 
     def _state(self) -> tuple[Level, str]:
-        return level_of(self._reason, _QUIET, _BROKEN), self._text or self._supervisor.state.name
+        level = level_of(self._reason, _QUIET, _BROKEN)
+        if self._reason is Reason.LOW_SPEED and self._gives_up():
+            level = Level.WARN
+        return level, self._text or self._supervisor.state.name
 
     def _values(self) -> dict[str, str]:
         machine, counts = self._supervisor, self._supervisor.counts
@@ -223,9 +227,11 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             self._command = Command.NONE
             return self._fail(loss, loss[1]) or self._outputs()
         self._reason, self._text = self._judge(sample, torque)
-        indicator = slope.indicator if slope.valid and slope.reason == _SLOPE_OK else nan
+        h, indicator = slope.h, slope.indicator if slope.valid and slope.reason == _SLOPE_OK else nan
+        if slope.reason == _SLOPE_LOW_SPEED and self._guard.slides:
+            h, indicator = nan, self._p.thresholds.h_instability
         evidence = Evidence(
-            h=slope.h,
+            h=h,
             indicator=indicator,
             usable=self._reason in _USABLE,
             slow=self._reason is Reason.LOW_SPEED,
@@ -269,14 +275,22 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             return Reason.NO_PRESSURE, sample.missing[self._inputs.pressure]
         if guard.wheel_text:
             return Reason.WHEEL_SENSOR, guard.wheel_text
-        if slope.reason == _SLOPE_LOW_SPEED:
-            return Reason.LOW_SPEED, without_wheel(self._wheel, slope.reason_text)
-        alive = slope.reason in _UNMEASURED or (slope.reason == _SLOPE_OK and slope.valid)
+        slow = slope.reason == _SLOPE_LOW_SPEED
+        if slow and not guard.slides:
+            text = without_wheel(self._wheel, slope.reason_text)
+            return Reason.LOW_SPEED, f"{text}, by {_MAY_BE_LOCKED}" if self._gives_up() else text
+        alive = slow or slope.reason in _UNMEASURED or (slope.reason == _SLOPE_OK and slope.valid)
         if not alive and not (slope.reason == _SLOPE_NOT_READY and isfinite(slope.indicator)):
             return Reason.INVALID_SLOPE, of_topic(self._slope, slope.reason_text)
         if guard.pressure_text:
             return _MISMATCH, f"{self._inputs.pressure}: {guard.pressure_text}"
         return Reason.OK, ""
+
+    def _gives_up(self) -> bool:
+        """Whether the ABS ends by the speed of a wheel that a lock would bring down as well."""
+        machine = self._supervisor
+        acted = machine.state is not State.S0 or machine.cause is Cause.LOW_SPEED
+        return acted and self._guard.may_be_locked
 
     def _outputs(self) -> list[Output]:
         machine, counts = self._supervisor, self._supervisor.counts

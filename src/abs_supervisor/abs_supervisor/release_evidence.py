@@ -62,10 +62,12 @@ class Wheel:
         speed: float,
         slip: float = nan,
         slip_stddev: float = nan,
+        behind: float = nan,
         lambda_max: float = nan,
         lambda_max_stddev: float = nan,
         car_deceleration: float = nan,
         braked: bool = False,
+        alike: bool = False,
     ) -> None:
         """Hold what is known; NaN where something is not.
 
@@ -73,18 +75,22 @@ class Wheel:
             speed: [rad/s].
             slip: [-].
             slip_stddev: [-].
+            behind: share by which it turns slower than other wheels: the slip is at least that [-].
             lambda_max: of the curve [-].
             lambda_max_stddev: [-].
             car_deceleration: [m/s^2].
             braked: whether the brake acts, or the driver demands it.
+            alike: whether the other wheels turn like this one, and nothing but the accelerometer says otherwise.
         """
         self.speed = speed
         self.slip = slip
         self.slip_stddev = slip_stddev
+        self.behind = behind
         self.lambda_max = lambda_max
         self.lambda_max_stddev = lambda_max_stddev
         self.car_deceleration = car_deceleration
         self.braked = braked
+        self.alike = alike
 
 
 _PEAK_PER_SLIP: Final = 60.0
@@ -103,8 +109,14 @@ _HOLD_SLIP: Final = 0.14
 """Slip with which the pressure may be held while nothing is known of the road."""
 _SUSPICIOUS: Final = 0.5
 """Share of the slip that a release needs."""
+_FELL: Final = 0.2
+"""[m/s] that a wheel is behind what a car can brake: far more than the noise of its speed."""
+_CRAWLS: Final = 1.0
+"""[m/s] slower wheels are together in a lock, too."""
 _RECOVERING: Final = 2.0
 """[m/s^2] of the circumference of a wheel that recovers."""
+_PAST_PEAK: Final = 0.15
+"""Share of its largest gain of speed by which a wheel gains less once it is before the peak again."""
 
 
 class ReleaseEvidence:
@@ -128,7 +140,9 @@ class ReleaseEvidence:
         self._slip_since: int | None = None
         self._steady_since: int | None = None
         self._dive_since: int | None = None
-        self._dived = False
+        self._dived = self._away = False
+        self._largest_gain = 0.0
+        self._slides = True
         self.dives = False
         """Whether the wheel decelerates as for a release, with at least half of the slip that a release needs."""
         self.allows_hold = False
@@ -151,8 +165,8 @@ class ReleaseEvidence:
 
     @property
     def deep(self) -> bool:
-        """Whether the slip speaks for a release by far: the wheel is beyond the peak."""
-        return self.verdict is Release.BY_SLIP and self._slip > _DEEP * self.release_slip
+        """Whether the wheel is beyond the peak: the slip speaks for a release by far, or it dived and is not back."""
+        return self._away or (self.verdict is Release.BY_SLIP and self._slip > _DEEP * self.release_slip)
 
     @property
     def scatter_is_learned(self) -> bool:
@@ -165,7 +179,10 @@ class ReleaseEvidence:
         motion.update(stamp, wheel.speed)
         stated = wheel.slip_stddev * wheel.slip_stddev if isfinite(wheel.slip_stddev) else 0.0
         self._scatter.update(stamp, wheel.braked, wheel.speed, motion.rate, wheel.slip, stated)
-        lag = self._lag(stamp, wheel)
+        rim = self._radius * wheel.speed
+        slowest = self._slowest.update(stamp, rim)
+        # The least slip that is possible behind the wheel's own fastest speed: a car that brakes less hard has more.
+        lag = (slowest - rim) / slowest if slowest > max(rim, 0.0) else 0.0
         self.deceleration = -self._radius * motion.rate
         rate_error = _root_of_squares(motion.rate_stddev, self._scatter.rate(max(wheel.speed, 0.0)))
         error = p.sigmas * self._radius * rate_error
@@ -173,40 +190,55 @@ class ReleaseEvidence:
         own = min(wheel.car_deceleration, HARDEST_BRAKING) if isfinite(wheel.car_deceleration) else 0.0
         self.release_deceleration = max(p.deceleration * GRAVITY, own + p.deceleration_margin * GRAVITY) + error
         base, doubt = self._slip_threshold(wheel)
-        self.allows_hold = wheel.slip + doubt > min(base, _HOLD_SLIP)
-        self.grips = wheel.slip > base
+        known = isfinite(wheel.slip)
+        slip = self._slip = wheel.slip if known else wheel.behind
+        self.allows_hold = slip + doubt > min(base, _HOLD_SLIP)
+        self.grips = slip > base
         follows = isfinite(wheel.car_deceleration) and abs(self.deceleration - own) < _STEADY + error
         self._steady_since = _since(self._steady_since, stamp, follows)
-        if self._steady_since is not None and stamp - self._steady_since >= _STEADY_TIME:
+        steady = self._steady_since is not None and stamp - self._steady_since >= _STEADY_TIME
+        if steady:
             base *= _STEADY_FACTOR
         self.release_slip = base + p.sigmas * doubt
-        self._slip = wheel.slip
-        slip_shows = wheel.slip > self.release_slip
+        if rim > _CRAWLS and (not wheel.alike or slowest - rim > _FELL):
+            self._slides = True
+        elif rim > _CRAWLS and (steady or slip < p.least_slip):
+            self._slides = False
+        # Wheels that keep together, and none faster than a car can brake: it is the speed of the car that is wrong.
+        slip_shows = slip > self.release_slip and self._slides
         self._slip_since = _since(self._slip_since, stamp, slip_shows)
         # A deceleration alone proves no lock: brakes are applied with several g of the wheel, at small slips.
-        slips = (
-            wheel.slip > base + doubt if isfinite(wheel.slip) else lag > p.least_slip + p.sigmas * self._scatter.slip
-        )
+        slips = slip > base + doubt if known else lag > p.least_slip + p.sigmas * self._scatter.slip
         hard = self.deceleration > self.release_deceleration
-        self.dives = hard and wheel.slip > _SUSPICIOUS * base
+        self.dives = hard and slip > _SUSPICIOUS * base
         dives = slips and hard
         self._dive_since = _since(self._dive_since, stamp, dives)
+        gain, least_gain = -self.deceleration, _RECOVERING + error
         if self._lasts(self._dive_since, stamp):
-            self._dived = True
-        elif (self.deceleration <= 0.0 or not slips) if isfinite(wheel.slip) else lag <= p.least_slip:
-            # The wheel gains speed: from here a known slip alone decides. Without it the wheel must have come back.
-            self._dived = False
+            self._dived, self._largest_gain = True, 0.0
+        elif known:
+            # Once the wheel gains speed, a known slip alone decides.
+            self._dived = self._dived and self.deceleration > 0.0 and slips
+        else:
+            # A braked wheel gains speed only on its way back to that of the car, and most at the peak of its curve.
+            self._largest_gain = max(self._largest_gain, gain)
+            lost = self._largest_gain - gain
+            comes = gain > least_gain and lost < max(_PAST_PEAK * self._largest_gain, error)
+            self._dived = self._dived and (comes or (self._largest_gain <= least_gain and lag > p.least_slip))
+        self._away = self._dived and not known
         if self._lasts(self._slip_since, stamp):
             self.verdict = Release.BY_SLIP
         else:
             self.verdict = Release.BY_DECELERATION if self._dived else Release.REFUSED
-        gains = -self.deceleration > _RECOVERING + error
-        self.recovering = gains and (slip_shows if isfinite(wheel.slip) else lag > p.least_slip)
+        self.recovering = gain > least_gain and (slip_shows or self._away)
 
     def _slip_threshold(self, wheel: Wheel) -> tuple[float, float]:
         """Return the slip that a release needs, and the standard deviation of the slip's error."""
         p = self._p
         base = p.slip_without_curve
+        if not isfinite(wheel.slip):
+            # Other wheels slip too, and their radii differ: what they show is no small slip.
+            return base, self._scatter.slip
         if isfinite(wheel.lambda_max):
             stated = wheel.lambda_max_stddev if isfinite(wheel.lambda_max_stddev) else 0.0
             unknown = _PEAK_PER_SLIP * _root_of_squares(self._scatter.slip_of_curve, self._noise_of_slip(wheel.speed))
@@ -223,15 +255,6 @@ class ReleaseEvidence:
         if noise < _NOISY * ORDINARY_STDDEV:
             return 0.0
         return min(sqrt(noise * noise - ORDINARY_STDDEV * ORDINARY_STDDEV) / max(wheel_speed, noise), 1.0)
-
-    def _lag(self, stamp: int, wheel: Wheel) -> float:
-        """Return the least slip [-] that is possible: behind the wheel's own fastest speed, braked as hard as can be.
-
-        A car that brakes less hard has a larger one.
-        """
-        rim = self._radius * wheel.speed
-        slowest = self._slowest.update(stamp, rim)
-        return (slowest - rim) / slowest if slowest > max(rim, 0.0) else 0.0
 
     def _lasts(self, since: int | None, stamp: int) -> bool:
         return since is not None and stamp - since >= self._time_ns

@@ -152,6 +152,75 @@ def test_pressure_that_does_not_follow_is_named_within_half_a_second(
     assert 0.0 < (named - 100) * DT <= 0.5
 
 
+@pytest.mark.parametrize("level", [55.0, 77.0, 150.0])
+def test_half_of_a_gentle_pressure_is_named_and_one_with_tolerances_is_not(level: float) -> None:
+    halved = pressures(lambda k: level if k >= 100 else 0.0, lambda k: Command.NONE, lambda true: 0.5 * true[-1])
+    named = next(k for k, text in enumerate(halved) if text)
+    assert 0.0 < (named - 100) * DT <= 0.5
+    assert "N m" in halved[named]
+    for gain, offset in ((0.85, -8.0), (1.15, 8.0)):
+        with_tolerances = pressures(
+            lambda k: level if k >= 100 else 0.0,
+            cycling,
+            lambda true, gain=gain, offset=offset: gain * true[-1] + offset,  # type: ignore[misc]
+        )
+        assert not any(with_tolerances)
+
+
+@pytest.mark.parametrize("rate", [100.0, 400.0, 2000.0])
+def test_pressure_that_follows_a_pedal_that_moves_is_not_blamed(rate: float) -> None:
+    def pedal(k: int) -> float:
+        return min(rate * DT * k, 300.0) - min(max(rate * DT * (k - 250), 0.0), 200.0)
+
+    assert not any(pressures(pedal, lambda k: Command.NONE, lambda true: true[-1]))
+
+
+@pytest.mark.parametrize(
+    ("others", "slip", "slides"),
+    [
+        ([3.0, 3.0, 0.3], nan, True),
+        ([3.0, 0.3, 0.3], nan, False),  # one may be stuck
+        ([1.0, 1.0, 1.0], nan, False),
+        ([3.0], nan, False),
+        ([3.0, 3.0, 3.0], 0.9, False),  # known: the speed of the car is, too
+    ],
+)
+def test_two_other_wheels_show_that_a_slow_wheel_of_unknown_slip_slides(
+    others: list[float], slip: float, slides: bool
+) -> None:
+    guard = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True)
+    guard.look(STEP, Seen(1.0, torque=100.0, demand=300.0, others=others, slip=slip))
+    assert guard.slides == slides
+
+
+@pytest.mark.parametrize(
+    ("others", "measured", "released"),
+    [([10.0] * 3, False, False), ([10.0] * 3, True, True), ([10.0, 10.0, 15.0], False, True), ([], False, True)],
+)
+def test_speed_of_the_car_that_no_wheel_has_is_believed_where_it_is_measured_or_wheels_differ(
+    others: list[float], measured: bool, released: bool
+) -> None:
+    guard, random = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True), np.random.default_rng(1)
+    commands = []
+    for k in range(40):
+        speed = 10.0 / CORNER.radius + 0.07 * float(random.standard_normal())
+        slip, car = (0.0, 10.0) if k < 20 else (0.5, 20.0)
+        guard.look(
+            k * STEP + STEP,
+            Seen(speed, 500.0, 500.0, others, slip=slip, slip_stddev=0.01, car_speed=car, car_is_measured=measured),
+        )
+        commands.append(guard.command(k * STEP + STEP, Command.DECREASE))
+    assert (Command.DECREASE in commands) == released
+
+
+def test_single_wheel_of_unknown_slip_says_that_it_cannot_tell_a_lock_from_standstill() -> None:
+    guard = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True)
+    guard.look(STEP, Seen(1.0, torque=100.0, demand=300.0))
+    assert "locked" in guard.unchecked
+    guard.look(2 * STEP, Seen(1.0, torque=100.0, demand=300.0, car_speed=0.3, slip=0.0))
+    assert "locked" not in guard.unchecked
+
+
 def test_all_wheels_that_lock_without_a_known_speed_of_the_car_are_no_standstill() -> None:
     guard, random = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True), np.random.default_rng(1)
     commands = []

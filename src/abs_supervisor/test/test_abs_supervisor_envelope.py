@@ -94,6 +94,77 @@ def test_without_slip_a_dive_of_the_wheel_is_evidence_and_ordinary_braking_is_no
     assert diving.envelope.release is Release.BY_DECELERATION
 
 
+def test_wheel_of_unknown_slip_that_dived_gets_no_pressure_while_it_gains_speed() -> None:
+    """It is back when it gains no more: how far it fell behind is not known, and the car may brake gently."""
+    bench = Bench()
+    for k in range(30):
+        bench.sample(SPEED - 30.0 * DT * k)
+    bottom = SPEED - 30.0 * DT * 29
+    assert bench.envelope.release is Release.BY_DECELERATION
+    bench.law = Command.INCREASE
+    gains = [bench.sample(bottom + 16.0 * DT * k) for k in range(50)]
+    assert set(gains[16:]) == {Command.HOLD}
+    top = bottom + 16.0 * DT * 49
+    back = [bench.sample(top - 2.0 * DT * k) for k in range(30)]
+    assert set(back[10:]) == {Command.INCREASE}
+    bench.law = Command.DECREASE
+    assert bench.sample(top) is not Command.DECREASE, "the dive is over"
+
+
+def test_wheel_of_unknown_slip_that_gains_speed_without_a_dive_is_not_held() -> None:
+    bench = Bench(law=Command.INCREASE)
+    assert {bench.sample(SPEED + 10.0 * DT * k) for k in range(60)} == {Command.INCREASE}
+
+
+@pytest.mark.parametrize(("behind", "released"), [(0.15, False), (0.3, True), (nan, False)])
+def test_without_slip_a_wheel_far_behind_the_others_is_evidence(behind: float, released: bool) -> None:
+    bench = Bench()
+    commands = [bench.sample(10.0 - 2.0 * DT * k, behind=behind, lambda_max=0.06) for k in range(40)]
+    assert (Command.DECREASE in commands) == released
+
+
+@pytest.mark.parametrize(
+    ("deceleration", "alike", "released"), [(6.0, True, False), (6.0, False, True), (25.0, True, True)]
+)
+def test_slip_of_wheels_that_keep_together_and_never_fell_is_an_error_of_the_speed(
+    deceleration: float, alike: bool, released: bool
+) -> None:
+    """An accelerometer that reads 1 m/s^2 too much makes a car faster and faster than all of its wheels."""
+    bench, commands = Bench(), []
+    bench.slipping(0.01, 40, alike=alike)
+    for k in range(1, 400):
+        rim = max(SPEED - deceleration * DT * k, 0.5)
+        car = SPEED - 2.5 * DT * k
+        commands.append(bench.sample(rim, car, slip=1.0 - rim / car, alike=alike))
+    assert (Command.DECREASE in commands) == released
+
+
+def test_after_a_hard_application_of_the_brake_wheels_that_keep_together_are_believed_again() -> None:
+    """A step of the pressure takes a wheel to its slip faster than any car brakes: that is no slide."""
+    bench, commands = Bench(), []
+    for k in range(400):
+        slip = 0.12 * min(k / 20, 1.0)
+        rim = (SPEED - 5.0 * DT * k) * (1.0 - slip)
+        believed = slip + max(k - 100, 0) * 0.002
+        commands.append(bench.sample(rim, slip=believed, alike=True))
+    assert Command.DECREASE not in commands
+
+
+def test_wheels_that_are_locked_together_are_released() -> None:
+    bench = Bench()
+    bench.slipping(0.01, 40, alike=True)
+    dive = [
+        bench.sample(max(SPEED - 30.0 * DT * k, 0.0), slip=min(30.0 * DT * k / SPEED, 1.0), alike=True)
+        for k in range(900)
+    ]
+    assert Command.DECREASE in dive[:80]
+    assert Command.DECREASE in dive[300:], "once the caps allow it"
+
+
+def test_known_slip_is_believed_in_place_of_other_wheels() -> None:
+    assert Command.DECREASE not in Bench().slipping(0.05, 40, behind=0.5)
+
+
 def test_known_small_slip_contradicts_a_dive() -> None:
     bench = Bench()
     commands = [bench.sample(SPEED - 60.0 * DT * k, slip=0.05) for k in range(40)]

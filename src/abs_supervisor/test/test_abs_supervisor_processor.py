@@ -216,6 +216,22 @@ def test_low_speed_ends_the_intervention() -> None:
     assert bench.state.reason_text == "front_left: why"
 
 
+def test_low_speed_of_a_wheel_that_may_be_locked_says_that_the_abs_is_lost() -> None:
+    """Without slip, a wheel that is alone cannot tell its lock from a standstill of the car."""
+    bench = Bench()
+    bench.brake_into_s22()
+    for known in (True, False):
+        for _ in range(40):
+            bench.stamp += STEP
+            given = [*turning(bench.stamp), pressure(bench.stamp, 500.0), ("brake_demand", demand(bench.stamp, 500.0))]
+            for topic, message in (*given, (SLOPE, slope(bench.stamp, nan, reason=FrictionSlope.LOW_SPEED))):
+                if topic.endswith("slip") and not known:
+                    message = WheelSlip(header=message.header, vehicle_speed=nan, reason=WheelSlip.BAD_INPUT)
+                bench.take(bench.processor.process(topic, message))
+        assert ("no ABS" in bench.state.reason_text) != known
+        assert bench.processor.health().level is (Level.OK if known else Level.WARN)
+
+
 def test_silence_brings_the_fail_safe_by_the_clock_of_the_node() -> None:
     bench = Bench()
     bench.brake_into_s22()
@@ -585,6 +601,34 @@ def test_dead_wheel_sensor_gives_the_brake_to_the_driver_and_says_so() -> None:
     health = bench.processor.health()
     assert health.level is Level.ERROR
     assert "dead" in health.message
+
+
+@pytest.mark.parametrize(("rear", "acts"), [(10.0, True), (0.1, False)])
+def test_wheel_that_slides_too_slowly_for_its_slope_keeps_its_abs_while_others_turn(rear: float, acts: bool) -> None:
+    """Without slip friction_slope knows the speed of its own wheel only [rad/s], and calls that near standstill."""
+    car = load_vehicle("compact_car")
+    processor = WheelProcessor("front_left", car, P)
+    state, commands = SupervisorState(), set()
+    for k in range(1, 80):
+        stamp, front = k * STEP, max(40.0 - 1.0 * max(k - 10, 0), 2.0)
+        header, low = Header(stamp=from_nanoseconds(stamp)), front < 5.0
+        speeds = {"front_left": front, "front_right": front, "rear_left": rear, "rear_right": rear}
+        wheels = JointState(header=header, name=list(speeds), velocity=[v + 1e-3 * (k % 2) for v in speeds.values()])
+        for topic, message in (
+            ("brake_demand", demand(stamp, 300.0)),
+            ("wheel_states", wheels),
+            ("front_left/slip", WheelSlip(header=header, vehicle_speed=nan, reason=WheelSlip.BAD_INPUT)),
+            pressure(stamp, 300.0),
+            (SLOPE, slope(stamp, 500.0, reason=FrictionSlope.LOW_SPEED if low else FrictionSlope.OK)),
+        ):
+            for output, answer in processor.process(topic, message):
+                if output.endswith("abs_supervisor"):
+                    state = answer
+                elif low:
+                    commands.add(answer.command)
+    assert (state.state != SupervisorState.S0) == acts
+    assert (BrakeCommand.DECREASE in commands) == acts
+    assert (state.reason == SupervisorState.LOW_SPEED) != acts
 
 
 def test_missing_inputs_are_named_and_fail_safe() -> None:
