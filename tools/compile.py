@@ -26,8 +26,8 @@ COMPILED = {
     "abs_supervisor": "braking braking_log curve_control curve_queue curve_report end_of_stop envelope fsm guard "
     "input_watch known_curve law/brake_line law/disturbance law/released_wheel law/road_curve law/set_point "
     "law/three_commands law/torque_set_point law/usable_curve law/wheel_observer law/wheel_step pressure_check "
-    "processor release_caps release_evidence rolling_scatter speed_trend supervisor wheel_check wheel_inputs "
-    "wheel_motion",
+    "processor release_caps release_evidence road_torque rolling_scatter speed_trend supervisor wheel_check "
+    "wheel_inputs wheel_motion",
     "friction_curve_id": "activation car_processor chapter/curve_fitting chapter/dead_reckoning "
     "chapter/exponential_curve chapter/friction_samples chapter/recursive_ls chapter/square_root curve/fitted_curve "
     "curve_messages inputs processor wheel_inputs",
