@@ -21,14 +21,15 @@ def oracle(surface: str, trouble: Trouble) -> PanicStops:
     plant = PanicPlant(surface, trouble.steady, np.zeros((1, 1)))
     corner = plant.corner
     law = CurveLaw(plant.parameters, trouble.actuator, CurveLawParameters())
-    theta_1, theta_2, theta_3 = (float(value) for value in plant.theta)
-    curve = RoadCurve(theta_1, theta_2, theta_3, float(burckhardt.peak(plant.theta)[0]))
+    thetas = plant.way.theta(np.array(plant.way.distances))
+    curves = [RoadCurve(*theta, peak) for theta, peak in zip(thetas.tolist(), burckhardt.peak(thetas)[0], strict=True)]
 
     def brake(running: Flags) -> Commands:
         stamp = round(plant.since * 1e9) + STEP
-        while law.known.valid < _SEEN:
-            law.learn(CurveReport(stamp, Estimate.VALID, curve, 0.0, 0.0, 1000, 0))
-        law.learn(CurveReport(stamp, Estimate.QUIET, None, 0.0, 0.0, 1000, 0))
+        now = int(plant.way.index(plant.braked_way)[0])
+        while law.known.curve is not curves[now] or law.known.valid < _SEEN:
+            law.learn(CurveReport(stamp, Estimate.VALID, curves[now], 0.0, 0.0, 1000, now))
+        law.learn(CurveReport(stamp, Estimate.QUIET, None, 0.0, 0.0, 1000, now))
         speed = float(corner.speed[0])
         demand = plant.demand * plant.gain
         asked = law.ask(
