@@ -14,6 +14,7 @@ from friction_evaluation.closed_loop.law_stops import law_stops
 from friction_evaluation.closed_loop.oracle import oracle
 from friction_evaluation.closed_loop.panic_plant import PanicPlant
 from friction_evaluation.closed_loop.panic_stop import END_SPEED
+from friction_evaluation.closed_loop.split_rows import COUPLINGS, SPLITS, largest_growth, split_setup
 from friction_evaluation.closed_loop.stops import stops
 from friction_evaluation.closed_loop.trouble import NONE, Trouble
 from friction_evaluation.parts import part
@@ -184,3 +185,20 @@ def test_where_the_road_changes_the_row_compares_with_the_oracle() -> None:
     assert row["passed"], row["failures"]
     assert row["value"] == pytest.approx(row["distance_m"] / row["oracle_distance_m"])
     assert row["limit"] == 1.04
+
+
+def test_a_split_road_is_snow_on_the_right_and_the_best_is_the_mean_of_both_sides() -> None:
+    setup = split_setup("dry | snow", COUPLINGS[-1])
+    assert (setup.parameters.surfaces, setup.parameters.car.right_surface) == (("dry",), "snow")
+    dry, snow = (CarSetup("car", name).best for name in ("dry", "snow"))
+    assert setup.best == pytest.approx(0.5 * (dry + snow))
+    assert setup.told.front_yaw_moment_rate > 0.0
+    assert {split_setup(road, COUPLINGS[0]).told.front_yaw_moment_rate for road in SPLITS} == {0.0}
+
+
+def test_the_growth_of_a_moment_is_that_of_its_size_over_half_a_second() -> None:
+    """-2000 N m/s for a second, then still; noise of one sample does not count fully."""
+    moments = -2000.0 * np.minimum(0.005 * np.arange(400), 1.0)
+    assert largest_growth(moments) == pytest.approx(2000.0)
+    moments[300] -= 50.0
+    assert largest_growth(moments) < 2200.0

@@ -1,6 +1,7 @@
 """Rows of the law on the identified curve: each road, each trouble, beside what its brake can do at best."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from friction_evaluation.closed_loop.actuator_bound import ActuatorBound, actuator_bound
 from friction_evaluation.closed_loop.car_bound import car_bound
@@ -11,6 +12,7 @@ from friction_evaluation.closed_loop.longest_lock import LOCK_TIME
 from friction_evaluation.closed_loop.oracle import oracle
 from friction_evaluation.closed_loop.panic_road import CHANGES
 from friction_evaluation.closed_loop.panic_stop import PanicStops
+from friction_evaluation.closed_loop.split_rows import SPLIT, chosen_splits, split_row
 from friction_evaluation.closed_loop.trouble import CAR_TROUBLES, NONE, TROUBLES, Trouble
 from friction_evaluation.protocol import CORNER, DT, SPEED
 from friction_evaluation.rows import Row
@@ -18,8 +20,8 @@ from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
 
 CORNER_ALONE, WHOLE_CAR = "corner", "car"
-CARS = (CORNER_ALONE, *MODELS)
-"""The single corner without speed sensor, and the cars with four wheels."""
+CARS = (CORNER_ALONE, *MODELS, SPLIT)
+"""The single corner without speed sensor, the cars with four wheels, and the one with other roads left and right."""
 FIRST_SEED = 30_000
 """Far from the seeds of the tuning, from 1000 on."""
 _UTILISATION = {"dry": 0.953, "wet": 0.974, "cobblestone": 0.956, "snow": 0.988}
@@ -63,17 +65,31 @@ def law_rows(
         done: called after each row.
     """
     made = []
-    for car, road, case in chosen(cars, surfaces, cases):
-        made.append(_made(car, law, seeds, road, case, judged))
+    for make in chosen(cars, law, seeds, surfaces, cases, judged):
+        made.append(make())
         done()
     return made
 
 
-def chosen(cars: Sequence[str], surfaces: Sequence[str], cases: Sequence[str]) -> list[tuple[str, str, Trouble]]:
-    """Return cars, roads and cases of which rows are made."""
+def chosen(
+    cars: Sequence[str], law: str, seeds: int, surfaces: Sequence[str], cases: Sequence[str], judged: bool
+) -> list[Callable[[], Row]]:
+    """Return what makes the rows; arguments as above."""
+    found: list[Callable[[], Row]] = [
+        partial(_made, car, law, seeds, road, case, judged)
+        for car, road, case in _chosen(cars or CARS, surfaces, cases)
+    ]
+    if SPLIT in (cars or CARS):
+        drawn = range(FIRST_SEED, FIRST_SEED + seeds)
+        found += [partial(split_row, law, drawn, *each) for each in chosen_splits(surfaces, cases)]
+    return found
+
+
+def _chosen(cars: Sequence[str], surfaces: Sequence[str], cases: Sequence[str]) -> list[tuple[str, str, Trouble]]:
     return [
         (car, road, case)
-        for car in cars or CARS
+        for car in cars
+        if car != SPLIT
         for case in (NONE, *(TROUBLES if car == CORNER_ALONE else CAR_TROUBLES))
         for road in (*TABLE_8_1, *(CHANGES if car == CORNER_ALONE and case is NONE else ()))
         if (not surfaces or road in surfaces)
