@@ -83,7 +83,7 @@ class Envelope:
         command = self.caps.command(stamp, release, self.evidence.recovering, self.evidence.deep, torque, demand)
         self._road.update(stamp, command is Command.DECREASE, torque, self.evidence.deceleration, car_speed)
         dives = wanted and not release and self.evidence.dives
-        near = self.evidence.allows_hold or (self.evidence.vague and self._road.is_near(torque))
+        near = self.evidence.allows_hold or (self.evidence.may_slip and self._road.is_near(torque))
         held = law is Command.HOLD and near
         if (dives or held) and command is Command.INCREASE and torque < demand:
             # Not yet a lock, perhaps the brake's own rise: that is stopped, which a slow brake needs in time.

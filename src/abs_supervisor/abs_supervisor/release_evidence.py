@@ -136,8 +136,8 @@ class ReleaseEvidence:
 
         A hold takes nothing away, so the error of the slip counts for it, not against it.
         """
-        self.vague = False
-        """Whether the error of the slip is so large that even none does not exclude the slip of a release."""
+        self.may_slip = False
+        """Whether the slip, with `sigmas` deviations of its error, may be one with which the pressure may be held."""
         self.grips = False
         """Whether the slip, as it is stated, is above the threshold without its error: more pressure gains little."""
         self.release_slip = nan
@@ -176,7 +176,7 @@ class ReleaseEvidence:
         self.release_deceleration = max(p.deceleration * GRAVITY, own + p.deceleration_margin * GRAVITY) + error
         base, doubt = self._slip_threshold(wheel)
         self.allows_hold = wheel.slip + doubt > min(base, _HOLD_SLIP)
-        self.vague = p.sigmas * doubt > base
+        self.may_slip = isfinite(wheel.slip) and max(wheel.slip, 0.0) + p.sigmas * doubt > min(base, _HOLD_SLIP)
         self.grips = wheel.slip > base
         follows = isfinite(wheel.car_deceleration) and abs(self.deceleration - own) < _STEADY + error
         self._steady_since = _since(self._steady_since, stamp, follows)

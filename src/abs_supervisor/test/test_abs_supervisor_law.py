@@ -446,6 +446,21 @@ def test_until_a_curve_is_known_the_drivers_pressure_passes() -> None:
     assert law.choice.cause is Change.NO_CURVE
 
 
+@pytest.mark.parametrize(("name", "gives_way"), [("snow", True), ("dry", False)])
+def test_a_curve_of_another_road_gives_way_to_the_slopes_sign(name: str, gives_way: bool) -> None:
+    """The wheel keeps a slip of 0.02 under a torque that dry gives there, four times the peak's of snow."""
+    law, slip = CurveLaw(CORNER, ACTUATOR, CurveLawParameters()), 0.02
+    torque = steady_torque(CORNER, DRY, slip)
+    asked = []
+    for k in range(1, 301):
+        law.learn(report(k * STEP, Estimate.VALID, road(name)))
+        asked.append(law.ask(k * STEP, 20.0 * (1.0 - slip) / CORNER.radius, 20.0, slip, torque, 2000.0, True))
+        law.commanded(k * STEP, Command.HOLD, 2000.0)
+    assert None not in asked[:100]
+    assert (asked[-1] is None) == gives_way
+    assert law.choice.cause is (Change.NO_CURVE if gives_way else Change.NONE)
+
+
 def test_below_the_peak_the_demand_passes_whatever_it_is() -> None:
     """Ordinary braking: the law asks for nothing but the driver's pressure."""
     for share in (0.1, 0.5, 0.9):
