@@ -19,7 +19,8 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import CornerParameters
 
 _LEARNS_ABOVE = 5.0
-"""[m/s] below this speed of the car the slow part of the disturbance is kept."""
+"""[m/s] below this speed of the car the slow part of the disturbance is kept, and whether the curve explains the wheel:
+an error of the slip looks like a torque there."""
 _NEAR = 0.5
 """Of the set-point: the slow part is learned while the slip is nearer to it."""
 _LONGEST_STEP = 0.02
@@ -123,7 +124,7 @@ class CurveLaw:
         self.slip_set_point = self.torque_set_point = nan
         if known:
             self._observer.update(stamp, wheel_speed, speed, torque, curve)
-            if braking and curve is not None:
+            if braking and curve is not None and speed > _LEARNS_ABOVE:
                 self._explained.update(stamp, self._unexplained)
         law = self.choice.update(stamp, braking, known, curve is not None, self._explained.holds)
         if not braking:
