@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from abs_supervisor.fsm import Command
 from abs_supervisor.release_caps import CapParameters, ReleaseCaps
 from abs_supervisor.release_evidence import EvidenceParameters, Release, ReleaseEvidence, Wheel
+from abs_supervisor.road_torque import RoadTorque
 from friction_parameters.parameter import group
 
 
@@ -22,16 +23,18 @@ class EnvelopeParameters:
 class Envelope:
     """Judges the law of one wheel."""
 
-    def __init__(self, radius: float, parameters: EnvelopeParameters, apply_rate: float) -> None:
+    def __init__(self, radius: float, inertia: float, parameters: EnvelopeParameters, apply_rate: float) -> None:
         """Choose a wheel.
 
         Args:
             radius: effective rolling radius [m].
+            inertia: of the wheel [kg m^2].
             parameters: of the evidence and the caps.
             apply_rate: fastest rise of its brake torque [N m/s].
         """
         self.evidence = ReleaseEvidence(radius, parameters.evidence)
         self.caps = ReleaseCaps(parameters.caps, apply_rate)
+        self._road = RoadTorque(radius, inertia)
         self._driver_below = parameters.caps.driver_below
         self.reset()
 
@@ -39,6 +42,7 @@ class Envelope:
         """Forget everything."""
         self.evidence.reset()
         self.caps.reset()
+        self._road.reset()
         self._wanted = False
         self.release = Release.NOT_WANTED
         """Verdict on the release that the law asked for."""
@@ -71,13 +75,16 @@ class Envelope:
         if law is Command.NONE or slow:
             self.release = Release.REFUSED if wanted else Release.NOT_WANTED
             self.caps.driver(stamp, slow)
+            self._road.reset()
             return Command.NONE
         self.release = self.evidence.verdict if wanted else Release.NOT_WANTED
         self.refused += begins and self.release is Release.REFUSED
         release = wanted and self.release is not Release.REFUSED
         command = self.caps.command(stamp, release, self.evidence.recovering, self.evidence.deep, torque, demand)
+        self._road.update(stamp, command is Command.DECREASE, torque, self.evidence.deceleration, car_speed)
         dives = wanted and not release and self.evidence.dives
-        held = law is Command.HOLD and self.evidence.allows_hold
+        near = self.evidence.allows_hold or (self.evidence.may_slip and self._road.is_near(torque))
+        held = law is Command.HOLD and near
         if (dives or held) and command is Command.INCREASE and torque < demand:
             # Not yet a lock, perhaps the brake's own rise: that is stopped, which a slow brake needs in time.
             return Command.HOLD

@@ -89,7 +89,7 @@ class Guard:
             actuator: the hydraulics.
             commands: whether the brake obeys what `command` returns; else the pressure cannot be judged.
         """
-        self.envelope = Envelope(corner.radius, envelope, actuator.apply_rate)
+        self.envelope = Envelope(corner.radius, corner.inertia, envelope, actuator.apply_rate)
         self._wheel = WheelCheck(corner)
         self._pressure = PressureCheck(actuator)
         self._commands = commands
@@ -190,8 +190,11 @@ class Guard:
         apart = _ALIKE * abs(rim) + _ALIKE_STANDING
         return all(abs(each - rim) < apart for each in seen.others)
 
-    def command(self, stamp: int, law: Command) -> Command:
-        """Return the command that may be given for what the law asks at the stamp [ns] of the last `look`."""
+    def command(self, stamp: int, law: Command, most: Command = Command.INCREASE) -> Command:
+        """Return the command that may be given for what the law asks at the stamp [ns] of the last `look`.
+
+        `most` is what the other wheel of the axle leaves, of INCREASE (everything), HOLD and DECREASE.
+        """
         seen = self._seen
         if seen is None:
             return Command.NONE
@@ -199,6 +202,8 @@ class Guard:
         torque = seen.torque if isfinite(seen.torque) else 0.0
         demand = seen.demand if isfinite(seen.demand) else 0.0
         command = self.envelope.judge(stamp, asked, self._car_speed, torque, demand)
+        if command is Command.INCREASE or (command is Command.HOLD and most is Command.DECREASE):
+            command = most
         self._pressure.commanded(stamp, demand, command)
         return command
 

@@ -8,6 +8,7 @@ from abs_supervisor.braking import PressureParameters
 from abs_supervisor.envelope import EnvelopeParameters
 from abs_supervisor.fsm import Thresholds
 from abs_supervisor.law.curve_law import CurveLawParameters
+from abs_supervisor.wheel_pair import NO_AXLE, SELECT_LOW
 from friction_parameters import shared
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import group, parameter
@@ -38,6 +39,12 @@ class SupervisorParameters:
         read_only=True,
     )
     curve: CurveLawParameters = group(CurveLawParameters(), selector="law", methods=(CURVE,))
+    select_low: str = parameter(
+        NO_AXLE,
+        "axle whose wheels both get the pressure of the one with less grip",
+        choices=SELECT_LOW,
+        read_only=True,
+    )
     braking_source: str = parameter(
         "demand",
         "signal that shows whether the driver brakes: brake_demand, or <wheel>/brake_pressure with hysteresis",

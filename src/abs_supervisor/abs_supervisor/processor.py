@@ -18,6 +18,7 @@ from abs_supervisor.parameters import CURVE, SupervisorParameters
 from abs_supervisor.release_evidence import Release
 from abs_supervisor.supervisor import Evidence, Reason, Supervisor
 from abs_supervisor.wheel_inputs import WheelInputs
+from abs_supervisor.wheel_pair import WheelPair, wheel_pairs
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.new_message import new_message
@@ -52,9 +53,24 @@ _COUNTER_END: Final = 2**32
 class WheelProcessor(AlignedProcessor[FrictionSlope]):
     """Layer 2 of abs_supervisor: fires on <wheel>/friction_slope."""
 
-    def __init__(self, wheel: str, vehicle: Vehicle, parameters: SupervisorParameters, report: Report = silent) -> None:
-        """Build for one wheel of a car; `report` is the log function."""
-        self._wheel, self._p = wheel, parameters
+    def __init__(
+        self,
+        wheel: str,
+        vehicle: Vehicle,
+        parameters: SupervisorParameters,
+        report: Report = silent,
+        pair: WheelPair | None = None,
+    ) -> None:
+        """Build for one wheel of a car.
+
+        Args:
+            wheel: its name.
+            vehicle: the car.
+            parameters: of the node.
+            report: the log function.
+            pair: the wheel and the other one of its axle, where they know of each other.
+        """
+        self._wheel, self._p, self._pair = wheel, parameters, pair
         self._state_topic, self._command_topic = f"{wheel}/abs_supervisor", f"{wheel}/brake_command"
         self._inputs = inputs = WheelInputs(wheel, vehicle, report, fine=parameters.law == CURVE)
         self._slope = f"{wheel}/friction_slope"
@@ -161,6 +177,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._command = Command.NONE
         if self._curve_control is not None:
             self._curve_control.reset()
+        if self._pair is not None:
+            self._pair.forget(self._wheel)
 
     def _start_again(self, stamp: int) -> None:
         self._hysteresis.reset()
@@ -169,6 +187,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._inputs.reset()
         if self._curve_control is not None:
             self._curve_control.reset()
+        if self._pair is not None:
+            self._pair.forget(self._wheel)
         if self._supervisor.restart(stamp):
             self._log.note(self._supervisor, self._stamp, "")
 
@@ -245,11 +265,22 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         if control is not None and isfinite(seen.wheel_speed):
             answered = known.verdict is not Release.REFUSED or known.dives
             law = control.ask(sample.stamp, seen, law, answered, self._guard.deceleration)
-        self._command = self._guard.command(sample.stamp, law) if isfinite(seen.wheel_speed) else Command.NONE
+        self._command = self._given(sample.stamp, law) if isfinite(seen.wheel_speed) else Command.NONE
         self._end_of_stop.commanded(self._command)
         if control is not None:
             control.commanded(sample.stamp, self._command, seen.demand)
         return self._outputs()
+
+    def _given(self, stamp: int, law: Command) -> Command:
+        """Return the command for what the law asks for: as the envelope allows, and the other wheel of the axle."""
+        pair, torque = self._pair, self._seen.torque
+        if pair is None:
+            return self._guard.command(stamp, law)
+        most = pair.most(self._wheel, stamp, torque)
+        command = self._guard.command(stamp, law, most)
+        released = self._guard.envelope.release in (Release.BY_SLIP, Release.BY_DECELERATION)
+        pair.note(self._wheel, stamp, torque, command, released)
+        return command
 
     def _torque_at(self, sample: AlignedSample[FrictionSlope]) -> float | None:
         """Return the torque that the driver demands [N m]; None where it is not known."""
@@ -344,4 +375,5 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
 
 def build(parameters: SupervisorParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:
     """Make the processors: one per wheel."""
-    return [WheelProcessor(wheel, vehicle, parameters, report) for wheel in vehicle.wheel_names]
+    pairs = wheel_pairs(vehicle, parameters.select_low)
+    return [WheelProcessor(wheel, vehicle, parameters, report, pairs.get(wheel)) for wheel in vehicle.wheel_names]

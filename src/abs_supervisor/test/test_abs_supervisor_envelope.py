@@ -13,6 +13,7 @@ from abs_supervisor.release_evidence import EvidenceParameters, Release, Release
 STEP = 5_000_000
 DT = 0.005
 RADIUS = 0.3
+INERTIA = 1.0
 SPEED = 20.0
 DEMAND = 800.0
 
@@ -22,7 +23,7 @@ class Bench:
 
     def __init__(self, law: Command = Command.DECREASE, noise: float = 0.07) -> None:
         self.noise = noise
-        self.envelope = Envelope(RADIUS, EnvelopeParameters(), apply_rate=5000.0)
+        self.envelope = Envelope(RADIUS, INERTIA, EnvelopeParameters(), apply_rate=5000.0)
         self.law = law
         self.stamp = 0
         self.random = np.random.default_rng(7)
@@ -36,8 +37,8 @@ class Bench:
         self.envelope.look(self.stamp, wheel)
         return self.envelope.judge(self.stamp, self.law, car, torque, DEMAND)
 
-    def slipping(self, slip: float, count: int, **known: float) -> list[Command]:
-        return [self.sample(SPEED * (1.0 - slip), slip=slip, **known) for _ in range(count)]
+    def slipping(self, slip: float, count: int, torque: float = 300.0, **known: float) -> list[Command]:
+        return [self.sample(SPEED * (1.0 - slip), torque=torque, slip=slip, **known) for _ in range(count)]
 
 
 @pytest.mark.parametrize(
@@ -311,3 +312,33 @@ def test_a_hold_is_not_counted_as_a_release() -> None:
     bench.slipping(0.12, 600, lambda_max=0.17)
     assert bench.envelope.caps.count == 0
     assert bench.envelope.release is Release.NOT_WANTED
+
+
+@pytest.mark.parametrize(
+    ("releases", "stddev", "torque", "expected"),
+    [
+        (10, 0.04, 280.0, Command.HOLD),
+        (10, 0.04, 200.0, Command.INCREASE),
+        (10, 0.01, 280.0, Command.INCREASE),
+        (0, 0.04, 280.0, Command.INCREASE),
+    ],
+)
+def test_where_slip_is_vague_a_hold_passes_near_the_torque_with_which_the_wheel_was_last_released(
+    releases: int, stddev: float, torque: float, expected: Command
+) -> None:
+    """300 N m were too much, at a slip of 0.5; then the wheel rolls, as far as can be told."""
+    bench = Bench()
+    bench.slipping(0.5, releases, lambda_max=0.17, torque=300.0)
+    bench.law = Command.HOLD
+    commands = bench.slipping(0.0, 40, lambda_max=0.17, slip_stddev=stddev, torque=torque)
+    assert commands[-1] is expected
+
+
+def test_when_braking_begins_again_what_the_road_gave_is_forgotten() -> None:
+    bench = Bench()
+    bench.slipping(0.5, 10, lambda_max=0.17, torque=300.0)
+    bench.law = Command.NONE
+    bench.slipping(0.0, 1)
+    bench.law = Command.HOLD
+    commands = bench.slipping(0.0, 40, lambda_max=0.17, slip_stddev=0.04, torque=300.0)
+    assert set(commands) == {Command.INCREASE}

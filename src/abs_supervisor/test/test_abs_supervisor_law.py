@@ -14,6 +14,7 @@ from abs_supervisor.law.brake_line import BrakeLine
 from abs_supervisor.law.choice import Change, Law, LawChoice
 from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
 from abs_supervisor.law.disturbance import DisturbanceFilter
+from abs_supervisor.law.explained import Explained
 from abs_supervisor.law.released_wheel import ReleasedWheel
 from abs_supervisor.law.road_curve import RoadCurve, curve_through
 from abs_supervisor.law.set_point import slip_set_point
@@ -362,6 +363,34 @@ def test_the_slope_takes_over_when_something_is_lost_and_gives_back(
     assert (choice.law, choice.cause) == (Law.CURVE, Change.RETURNED)
 
 
+def test_a_curve_that_does_not_explain_its_wheel_gives_way_at_once_and_is_back_when_it_does() -> None:
+    choice = LawChoice()
+    assert choice.update(STEP, True, True, True, explains=False) is Law.SLOPE_SIGN
+    assert choice.cause is Change.NO_CURVE
+    assert choice.update(2 * STEP, True, True, True, explains=True) is Law.CURVE
+
+
+@pytest.mark.parametrize(("share", "samples", "holds"), [(0.6, 110, True), (0.6, 130, False), (0.4, 1000, True)])
+def test_a_torque_that_the_curve_does_not_explain_must_be_large_and_last(
+    share: float, samples: int, holds: bool
+) -> None:
+    explained = Explained()
+    for k in range(samples):
+        explained.update(k * STEP, share)
+    assert explained.holds == holds
+
+
+def test_a_curve_explains_its_wheel_again_when_little_is_left_for_as_long() -> None:
+    explained = Explained()
+    shares = [0.6] * 200 + [0.4] * 200 + [0.3] * 110
+    for k, share in enumerate(shares):
+        explained.update(k * STEP, share)
+    assert not explained.holds
+    for k in range(20):
+        explained.update((len(shares) + k) * STEP, 0.3)
+    assert explained.holds
+
+
 def test_without_braking_no_curve_is_missed() -> None:
     choice = LawChoice()
     for sample in range(400):
@@ -415,6 +444,21 @@ def test_until_a_curve_is_known_the_drivers_pressure_passes() -> None:
     assert set(asked) == {Command.INCREASE}
     assert law.ask(40 * STEP, 100.0, 30.0, 0.0, 100.0, 1000.0, True) is None
     assert law.choice.cause is Change.NO_CURVE
+
+
+@pytest.mark.parametrize(("name", "gives_way"), [("snow", True), ("dry", False)])
+def test_a_curve_of_another_road_gives_way_to_the_slopes_sign(name: str, gives_way: bool) -> None:
+    """The wheel keeps a slip of 0.02 under a torque that dry gives there, four times the peak's of snow."""
+    law, slip = CurveLaw(CORNER, ACTUATOR, CurveLawParameters()), 0.02
+    torque = steady_torque(CORNER, DRY, slip)
+    asked = []
+    for k in range(1, 301):
+        law.learn(report(k * STEP, Estimate.VALID, road(name)))
+        asked.append(law.ask(k * STEP, 20.0 * (1.0 - slip) / CORNER.radius, 20.0, slip, torque, 2000.0, True))
+        law.commanded(k * STEP, Command.HOLD, 2000.0)
+    assert None not in asked[:100]
+    assert (asked[-1] is None) == gives_way
+    assert law.choice.cause is (Change.NO_CURVE if gives_way else Change.NONE)
 
 
 def test_below_the_peak_the_demand_passes_whatever_it_is() -> None:

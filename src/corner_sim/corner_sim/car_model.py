@@ -16,9 +16,13 @@ from corner_sim.sensors import Measurement
 from friction_parameters.parameter import parameter
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
 from vehicle_models.sensor_noise import SensorNoise
+from vehicle_models.surfaces import SURFACES
 from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
+
+SAME = "same"
+"""The right wheels are on the surfaces of the left ones."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +32,9 @@ class CarModelParameters:
     tyre: str = parameter("burckhardt", "family of its tyres", choices=tuple(TYRES))
     load_variation: float = parameter(
         0.0, "RMS of the load of each wheel over its mean, at 1 to 14 Hz", minimum=0.0, maximum=0.3
+    )
+    right_surface: str = parameter(
+        SAME, "surface under the right wheels all the way; else the road's", choices=(SAME, *SURFACES)
     )
     slope: float = parameter(0.0, "sine of the angle of the road, uphill positive", minimum=-0.3, maximum=0.3)
     fading: float = parameter(
@@ -81,17 +88,22 @@ class CarPlant:
             ValueError: there is no tyre for a surface, the car stands, or its rear wheels are not the driven ones.
         """
         family = TYRES[parameters.tyre]
-        if unknown := [name for name in road.names if name not in family]:
-            raise ValueError(f"parameter 'surfaces': 'model' = 'car' has {', '.join(family)}, not {unknown[0]}")
+        right = () if parameters.right_surface == SAME else (parameters.right_surface,)
+        for which, names in (("surfaces", road.names), ("car.right_surface", right)):
+            if unknown := [name for name in names if name not in family]:
+                raise ValueError(f"parameter '{which}': 'model' = 'car' has {', '.join(family)}, not {unknown[0]}")
         if speed <= 0.0:
             raise ValueError(f"parameter 'initial_speed' = {speed} m/s: 'model' = 'car' needs a speed to begin with")
         if vehicle.engine_drag_torque and any(wheel.driven for wheel in vehicle.wheels[:2]):
             raise ValueError("'engine_drag_torque': 'model' = 'car' has it at the rear wheels, not at the front")
         self._vehicle, self._road = vehicle, road
-        self._tyres: list[Tyre] = [family[name] for name in road.names]
+        self._tyres: list[Tyre] = [family[name] for name in (*road.names, *right)]
+        self._right = len(road.names) if right else None
+        self._lever = 0.5 * vehicle.track * np.array([1.0, -1.0, 1.0, -1.0])
         self._behind = np.array([0.0, 0.0, vehicle.wheelbase, vehicle.wheelbase])
         self._parameters = as_it_is(vehicle, self._tyres[0], parameters, errors)
         self._measured = MeasuredCar(self._parameters, speed, errors.seed)
+        self._put_on_the_road()
         self._speed_noise = np.random.default_rng([errors.seed, 4])
         self._speed_stddev = errors.noise.speed_variance**0.5
         self._gain = np.array([wheel.brake_gain for wheel in vehicle.wheels])
@@ -137,13 +149,14 @@ class CarPlant:
             friction=friction,
             slope=slope,
             h=radius * load / inertia * slope * slip_rate,
+            yaw_moment=float(self._lever @ (load * friction)),
         )
 
     def advance(self, demand_pressure: ArrayLike, command: ArrayLike) -> None:
         """Advance by one sample; arguments as in Plant.advance."""
         begin = self._actuator.torque / self._gain
         end = self._actuator.step(self._gain * np.asarray(demand_pressure, dtype=np.float64), command) / self._gain
-        self._car.tyres = [self._tyres[k] for k in self._surface()]
+        self._put_on_the_road()
         steps = self._measured.steps_per_sample
         for k in range(steps):
             self._measured.step((begin + (k + 0.5) / steps * (end - begin)).tolist())
@@ -159,8 +172,14 @@ class CarPlant:
             acceleration=self._vehicle.accelerometer.sign * found.acceleration,
         )
 
+    def _put_on_the_road(self) -> None:
+        self._car.tyres = [self._tyres[k] for k in self._surface()]
+
     def _surface(self) -> NDArray[np.int64]:
-        return self._road.index(self._car.distance - self._behind)
+        surface = self._road.index(self._car.distance - self._behind)
+        if self._right is not None:
+            surface[1::2] = self._right
+        return surface
 
 
 def as_it_is(vehicle: Vehicle, tyre: Tyre, parameters: CarModelParameters, errors: SensorErrors) -> CarParameters:

@@ -2,13 +2,13 @@
 
 from array import array
 from collections.abc import Sequence
-from math import nan
+from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
 from friction_msgs.msg import BrakeDemand, FrictionCurve, FrictionSlope, TyreForce, TyreSignals, WheelSlip
-from geometry_msgs.msg import TwistWithCovarianceStamped
+from geometry_msgs.msg import TwistWithCovarianceStamped, WrenchStamped
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
 
@@ -28,10 +28,13 @@ if TYPE_CHECKING:
 BASE_FRAME = "base_link"
 TYRE_SAMPLE_RATE = 1.0e4
 """Sample rate of the smart tyres [Hz]."""
+_YAW_MOMENT = "truth/yaw_moment"
 _STANDING = f"slip is not defined at or below {SLIP_MIN_SPEED} m/s"
 
 
-def topics(wheels: Sequence[str], vehicle_velocity: bool, brake_demand: bool, tyre_signals: bool) -> dict[str, type]:
+def topics(
+    wheels: Sequence[str], vehicle_velocity: bool, brake_demand: bool, tyre_signals: bool, yaw_moment: bool = False
+) -> dict[str, type]:
     """Return the topics that the plant publishes, with their types."""
     given: dict[str, type] = {
         "wheel_states": JointState,
@@ -42,6 +45,8 @@ def topics(wheels: Sequence[str], vehicle_velocity: bool, brake_demand: bool, ty
         given["vehicle_velocity"] = TwistWithCovarianceStamped
     if brake_demand:
         given["brake_demand"] = BrakeDemand
+    if yaw_moment:
+        given[_YAW_MOMENT] = WrenchStamped
     for wheel in wheels:
         given[f"{wheel}/brake_pressure"] = FluidPressure
         if tyre_signals:
@@ -135,6 +140,10 @@ def truth(stamp_ns: int, wheels: Sequence[str], sample: PlantSample, crossings: 
     """Make the messages of the truth for one sample."""
     stamp = from_nanoseconds(stamp_ns)
     outputs: list[Output] = [("truth/vehicle_velocity", velocity(stamp, sample.speed, 0.0))]
+    if isfinite(sample.yaw_moment):
+        moment = WrenchStamped(header=Header(stamp=stamp, frame_id=BASE_FRAME))
+        moment.wrench.torque.z = sample.yaw_moment
+        outputs.append((_YAW_MOMENT, moment))
     for i, wheel in enumerate(wheels):
         header = _header(stamp, wheel)
         outputs.append((f"truth/{wheel}/slip", _slip(header, wheel, sample, i)))

@@ -17,6 +17,7 @@ from std_srvs.srv import Trigger
 
 from corner_sim import messages
 from corner_sim.command_watch import CommandWatch
+from corner_sim.models import CAR
 from corner_sim.pace import Pace
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME
@@ -77,7 +78,9 @@ class CornerSimNode(Node):
         self._shift_reported = 0.0
         self._phase = Phase.WAITING_FOR_SUBSCRIBERS if p.autostart else Phase.WAITING_FOR_START
         wheels = self._vehicle.wheel_names
-        given = messages.topics(wheels, p.vehicle_velocity, p.demand_source == "profile", p.tyre_signals)
+        given = messages.topics(
+            wheels, p.vehicle_velocity, p.demand_source == "profile", p.tyre_signals, p.model == CAR
+        )
         self._outputs = {topic: qos.publish(self, kind, topic) for topic, kind in given.items()}
         self._clock_output = qos.publish(self, ClockMessage, "/clock") if p.publish_clock else None
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)

@@ -2,6 +2,7 @@
 
 from collections import deque
 from dataclasses import dataclass
+from math import nan
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -52,7 +53,7 @@ class PlantSample:
     peak: Array
     """Slip lambda_max and friction mu_max of the peak under each wheel [-], shape (n, 2)."""
     surface: NDArray[np.int64]
-    """Index of the surface under each wheel in the road's list."""
+    """Index of the surface under each wheel in the road's list; the one after its last is that of the right wheels."""
     vertical_load: Array
     """[N]"""
     friction: Array
@@ -61,6 +62,8 @@ class PlantSample:
     """mu_1 = d mu / d slip [-]."""
     h: Array
     """H of (8.3), (r Fz / J) mu_1 slip_rate [rad/s^3]; NaN where slip_rate is."""
+    yaw_moment: float = nan
+    """Of the braking forces about the vertical [N m], to the left positive; NaN of a model without sides."""
 
 
 class Plant:

@@ -9,6 +9,7 @@ import pytest
 from friction_msgs.msg import BrakeCommand
 from std_msgs.msg import Header
 
+from corner_sim import messages
 from corner_sim.car.tyre import TYRES
 from corner_sim.car_model import CarModelParameters
 from corner_sim.parameters import SimParameters
@@ -46,8 +47,26 @@ def release(simulation: Simulation, wheel: str, command: int) -> None:
     assert simulation.take_command(wheel, order) is None
 
 
-def test_the_topics_are_those_of_the_other_models() -> None:
-    assert set(run(QUIET, 3)) == set(run(replace(QUIET, model="two_axle"), 3))
+def test_the_topics_are_those_of_the_other_models_and_the_yaw_moment() -> None:
+    found = set(run(QUIET, 3))
+    assert found == {*run(replace(QUIET, model="two_axle"), 3), "truth/yaw_moment"}
+    told = messages.topics(COMPACT.wheel_names, True, True, False, yaw_moment=True)
+    assert found == set(told)
+
+
+def test_another_surface_under_the_right_wheels_has_its_own_tyres_and_turns_the_car() -> None:
+    """To the left, where the wheels have grip: half the track times what the left wheels brake more."""
+    split = replace(QUIET, surfaces=("dry",), demand_level=0.9, car=CarModelParameters(right_surface="snow"))
+    found, even = run(split, 100), run(replace(split, car=CarModelParameters()), 100)
+    peaks = [found[f"truth/{wheel}/friction_curve"][0].lambda_max for wheel in COMPACT.wheel_names]
+    dry, snow = (TYRES["burckhardt"][name].peak[0] for name in ("dry", "snow"))
+    assert peaks == [dry, snow, dry, snow]
+    forces = np.array([found[f"truth/{wheel}/tyre_force"][-1].fx for wheel in COMPACT.wheel_names])
+    lever = 0.5 * COMPACT.track * np.array([1.0, -1.0, 1.0, -1.0])
+    moment = found["truth/yaw_moment"][-1].wrench.torque.z
+    assert moment == pytest.approx(-float(lever @ forces))
+    assert moment > 1000.0
+    assert even["truth/yaw_moment"][-1].wrench.torque.z == pytest.approx(0.0, abs=1e-6)
 
 
 def test_tyres_air_and_rolling_slow_the_car_by_their_sum_and_load_moves_to_the_front() -> None:
@@ -161,6 +180,11 @@ def test_a_stop_ends_at_standstill() -> None:
     [
         (QUIET, "chapter_corner", "'model' = 'car': .*four wheels"),
         (replace(QUIET, surfaces=("off_road",)), "compact_car", "'surfaces': .* not off_road"),
+        (
+            replace(QUIET, car=CarModelParameters(right_surface="off_road")),
+            "compact_car",
+            "'car.right_surface': .* not off_road",
+        ),
         (replace(QUIET, initial_speed=0.0), "compact_car", "'initial_speed' = 0.0 m/s"),
     ],
 )

@@ -12,7 +12,9 @@ from friction_evaluation.closed_loop.car_setup import CarSetup
 from friction_evaluation.closed_loop.controller import Parameters, shipped
 from friction_evaluation.closed_loop.law_stops import law_stops
 from friction_evaluation.closed_loop.oracle import oracle
+from friction_evaluation.closed_loop.panic_plant import PanicPlant
 from friction_evaluation.closed_loop.panic_stop import END_SPEED
+from friction_evaluation.closed_loop.split_rows import COUPLINGS, SPLITS, largest_growth, split_setup
 from friction_evaluation.closed_loop.stops import stops
 from friction_evaluation.closed_loop.trouble import NONE, Trouble
 from friction_evaluation.parts import part
@@ -154,3 +156,49 @@ def test_rows_of_the_law_say_what_has_to_hold() -> None:
     (row,) = part("abs").run(options)
     assert (row["surface"], row["case"], row["limit"]) == ("wet", "none", 0.974)
     assert row["passed"] == (not row["failures"])
+
+
+def test_a_road_changes_at_a_distance_from_the_onset_and_the_demand_is_too_much_for_either_surface() -> None:
+    plant = PanicPlant("snow to dry", NONE, np.zeros((2, 1)))
+    increase = np.ones(2, dtype=np.int64)
+    for _ in range(40):  # 6 m
+        plant.advance(0.0, increase)
+    snow, dry = surface("snow"), surface("dry")
+    assert plant.demand == pytest.approx(1.5 * float(CORNER.peak_torque(dry)))
+    while plant.braked_way[0] < 30.0:
+        np.testing.assert_array_equal(plant.road(), [snow, snow])
+        plant.advance(plant.demand, increase)
+    np.testing.assert_array_equal(plant.road(), [dry, dry])
+    np.testing.assert_allclose(plant.best_deceleration, float(burckhardt.peak(dry)[1]) * CORNER.gravity)
+
+
+def test_the_oracle_knows_of_a_change_and_a_brake_that_comes_down_too_slowly_locks_nevertheless() -> None:
+    assert oracle("snow to dry", NONE).utilisation[0] > 0.95
+    locked = oracle("dry to snow", NONE)
+    assert locked.utilisation[0] > 0.95
+    assert 0.08 < locked.longest_lock[0] < 0.14
+
+
+def test_where_the_road_changes_the_row_compares_with_the_oracle() -> None:
+    options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", car=["corner"], surface=["dry to wet"], case=["none"])
+    (row,) = part("abs").run(options)
+    assert row["passed"], row["failures"]
+    assert row["value"] == pytest.approx(row["distance_m"] / row["oracle_distance_m"])
+    assert row["limit"] == 1.04
+
+
+def test_a_split_road_is_snow_on_the_right_and_the_best_is_the_mean_of_both_sides() -> None:
+    setup = split_setup("dry | snow", COUPLINGS[-1])
+    assert (setup.parameters.surfaces, setup.parameters.car.right_surface) == (("dry",), "snow")
+    dry, snow = (CarSetup("car", name).best for name in ("dry", "snow"))
+    assert setup.best == pytest.approx(0.5 * (dry + snow))
+    assert setup.told.front_yaw_moment_rate > 0.0
+    assert {split_setup(road, COUPLINGS[0]).told.front_yaw_moment_rate for road in SPLITS} == {0.0}
+
+
+def test_the_growth_of_a_moment_is_that_of_its_size_over_half_a_second() -> None:
+    """-2000 N m/s for a second, then still; noise of one sample does not count fully."""
+    moments = -2000.0 * np.minimum(0.005 * np.arange(400), 1.0)
+    assert largest_growth(moments) == pytest.approx(2000.0)
+    moments[300] -= 50.0
+    assert largest_growth(moments) < 2200.0

@@ -146,6 +146,13 @@ class Vehicle:
         minimum=0.0,
         maximum=1e4,
     )
+    front_yaw_moment_rate: float = parameter(
+        0.0,
+        "fastest growth of the yaw moment of the front brakes on split friction, 0: no limit",
+        unit="N m/s",
+        minimum=0.0,
+        maximum=1e6,
+    )
     brake_pressure_delay: float = parameter(0.0, "age of a pressure at its stamp", unit="s", minimum=0.0, maximum=0.5)
     accelerometer: Accelerometer = field(default_factory=Accelerometer, metadata={"internal": True})
     deviations: Deviations = _deviations()

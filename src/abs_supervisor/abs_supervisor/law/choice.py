@@ -40,7 +40,7 @@ class LawChoice:
         self._slip_at: int | None = None
         self._curve_at: int | None = None
 
-    def update(self, stamp: int, braking: bool, slip: bool, curve: bool) -> Law:
+    def update(self, stamp: int, braking: bool, slip: bool, curve: bool, explains: bool = True) -> Law:
         """Return the law for a sample.
 
         Args:
@@ -48,6 +48,7 @@ class LawChoice:
             braking: whether the driver brakes.
             slip: whether it is known.
             curve: whether one is known.
+            explains: whether it explains how the wheel moves.
         """
         if slip or self._slip_at is None:
             self._slip_at = stamp
@@ -56,7 +57,7 @@ class LawChoice:
         lost = Change.NONE
         if stamp - self._slip_at >= _WITHOUT_SLIP:
             lost = Change.SLIP_LOST
-        elif stamp - self._curve_at >= _WITHOUT_CURVE:
+        elif not explains or stamp - self._curve_at >= _WITHOUT_CURVE:
             lost = Change.NO_CURVE
         if self.law is Law.CURVE and lost is not Change.NONE:
             self.law, self.cause = Law.SLOPE_SIGN, lost

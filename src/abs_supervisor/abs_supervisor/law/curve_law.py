@@ -1,11 +1,12 @@
 """The law of one wheel: from what is known at a sample to what it asks for."""
 
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import inf, isfinite, nan
 
 from abs_supervisor.fsm import Command
 from abs_supervisor.law.choice import Law, LawChoice
 from abs_supervisor.law.disturbance import DisturbanceFilter
+from abs_supervisor.law.explained import LITTLE, Explained
 from abs_supervisor.law.released_wheel import ReleasedWheel
 from abs_supervisor.law.set_point import slip_set_point
 from abs_supervisor.law.three_commands import command_towards
@@ -18,11 +19,10 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import CornerParameters
 
 _LEARNS_ABOVE = 5.0
-"""[m/s] below this speed of the car the slow part of the disturbance is kept."""
+"""[m/s] below this speed of the car the slow part of the disturbance is kept, and whether the curve explains the wheel:
+an error of the slip looks like a torque there."""
 _NEAR = 0.5
 """Of the set-point: the slow part is learned while the slip is nearer to it."""
-_EXPLAINED = 0.35
-"""Of the torque that the road gives at its peak: a smaller disturbance is an error of the car, not another road."""
 _LONGEST_STEP = 0.02
 """[s]"""
 
@@ -45,6 +45,7 @@ class CurveLaw:
         self._observer = WheelObserver(corner, actuator)
         self._filter = DisturbanceFilter()
         self._released = ReleasedWheel()
+        self._explained = Explained()
         self.known = UsableCurve()
         self.choice = LawChoice()
         self.reset()
@@ -54,6 +55,7 @@ class CurveLaw:
         self._observer.reset()
         self._filter.reset()
         self._released.reset()
+        self._explained.reset()
         self.known.reset()
         self.choice.reset()
         self._stamp: int | None = None
@@ -67,6 +69,14 @@ class CurveLaw:
         """Torque that the curve does not explain [N m]; NaN without a curve."""
         return self._observer.disturbance if self.known.curve is not None else nan
 
+    @property
+    def _unexplained(self) -> float:
+        """Size of that torque over the one that the road gives at its peak [-]; inf without a curve."""
+        curve, corner = self.known.curve, self._corner
+        if curve is None:
+            return inf
+        return abs(self._observer.disturbance) / (corner.radius * corner.vertical_load * curve.mu_max)
+
     def carry(self, load: float) -> None:
         """Take the load of the wheel [N], > 0, for a curve whose friction does not carry its change."""
         rest = self._corner
@@ -75,12 +85,7 @@ class CurveLaw:
 
     def learn(self, report: CurveReport) -> None:
         """Take what the estimator said; their stamps do not go back."""
-        curve, corner = self.known.curve, self._corner
-        explained = False
-        if curve is not None:
-            most = _EXPLAINED * corner.radius * corner.vertical_load * curve.mu_max
-            explained = abs(self._observer.disturbance) < most
-        self.known.take(report, explained)
+        self.known.take(report, self._unexplained < LITTLE)
         if self.known.changed:
             self._observer.forget_disturbance()
             self._filter.reset()
@@ -113,12 +118,15 @@ class CurveLaw:
             self._filter.reset()
             self._observer.forget_disturbance()
             self._released.reset()
+            self._explained.reset()
         curve = self.known.curve
         known = isfinite(slip) and isfinite(speed)
         self.slip_set_point = self.torque_set_point = nan
-        law = self.choice.update(stamp, braking, known, curve is not None)
         if known:
             self._observer.update(stamp, wheel_speed, speed, torque, curve)
+            if braking and curve is not None and speed > _LEARNS_ABOVE:
+                self._explained.update(stamp, self._unexplained)
+        law = self.choice.update(stamp, braking, known, curve is not None, self._explained.holds)
         if not braking:
             return Command.NONE
         if law is not Law.CURVE:

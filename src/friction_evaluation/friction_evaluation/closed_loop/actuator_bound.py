@@ -25,14 +25,14 @@ class ActuatorBound:
 
 
 def actuator_bound(surface: str, trouble: Trouble) -> ActuatorBound:
-    """Return the bound of a plant on a road; a load that varies does not count."""
+    """Return the bound of a plant on a road of one surface; a load that varies does not count."""
     plant = PanicPlant(surface, trouble.steady, np.zeros((1, 1)))
     corner = plant.corner
-    lambda_max = float(burckhardt.peak(plant.theta)[0])
+    lambda_max = float(burckhardt.peak(plant.theta)[0][0])
     increase = np.array([int(Command.INCREASE)])
     while corner.slip[0] < lambda_max and corner.speed[0] > END_SPEED:
         plant.advance(plant.demand, increase)
-    best, time = plant.best_deceleration, plant.since
+    best, time = float(plant.best_deceleration[0]), plant.since
     speed = float(corner.speed[0])
     to_end, to_rest = time + (speed - END_SPEED) / best, time + speed / best
     return ActuatorBound(

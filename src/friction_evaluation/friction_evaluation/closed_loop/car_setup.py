@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass, replace
 
+from abs_supervisor.wheel_pair import NO_AXLE
 from corner_sim.car.tyre import TYRES
+from corner_sim.car_model import SAME, CarModelParameters
 from corner_sim.models import CAR, in_order
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
@@ -12,6 +14,7 @@ from friction_evaluation.closed_loop.trouble import NONE, Trouble
 from friction_evaluation.protocol import ACCELERATION_STDDEV, DT, SPEED
 from vehicle_models import burckhardt
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.single_corner import GRAVITY
 from vehicle_models.surfaces import surface
 from vehicle_models.two_axle import peak_torque
 from vehicle_models.vehicle import Vehicle
@@ -32,11 +35,18 @@ class CarSetup:
     """Of MODELS."""
     surface: str
     trouble: Trouble = NONE
+    right_surface: str = SAME
+    """Of the right wheels; only with the car whose model is CAR."""
+    select_low: str = NO_AXLE
+    """Axle whose wheels get the same pressure."""
+    yaw_moment_rate: float = 0.0
+    """Fastest growth of the moment of the front brakes [N m/s]; 0: no limit."""
 
     @property
     def told(self) -> Vehicle:
         """The car as the graph knows it, wheels in the order of the plant."""
-        return in_order(MODELS[self.car], load_vehicle(_VEHICLE))
+        car = replace(load_vehicle(_VEHICLE), front_yaw_moment_rate=self.yaw_moment_rate)
+        return in_order(MODELS[self.car], car)
 
     @property
     def vehicle(self) -> Vehicle:
@@ -45,11 +55,19 @@ class CarSetup:
 
     @property
     def peak(self) -> tuple[float, float]:
-        """Slip lambda_max and friction mu_max of the peak of the plant's tyres [-]."""
+        """Slip lambda_max and friction mu_max of the peak of the plant's tyres [-]; on the left."""
         if MODELS[self.car] == CAR:
             return TYRES["burckhardt"][self.surface].peak
         lambda_max, mu_max = burckhardt.peak(surface(self.surface))
         return float(lambda_max), float(mu_max)
+
+    @property
+    def best(self) -> float:
+        """Braking force with every tyre at its peak [N], the load even."""
+        mu_max = self.peak[1]
+        if self.right_surface != SAME:
+            mu_max = 0.5 * (mu_max + TYRES["burckhardt"][self.right_surface].peak[1])
+        return mu_max * self.vehicle.mass * GRAVITY
 
     @property
     def demand(self) -> float:
@@ -73,6 +91,7 @@ class CarSetup:
             acceleration_offset=OFFSET,
             vehicle_velocity=False,
             actuator=self.trouble.actuator,
+            car=CarModelParameters(right_surface=self.right_surface),
         )
 
     def simulation(self, seed: int) -> Simulation:

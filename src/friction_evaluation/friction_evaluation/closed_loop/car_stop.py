@@ -10,11 +10,10 @@ from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_param
 from friction_evaluation.closed_loop.car_setup import CarSetup
 from friction_evaluation.closed_loop.law_stops import ROLLING
 from friction_evaluation.closed_loop.longest_lock import LongestLock
+from friction_evaluation.closed_loop.panic_plant import Array
 from friction_evaluation.closed_loop.panic_stop import END_SPEED, LOCK_ABOVE, LONGEST, PanicStops
 from friction_runtime.processor import Processor, silent
 from friction_runtime.processor_graph import ProcessorGraph
-from vehicle_models.single_corner import GRAVITY
-from vehicle_models.vehicle import Vehicle
 
 
 def car_stops(setup: CarSetup, seeds: range, law: str) -> PanicStops:
@@ -23,22 +22,23 @@ def car_stops(setup: CarSetup, seeds: range, law: str) -> PanicStops:
     Utilisation is that of the tyres: their braking forces over mu_max times the weight. The longest lock is that of any
     wheel, the changes of the command are a mean of the wheels.
     """
-    found = [_stop(setup, seed, law) for seed in seeds]
+    found = [car_stop(setup, seed, law)[0] for seed in seeds]
     columns = {each.name: np.concatenate([getattr(stop, each.name) for stop in found]) for each in fields(PanicStops)}
     return PanicStops(**columns)
 
 
-def _stop(setup: CarSetup, seed: int, law: str) -> PanicStops:
-    told = setup.told
-    wheels = told.wheel_names
-    graph = ProcessorGraph(_processors(law, told))
+def car_stop(setup: CarSetup, seed: int, law: str) -> tuple[PanicStops, Array]:
+    """Brake once; return the result, and the moment about the vertical from the onset on [N m], shape (k,)."""
+    wheels = setup.told.wheel_names
+    graph = ProcessorGraph(_processors(law, setup))
     simulation = setup.simulation(seed)
-    best = setup.peak[1] * setup.vehicle.mass * GRAVITY
+    best = setup.best
     lock = LongestLock(len(wheels))
     slip, force = np.zeros(len(wheels)), np.zeros(len(wheels))
     commands = np.ones(len(wheels), dtype=np.int64)
     before = commands.copy()
     used: list[float] = []
+    moments: list[float] = []
     changes, fast, start = 0, 0, 0.0
     while simulation.end is None and simulation.time < ROLLING * SAMPLE_TIME + LONGEST:
         braking = simulation.index >= ROLLING
@@ -59,13 +59,14 @@ def _stop(setup: CarSetup, seed: int, law: str) -> PanicStops:
             start = simulation.distance
         if braking:
             used.append(float(force.sum()) / best)
+            moments.append(simulation.sample.yaw_moment)
             lock.update(np.nan_to_num(slip), np.full(len(wheels), simulation.speed > LOCK_ABOVE))
             if simulation.speed > END_SPEED:
                 fast += 1
                 changes += int((commands != before).sum())
         before = commands.copy()
         simulation.advance()
-    return PanicStops(
+    found = PanicStops(
         utilisation=np.array([np.mean(used[:fast])]),
         utilisation_to_rest=np.array([np.mean(used)]),
         distance=np.array([simulation.distance - start]),
@@ -73,9 +74,12 @@ def _stop(setup: CarSetup, seed: int, law: str) -> PanicStops:
         changes=np.array([changes / len(wheels) / (fast * SAMPLE_TIME)]),
         stopped=np.array([simulation.end is not None]),
     )
+    return found, np.array(moments)
 
 
-def _processors(law: str, told: Vehicle) -> list[Processor]:
+def _processors(law: str, setup: CarSetup) -> list[Processor]:
+    told = setup.told
     parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, len(told.wheels))
-    parameters["abs_supervisor"] = replace(parameters["abs_supervisor"], real_time=False)
+    supervisor = replace(parameters["abs_supervisor"], real_time=False, select_low=setup.select_low)
+    parameters["abs_supervisor"] = supervisor
     return make_processors(parameters, told, silent)

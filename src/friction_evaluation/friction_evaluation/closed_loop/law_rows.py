@@ -1,6 +1,7 @@
 """Rows of the law on the identified curve: each road, each trouble, beside what its brake can do at best."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from friction_evaluation.closed_loop.actuator_bound import ActuatorBound, actuator_bound
 from friction_evaluation.closed_loop.car_bound import car_bound
@@ -9,16 +10,18 @@ from friction_evaluation.closed_loop.car_stop import car_stops
 from friction_evaluation.closed_loop.law_stops import law_stops
 from friction_evaluation.closed_loop.longest_lock import LOCK_TIME
 from friction_evaluation.closed_loop.oracle import oracle
+from friction_evaluation.closed_loop.panic_road import CHANGES
 from friction_evaluation.closed_loop.panic_stop import PanicStops
+from friction_evaluation.closed_loop.split_rows import SPLIT, chosen_splits, split_row
 from friction_evaluation.closed_loop.trouble import CAR_TROUBLES, NONE, TROUBLES, Trouble
-from friction_evaluation.protocol import CORNER, SPEED
+from friction_evaluation.protocol import CORNER, DT, SPEED
 from friction_evaluation.rows import Row
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
 
 CORNER_ALONE, WHOLE_CAR = "corner", "car"
-CARS = (CORNER_ALONE, *MODELS)
-"""The single corner without speed sensor, and the cars with four wheels."""
+CARS = (CORNER_ALONE, *MODELS, SPLIT)
+"""The single corner without speed sensor, the cars with four wheels, and the one with other roads left and right."""
 FIRST_SEED = 30_000
 """Far from the seeds of the tuning, from 1000 on."""
 _UTILISATION = {"dry": 0.953, "wet": 0.974, "cobblestone": 0.956, "snow": 0.988}
@@ -35,6 +38,10 @@ _DRY_DISTANCE = 42.4
 _LEAST = {("dry", "load varies 5 %"): 0.94, ("dry", "load varies 10 %"): 0.90, ("dry", "gain fades 10 %/s"): 0.935}
 """Goals of their own."""
 _DRY_ONLY = tuple(name for _, name in _LEAST)
+_OVER_ORACLE = 1.04
+"""Distance where the road changes over that of the oracle, at most."""
+_CHANGE_LOCK = {"dry to snow": 0.12}
+"""[s] longest lock there, at most: the brake takes 0.23 s to come down to what snow gives. Elsewhere none is set."""
 
 
 def law_rows(
@@ -58,19 +65,33 @@ def law_rows(
         done: called after each row.
     """
     made = []
-    for car, road, case in chosen(cars, surfaces, cases):
-        made.append(_made(car, law, seeds, road, case, judged))
+    for make in chosen(cars, law, seeds, surfaces, cases, judged):
+        made.append(make())
         done()
     return made
 
 
-def chosen(cars: Sequence[str], surfaces: Sequence[str], cases: Sequence[str]) -> list[tuple[str, str, Trouble]]:
-    """Return cars, roads and cases of which rows are made."""
+def chosen(
+    cars: Sequence[str], law: str, seeds: int, surfaces: Sequence[str], cases: Sequence[str], judged: bool
+) -> list[Callable[[], Row]]:
+    """Return what makes the rows; arguments as above."""
+    found: list[Callable[[], Row]] = [
+        partial(_made, car, law, seeds, road, case, judged)
+        for car, road, case in _chosen(cars or CARS, surfaces, cases)
+    ]
+    if SPLIT in (cars or CARS):
+        drawn = range(FIRST_SEED, FIRST_SEED + seeds)
+        found += [partial(split_row, law, drawn, *each) for each in chosen_splits(surfaces, cases)]
+    return found
+
+
+def _chosen(cars: Sequence[str], surfaces: Sequence[str], cases: Sequence[str]) -> list[tuple[str, str, Trouble]]:
     return [
         (car, road, case)
-        for car in cars or CARS
+        for car in cars
+        if car != SPLIT
         for case in (NONE, *(TROUBLES if car == CORNER_ALONE else CAR_TROUBLES))
-        for road in TABLE_8_1
+        for road in (*TABLE_8_1, *(CHANGES if car == CORNER_ALONE and case is NONE else ()))
         if (not surfaces or road in surfaces)
         and (not cases or case.name in cases)
         and (road == "dry" or case.name not in _DRY_ONLY)
@@ -81,6 +102,8 @@ def chosen(cars: Sequence[str], surfaces: Sequence[str], cases: Sequence[str]) -
 def _made(car: str, law: str, seeds: int, road: str, case: Trouble, judged: bool) -> Row:
     drawn = range(FIRST_SEED, FIRST_SEED + seeds)
     extra: Row = {}
+    if road in CHANGES:
+        return _changed(law, seeds, road, judged)
     if car == CORNER_ALONE:
         found, bound = law_stops(road, drawn, law, case), actuator_bound(road, case)
         limit = _least(road, case, bound)
@@ -114,6 +137,38 @@ def _made(car: str, law: str, seeds: int, road: str, case: Trouble, judged: bool
         "runs_with_lock": int((found.longest_lock >= LOCK_TIME).sum()),
         "commands_per_s": float(found.changes.mean()),
         **extra,
+    }
+
+
+def _changed(law: str, seeds: int, road: str, judged: bool) -> Row:
+    """Return the row of a road that changes: its distance beside that of the oracle, who knows where."""
+    found, best = law_stops(road, range(FIRST_SEED, FIRST_SEED + seeds), law, NONE), oracle(road, NONE)
+    ratio = float(found.distance.mean() / best.distance[0])
+    lock, least_lock = float(found.longest_lock.max()), float(best.longest_lock[0])
+    failures = [] if ratio <= _OVER_ORACLE else [f"distance {ratio:.4f} of the oracle's > {_OVER_ORACLE}"]
+    if road in _CHANGE_LOCK and not lock < _CHANGE_LOCK[road] + 0.5 * DT:
+        failures.append(f"lock {lock:.3f} s > {_CHANGE_LOCK[road]:.3f} s")
+    if not found.stopped.all():
+        failures.append("does not come to rest")
+    return {
+        "car": CORNER_ALONE,
+        "surface": road,
+        "case": NONE.name,
+        "law": law,
+        "seeds": seeds,
+        "value": ratio,
+        "limit": _OVER_ORACLE if judged else None,
+        "passed": not failures if judged else None,
+        "failures": "; ".join(failures) if judged else "",
+        "worst": float(found.distance.max() / best.distance[0]),
+        "utilisation": float(found.utilisation.mean()),
+        "oracle": float(best.utilisation[0]),
+        "distance_m": float(found.distance.mean()),
+        "oracle_distance_m": float(best.distance[0]),
+        "longest_lock_s": lock,
+        "oracle_longest_lock_s": least_lock,
+        "runs_with_lock": int((found.longest_lock >= LOCK_TIME).sum()),
+        "commands_per_s": float(found.changes.mean()),
     }
 
 

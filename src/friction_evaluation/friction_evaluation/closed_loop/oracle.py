@@ -21,14 +21,16 @@ def oracle(surface: str, trouble: Trouble) -> PanicStops:
     plant = PanicPlant(surface, trouble.steady, np.zeros((1, 1)))
     corner = plant.corner
     law = CurveLaw(plant.parameters, trouble.actuator, CurveLawParameters())
-    theta_1, theta_2, theta_3 = (float(value) for value in plant.theta)
-    curve = RoadCurve(theta_1, theta_2, theta_3, float(burckhardt.peak(plant.theta)[0]))
+    thetas = plant.way.theta(np.array(plant.way.distances))
+    values = np.column_stack((thetas, burckhardt.peak(thetas)[0])).tolist()
+    curves = [RoadCurve(theta_1, theta_2, theta_3, peak) for theta_1, theta_2, theta_3, peak in values]
 
     def brake(running: Flags) -> Commands:
         stamp = round(plant.since * 1e9) + STEP
-        while law.known.valid < _SEEN:
-            law.learn(CurveReport(stamp, Estimate.VALID, curve, 0.0, 0.0, 1000, 0))
-        law.learn(CurveReport(stamp, Estimate.QUIET, None, 0.0, 0.0, 1000, 0))
+        now = int(plant.way.index(plant.braked_way)[0])
+        for _ in range(_SEEN):
+            # A fit of its own for each sample: what is known leaves no torque unexplained.
+            law.learn(CurveReport(stamp, Estimate.VALID, curves[now], 0.0, 0.0, 1000, stamp))
         speed = float(corner.speed[0])
         demand = plant.demand * plant.gain
         asked = law.ask(

@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_evaluation.closed_loop.panic_road import panic_road
 from friction_evaluation.closed_loop.trouble import Trouble
 from friction_evaluation.protocol import CORNER, DT, SPEED
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import BrakeActuator
 from vehicle_models.single_corner import CornerParameters, SingleCorner
-from vehicle_models.surfaces import surface
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -25,6 +25,7 @@ class PanicPlant:
     """n corners on one road; at the start they roll freely at SPEED."""
 
     surface: str
+    """Name of the road, which panic_road knows."""
     trouble: Trouble
     phases: Array
     """Phases of the wheel load [rad], shape (n, tones)."""
@@ -34,7 +35,7 @@ class PanicPlant:
     torque: Array = field(init=False)
     """That acts [N m], shape (n,)."""
     demand: float = field(init=False)
-    """DEMAND_RATIO of the driver [N m by the vehicle file]."""
+    """DEMAND_RATIO of the highest peak torque of the way [N m by the vehicle file]."""
     since: float = field(init=False, default=0.0)
     """Time since the onset of braking [s]."""
 
@@ -43,25 +44,41 @@ class PanicPlant:
         count = len(self.phases)
         trouble = self.trouble
         self.parameters = trouble.corner(self.told)
-        self.theta = np.asarray(surface(self.surface), dtype=np.float64)
+        self.way = panic_road(self.surface)
         self.corner = SingleCorner(self.parameters, np.full(count, SPEED))
-        self.mu_max = float(burckhardt.peak(self.theta)[1])
-        self.demand = DEMAND_RATIO * float(self.parameters.peak_torque(self.theta)) / trouble.gain
+        peaks = self.parameters.peak_torque(self.way.theta(np.array(self.way.distances)))
+        self.demand = DEMAND_RATIO * float(np.max(peaks)) / trouble.gain
         self.actuator = BrakeActuator(count, DT, trouble.actuator)
         self.torque = np.zeros(count)
         self.time = 0.0
+        self._onset = self.corner.distance
+
+    @property
+    def braked_way(self) -> Array:
+        """Way since the onset of braking [m], shape (n,)."""
+        return self.corner.distance - self._onset
+
+    @property
+    def theta(self) -> Array:
+        """Burckhardt parameters under the wheels now, shape (n, 3)."""
+        return self.way.theta(self.braked_way)
+
+    @property
+    def mu_max(self) -> Array:
+        """Of the road under the wheels now [-], shape (n,)."""
+        return np.asarray(burckhardt.peak(self.theta)[1])
 
     def road(self) -> Array:
         """Curves now, the wheel load in them, shape (n, 3)."""
         load = self.trouble.load_at(self.time, self.phases)
-        theta = np.repeat(self.theta[np.newaxis], len(load), axis=0)
+        theta = self.theta.copy()
         theta[:, 0] *= load
         theta[:, 2] *= load
         return theta
 
     @property
-    def best_deceleration(self) -> float:
-        """At mu_max [m/s^2]."""
+    def best_deceleration(self) -> Array:
+        """At mu_max [m/s^2], shape (n,)."""
         return self.mu_max * self.parameters.gravity
 
     @property
@@ -78,6 +95,8 @@ class PanicPlant:
         """Advance by a sample under a demand [N m by the vehicle file], 0: not braked, and commands, shape (n,)."""
         if demand > 0.0:
             self.since += DT
+        else:
+            self._onset = self.corner.distance
         after = self.actuator.step(demand, commands) * self.gain
         self.corner.step(self.torque, after, self.road(), DT)
         self.torque = after

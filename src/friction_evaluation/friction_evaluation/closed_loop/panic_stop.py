@@ -22,7 +22,7 @@ class PanicStops:
     """Results of n stops, arrays of shape (n,)."""
 
     utilisation: Array
-    """Deceleration over that at mu_max, from the onset to END_SPEED [-]."""
+    """Mean of the deceleration over that at the present mu_max, from the onset to END_SPEED [-]."""
     utilisation_to_rest: Array
     """To standstill [-]."""
     distance: Array
@@ -45,30 +45,32 @@ def brake_to_rest(plant: PanicPlant, brake: Callable[[Flags], Commands]) -> Pani
     corner = plant.corner
     count = corner.speed.size
     start, speed = corner.distance, corner.speed.copy()
-    begin_speed = speed.copy()
+    used_to_end, used = np.zeros(count), np.zeros(count)
     end_time, rest_time = np.full(count, np.nan), np.full(count, np.nan)
     changes = np.zeros(count)
     lock = LongestLock(count)
     before: Commands = np.ones(count, dtype=np.int64)
     running: Flags = np.ones(count, dtype=bool)
     while running.any() and plant.since < LONGEST:
-        since = plant.since
+        since, best = plant.since, plant.best_deceleration
         given = brake(running)
         changes += running & (given != before) & (speed > END_SPEED)
         before = given
         now = corner.speed
         crossed = (speed > END_SPEED) & (now <= END_SPEED)
         share = (speed - END_SPEED) / np.maximum(speed - now, 1e-12)
+        lost = (speed - now) / best
+        used_to_end += np.where(crossed, share * lost, lost * (now > END_SPEED))
+        used += lost
         end_time = np.where(crossed, since + DT * share, end_time)
         lock.update(corner.slip, running & (now > LOCK_ABOVE))
         ended = running & (now <= 0.0)
         rest_time = np.where(ended, plant.since, rest_time)
         running = running & ~ended
         speed = now.copy()
-    best = plant.best_deceleration
     return PanicStops(
-        utilisation=(begin_speed - END_SPEED) / (best * end_time),
-        utilisation_to_rest=begin_speed / (best * rest_time),
+        utilisation=used_to_end / end_time,
+        utilisation_to_rest=used / rest_time,
         distance=corner.distance - start,
         longest_lock=lock.longest,
         changes=changes / end_time,

@@ -6,7 +6,8 @@ all the way. A lock is a slip above 0.95 for 50 ms.
 
 With --law the rows are those of law_rows: to standstill, without speed sensor, beside the bound of the brake, of one
 corner and of a car with four wheels whose loads follow the deceleration at once (four_wheels) or that has the troubles
-of a real one (car).
+of a real one (car). One corner also stops where the road changes, and the car where it differs from side to side
+(split).
 """
 
 import argparse
@@ -71,9 +72,9 @@ def _of_law(options: argparse.Namespace) -> list[Row]:
     cars = [CORNER_ALONE] if options.law == THRESHOLDS else options.car
     surfaces, cases = options.surface, options.case
     with Progress() as progress:
-        task = progress.add_task(options.law, total=len(chosen(cars, surfaces, cases)))
-        done = partial(progress.advance, task)
         judged = options.law == CURVE
+        total = len(chosen(cars, options.law, options.seeds, surfaces, cases, judged))
+        done = partial(progress.advance, progress.add_task(options.law, total=total))
         return law_rows(cars, options.law, options.seeds, surfaces, cases, judged, done)
 
 

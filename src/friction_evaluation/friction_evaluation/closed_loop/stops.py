@@ -60,7 +60,7 @@ def stops(
     count = len(seeds)
     braked = BrakedCorners(name, seeds, partial(processors, parameters=parameters), vehicle=vehicle)
     plant = braked.plant
-    corner, theta = plant.corner, plant.theta
+    corner = plant.corner
     lock = LongestLock(count)
     used, late = np.zeros(count), np.zeros(count)
     result = Stops(*(np.zeros(count) for _ in range(8)))
@@ -70,7 +70,7 @@ def stops(
     while running.any() and plant.since < LONGEST:
         since = plant.since
         braked.brake(running)
-        ratio = np.where(running, corner.friction(theta) / plant.mu_max, 0.0)
+        ratio = np.where(running, corner.friction(plant.theta) / plant.mu_max, 0.0)
         used += ratio
         late += ratio * (since > _BUILD_UP - 0.5 * DT)
         result.duration += DT * running

@@ -1,0 +1,56 @@
+"""The torque that the road gave to a wheel while it slipped: where slip is vague, it tells when pressure is enough.
+
+Slip has a standard deviation that grows as 1/v. At the end of a stop it no longer shows whether a wheel is near its
+peak, but how it last slipped does: r Fx = T - J a / r, from (2.15) with a the deceleration of the circumference.
+"""
+
+from math import isfinite, nan
+from typing import Final
+
+from vehicle_models.nanoseconds import NANOSECONDS
+
+_KEPT: Final = 15.0
+"""[m] for which it counts after the last release; another road comes with the distance."""
+_ENOUGH: Final = 0.85
+"""Of it: a tyre that slides gives 0.7 to 0.9 of the peak's, so what is held is less than a quarter below the peak."""
+
+
+class RoadTorque:
+    """Follows the releases of one wheel."""
+
+    def __init__(self, radius: float, inertia: float) -> None:
+        """Choose a wheel of effective radius [m] and inertia [kg m^2]."""
+        self._spin = inertia / radius
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget it, as when a braking is over."""
+        self._torque = nan
+        self._since = 0.0
+        self._released = False
+        self._stamp: int | None = None
+
+    def update(self, stamp: int, released: bool, torque: float, deceleration: float, car_speed: float) -> None:
+        """Take a sample.
+
+        Args:
+            stamp: [ns], later than the last.
+            released: whether the brake is released on evidence that the wheel slips.
+            torque: of the brake [N m].
+            deceleration: of the wheel's circumference [m/s^2], NaN where unknown.
+            car_speed: [m/s], NaN where unknown.
+        """
+        if self._stamp is not None and car_speed > 0.0:
+            self._since += car_speed * (stamp - self._stamp) / NANOSECONDS
+        self._stamp = stamp
+        if released and isfinite(deceleration):
+            road = torque - self._spin * deceleration
+            self._torque = max(road, self._torque) if self._released and isfinite(self._torque) else road
+            self._since = 0.0
+        elif self._since > _KEPT:
+            self._torque = nan
+        self._released = released
+
+    def is_near(self, torque: float) -> bool:
+        """Whether a torque [N m] is near what the road gave, or above it."""
+        return torque >= _ENOUGH * self._torque
