@@ -289,8 +289,8 @@ class CarEstimator:
         delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
         torque, _ = delayed(self._samples, nodes, self._start, delay)
         used, fitted = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
-        self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time)
         misfit = misfit_at_peak(used, fitted, exp(float(fit.unknowns[Unknown.LOG_MU_MAX])), nodes.time)
+        self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time, misfit)
         if not isnan(misfit):
             self._misfit = misfit
 
