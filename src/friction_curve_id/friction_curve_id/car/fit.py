@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dpttrf, dpttrs
 
 from friction_curve_id.car.braking_samples import BrakingSamples
-from friction_curve_id.car.car_balance import car_balance
+from friction_curve_id.car.car_balance import OF_TORQUE, car_balance
 from friction_curve_id.car.car_model import CarConstants, Carried, Motion, Nodes, carried_over, motion, recursion
 from friction_curve_id.car.curve_family import Family
 from friction_curve_id.car.node_signals import Start, delayed
@@ -138,8 +138,7 @@ class CurveFit:
         spread = _spread(white[:, :size], variation * np.sqrt(equation.load_variance), nodes.interval)
         if self._balanced:
             inertia = self._car.inertia * np.exp(p[Unknown.LOG_INERTIA])
-            names = [Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR, Unknown.PRESSURE_DELAY, Unknown.ENGINE_DRAG]
-            of_torque = equation.jacobian[:, :, names] * inertia[:, :, np.newaxis]
+            of_torque = equation.jacobian[:, :, OF_TORQUE] * inertia[:, :, np.newaxis]
             errors, rows = car_balance(self._car, nodes, moved, equation.torque, of_torque, p)
             rows = rows * sd
             full[:size, :size] += rows.T @ rows

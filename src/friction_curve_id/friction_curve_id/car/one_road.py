@@ -13,7 +13,7 @@ from math import exp, isnan, log, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.car.car_model import CarConstants, Motion, Nodes
+from friction_curve_id.car.car_model import CarConstants, Motion, Nodes, brake_gains
 from friction_curve_id.car.curve_family import Family, curve_values
 from friction_curve_id.car.unknowns import Unknown
 
@@ -66,10 +66,9 @@ def used_and_fitted(
     log_peak = float(p[Unknown.LOG_LAMBDA_MAX])
     shape = (float(p[Unknown.SHAPE_1]), float(p[Unknown.SHAPE_2]))
     share = curve_values(family, log_peak, shape, moved.relaxed / exp(log_peak)).value
-    gain = np.exp(np.where(car.front > 0.0, p[Unknown.LOG_GAIN_FRONT], p[Unknown.LOG_GAIN_REAR]))
     inertia = car.inertia * exp(float(p[Unknown.LOG_INERTIA]))
     spinning = inertia * nodes.wheel_acceleration
-    acting = gain * torque + p[Unknown.ENGINE_DRAG] * car.driven + spinning
+    acting = brake_gains(car, nodes, p) * torque + p[Unknown.ENGINE_DRAG] * car.driven + spinning
     used = acting / (car.radius * np.maximum(moved.load, 1.0))
     fitted = exp(float(p[Unknown.LOG_MU_MAX])) * share
     steady = np.abs(spinning) < _MOST_SPIN * fitted * car.radius * moved.load
