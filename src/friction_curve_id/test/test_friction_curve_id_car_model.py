@@ -11,7 +11,7 @@ from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_balance import OF_TORQUE, car_balance
 from friction_curve_id.car.car_model import CarConstants, Carried, brake_gains, gains_by_fading, motion
 from friction_curve_id.car.curve_family import SHAPE_PRIORS, Family, burckhardt_k, curve_values
-from friction_curve_id.car.evidence import mixture
+from friction_curve_id.car.evidence import mixture, reaching_up
 from friction_curve_id.car.fit import CurveFit, WheelSpeedNoise
 from friction_curve_id.car.node_signals import Start, delayed, node_signals
 from friction_curve_id.car.pitch import PitchState, pitch_of_body
@@ -245,6 +245,20 @@ def test_no_family_alone_is_sure_while_the_peak_has_not_been_seen() -> None:
     seen = mixture([near, far], [covariance] * 2, [0.0, -1000.0], 0.0, True)
     assert max(unseen.weights) < 0.9 < max(seen.weights)
     assert unseen.log_lambda_stddev > seen.log_lambda_stddev
+
+
+def test_a_fit_that_still_moves_is_not_known_to_better_than_its_steps() -> None:
+    known, covariance = np.zeros(SHARED + 4), np.eye(SHARED + 4) * 1e-4
+    still = mixture([known] * 2, [covariance] * 2, [0.0, 0.0], 0.0, False, [0.0, 0.0])
+    moving = mixture([known] * 2, [covariance] * 2, [0.0, 0.0], 0.0, False, [0.3, 0.3])
+    assert still.log_mu_stddev < 0.03
+    assert moving.log_mu_stddev > 0.3
+    assert moving.log_lambda_stddev == still.log_lambda_stddev
+
+
+@pytest.mark.parametrize("log_stddev", [0.02, 0.3, 0.8])
+def test_an_interval_reaches_as_far_up_as_that_of_the_logarithm(log_stddev: float) -> None:
+    assert 1.0 + 1.96 * reaching_up(log_stddev) == pytest.approx(exp(1.96 * log_stddev))
 
 
 def test_corrections_of_the_wheel_speeds_are_the_most_likely_ones() -> None:

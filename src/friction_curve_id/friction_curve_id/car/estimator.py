@@ -15,7 +15,7 @@ from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_model import LEAST_RELAXATION, SPEED_UNKNOWNS, CarConstants, Nodes
 from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
-from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability
+from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability, reaching_up
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
 from friction_curve_id.car.node_signals import Start, delayed, node_signals, rolling_noise
@@ -42,7 +42,7 @@ _CAPACITY, _FOLDED = 260, 40
 """Most samples of the window, and how many leave it at a time."""
 _MEMORY = 3.0
 """Time with which what has left the window fades [s]."""
-_FIRST_STEP = 0.06
+_FIRST_STEP = 0.03
 """Time of braking before the first step [s]."""
 _BRAKES, _RELEASED = 0.4, 0.2
 """Deceleration by the brakes at which a braking begins, and ends [m/s^2]."""
@@ -275,7 +275,7 @@ class CarEstimator:
             self._peak = mixture(*found, evidence, self._mu_floor, True)
             self._seen = self._time_beyond(fit, self._peak, nodes.subset(slice(0, keep)))
             if self._seen < _SEEN_TIME:
-                self._peak = mixture(*found, evidence, self._mu_floor, False)
+                self._peak = mixture(*found, evidence, self._mu_floor, False, [each.unsettled for each in fits])
             else:
                 self._watch_road(fit, nodes.subset(slice(0, keep)))
         self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
@@ -333,7 +333,7 @@ class CarEstimator:
                 lambda_max,
                 mu_max,
                 lambda_max * peak.log_lambda_stddev,
-                mu_max * hypot(peak.log_mu_stddev, self._misfit),
+                mu_max * reaching_up(hypot(peak.log_mu_stddev, self._misfit)),
                 theta,
                 mu=float(mu[each]),
                 slope=float(slope[each]),

@@ -84,6 +84,8 @@ class CurveFit:
         self._correction = np.zeros((self._car.wheels, 0))
         self._damping = 0.0
         self._last_move = np.zeros(n)
+        self.unsettled = 0.0
+        """Length of the last full step in ln mu_max."""
 
     @property
     def unknowns(self) -> Array:
@@ -173,7 +175,9 @@ class CurveFit:
         self.cost = at.cost + before - past.log_likelihood
         self.log_evidence = -self.cost - float(np.log(np.diag(lower)).sum())
         self._node_time, self._of_node = nodes.time, at.of_node
-        curve = float(np.abs(move[:2] * sd[:2]).max())
+        of_curve = np.abs(move[:2] * sd[:2])
+        self.unsettled = float(of_curve[Unknown.LOG_MU_MAX])
+        curve = float(of_curve.max())
         longest = max(curve / 0.4, float(np.abs(move[2:]).max()) / 1.5, 1.0)
         move /= longest
         # Steps that turn back overshoot: damp them.
