@@ -42,7 +42,7 @@ _CAPACITY, _FOLDED = 260, 40
 """Most samples of the window, and how many leave it at a time."""
 _MEMORY = 3.0
 """Time with which what has left the window fades [s]."""
-_FIRST_STEP = 0.03
+_FIRST_STEP = 0.06
 """Time of braking before the first step [s]."""
 _BRAKES, _RELEASED = 0.4, 0.2
 """Deceleration by the brakes at which a braking begins, and ends [m/s^2]."""
