@@ -109,7 +109,7 @@ def test_rear_wheels_that_lock_do_not_spoil_the_curve() -> None:
     tyres = (TYRES["burckhardt"]["cobblestone"],) * 4
     car = CarParameters(tyres, relaxation_length=(0.3,) * 4, damper_share=0.5, pitch_gain=0.0026, sensors=sensors)
     inside = []
-    for seed in (72_000, 72_001, 72_002):
+    for seed in range(72_000, 72_005):
         run = record(car, SlipCycle(car, Cycling()), seed, duration=4.0)
         locked = (run.slip[:, 2:] > 0.99).any(axis=1)
         assert locked.sum() > 5
@@ -117,6 +117,29 @@ def test_rear_wheels_that_lock_do_not_spoil_the_curve() -> None:
         inside += [abs(each.mu_max - run.mu_max[0]) < 1.96 * each.mu_max_stddev for each in after if each.valid]
     assert len(inside) > 50
     assert np.mean(inside) > 0.95
+
+
+def test_pads_that_fade_leave_the_curve_valid_and_right() -> None:
+    """Without an unknown of its own the fading made three quarters of these answers invalid."""
+    sensors = SensorParameters(encoder_teeth=48, acceleration_delay=0.005)
+    dry = (TYRES["burckhardt"]["dry"],) * 4
+    car = CarParameters(
+        dry, relaxation_length=(0.3,) * 4, damper_share=0.5, pitch_gain=0.0026, fading=0.2, sensors=sensors
+    )
+    valid, inside = [], []
+    for seed in (73_000, 73_001):
+        run = record(car, SlipCycle(car, Cycling()), seed, duration=2.4)
+        found = estimates(follow(samples(run, passing(run) + 1.2)))
+        late = found[-round(0.8 * car.sensors.sample_rate) :]
+        valid += [each.valid for each in late]
+        for each in late:
+            if each.valid:
+                inside.append(
+                    abs(each.mu_max - run.mu_max[0]) < 1.96 * each.mu_max_stddev
+                    and abs(each.lambda_max - run.lambda_max[0]) < 1.96 * each.lambda_max_stddev
+                )
+    assert np.mean(valid) > 0.6
+    assert np.mean(inside) > 0.9
 
 
 def test_garbage_is_refused_by_name_and_leaves_the_fit_as_it_was() -> None:

@@ -8,15 +8,15 @@ import pytest
 from numpy.typing import NDArray
 
 from friction_curve_id.car.braking_samples import BrakingSamples
-from friction_curve_id.car.car_balance import car_balance
-from friction_curve_id.car.car_model import CarConstants, Carried, motion
+from friction_curve_id.car.car_balance import OF_TORQUE, car_balance
+from friction_curve_id.car.car_model import CarConstants, Carried, brake_gains, gains_by_fading, motion
 from friction_curve_id.car.curve_family import SHAPE_PRIORS, Family, burckhardt_k, curve_values
-from friction_curve_id.car.evidence import mixture
+from friction_curve_id.car.evidence import mixture, reaching_up
 from friction_curve_id.car.fit import CurveFit, WheelSpeedNoise
 from friction_curve_id.car.node_signals import Start, delayed, node_signals
 from friction_curve_id.car.pitch import PitchState, pitch_of_body
 from friction_curve_id.car.prior import STATED, car_prior
-from friction_curve_id.car.unknowns import SHARED, Unknown
+from friction_curve_id.car.unknowns import FADING_WORK, SHARED, Unknown
 from friction_curve_id.car.wheel_equation import wheel_equation
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import SURFACES
@@ -125,7 +125,8 @@ def test_the_jacobian_of_the_wheel_equation_is_that_of_its_errors(family: Family
 
     jacobian = equation(p)[1]
     # Gains and inertia are smoothed on purpose; the speed's way into relaxation is left out.
-    exact = set(range(p.size)) - {Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR, Unknown.LOG_INERTIA}
+    smoothed = {Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR, Unknown.LOG_INERTIA, Unknown.FADING}
+    exact = set(range(p.size)) - smoothed
     for unknown in exact:
         step = 1e-5 * max(abs(p[unknown]), 1e-2)
         up, down = p.copy(), p.copy()
@@ -146,6 +147,24 @@ def test_the_scale_of_torque_moves_no_error() -> None:
     found = wheel_equation(car, nodes, moved, torque, rate, Family.PACEJKA, p, 5.0)
     scaled = [Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR, Unknown.LOG_MASS, Unknown.LOG_INERTIA]
     assert found.jacobian[:, :, scaled].sum(axis=2) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_brake_fades_with_its_work() -> None:
+    samples = BrakingSamples(4, 60)
+    for k in range(80):
+        if samples.count == 60:
+            samples.drop_oldest(20)
+        samples.append(0.005 * k, np.full(4, 80.0), np.array([700.0, 700.0, 350.0, 0.0]), -5.0, -0.025, True)
+    car = CarConstants(CAR, WHEELS)
+    nodes = node_signals(car, samples, Start(0.1, 24.0, -5.0, 0.0), np.full(4, 0.01), False)
+    assert nodes.work[:, -1] == pytest.approx(80.0 * 0.005 * 78.5 * np.array([700.0, 700.0, 350.0, 0.0]))
+    p = car_prior(CAR, WHEELS, SHAPE_PRIORS[Family.PACEJKA], 0.0, True).mean
+    p[Unknown.LOG_GAIN_REAR] = log(0.9)
+    assert brake_gains(car, nodes, p)[:, -1] == pytest.approx([1.0, 1.0, 0.9, 0.9])
+    p[Unknown.FADING] = 0.2
+    left = 1.0 - 0.2 * nodes.work[:, -1] / FADING_WORK
+    assert brake_gains(car, nodes, p)[:, -1] == pytest.approx(left * [1.0, 1.0, 0.9, 0.9])
+    assert gains_by_fading(nodes, p)[:, -1] == pytest.approx(-nodes.work[:, -1] / FADING_WORK / left)
 
 
 def test_a_torque_that_runs_straight_is_met_at_any_delay() -> None:
@@ -172,7 +191,7 @@ def test_the_balance_of_a_car_that_brakes_as_it_reads_is_level() -> None:
     p = car_prior(vehicle, WHEELS, SHAPE_PRIORS[Family.PACEJKA], 0.023, True).mean
     p[Unknown.PITCH_READING] = 0.0
     moved = motion(car, nodes, p, Carried())
-    errors, rows = car_balance(car, nodes, moved, np.full((4, 59), 350.0), np.zeros((4, 59, 4)), p)
+    errors, rows = car_balance(car, nodes, moved, np.full((4, 59), 350.0), np.zeros((4, 59, len(OF_TORQUE))), p)
     assert errors == pytest.approx(0.0, abs=0.02)
     assert rows.shape == (len(errors), SHARED + 4)
 
@@ -226,6 +245,20 @@ def test_no_family_alone_is_sure_while_the_peak_has_not_been_seen() -> None:
     seen = mixture([near, far], [covariance] * 2, [0.0, -1000.0], 0.0, True)
     assert max(unseen.weights) < 0.9 < max(seen.weights)
     assert unseen.log_lambda_stddev > seen.log_lambda_stddev
+
+
+def test_a_fit_that_still_moves_is_not_known_to_better_than_its_steps() -> None:
+    known, covariance = np.zeros(SHARED + 4), np.eye(SHARED + 4) * 1e-4
+    still = mixture([known] * 2, [covariance] * 2, [0.0, 0.0], 0.0, False, [0.0, 0.0])
+    moving = mixture([known] * 2, [covariance] * 2, [0.0, 0.0], 0.0, False, [0.3, 0.3])
+    assert still.log_mu_stddev < 0.03
+    assert moving.log_mu_stddev > 0.3
+    assert moving.log_lambda_stddev == still.log_lambda_stddev
+
+
+@pytest.mark.parametrize("log_stddev", [0.02, 0.3, 0.8])
+def test_an_interval_reaches_as_far_up_as_that_of_the_logarithm(log_stddev: float) -> None:
+    assert 1.0 + 1.96 * reaching_up(log_stddev) == pytest.approx(exp(1.96 * log_stddev))
 
 
 def test_corrections_of_the_wheel_speeds_are_the_most_likely_ones() -> None:

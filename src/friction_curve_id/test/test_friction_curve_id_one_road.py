@@ -15,7 +15,9 @@ from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.car.one_road import (
     MOST_CHANGE,
     MOST_DIFFERENCE,
+    MOST_MISFIT,
     STILL_CHANGED,
+    STILL_MISFIT,
     RoadWatch,
     change_of_friction,
     difference_of_sides,
@@ -60,35 +62,45 @@ def test_too_little_is_not_compared() -> None:
 def test_misfit_at_the_peak_is_that_of_the_newest_friction_there() -> None:
     """Of two roads that differ at the peak only, an old one counts neither before nor below it."""
     rising = np.broadcast_to(np.linspace(0.4, 0.8, TIME.size), FITTED.shape)
-    less = rising * np.where((rising > 0.72) & (TIME[-1] - 0.3 < TIME), 0.94, 1.3)
+    less = rising * np.where((rising > 0.72) & (TIME[-1] - 0.15 < TIME), 0.94, 1.3)
     assert misfit_at_peak(less, rising, 0.8, TIME) == pytest.approx(np.log(0.94), abs=1e-6)
     assert np.isnan(misfit_at_peak(less, rising, 1.6, TIME))
 
 
 def test_what_lasts_counts_until_the_end_of_the_braking_and_a_bump_does_not() -> None:
     watch = RoadWatch()
-    assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME)
-    assert watch.update(used(), FITTED, LEFT, TIME) == ""
+    assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME, np.nan)
+    assert watch.update(used(), FITTED, LEFT, TIME, np.nan) == ""
     for _ in range(3):
-        assert watch.update(used(0.5), FITTED, LEFT, TIME)
-    assert watch.update(used(), FITTED, LEFT, TIME) == ""
+        assert watch.update(used(0.5), FITTED, LEFT, TIME, np.nan)
+    assert watch.update(used(), FITTED, LEFT, TIME, np.nan) == ""
     for _ in range(4):
-        assert watch.update(used(sides=(1.2, 0.9)), FITTED, LEFT, TIME)
-    assert "sides" in watch.update(used(), FITTED, LEFT, TIME)
+        assert watch.update(used(sides=(1.2, 0.9)), FITTED, LEFT, TIME, np.nan)
+    assert "sides" in watch.update(used(), FITTED, LEFT, TIME, np.nan)
 
 
 def test_a_change_holds_while_nothing_new_is_told_and_while_the_curve_goes_over_to_the_new_road() -> None:
     nothing = np.where(TIME[-1] - 0.1 < TIME, 0.0, FITTED)
     smaller = 0.5 * (MOST_CHANGE + STILL_CHANGED)
     watch = RoadWatch()
-    assert watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME) == ""
-    assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME)
+    assert watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME, np.nan) == ""
+    assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME, np.nan)
     for _ in range(10):
-        assert "changed" in watch.update(used(), nothing, LEFT, TIME)
+        assert "changed" in watch.update(used(), nothing, LEFT, TIME, np.nan)
     for _ in range(10):
-        assert "changed" in watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME)
+        assert "changed" in watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME, np.nan)
     # Neither steps without news nor smaller changes have made it lasting.
-    assert watch.update(used(noise=0.0), FITTED, LEFT, TIME) == ""
+    assert watch.update(used(noise=0.0), FITTED, LEFT, TIME, np.nan) == ""
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_misfit_at_the_peak_refuses_until_the_friction_there_is_that_of_the_curve_again(sign: float) -> None:
+    watch = RoadWatch()
+    assert watch.update(used(), FITTED, LEFT, TIME, sign * 0.9 * MOST_MISFIT) == ""
+    for misfit in (1.1 * MOST_MISFIT, np.nan, 1.1 * STILL_MISFIT):
+        for _ in range(10):
+            assert "near the peak" in watch.update(used(), FITTED, LEFT, TIME, sign * misfit)
+    assert watch.update(used(), FITTED, LEFT, TIME, sign * 0.9 * STILL_MISFIT) == ""
 
 
 def stop(split: bool) -> Recording:

@@ -48,7 +48,7 @@ class DetectorParameters:
     )
     rate_window: int = parameter(26, "samples of the fits that give slip rate and eta", minimum=2, maximum=400)
     h_instability: float = parameter(
-        -12.0, "indicator at or below which stability is lost", unit="rad/s^3", minimum=-1e5, maximum=0.0
+        -10.0, "indicator at or below which stability is lost", unit="rad/s^3", minimum=-1e5, maximum=0.0
     )
     h_stability: float = parameter(
         100.0, "indicator at or above which stability is regained", unit="rad/s^3", minimum=0.0, maximum=1e5

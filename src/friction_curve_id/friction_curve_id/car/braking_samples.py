@@ -14,6 +14,7 @@ class BrakingSamples:
         self._time = np.zeros(capacity)
         self._wheel_speed = np.zeros((wheels, capacity))
         self._torque = np.zeros((wheels, capacity))
+        self._work = np.zeros((wheels, capacity))
         self._acceleration = np.zeros(capacity)
         self._speed_change = np.zeros(capacity)
         self._closed = np.zeros(capacity)
@@ -33,6 +34,11 @@ class BrakingSamples:
     def torque(self) -> Array:
         """Brake torques at nominal gain [N m], shape (W, n)."""
         return self._torque[:, : self.count]
+
+    @property
+    def work(self) -> Array:
+        """Work of the brakes at nominal gain since the first sample of all [J], shape (W, n)."""
+        return self._work[:, : self.count]
 
     @property
     def acceleration(self) -> Array:
@@ -61,6 +67,10 @@ class BrakingSamples:
         self._time[k] = time
         self._wheel_speed[:, k] = wheel_speed
         self._torque[:, k] = torque
+        self._work[:, k] = 0.0
+        if k > 0:
+            done = 0.5 * (self._torque[:, k - 1] + torque) * wheel_speed * (time - self._time[k - 1])
+            self._work[:, k] = self._work[:, k - 1] + done
         self._acceleration[k] = acceleration
         self._closed[k] = closed
         self._speed_change[k] = gained + (self._speed_change[k - 1] if k > 0 else 0.0)
@@ -74,6 +84,6 @@ class BrakingSamples:
         """Forget the oldest samples."""
         keep = self.count - number
         arrays = (self._time, self._acceleration, self._speed_change, self._closed)
-        for array in (*arrays, self._wheel_speed, self._torque):
+        for array in (*arrays, self._wheel_speed, self._torque, self._work):
             array[..., :keep] = array[..., number : self.count].copy()
         self.count = keep

@@ -19,6 +19,14 @@ Array = NDArray[np.float64]
 _BLOCK = 0.04
 _STDDEV = 0.05
 """Of a mean [m/s^2]."""
+OF_TORQUE = (
+    Unknown.LOG_GAIN_FRONT,
+    Unknown.LOG_GAIN_REAR,
+    Unknown.FADING,
+    Unknown.PRESSURE_DELAY,
+    Unknown.ENGINE_DRAG,
+)
+"""Unknowns of the torque of brake and engine."""
 
 
 def car_balance(
@@ -34,7 +42,7 @@ def car_balance(
         nodes: measured signals.
         moved: their motion.
         acting: torque of brake and engine [N m], shape (W, n).
-        acting_jacobian: its derivatives by front gain, rear gain, delay and drag, shape (W, n, 4).
+        acting_jacobian: its derivatives by OF_TORQUE, shape (W, n, 5).
         unknowns: shape (SHARED + W,).
     """
     p, n = unknowns, nodes.time.size
@@ -63,9 +71,7 @@ def car_balance(
     jacobian[:, Unknown.LOG_INERTIA] = spinning
     jacobian[:, Unknown.LOG_MASS] = -(spinning + torques)
     of_torque = np.einsum("wi,wnk->nk", per_wheel, acting_jacobian)
-    for column, unknown in enumerate(
-        (Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR, Unknown.PRESSURE_DELAY, Unknown.ENGINE_DRAG)
-    ):
+    for column, unknown in enumerate(OF_TORQUE):
         jacobian[:, unknown] = of_torque[:, column]
     means = error[first:].reshape(blocks, size).mean(axis=1)[complete]
     rows = jacobian[first:].reshape(blocks, size, p.size).mean(axis=1)[complete]

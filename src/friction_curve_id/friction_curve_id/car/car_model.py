@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dtbtrs
 
 from friction_curve_id.car.pitch import Pitch, PitchState, pitch_of_body
-from friction_curve_id.car.unknowns import SHARED, Unknown
+from friction_curve_id.car.unknowns import FADING_WORK, SHARED, Unknown
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.vehicle import FRONT, Vehicle
 
 Array = NDArray[np.float64]
 
 _LEAST_SPEED = 0.5
+_LEAST_GAIN = 0.1
 _FIRST = 8
 """Nodes whose mean specific force the body is at rest under at the start."""
 LEAST_RELAXATION = 5e-3
@@ -92,6 +93,8 @@ class Nodes:
     """1 where the throttle is closed, shape (n,)."""
     turning: NDArray[np.bool_]
     """Whether the wheel turns: the brake of a locked one does not act with its torque. Shape (W, n)."""
+    work: Array
+    """Work of the brakes at nominal gain [J], shape (W, n)."""
     spread: float
     """Share of its second difference that a torque's mean between the wheel speeds has more than its node [-]."""
 
@@ -110,6 +113,7 @@ class Nodes:
             self.start_speed,
             self.closed[nodes],
             self.turning[:, nodes],
+            self.work[:, nodes],
             self.spread,
         )
 
@@ -249,6 +253,22 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
         pitch,
         immediate,
     )
+
+
+def brake_gains(car: CarConstants, nodes: Nodes, unknowns: Array) -> Array:
+    """Return the gains of the brakes over their nominal ones at the nodes, shape (W, n)."""
+    p = unknowns
+    cold = np.exp(np.where(car.front > 0.0, p[Unknown.LOG_GAIN_FRONT], p[Unknown.LOG_GAIN_REAR]))
+    return np.asarray(cold * _left_by_fading(nodes, p))
+
+
+def gains_by_fading(nodes: Nodes, unknowns: Array) -> Array:
+    """Return d ln of the gains / d FADING at the nodes, shape (W, n)."""
+    return np.asarray(-nodes.work / FADING_WORK / _left_by_fading(nodes, unknowns))
+
+
+def _left_by_fading(nodes: Nodes, unknowns: Array) -> Array:
+    return np.maximum(1.0 - unknowns[Unknown.FADING] * nodes.work / FADING_WORK, _LEAST_GAIN)
 
 
 def recursion(keep: Array, driving: Array) -> Array:

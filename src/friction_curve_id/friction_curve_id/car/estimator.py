@@ -15,7 +15,7 @@ from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_model import LEAST_RELAXATION, SPEED_UNKNOWNS, CarConstants, Nodes
 from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
-from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability
+from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability, reaching_up
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
 from friction_curve_id.car.node_signals import Start, delayed, node_signals, rolling_noise
@@ -275,7 +275,7 @@ class CarEstimator:
             self._peak = mixture(*found, evidence, self._mu_floor, True)
             self._seen = self._time_beyond(fit, self._peak, nodes.subset(slice(0, keep)))
             if self._seen < _SEEN_TIME:
-                self._peak = mixture(*found, evidence, self._mu_floor, False)
+                self._peak = mixture(*found, evidence, self._mu_floor, False, [each.unsettled for each in fits])
             else:
                 self._watch_road(fit, nodes.subset(slice(0, keep)))
         self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
@@ -289,8 +289,8 @@ class CarEstimator:
         delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
         torque, _ = delayed(self._samples, nodes, self._start, delay)
         used, fitted = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
-        self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time)
         misfit = misfit_at_peak(used, fitted, exp(float(fit.unknowns[Unknown.LOG_MU_MAX])), nodes.time)
+        self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time, misfit)
         if not isnan(misfit):
             self._misfit = misfit
 
@@ -333,7 +333,7 @@ class CarEstimator:
                 lambda_max,
                 mu_max,
                 lambda_max * peak.log_lambda_stddev,
-                mu_max * hypot(peak.log_mu_stddev, self._misfit),
+                mu_max * reaching_up(hypot(peak.log_mu_stddev, self._misfit)),
                 theta,
                 mu=float(mu[each]),
                 slope=float(slope[each]),

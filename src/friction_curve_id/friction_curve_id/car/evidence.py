@@ -4,8 +4,9 @@ The weights follow the evidence of each family in Laplace's approximation, plus 
 is of neither family, and without it the evidence would be sure of the wrong one.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import erf, exp, hypot, sqrt
+from math import erf, exp, expm1, hypot, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,10 @@ UNSEEN_FACTOR = 2.0
 """Factor of the deviations of lambda_max while the peak has not been seen: it is an extrapolation by a formula."""
 UNSEEN_FLOOR = 0.1
 _UNSEEN_MU_FACTOR = 1.5
+_INTERVAL = 1.96
+"""Deviations of a 95 % interval."""
+_STILL_TO_GO = 2.0
+"""What a fit still has to go over its last step: steps that halve."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +51,12 @@ def doubt(seen: bool, formula_known: bool) -> tuple[float, float]:
 
 
 def mixture(
-    unknowns: list[Array], covariances: list[Array], log_evidence: list[float], mu_floor: float, seen: bool
+    unknowns: list[Array],
+    covariances: list[Array],
+    log_evidence: list[float],
+    mu_floor: float,
+    seen: bool,
+    unsettled: Sequence[float] = (),
 ) -> Peak:
     """Mix the peaks of the families.
 
@@ -56,6 +66,7 @@ def mixture(
         log_evidence: ln of their evidence.
         mu_floor: least relative deviation of mu_max that the car leaves besides.
         seen: whether the slips have been beyond the peak.
+        unsettled: last step of each family in ln mu_max: a fit that moves is not known to better than that.
     """
     best = max(log_evidence)
     raw = [exp(max(each - best, -50.0)) for each in log_evidence]
@@ -76,7 +87,13 @@ def mixture(
             for w, value, c in zip(weights, values, covariances, strict=True)
         )
         found.append((mean, hypot(factor * sqrt(variance), floor)))
-    return Peak(found[0][0], found[1][0], found[0][1], found[1][1], tuple(weights))
+    moving = sqrt(sum(w * step**2 for w, step in zip(weights, unsettled or [0.0] * count, strict=True)))
+    return Peak(found[0][0], found[1][0], found[0][1], hypot(found[1][1], _STILL_TO_GO * moving), tuple(weights))
+
+
+def reaching_up(log_stddev: float) -> float:
+    """Relative standard deviation whose 95 % interval reaches as far up as that of a deviation in ln."""
+    return expm1(_INTERVAL * log_stddev) / _INTERVAL
 
 
 def normal_probability(deviations: float) -> float:

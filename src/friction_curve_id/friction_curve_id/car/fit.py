@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dpttrf, dpttrs
 
 from friction_curve_id.car.braking_samples import BrakingSamples
-from friction_curve_id.car.car_balance import car_balance
+from friction_curve_id.car.car_balance import OF_TORQUE, car_balance
 from friction_curve_id.car.car_model import CarConstants, Carried, Motion, Nodes, carried_over, motion, recursion
 from friction_curve_id.car.curve_family import Family
 from friction_curve_id.car.node_signals import Start, delayed
@@ -84,6 +84,8 @@ class CurveFit:
         self._correction = np.zeros((self._car.wheels, 0))
         self._damping = 0.0
         self._last_move = np.zeros(n)
+        self.unsettled = 0.0
+        """Length of the last full step in ln mu_max."""
 
     @property
     def unknowns(self) -> Array:
@@ -138,8 +140,7 @@ class CurveFit:
         spread = _spread(white[:, :size], variation * np.sqrt(equation.load_variance), nodes.interval)
         if self._balanced:
             inertia = self._car.inertia * np.exp(p[Unknown.LOG_INERTIA])
-            names = [Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR, Unknown.PRESSURE_DELAY, Unknown.ENGINE_DRAG]
-            of_torque = equation.jacobian[:, :, names] * inertia[:, :, np.newaxis]
+            of_torque = equation.jacobian[:, :, OF_TORQUE] * inertia[:, :, np.newaxis]
             errors, rows = car_balance(self._car, nodes, moved, equation.torque, of_torque, p)
             rows = rows * sd
             full[:size, :size] += rows.T @ rows
@@ -174,7 +175,9 @@ class CurveFit:
         self.cost = at.cost + before - past.log_likelihood
         self.log_evidence = -self.cost - float(np.log(np.diag(lower)).sum())
         self._node_time, self._of_node = nodes.time, at.of_node
-        curve = float(np.abs(move[:2] * sd[:2]).max())
+        of_curve = np.abs(move[:2] * sd[:2])
+        self.unsettled = float(of_curve[Unknown.LOG_MU_MAX])
+        curve = float(of_curve.max())
         longest = max(curve / 0.4, float(np.abs(move[2:]).max()) / 1.5, 1.0)
         move /= longest
         # Steps that turn back overshoot: damp them.

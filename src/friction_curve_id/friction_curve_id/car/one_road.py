@@ -13,7 +13,7 @@ from math import exp, isnan, log, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.car.car_model import CarConstants, Motion, Nodes
+from friction_curve_id.car.car_model import CarConstants, Motion, Nodes, brake_gains
 from friction_curve_id.car.curve_family import Family, curve_values
 from friction_curve_id.car.unknowns import Unknown
 
@@ -32,13 +32,19 @@ STILL_DIFFERENT = 0.02
 _LASTING = 4
 """Steps of the fits with more than that after which it is no bump."""
 _LEAST_TIME = 0.1
-"""Least time of what it is compared with [s]."""
+"""Least time of what it is compared with [s], of all wheels together."""
+_LEAST_AT_PEAK = 0.04
+"""The same near the peak."""
 _LEAST_SHARE = 0.4
 """Least share of mu_max at which friction is compared: below, the slope of the curve and the speed decide."""
 _AT_PEAK = 0.9
 """Share of mu_max from which friction tells of the peak itself."""
-_NEWEST_AT_PEAK = 0.3
-"""Time over which that is taken [s]: several swings of the load."""
+_NEWEST_AT_PEAK = 0.15
+"""Time over which that is taken [s]: some swings of the load, and not much of the road before."""
+MOST_MISFIT = 0.05
+"""Most ln of used over fitted friction there: on one road it is less in 97 % of the time."""
+STILL_MISFIT = 0.025
+"""The same once it has been more."""
 _MOST_SPIN = 0.5
 """Most torque that speeds a wheel up or down, over that of its tyre: it is late by what nobody knows."""
 
@@ -60,10 +66,9 @@ def used_and_fitted(
     log_peak = float(p[Unknown.LOG_LAMBDA_MAX])
     shape = (float(p[Unknown.SHAPE_1]), float(p[Unknown.SHAPE_2]))
     share = curve_values(family, log_peak, shape, moved.relaxed / exp(log_peak)).value
-    gain = np.exp(np.where(car.front > 0.0, p[Unknown.LOG_GAIN_FRONT], p[Unknown.LOG_GAIN_REAR]))
     inertia = car.inertia * exp(float(p[Unknown.LOG_INERTIA]))
     spinning = inertia * nodes.wheel_acceleration
-    acting = gain * torque + p[Unknown.ENGINE_DRAG] * car.driven + spinning
+    acting = brake_gains(car, nodes, p) * torque + p[Unknown.ENGINE_DRAG] * car.driven + spinning
     used = acting / (car.radius * np.maximum(moved.load, 1.0))
     fitted = exp(float(p[Unknown.LOG_MU_MAX])) * share
     steady = np.abs(spinning) < _MOST_SPIN * fitted * car.radius * moved.load
@@ -83,7 +88,7 @@ def misfit_at_peak(used: Array, fitted: Array, mu_max: float, time: Array) -> fl
     Where two roads have much the same curve below their peaks, only this shows the old one in the curve of the new one.
     """
     near = (fitted > _AT_PEAK * mu_max) & (time > time[-1] - _NEWEST_AT_PEAK)
-    return _log_ratio(used * near, fitted * near, time)
+    return _log_ratio(used * near, fitted * near, time, _LEAST_AT_PEAK)
 
 
 def difference_of_sides(used: Array, fitted: Array, left: Array, time: Array) -> float:
@@ -102,9 +107,9 @@ def difference_of_sides(used: Array, fitted: Array, left: Array, time: Array) ->
     return ratios[0] - ratios[1]
 
 
-def _log_ratio(used: Array, fitted: Array, time: Array) -> float:
+def _log_ratio(used: Array, fitted: Array, time: Array, least_time: float = _LEAST_TIME) -> float:
     interval = float(time[-1] - time[0]) / max(time.size - 1, 1)
-    if np.count_nonzero(fitted) * interval < _LEAST_TIME:
+    if np.count_nonzero(fitted) * interval < least_time:
         return nan
     return log(max(float(used.sum()), 1e-3) / float(fitted.sum()))
 
@@ -118,17 +123,22 @@ class RoadWatch:
     def __init__(self) -> None:
         """Begin with the braking."""
         self._steps = 0
-        self._changed = self._different = False
+        self._changed = self._different = self._misfits = False
         self._lasting = ""
 
-    def update(self, used: Array, fitted: Array, left: Array, time: Array) -> str:
-        """Return what speaks against one road, empty where nothing does. Arguments as above, after a step of a fit."""
+    def update(self, used: Array, fitted: Array, left: Array, time: Array, misfit: float) -> str:
+        """Return what speaks against one road, empty where nothing does. Arguments as above, after a step of a fit.
+
+        `misfit`: see misfit_at_peak, NaN where there is too little.
+        """
         change, difference = change_of_friction(used, fitted, time), difference_of_sides(used, fitted, left, time)
         change_shows, difference_shows = abs(change) > MOST_CHANGE, abs(difference) > MOST_DIFFERENCE
         if not isnan(change):
             self._changed = change_shows or (self._changed and abs(change) > STILL_CHANGED)
         if not isnan(difference):
             self._different = difference_shows or (self._different and abs(difference) > STILL_DIFFERENT)
+        if not isnan(misfit):
+            self._misfits = abs(misfit) > (STILL_MISFIT if self._misfits else MOST_MISFIT)
         found = ""
         if self._different:
             found = "the sides of the car are on different roads"
@@ -140,4 +150,6 @@ class RoadWatch:
             self._steps += 1
         if self._steps >= _LASTING:
             self._lasting = found
+        if not found and self._misfits:
+            found = "the newest friction near the peak is not that of the curve"
         return self._lasting or found

@@ -27,6 +27,7 @@ _PITCH = {
 _START_SPEED_STDDEV = 0.05
 _CURVE_STDDEV = 0.006
 """Half the track over the radius of the curve: 125 m."""
+_FADING_STDDEV = 0.08
 _OTHER_WHEELS = 0.15
 """Relative deviation of the deceleration of the car from that of the wheels that are measured."""
 _SLIP_OFFSET_STDDEV = 5e-4
@@ -93,6 +94,7 @@ def car_prior(
     # The lever arm of the tyre's force errs with the radius: force balance and wheel equation see it as gain.
     put(Unknown.LOG_GAIN_FRONT, 0.0, hypot(gains[0], radius) if gains[0] else 0.0)
     put(Unknown.LOG_GAIN_REAR, 0.0, hypot(gains[1], radius) if gains[1] else 0.0)
+    put(Unknown.FADING, 0.0, _FADING_STDDEV if any(gains) else 0.0)
     put(Unknown.LOG_MASS, 0.0, mass)
     put(Unknown.LOG_INERTIA, 0.0, max(relative_deviation(wheel, "inertia") for wheel in wheels))
     put(

@@ -50,6 +50,12 @@ class Unknown(IntEnum):
 
     CURVE = 22
     """Share by which the left wheels run faster than the car, and the right ones slower, on the way [-]."""
+    FADING = 23
+    """Share of its gain that a brake loses with the work of FADING_WORK [-]."""
+
+
+FADING_WORK = 1e5
+"""[J]"""
 
 
 SHARED = len(Unknown)

@@ -15,7 +15,7 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Motion, Nodes
+from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Motion, Nodes, brake_gains, gains_by_fading
 from friction_curve_id.car.curve_family import Family, curve_values
 from friction_curve_id.car.neighbours import with_repeated_ends
 from friction_curve_id.car.pitch import PITCH_UNKNOWNS
@@ -93,7 +93,7 @@ def wheel_equation(
     amplitude = mu_max * lever
     tyre = amplitude * curve.value
     tyre_by_slip = amplitude * curve.slope / peak
-    gain = np.exp(np.where(car.front > 0.0, p[Unknown.LOG_GAIN_FRONT], p[Unknown.LOG_GAIN_REAR]))
+    gain = brake_gains(car, nodes, p)
     inertia = car.inertia * exp(float(p[Unknown.LOG_INERTIA]))
     brake = gain * torque
 
@@ -128,6 +128,7 @@ def wheel_equation(
     balance = acting - passed
     jacobian[:, :, Unknown.LOG_GAIN_FRONT] = car.front * smooth
     jacobian[:, :, Unknown.LOG_GAIN_REAR] = (1.0 - car.front) * smooth
+    jacobian[:, :, Unknown.FADING] = gains_by_fading(nodes, p) * smooth
     jacobian[:, :, Unknown.PRESSURE_DELAY] = gain * torque_rate
     jacobian[:, :, Unknown.ENGINE_DRAG] = car.driven
     jacobian[:, :, Unknown.LOG_INERTIA] = -(smooth + p[Unknown.ENGINE_DRAG] * car.driven - passed)

@@ -15,7 +15,7 @@ from rich.progress import Progress
 from friction_evaluation.protocol import DT
 from friction_evaluation.rows import Row
 from friction_evaluation.slope.detection import METHODS, Detection, Settings, detect, shipped_settings
-from friction_evaluation.slope.driver_stops import driver_stops, runs_of_a_seed
+from friction_evaluation.slope.driver_stops import driver_stops, number_of_runs
 from friction_evaluation.slope.ordinary_braking import brakings_of_a_seed, ordinary_braking
 from friction_evaluation.slope.runs import Run, below_the_peak, through_the_peak
 from friction_parameters.command_line import count
@@ -28,7 +28,7 @@ _FALSE_ALARM_HOLD = 1.5
 """[s]"""
 _FIRST_SEED = 10_000
 """Far from the seeds of the tuning."""
-_MOST_STOPS, _MOST_BRAKINGS = 20, 5
+_MOST_STOPS, _MOST_BRAKINGS = 100, 5
 """Seeds of the runs of whole cars, which take longest."""
 
 
@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> list[Row]:
     settings = shipped_settings(imu=not options.no_imu)
     seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
     of_stops, of_brakings = (seeds[:most] if settings.imu else seeds[:0] for most in (_MOST_STOPS, _MOST_BRAKINGS))
-    car_runs = len(of_stops) * runs_of_a_seed() + len(of_brakings) * brakings_of_a_seed()
+    car_runs = number_of_runs(of_stops) + len(of_brakings) * brakings_of_a_seed()
     rows: list[Row] = []
     with Progress() as progress:
         task = progress.add_task("slope sign", total=len(TABLE_8_1) * options.seeds + car_runs)
