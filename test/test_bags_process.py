@@ -19,13 +19,13 @@ from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import encode
 from friction_bags.bag_io.message_bag import write_bag
-from friction_bags.bag_io.message_definition import message_class
 from friction_bags.experiments.library import Experiment, simulate
 from friction_bags.importers import bmw
 from friction_bags.importers.import_csv import read_rows
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
+from friction_runtime.message_type import message_class
 from friction_runtime.shipped_files import shipped_file
 
 CAR = Path(__file__).parents[1] / "src" / "friction_bags" / "test" / "two_corners.yaml"

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.bag_io.message_definition import UnknownTypeError
 from friction_parameters.command_line import command
+from friction_runtime.message_type import UnknownTypeError
 
 _NODES = {
     "record": ("record_replay.record", "record topics to a bag"),

@@ -11,7 +11,7 @@ from friction_bags.__main__ import main
 PACKAGE = Path(__file__).parents[1] / "friction_bags"
 WORKSPACE = frozenset(path.parent.name for path in Path(__file__).parents[2].glob("*/package.xml"))
 ALLOWED: dict[str, set[str]] = {
-    "bag_io": set(),
+    "bag_io": {"friction_runtime"},  # names of message types
     "bag_vehicle": {"friction_bags.bag_io", "friction_parameters", "friction_runtime", "vehicle_models"},
     "record_replay": {
         "friction_bags.bag_io",
@@ -45,7 +45,11 @@ ALLOWED: dict[str, set[str]] = {
         "friction_runtime",
         "vehicle_models",
     },
-    "__main__": {"friction_bags.bag_io", "friction_parameters"},  # loads the module of a command by its name
+    "__main__": {
+        "friction_bags.bag_io",
+        "friction_parameters",
+        "friction_runtime",
+    },  # loads the module of a command by its name
 }
 
 

@@ -12,7 +12,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from friction_bags.bag_io.message_definition import message_class, type_name
+from friction_bags.bag_io.message_definition import type_name
+from friction_runtime.message_type import message_class
 
 HEADER: Final = b"\0\1\0\0"
 """Encapsulation header of little-endian CDR; alignment counts from its end."""

@@ -1,0 +1,101 @@
+"""Values as messages of this graph."""
+
+from collections.abc import Callable, Mapping, Sequence
+from math import isnan
+from typing import Any
+
+from friction_msgs.msg import BrakeDemand
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from sensor_msgs.msg import FluidPressure, Imu, JointState
+
+from friction_adapter.adapter import Target
+from friction_adapter.quantities import (
+    BRAKE_DEMAND,
+    BRAKE_PRESSURE,
+    BRAKE_TORQUE_REQUEST,
+    IMU,
+    VEHICLE_VELOCITY,
+    WHEEL_STATES,
+)
+from friction_runtime.stamps import header_at
+from vehicle_models.vehicle import Vehicle
+
+Maker = Callable[[int, Sequence[float]], Any]
+"""Makes a message from its stamp [ns] and the values of the target."""
+MESSAGE_TYPES: Mapping[str, type] = {
+    WHEEL_STATES: JointState,
+    IMU: Imu,
+    VEHICLE_VELOCITY: TwistWithCovarianceStamped,
+    BRAKE_PRESSURE: FluidPressure,
+    BRAKE_DEMAND: BrakeDemand,
+    BRAKE_TORQUE_REQUEST: JointState,
+}
+_FRAME = "base_link"
+_UNKNOWN = -1.0
+"""First element of a covariance of sensor_msgs/Imu whose quantity is not measured."""
+
+
+def maker(target: Target, stddevs: Mapping[str, float], vehicle: Vehicle) -> Maker:
+    """Return what makes the messages of a target.
+
+    What was not measured is left at its default: covariances are zero, the orientation is marked as unknown. A rate
+    that is NaN is marked likewise.
+
+    Args:
+        target: the target.
+        stddevs: standard deviation by its parts, where known.
+        vehicle: the car.
+    """
+    variances = {part: stddev**2 for part, stddev in stddevs.items()}
+    if target.message == WHEEL_STATES:
+        joints = [vehicle.wheel(wheel).joint for wheel in target.parts]
+        return lambda stamp, values: JointState(header=header_at(stamp, ""), name=joints, velocity=list(values))
+    if target.message == IMU:
+        return _imu_maker(variances.get("acceleration", 0.0), vehicle.accelerometer.axis)
+    if target.message == VEHICLE_VELOCITY:
+        return _velocity_maker(variances.get("speed", 0.0))
+    if target.message == BRAKE_PRESSURE:
+        variance = variances.get(BRAKE_PRESSURE, 0.0)
+        return lambda stamp, values: FluidPressure(
+            header=header_at(stamp, target.wheel), fluid_pressure=values[0], variance=variance
+        )
+    if target.message == BRAKE_DEMAND:
+        return lambda stamp, values: BrakeDemand(header=header_at(stamp, _FRAME), pressure=values[0])
+    return lambda stamp, values: JointState(header=header_at(stamp, ""), name=["all_wheels"], effort=list(values))
+
+
+def _imu_maker(variance: float, axis: str) -> Maker:
+    """The accelerometer along the car is on the axis that the vehicle file names."""
+    across = "x" if axis == "y" else "y"
+    place = 4 * "xyz".index(axis)
+
+    def make(stamp: int, values: Sequence[float]) -> Imu:
+        forward, leftward, yaw_rate = values
+        message = Imu()
+        message.header = header_at(stamp, _FRAME)
+        message.orientation_covariance[0] = _UNKNOWN
+        setattr(message.linear_acceleration, axis, forward)
+        message.linear_acceleration_covariance[place] = variance
+        if not isnan(leftward):
+            setattr(message.linear_acceleration, across, leftward)
+        if isnan(yaw_rate):
+            message.angular_velocity_covariance[0] = _UNKNOWN
+        else:
+            message.angular_velocity.z = yaw_rate
+        return message
+
+    return make
+
+
+def _velocity_maker(variance: float) -> Maker:
+    def make(stamp: int, values: Sequence[float]) -> TwistWithCovarianceStamped:
+        forward, leftward = values
+        message = TwistWithCovarianceStamped()
+        message.header = header_at(stamp, _FRAME)
+        message.twist.twist.linear.x = forward
+        message.twist.covariance[0] = variance
+        if not isnan(leftward):
+            message.twist.twist.linear.y = leftward
+        return message
+
+    return make
