@@ -25,6 +25,7 @@ AROUND = {
     "node": "layer 3",
     "processor": "layer 2",
     "messages": "smart_tyre_forces and friction_adapter: values as messages",
+    "record_mapper": "friction_adapter: records of any source as messages",
     "message_fields": "friction_adapter: fields of installed message types",
     "curve_messages": "friction_curve_id: estimates as messages",
     "inputs": "friction_curve_id: messages as samples",

@@ -3,10 +3,9 @@
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
-from friction_adapter.adapter import Adapter, Made
 from friction_adapter.can_frames import CanFrames
 from friction_adapter.field_path import Fields
-from friction_adapter.messages import MESSAGE_TYPES, maker
+from friction_adapter.record_mapper import RecordMapper
 from friction_adapter.signal_map import Kind, SignalMap
 from friction_adapter.sources import Sources
 from friction_parameters.parameter import ParameterError
@@ -44,11 +43,7 @@ class AdapterProcessor:
         self._report = report
         self._arrival = arrival
         self._frames = _can_frames(signal_map)
-        self._adapter = Adapter(signal_map, Sources(fields_of, self._frames))
-        self._makers = [
-            maker(target, stddevs, signal_map.vehicle)
-            for target, stddevs in zip(self._adapter.targets, self._adapter.stddevs, strict=True)
-        ]
+        self._mapper = RecordMapper(signal_map, Sources(fields_of, self._frames))
         self.types = signal_map.topics
         """Type of each topic that is needed, by its name."""
         if self._frames is not None:
@@ -75,18 +70,17 @@ class AdapterProcessor:
     @property
     def outputs(self) -> Mapping[str, type]:
         """Topics of this graph."""
-        return {target.topic: MESSAGE_TYPES[target.message] for target in self._adapter.targets}
+        return self._mapper.outputs
 
     def process(self, topic: str, message: Any) -> Sequence[Output]:
         """Take a message of the car; return the messages that it completes."""
         if self._frames is not None and topic == self._map.can.topic:
             made = self._of_frame(self._frames, message)
         else:
-            made = self._adapter.take(topic, message, self._arrival())
+            made = self._mapper.take(topic, message, self._arrival())
         self._count += len(made)
         self._say()
-        targets = self._adapter.targets
-        return [(targets[each.target].topic, self._makers[each.target](each.stamp, each.values)) for each in made]
+        return made
 
     def watch(self, ages: Mapping[str, float], now: float) -> Sequence[Output]:
         """Do nothing: the node's diagnostics name a topic that is silent."""
@@ -94,7 +88,7 @@ class AdapterProcessor:
 
     def reset(self) -> None:
         """Start again, as after construction."""
-        self._adapter.reset()
+        self._mapper.reset()
         self._said.clear()
         self._count = 0
 
@@ -102,24 +96,19 @@ class AdapterProcessor:
         """State for diagnostics: WARN once something could not be used."""
         troubles = self._troubles()
         values = {"messages made": str(self._count), **{text: str(count) for text, count in troubles.items()}}
-        worst = ", ".join(text for text, count in troubles.items() if count)
-        return Health("map", Level.WARN if worst else Level.OK, worst or "ok", values)
+        return Health("map", Level.WARN if troubles else Level.OK, ", ".join(troubles) or "ok", values)
 
-    def _of_frame(self, frames: CanFrames, message: Any) -> list[Made]:
+    def _of_frame(self, frames: CanFrames, message: Any) -> list[Output]:
         frame = frames.decode(message.id, message.is_extended, bytes(message.data[: message.dlc]))
         if frame is None:
             return []
         stamp = self._arrival() if self._map.can.by_arrival else to_nanoseconds(message.header.stamp)
-        return self._adapter.take(frame.name, frame.values, stamp)
+        return self._mapper.take(frame.name, frame.values, stamp)
 
     def _troubles(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return {
-            **{f"no value for {title}": count for title, count in self._adapter.unreadable.items()},
-            "stamps that no message can hold": self._adapter.refused,
-            "instants without one of their messages": self._adapter.incomplete,
-            "frames that cannot be decoded": 0 if self._frames is None else self._frames.undecoded,
-        }
+        undecoded = 0 if self._frames is None else self._frames.undecoded
+        return {**self._mapper.troubles(), **({"frame that cannot be decoded": undecoded} if undecoded else {})}
 
     def _say(self) -> None:
         for text, count in self._troubles().items():

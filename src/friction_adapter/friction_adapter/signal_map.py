@@ -129,7 +129,7 @@ class SignalMap:
             )
         if not self.has("brake_pressure"):
             texts.append(
-                "without 'brake_pressure', no friction curve and no supervisor's answer to a torque: add the pressure "
-                "at each wheel, or the line pressure as `fields: {all: ...}`"
+                "without 'brake_pressure' there is no brake torque, and wheel_slip alone has all its inputs: add the "
+                "pressure at each wheel, or that of the line as `fields: {all: ...}`"
             )
         return tuple(texts)

@@ -14,6 +14,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
+from friction_adapter.map_argument import add_map_argument
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_vehicle import CAR_OTHERWISE
 from friction_bags.offline.estimators import ESTIMATORS
@@ -39,6 +40,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--estimators", nargs="+", choices=ESTIMATORS, default=[], help="default: all with inputs")
     add_vehicle_argument(parser, CAR_OTHERWISE)
     parser.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
+    add_map_argument(parser)
     parser.add_argument("--namespace", default="/", help="namespace of the topics, such as /car")
     parser.add_argument("--outputs-only", action="store_true", help="leave out the topics of the bag")
     parser.add_argument(
@@ -63,6 +65,7 @@ def run(args: Namespace) -> int:
         tuple(args.params_file),
         args.namespace,
         args.outputs_only,
+        args.map,
     )
     outs = [args.out] if len(args.bags) == 1 else [args.out / bag.resolve().name for bag in args.bags]
     if len(set(outs)) < len(outs):
