@@ -1,6 +1,6 @@
 """Frames of a CAN bus as signals, by a DBC file. cantools is needed only where a map names CAN signals."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -67,8 +67,12 @@ class CanFrames:
             raise ValueError(f"{self._path} has no CAN signal '{name}': there are {', '.join(near)}{more}")
         return found[0]
 
+    def keep(self, names: Collection[str]) -> None:
+        """Decode these frames only."""
+        self._by_id = {key: each for key, each in self._by_id.items() if each.name in names}
+
     def decode(self, frame_id: int, is_extended: bool, data: bytes) -> Frame | None:
-        """Decode a frame; None for one that the DBC file does not have, or that cannot be decoded."""
+        """Decode a frame; None for one that is not kept, or that cannot be decoded."""
         message = self._by_id.get((frame_id, is_extended))
         if message is None:
             return None

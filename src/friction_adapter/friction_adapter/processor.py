@@ -44,6 +44,8 @@ class AdapterProcessor:
         self._arrival = arrival
         self._frames = _can_frames(signal_map)
         self._mapper = RecordMapper(signal_map, Sources(fields_of, self._frames))
+        if self._frames is not None:
+            self._frames.keep(self._mapper.sources)
         self.types = signal_map.topics
         """Type of each topic that is needed, by its name."""
         if self._frames is not None:

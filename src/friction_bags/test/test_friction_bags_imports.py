@@ -11,6 +11,7 @@ from friction_bags.__main__ import main
 PACKAGE = Path(__file__).parents[1] / "friction_bags"
 WORKSPACE = frozenset(path.parent.name for path in Path(__file__).parents[2].glob("*/package.xml"))
 ALLOWED: dict[str, set[str]] = {
+    "progress_bars": set(),
     "bag_io": {"friction_runtime"},  # names of message types
     "bag_vehicle": {"friction_bags.bag_io", "friction_parameters", "friction_runtime", "vehicle_models"},
     "record_replay": {
@@ -25,6 +26,7 @@ ALLOWED: dict[str, set[str]] = {
         "friction_bags.bag_io",
         "friction_bags.bag_vehicle",
         "friction_bags.mapped",
+        "friction_bags.progress_bars",
         "friction_parameters",
         "friction_runtime",
         "vehicle_models",
@@ -41,6 +43,7 @@ ALLOWED: dict[str, set[str]] = {
         "friction_bags.bag_io",
         "friction_bags.bag_vehicle",
         "friction_bags.mapped",
+        "friction_bags.progress_bars",
         "friction_parameters",
         "friction_runtime",
         "vehicle_models",

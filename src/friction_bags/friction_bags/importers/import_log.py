@@ -2,26 +2,43 @@
 
 import sys
 from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Protocol
 
 from friction_adapter.map_argument import add_map_argument
 from friction_adapter.map_file import load_map, shipped_maps
+from friction_adapter.signal_map import SignalMap
+from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.message_bag import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE
+from friction_bags.importers import can_log
+from friction_bags.importers.can_log import CanLog
 from friction_bags.importers.table import Table
+from friction_bags.mapped.mapped_bag import MappedBag
+from friction_bags.progress_bars import bars
 from friction_parameters.parameter import ParameterError
+from friction_runtime.processor import Output, Severity
 from vehicle_models.vehicle_argument import add_vehicle_argument
+
+_BAG_SUFFIXES = (".mcap", ".db3", ".zstd")
+_SHOW_EVERY = 1000
+
+
+class _Log(Protocol):
+    def messages(self) -> Iterator[Output]: ...
+    def share(self) -> float: ...
+    def troubles(self) -> Mapping[str, int]: ...
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Describe the command line."""
-    parser.add_argument(
-        "log",
-        nargs="+",
-        metavar="[MAP] LOG",
-        help="table (CSV); a shipped map may stand before it",
+    kinds = (
+        f"table (CSV), CAN log ({', '.join(can_log.SUFFIXES)}) or bag; the name of a shipped map may stand before it"
     )
+    parser.add_argument("log", nargs="+", metavar="[MAP] LOG", help=kinds)
     add_map_argument(parser)
+    parser.add_argument("--dbc", type=Path, metavar="FILE", help="DBC file of a CAN log (default: that of the map)")
     add_vehicle_argument(parser, "that of the map")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="bag to write")
 
@@ -37,18 +54,58 @@ def run(args: Namespace) -> int:
         OSError: a file cannot be read or written.
         ParameterError: the map is not valid, or does not fit the log.
     """
-    name, log = _map_and_log(args.log, args.map)
+    name, path = _map_and_log(args.log, args.map)
     signal_map = load_map(name, args.vehicle)
-    for text in signal_map.cannot:
-        print(f"warning: {signal_map.path}: {text}", file=sys.stderr)
-    table = Table(log, signal_map)
     notes = {**signal_map.notes, VEHICLE_NOTE: signal_map.vehicle_reference}
-    count = write_bag(args.out, table.messages(), notes)
-    print(f"{args.out}: {count} messages from {log}")
-    troubles = table.mapper.troubles()
+    if path.is_dir() or path.suffix in _BAG_SUFFIXES:
+        return _import_bag(path, signal_map, args.out, notes)
+    for text in signal_map.cannot:
+        _warn("warning", f"{signal_map.path}: {text}")
+    is_can = path.suffix.lower() in can_log.SUFFIXES
+    log: _Log = CanLog(path, signal_map, args.dbc) if is_can else Table(path, signal_map)
+    with bars([path.name]) as show:
+        count = write_bag(args.out, _shown(log, show), notes)
+    print(f"{args.out}: {count} messages from {path}")
+    troubles = log.troubles()
     for text, times in troubles.items():
-        print(f"warning: {log}: {text}, {times} times", file=sys.stderr)
+        _warn("warning", f"{path}: {text}, {times} times")
     return 1 if troubles else 0
+
+
+def _import_bag(path: Path, signal_map: SignalMap, out: Path, notes: Mapping[str, str]) -> int:
+    """Write what a map makes of a bag, recorded with the messages that completed it; return the exit code."""
+    warnings: list[str] = []
+
+    def report(severity: Severity, text: str) -> None:
+        if severity in ("warning", "error") and text not in warnings:
+            warnings.append(text)
+            _warn(severity, text)
+
+    count = 0
+    with MappedBag(path, signal_map, report) as bag:
+        known = len(warnings)  # what the map lacks is no trouble of this bag
+        with BagWriter(out, custom_data=notes) as writer, bars([path.name]) as show:
+            channels = {topic: writer.add_topic(topic) for topic in bag.made}
+            for topic, stamp, data in bag.messages(bag.made):
+                writer.write(channels[topic], stamp, data)
+                count += 1
+                if count % _SHOW_EVERY == 0:
+                    show(0, (stamp - bag.start) / max(bag.end - bag.start, 1))
+        for problem in bag.problems:
+            _warn("damaged", problem)
+        print(f"{out}: {count} messages from {path}")
+        return 1 if bag.problems or len(warnings) > known else 0
+
+
+def _warn(severity: str, text: str) -> None:
+    print(f"{severity}: {text}", file=sys.stderr)
+
+
+def _shown(log: _Log, show: Callable[[int, float], None]) -> Iterator[Output]:
+    for number, output in enumerate(log.messages()):
+        if number % _SHOW_EVERY == 0:
+            show(0, log.share())
+        yield output
 
 
 def _map_and_log(given: list[str], map_name: str) -> tuple[str, Path]:

@@ -3,6 +3,7 @@
 import csv
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import TextIO
 
 from friction_adapter.record_mapper import RecordMapper
 from friction_adapter.signal_map import ARRIVAL, Kind, SignalMap
@@ -33,7 +34,9 @@ class Table:
         self._delimiter = max(_DELIMITERS, key=head.count)
         self._columns = next(csv.reader([head.lstrip("# ")], delimiter=self._delimiter))
         self._needed = _columns_of(signal_map)
-        self.mapper = RecordMapper(signal_map, Sources(columns=self._columns))
+        self._size = max(path.stat().st_size, 1)
+        self._stream: TextIO | None = None
+        self._mapper = RecordMapper(signal_map, Sources(columns=self._columns))
 
     def rows(self) -> Iterator[dict[str, float]]:
         """Yield the rows as numbers by column, those of the map only.
@@ -42,6 +45,7 @@ class Table:
             BagError: a value is not a number; the text names the line.
         """
         with self._path.open(newline="", encoding="utf-8-sig") as stream:
+            self._stream = stream
             stream.readline()
             reader = csv.DictReader(stream, self._columns, delimiter=self._delimiter)
             for row in reader:
@@ -52,7 +56,7 @@ class Table:
 
     def of_row(self, row: Mapping[str, float]) -> list[Output]:
         """Return relative topics and messages of a row."""
-        return self.mapper.take(TABLE, row, 0)
+        return self._mapper.take(TABLE, row, 0)
 
     def messages(self) -> Iterator[Output]:
         """Yield topics and messages of all rows.
@@ -63,6 +67,15 @@ class Table:
         for row in self.rows():
             for topic, message in self.of_row(row):
                 yield f"/{topic}", message
+
+    def share(self) -> float:
+        """Return the share of the table that has been read."""
+        stream = self._stream
+        return 0.0 if stream is None or stream.closed else stream.buffer.tell() / self._size
+
+    def troubles(self) -> dict[str, int]:
+        """Return how often something could not be used, by what it is."""
+        return self._mapper.troubles()
 
 
 def _columns_of(signal_map: SignalMap) -> tuple[str, ...]:

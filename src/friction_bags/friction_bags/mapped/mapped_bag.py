@@ -64,6 +64,11 @@ class MappedBag(BagReader):
         return {**kept, **dict.fromkeys(self._made.values(), 0)}
 
     @property
+    def made(self) -> tuple[Topic, ...]:
+        """Topics that the map makes."""
+        return tuple(self._made.values())
+
+    @property
     def custom_data(self) -> dict[str, str]:
         """Notes of the bag; the car is that of the map."""
         return {**super().custom_data, VEHICLE_NOTE: self._vehicle}
