@@ -43,6 +43,31 @@ def map_choices() -> str:
     return f"a path, or one of those shipped: {', '.join(shipped_maps())}"
 
 
+def map_path(name: str | Path) -> Path:
+    """Return the path of a map.
+
+    Args:
+        name: path, or name of a shipped map.
+
+    Raises:
+        ParameterError: there is no such map; the text names those shipped.
+    """
+    path = _SHIPPED / f"{name}.yaml" if str(name) in shipped_maps() else Path(name)
+    if not path.is_file():
+        raise ParameterError(f"there is no signal map '{name}': give {map_choices()}")
+    return path
+
+
+def map_reference(name: str) -> str:
+    """Return a name of a map that is valid in every directory: a shipped name as it is, else the absolute path.
+
+    Raises:
+        ParameterError: as map_path.
+    """
+    path = map_path(name)
+    return name if name in shipped_maps() else str(path.absolute())
+
+
 def load_map(name: str | Path, vehicle: str = "") -> SignalMap:
     """Read a map.
 
@@ -53,9 +78,7 @@ def load_map(name: str | Path, vehicle: str = "") -> SignalMap:
     Raises:
         ParameterError: there is no such map or vehicle, or the map is not valid; one line of text with file and line.
     """
-    path = _SHIPPED / f"{name}.yaml" if str(name) in shipped_maps() else Path(name)
-    if not path.is_file():
-        raise ParameterError(f"there is no signal map '{name}': give {map_choices()}")
+    path = map_path(name)
     top = read_yaml(path, "signal map")
     for key, entry in top.items():
         refuse_repeated(path, key, entry)
