@@ -25,7 +25,7 @@ from friction_adapter.signal_map import ARRIVAL, CanBus, SignalMap
 from friction_parameters.parameter import ParameterError
 from friction_parameters.yaml_source import Entry, read_yaml, refuse_repeated
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.vehicle_file import load_vehicle, shipped_vehicles
+from vehicle_models.vehicle_file import load_vehicle, shipped_vehicles, vehicle_choices, vehicle_reference
 
 _SHIPPED = Path(__file__).parent / "maps"
 _KEYS = ("vehicle", "stamp", "stamp_offset", "together", "can", "notes", "signals")
@@ -84,10 +84,11 @@ def load_map(name: str | Path, vehicle: str = "") -> SignalMap:
         refuse_repeated(path, key, entry)
     file = MapEntries(path)
     file.known(top, _KEYS)
-    for key in ("signals",) if vehicle else ("vehicle", "signals"):
-        if key not in top:
-            raise ParameterError(f"{path}: '{key}' is missing")
-    reference = vehicle or _vehicle_reference(file, top["vehicle"])
+    if "signals" not in top:
+        raise ParameterError(f"{path}: 'signals' is missing")
+    if not vehicle and "vehicle" not in top:
+        raise ParameterError(f"{path}: 'vehicle' is missing: the map is for any car, so give one, {vehicle_choices()}")
+    reference = vehicle_reference(vehicle) if vehicle else _vehicle_reference(file, top["vehicle"])
     car = load_vehicle(reference)
     stamp = file.text("stamp", top["stamp"]) if "stamp" in top else "header.stamp"
     signals = []

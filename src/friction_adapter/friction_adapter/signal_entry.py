@@ -20,6 +20,8 @@ _KEYS = (
 )
 _ORIGINS = "{topic: NAME, type: TYPE}, {can: SIGNAL}, {column: NAME}, can or table"
 _WHEEL: Final = "{wheel}"
+_JOINT: Final = "{joint}"
+"""What stands for the name of each wheel, and for its name in wheel_states."""
 _ALL: Final = "all"
 _TYPE = re.compile(r"[a-zA-Z]\w*/msg/[A-Z]\w*", re.ASCII)
 _LONGEST_LATENCY = 1.0
@@ -131,23 +133,23 @@ class SignalEntry:
         texts = self._texts(key, entry)
         if not self._quantity.per_wheel:
             return {"": texts}
-        if key not in ("topic", "type") and _WHEEL not in "".join(texts) and not self._topics_differ():
+        if key != "topic" and not _differs("".join(texts)) and not self._topics_differ():
             wheels = ", ".join(f"{name}: ..." for name in self._vehicle.wheel_names)
             raise self._file.error(
                 entry, f"'{self._quantity.name}' is that of each wheel: give {{{wheels}}}, or a text with {_WHEEL}"
             )
-        return {name: tuple(text.replace(_WHEEL, name) for text in texts) for name in self._vehicle.wheel_names}
+        return {wheel.name: tuple(_of_wheel(text, wheel) for text in texts) for wheel in self._vehicle.wheels}
 
     def _topics_differ(self) -> bool:
         origin = self._given["from"].value
         topic = origin["topic"].value if isinstance(origin, dict) and "topic" in origin else ""
-        return isinstance(topic, dict) or _WHEEL in topic
+        return isinstance(topic, dict) or _differs(str(topic))
 
     def _of_wheels(self, key: str, given: Mapping[str, Entry]) -> dict[str, tuple[str, ...]]:
         """Return texts by wheel from a mapping: a wheel's own text goes before its axle's, that before `all`."""
         wheels = {wheel.name: wheel for wheel in self._vehicle.wheels}
-        axles = tuple(dict.fromkeys(wheel.axle for wheel in wheels.values()))
-        self._file.known(given, (*wheels, *axles, _ALL))
+        places = dict.fromkeys(place for wheel in wheels.values() for place in _places(wheel))
+        self._file.known(given, tuple(dict.fromkeys((*wheels, *places))))
         found: dict[str, tuple[str, ...]] = {}
         for name, wheel in wheels.items():
             chosen = _first_in(given, name, wheel)
@@ -177,7 +179,7 @@ class SignalEntry:
         value = given["is"].value
         if not isinstance(value, (bool, int, float, str)):
             raise self._file.error(given["is"], f"'is' = {plain(value)!r} must be a number, a text, true or false")
-        single = not isinstance(place.value, dict) and _WHEEL not in str(place.value)
+        single = not isinstance(place.value, dict) and not _differs(str(place.value))
         fields = (
             dict.fromkeys(self._targets(), (self._file.text("valid", place),))
             if single
@@ -253,5 +255,19 @@ class SignalEntry:
         return tuple(float(each) for each in values)
 
 
+def _differs(text: str) -> bool:
+    """Whether a text stands for another one at each wheel."""
+    return _WHEEL in text or _JOINT in text
+
+
 def _first_in(given: Mapping[str, Entry], name: str, wheel: Wheel) -> Entry | None:
-    return next((given[key] for key in (name, wheel.axle, _ALL) if key in given), None)
+    return next((given[key] for key in (name, *_places(wheel)) if key in given), None)
+
+
+def _places(wheel: Wheel) -> tuple[str, ...]:
+    """Return how a wheel may be named besides its name, the closest first: front_left, front, all."""
+    return f"{wheel.axle}_{wheel.side}", wheel.axle, _ALL
+
+
+def _of_wheel(text: str, wheel: Wheel) -> str:
+    return text.replace(_WHEEL, wheel.name).replace(_JOINT, wheel.joint)

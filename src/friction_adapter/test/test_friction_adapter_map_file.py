@@ -49,6 +49,13 @@ def test_a_wheel_goes_before_its_axle_and_that_before_all(tmp_path: Path) -> Non
     assert [each.fields[0] for each in signals] == ["axle", "own", "line", "line"]
 
 
+def test_a_wheel_is_named_by_its_place_or_its_joint_where_a_map_is_for_any_car(tmp_path: Path) -> None:
+    places = "brake_pressure: {from: table, fields: {front_left: a, rear_right: b, FL: own}}"
+    assert [each.fields for each in read(tmp_path, places).signals] == [("own",), ("b",)]
+    (first, *_) = read(tmp_path, 'wheel_speed: {from: can, field: "{joint}_v"}').signals
+    assert first.fields == ("wheel_fl_joint_v",)
+
+
 def test_pressures_of_one_axle_are_enough(tmp_path: Path) -> None:
     signals = read(tmp_path, "brake_pressure: {from: table, fields: {front: axle}}").signals
     assert [each.wheel for each in signals] == ["FL", "FR"]
@@ -108,7 +115,7 @@ def test_the_car_is_looked_for_beside_the_map_and_can_be_another(tmp_path: Path)
         ),
         (
             "wheel_speed: {from: table, fields: {LF: a}}",
-            "line 3: unknown key 'LF': known here are FL, FR, RL, RR",
+            "line 3: unknown key 'LF': known here are FL, FR, RL, RR, front_left, front",
         ),
         ('wheel_speed: {from: table, field: "{wheel}", stddev: 1}', "line 3: the message of 'wheel_speed' carries no"),
         ("brake_demand: {from: {column: p}, unit: '%'}", "line 3: 'full_scale' belongs to the unit %: 100 % in Pa"),
@@ -159,7 +166,7 @@ def test_an_unknown_map_is_refused_with_those_shipped() -> None:
 
 @pytest.mark.parametrize("name", shipped_maps())
 def test_a_shipped_map_is_valid(name: str) -> None:
-    assert load_map(name).signals
+    assert load_map(name, "compact_car").signals
 
 
 def test_what_cannot_be_estimated_is_said_with_what_to_add(tmp_path: Path) -> None:

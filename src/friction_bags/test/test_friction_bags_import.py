@@ -164,4 +164,4 @@ def test_what_cannot_be_used_of_a_table_is_said(tmp_path: Path, capsys: pytest.C
 @pytest.mark.parametrize("given", [["drive.csv"], ["no_map", "drive.csv"], ["bmw", "a.csv", "b.csv"]])
 def test_a_log_without_map_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str], given: list[str]) -> None:
     assert main(["import", *given, "--out", str(tmp_path / "bag")]) == 2
-    assert "give LOG --map MAP, or one of bmw" in capsys.readouterr().err
+    assert "give LOG --map MAP, or one of " in capsys.readouterr().err
