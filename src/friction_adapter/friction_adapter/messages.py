@@ -1,11 +1,12 @@
 """Values as messages of this graph."""
 
+from array import array
 from collections.abc import Callable, Mapping, Sequence
 from math import isnan
 from typing import Any
 
 from friction_msgs.msg import BrakeDemand
-from geometry_msgs.msg import TwistWithCovarianceStamped
+from geometry_msgs.msg import TwistWithCovarianceStamped, Vector3
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_adapter.adapter import Target
@@ -17,6 +18,7 @@ from friction_adapter.quantities import (
     VEHICLE_VELOCITY,
     WHEEL_STATES,
 )
+from friction_runtime.new_message import new_message
 from friction_runtime.stamps import header_at
 from vehicle_models.vehicle import Vehicle
 
@@ -48,43 +50,75 @@ def maker(target: Target, stddevs: Mapping[str, float], vehicle: Vehicle) -> Mak
     """
     variances = {part: stddev**2 for part, stddev in stddevs.items()}
     if target.message == WHEEL_STATES:
-        joints = [vehicle.wheel(wheel).joint for wheel in target.parts]
-        return lambda stamp, values: JointState(header=header_at(stamp, ""), name=joints, velocity=list(values))
+        return _wheel_states_maker([vehicle.wheel(wheel).joint for wheel in target.parts])
     if target.message == IMU:
         return _imu_maker(variances.get("acceleration", 0.0), vehicle.accelerometer.axis)
     if target.message == VEHICLE_VELOCITY:
         return _velocity_maker(variances.get("speed", 0.0))
     if target.message == BRAKE_PRESSURE:
-        variance = variances.get(BRAKE_PRESSURE, 0.0)
-        return lambda stamp, values: FluidPressure(
-            header=header_at(stamp, target.wheel), fluid_pressure=values[0], variance=variance
-        )
+        return _pressure_maker(target.wheel, variances.get(BRAKE_PRESSURE, 0.0))
     if target.message == BRAKE_DEMAND:
         return lambda stamp, values: BrakeDemand(header=header_at(stamp, _FRAME), pressure=values[0])
     return lambda stamp, values: JointState(header=header_at(stamp, ""), name=["all_wheels"], effort=list(values))
 
 
-def _imu_maker(variance: float, axis: str) -> Maker:
-    """The accelerometer along the car is on the axis that the vehicle file names."""
-    across = "x" if axis == "y" else "y"
-    place = 4 * "xyz".index(axis)
-
-    def make(stamp: int, values: Sequence[float]) -> Imu:
-        forward, leftward, yaw_rate = values
-        message = Imu()
-        message.header = header_at(stamp, _FRAME)
-        message.orientation_covariance[0] = _UNKNOWN
-        setattr(message.linear_acceleration, axis, forward)
-        message.linear_acceleration_covariance[place] = variance
-        if not isnan(leftward):
-            setattr(message.linear_acceleration, across, leftward)
-        if isnan(yaw_rate):
-            message.angular_velocity_covariance[0] = _UNKNOWN
-        else:
-            message.angular_velocity.z = yaw_rate
+def _wheel_states_maker(joints: list[str]) -> Maker:
+    def make(stamp: int, values: Sequence[float]) -> JointState:
+        message = new_message(JointState)
+        message.header = header_at(stamp, "")
+        message.name = joints
+        message.velocity = array("d", values)
+        message.position = array("d")
+        message.effort = array("d")
         return message
 
     return make
+
+
+def _pressure_maker(wheel: str, variance: float) -> Maker:
+    def make(stamp: int, values: Sequence[float]) -> FluidPressure:
+        message = new_message(FluidPressure)
+        message.header = header_at(stamp, wheel)
+        message.fluid_pressure = values[0]
+        message.variance = variance
+        return message
+
+    return make
+
+
+def _imu_maker(variance: float, axis: str) -> Maker:
+    """The accelerometer along the car is on the axis that the vehicle file names."""
+    across = "x" if axis == "y" else "y"
+    defaults = Imu()
+    unknown = _covariance(0, _UNKNOWN)
+    measured = _covariance("xyz".index(axis), variance)
+
+    def make(stamp: int, values: Sequence[float]) -> Imu:
+        forward, leftward, yaw_rate = values
+        acceleration, rates = Vector3(), Vector3()
+        setattr(acceleration, axis, forward)
+        if not isnan(leftward):
+            setattr(acceleration, across, leftward)
+        if not isnan(yaw_rate):
+            rates.z = yaw_rate
+        message = new_message(Imu)
+        message.header = header_at(stamp, _FRAME)
+        message.orientation = defaults.orientation
+        message.orientation_covariance = unknown
+        message.linear_acceleration = acceleration
+        message.linear_acceleration_covariance = measured
+        message.angular_velocity = rates
+        message.angular_velocity_covariance = unknown if isnan(yaw_rate) else defaults.angular_velocity_covariance
+        return message
+
+    return make
+
+
+def _covariance(place: int, value: float) -> Any:
+    """Return a covariance of sensor_msgs/Imu that is zero but for one number on its diagonal."""
+    covariance = Imu().orientation_covariance
+    covariance[4 * place] = value
+    return covariance
 
 
 def _velocity_maker(variance: float) -> Maker:
