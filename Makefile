@@ -31,9 +31,9 @@ lint: setup ## ruff and mypy
 test: build lint ## everything that must hold: lint, format, types, tests
 	@$(run) pytest -n auto --dist loadfile --max-worker-restart 0 test src
 
-demo: ready ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow LAW=curve|slope_sign, or BAG=path to replay; VEHICLE=name|file
+demo: ready ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow LAW=curve|slope_sign, or BAG=path [MAP=name|file] to replay; VEHICLE=name|file
 	@$(run) python -m friction_bringup demo $(if $(BAG),--bag "$(BAG)",--surface $(SURFACE)) --law $(LAW) \
-		$(if $(VEHICLE),--vehicle "$(VEHICLE)") --out "$(OUT)/demo"
+		$(if $(MAP),--map "$(MAP)") $(if $(VEHICLE),--vehicle "$(VEHICLE)") --out "$(OUT)/demo"
 
 bench: build ## every table of the evaluation as text and JSON, or PARTS="slope abs"
 	@failed=0; $(foreach part,$(PARTS),$(run) python -m friction_evaluation $(part) $(options_$(part)) \

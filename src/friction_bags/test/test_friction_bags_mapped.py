@@ -155,6 +155,21 @@ def test_estimates_through_a_map_are_those_of_native_topics(tmp_path: Path, sign
         assert reader.custom_data["vehicle"] == str(CAR)
 
 
+def test_an_imported_bag_holds_what_the_map_makes_at_the_times_of_its_causes(tmp_path: Path, signal_map: Path) -> None:
+    bag = foreign_bag(tmp_path / "foreign")
+    assert main(["import", str(bag), "--map", str(signal_map), "--out", str(tmp_path / "out")]) == 0
+    found = decoded(tmp_path / "out")
+    assert set(found) == {"/wheel_states", "/imu/data", *(f"/{wheel}/brake_pressure" for wheel in WHEELS)}
+    for (_, speeds, _, pressure), wheels, line in zip(
+        stop(), found["/wheel_states"], found["/FL/brake_pressure"], strict=True
+    ):
+        assert all(alike(one, other) for one, other in zip(wheels.velocity, speeds.values(), strict=True))
+        assert alike(line.fluid_pressure, pressure)
+    with BagReader(tmp_path / "out") as reader, BagReader(bag) as source:
+        assert (reader.start, reader.end) == (source.start, source.end)
+        assert reader.custom_data["vehicle"] == str(CAR)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

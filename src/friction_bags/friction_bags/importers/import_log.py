@@ -3,19 +3,20 @@
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
 from friction_adapter.map_argument import add_map_argument
 from friction_adapter.map_file import load_map, shipped_maps
 from friction_adapter.signal_map import SignalMap
-from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.message_bag import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.importers import can_log
 from friction_bags.importers.can_log import CanLog
 from friction_bags.importers.table import Table
 from friction_bags.mapped.mapped_bag import MappedBag
+from friction_bags.mapped.write_mapped import write_mapped
 from friction_bags.progress_bars import bars
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output, Severity
@@ -56,13 +57,13 @@ def run(args: Namespace) -> int:
     """
     name, path = _map_and_log(args.log, args.map)
     signal_map = load_map(name, args.vehicle)
-    notes = {**signal_map.notes, VEHICLE_NOTE: signal_map.vehicle_reference}
     if path.is_dir() or path.suffix in _BAG_SUFFIXES:
-        return _import_bag(path, signal_map, args.out, notes)
+        return _import_bag(path, signal_map, args.out)
     for text in signal_map.cannot:
         _warn("warning", f"{signal_map.path}: {text}")
     is_can = path.suffix.lower() in can_log.SUFFIXES
     log: _Log = CanLog(path, signal_map, args.dbc) if is_can else Table(path, signal_map)
+    notes = {**signal_map.notes, VEHICLE_NOTE: signal_map.vehicle_reference}
     with bars([path.name]) as show:
         count = write_bag(args.out, _shown(log, show), notes)
     print(f"{args.out}: {count} messages from {path}")
@@ -72,8 +73,8 @@ def run(args: Namespace) -> int:
     return 1 if troubles else 0
 
 
-def _import_bag(path: Path, signal_map: SignalMap, out: Path, notes: Mapping[str, str]) -> int:
-    """Write what a map makes of a bag, recorded with the messages that completed it; return the exit code."""
+def _import_bag(path: Path, signal_map: SignalMap, out: Path) -> int:
+    """Write what a map makes of a bag; return the exit code."""
     warnings: list[str] = []
 
     def report(severity: Severity, text: str) -> None:
@@ -81,20 +82,14 @@ def _import_bag(path: Path, signal_map: SignalMap, out: Path, notes: Mapping[str
             warnings.append(text)
             _warn(severity, text)
 
-    count = 0
-    with MappedBag(path, signal_map, report) as bag:
+    with MappedBag(path, signal_map, report) as bag, bars([path.name]) as show:
         known = len(warnings)  # what the map lacks is no trouble of this bag
-        with BagWriter(out, custom_data=notes) as writer, bars([path.name]) as show:
-            channels = {topic: writer.add_topic(topic) for topic in bag.made}
-            for topic, stamp, data in bag.messages(bag.made):
-                writer.write(channels[topic], stamp, data)
-                count += 1
-                if count % _SHOW_EVERY == 0:
-                    show(0, (stamp - bag.start) / max(bag.end - bag.start, 1))
-        for problem in bag.problems:
-            _warn("damaged", problem)
-        print(f"{out}: {count} messages from {path}")
-        return 1 if bag.problems or len(warnings) > known else 0
+        count = write_mapped(bag, out, signal_map.notes, partial(show, 0))
+        problems = list(bag.problems)
+    for problem in problems:
+        _warn("damaged", problem)
+    print(f"{out}: {count} messages from {path}")
+    return 1 if problems or len(warnings) > known else 0
 
 
 def _warn(severity: str, text: str) -> None:
