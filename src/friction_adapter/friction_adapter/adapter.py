@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import nan
 from typing import Any
 
+from friction_adapter.edge_counters import EdgeCounters, Values
 from friction_adapter.instants import Instants
 from friction_adapter.quantities import BRAKE_PRESSURE, QUANTITIES, WHEEL_STATES
 from friction_adapter.signal_map import ARRIVAL, Kind, Signal, SignalMap
@@ -57,6 +58,8 @@ class _Take:
     stamp: Callable[[Any, int], int]
     reads: list[tuple[int, Callable[[Any], float]]]
     """Place and reader of each value."""
+    counters: EdgeCounters | None = None
+    """What makes speeds of the values, where they are counters."""
 
 
 class Adapter:
@@ -113,7 +116,12 @@ class Adapter:
             if not 0 <= stamp < _LATEST:
                 self.refused += 1
                 continue
-            values = [(place, read(record)) for place, read in take.reads]
+            values: Values = [(place, read(record)) for place, read in take.reads]
+            if take.counters is not None:
+                counted = take.counters.speeds(stamp, values)
+                if counted is None:
+                    continue
+                stamp, values = counted
             for at, found in self._instants[take.target].add(source, stamp, values):
                 if any(found[place] == found[place] for place in self.targets[take.target].required):
                     made.append(Made(take.target, at, found))
@@ -125,10 +133,15 @@ class Adapter:
         self.refused = 0
         for instants in self._instants:
             instants.reset()
+        for takes in self._takes.values():
+            for take in takes:
+                if take.counters is not None:
+                    take.counters.reset()
 
     def _bind(self, number: int, target: Target) -> None:
         takes: dict[str, _Take] = {}
         stamped: dict[str, Signal] = {}
+        ranges: dict[str, dict[int, float]] = {}
         for signal in self._map.signals:
             if not _belongs(signal, target):
                 continue
@@ -144,7 +157,12 @@ class Adapter:
             if source not in takes:
                 takes[source] = _Take(number, self._stamp_reader(signal, source), [])
             read = self._reader(signal, [each.read for each in found], convert)
-            takes[source].reads.append((target.parts.index(part), read))
+            place = target.parts.index(part)
+            takes[source].reads.append((place, read))
+            if signal.counter == signal.counter:
+                ranges.setdefault(source, {})[place] = convert.of_difference(signal.counter)
+        for source, of_source in ranges.items():
+            takes[source].counters = EdgeCounters(of_source)
         self._instants.append(Instants(takes, len(target.parts), self._map.together))
         for source, take in takes.items():
             self._takes.setdefault(source, []).append(take)

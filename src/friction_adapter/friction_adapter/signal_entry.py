@@ -9,13 +9,13 @@ from friction_adapter.field_path import FieldPath
 from friction_adapter.map_entries import MapEntries
 from friction_adapter.quantities import Quantity
 from friction_adapter.signal_map import ARRIVAL, Flag, Kind, Origin, Signal
-from friction_adapter.unit_table import PERCENT, UNITS, unit_named
+from friction_adapter.unit_table import EDGES, PERCENT, UNITS, unit_named
 from friction_parameters.yaml_source import Entry, plain
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle, Wheel
 
 _KEYS = (
-    *("from", "field", "fields", "combine", "unit", "scale", "offset", "sign", "full_scale", "latency"),
+    *("from", "field", "fields", "combine", "unit", "scale", "offset", "sign", "full_scale", "counter", "latency"),
     *("stddev", "invalid", "valid", "stamp"),
 )
 _ORIGINS = "{topic: NAME, type: TYPE}, {can: SIGNAL}, {column: NAME}, can or table"
@@ -206,6 +206,11 @@ class SignalEntry:
         if (unit == PERCENT) != ("full_scale" in self._given):
             at = self._given.get("full_scale", self._entry)
             raise self._file.error(at, f"'full_scale' belongs to the unit %: 100 % in {self._si_unit}")
+        counter = self._given.get("counter")
+        if (unit == EDGES) != (counter is not None):
+            at = self._entry if counter is None else counter
+            raise self._file.error(at, "'counter' belongs to the unit edges: the number at which it wraps, as 65536")
+        found["counter"] = nan if counter is None else self._file.number("counter", counter, 2.0, 2.0**64)
         if "stddev" in self._given and not self._quantity.has_stddev:
             raise self._file.error(self._given["stddev"], f"the message of '{self._quantity.name}' carries no stddev")
         latency = self._given.get("latency")

@@ -70,6 +70,8 @@ class Signal:
     invalid: tuple[float, ...] = ()
     """Raw values that mean that there is none."""
     flag: Flag | None = None
+    counter: float = nan
+    """Number at which a counter of edges wraps."""
     stamp: str = "header.stamp"
     """Field, column, or ARRIVAL."""
 

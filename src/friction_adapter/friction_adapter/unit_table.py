@@ -10,20 +10,23 @@ from vehicle_models.vehicle import Wheel
 STANDARD_GRAVITY: Final = 9.80665
 """One g [m/s^2]."""
 _KMH = 1.0 / 3.6
+_TURN = 2.0 * pi
 _MPH = 0.44704
 _SPEED = {"m/s": 1.0, "km/h": _KMH, "mph": _MPH, "kn": 1852.0 / 3600.0}
-_TURN = 2.0 * pi
-EDGES: Final = "edges/s"
+EDGE_RATE: Final = "edges/s"
+EDGES: Final = "edges"
+"""A counter: what it becomes is an angle, whose rate is the speed."""
 PERCENT: Final = "%"
+_EDGES = {EDGE_RATE: _TURN, EDGES: _TURN}
 UNITS: Final[dict[str, dict[str, float]]] = {
-    "wheel_speed": {"rad/s": 1.0, "deg/s": pi / 180.0, "rpm": _TURN / 60.0, "rev/s": _TURN, EDGES: _TURN, **_SPEED},
+    "wheel_speed": {"rad/s": 1.0, "deg/s": pi / 180.0, "rpm": _TURN / 60.0, "rev/s": _TURN, **_EDGES, **_SPEED},
     "acceleration": {"m/s^2": 1.0, "g": STANDARD_GRAVITY},
     "yaw_rate": {"rad/s": 1.0, "deg/s": pi / 180.0},
     "speed": _SPEED,
     "pressure": {"Pa": 1.0, "kPa": 1e3, "bar": 1e5, "mbar": 1e2, "MPa": 1e6, "psi": 6894.757293168, PERCENT: 1e-2},
     "torque": {"N m": 1.0},
 }
-"""Factor to SI units by dimension and name; the SI unit comes first. That of edges/s is to be divided by the teeth,
+"""Factor to SI units by dimension and name; the SI unit comes first. That of edges is to be divided by the teeth,
 that of a speed at the rim by the radius, that of % is to be multiplied by the full scale."""
 _SPELLINGS = {
     "km/h": ("kph", "kmh", "kmph", "km/hr"),
@@ -104,7 +107,7 @@ def conversion(
     Args:
         dimension: key of UNITS.
         unit: name of a unit there.
-        wheel: wheel of the signal; its radius [m] is used for speeds at the rim, its teeth for edges/s.
+        wheel: wheel of the signal; its radius [m] is used for speeds at the rim, its teeth for edges.
         scale: the raw value times this, plus `offset`, is in `unit`.
         offset: see `scale`.
         sign: 1, or -1 where the signal counts the other way round.
@@ -116,6 +119,6 @@ def conversion(
     divisor = 1.0
     if wheel is not None and is_rim_speed(dimension, unit):
         divisor = wheel.radius
-    elif wheel is not None and unit == EDGES:
+    elif wheel is not None and unit in _EDGES:
         divisor = float(wheel.encoder_teeth)
     return Conversion(factor, divisor, scale, offset)

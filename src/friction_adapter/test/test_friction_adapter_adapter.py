@@ -90,6 +90,33 @@ def test_a_wheel_that_is_flagged_is_left_out_and_the_others_stay(tmp_path: Path)
     assert [isnan(each) for each in values] == [False, False, True, False]
 
 
+def test_counters_of_edges_become_speeds_at_the_middle_of_each_step(tmp_path: Path) -> None:
+    names = ("FL", "FR", "RL", "RR")
+    of_map = adapter(
+        tmp_path,
+        "wheel_speed: {from: table, field: '{wheel}', unit: edges, counter: 256, invalid: 999}",
+        columns=("t", *names),
+    )
+    angle = 6.283185307179586 / 48.0
+
+    def sent(t: float, *counts: float) -> list[tuple[int, list[float]]]:
+        return taken(of_map.take(TABLE, {"t": t, **dict(zip(names, counts, strict=True))}, 0))
+
+    assert sent(1.0, 10, 250, 5, 7) == []
+    ((stamp, speeds),) = sent(1.02, 14, 2, 1, 999)
+    assert stamp == 1_010_000_000
+    assert speeds[:3] == pytest.approx([4 * angle / 0.02, 8 * angle / 0.02, -4 * angle / 0.02])
+    assert isnan(speeds[3])
+    ((stamp, speeds),) = sent(1.04, 14, 2, 1, 7)
+    assert (stamp, speeds[:3]) == (1_030_000_000, [0.0, 0.0, 0.0])
+    assert isnan(speeds[3])
+    assert sent(1.5, 20, 20, 20, 20) == []  # it may have wrapped
+    assert sent(1.4, 20, 20, 20, 20) == []
+    assert len(sent(1.41, 20, 20, 20, 20)) == 1
+    of_map.reset()
+    assert sent(1.42, 20, 20, 20, 20) == []
+
+
 def test_frames_are_stamped_by_their_arrival_and_unknown_ones_left_aside(tmp_path: Path) -> None:
     of_map = adapter(tmp_path, "speed: {from: {can: V}}", "acceleration: {from: {can: A}}")
     assert of_map.take("other", {}, SECOND) == []

@@ -119,6 +119,8 @@ def test_the_car_is_looked_for_beside_the_map_and_can_be_another(tmp_path: Path)
         ),
         ('wheel_speed: {from: table, field: "{wheel}", stddev: 1}', "line 3: the message of 'wheel_speed' carries no"),
         ("brake_demand: {from: {column: p}, unit: '%'}", "line 3: 'full_scale' belongs to the unit %: 100 % in Pa"),
+        ('wheel_speed: {from: table, field: "{wheel}", unit: edges}', "line 3: 'counter' belongs to the unit edges"),
+        ('wheel_speed: {from: table, field: "{wheel}", counter: 256}', "line 3: 'counter' belongs to the unit edges"),
         ("yaw_rate: {from: {column: r}}", "line 3: 'yaw_rate' goes into the message of 'acceleration'"),
     ],
 )
