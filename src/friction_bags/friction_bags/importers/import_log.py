@@ -12,8 +12,9 @@ from friction_adapter.map_file import load_map, shipped_maps
 from friction_adapter.signal_map import SignalMap
 from friction_bags.bag_io.message_bag import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE
-from friction_bags.importers import can_log
+from friction_bags.importers import can_log, ros1_log
 from friction_bags.importers.can_log import CanLog
+from friction_bags.importers.ros1_log import Ros1Log
 from friction_bags.importers.table import Table
 from friction_bags.mapped.mapped_bag import MappedBag
 from friction_bags.mapped.write_mapped import write_mapped
@@ -61,8 +62,7 @@ def run(args: Namespace) -> int:
         return _import_bag(path, signal_map, args.out)
     for text in signal_map.cannot:
         _warn("warning", f"{signal_map.path}: {text}")
-    is_can = path.suffix.lower() in can_log.SUFFIXES
-    log: _Log = CanLog(path, signal_map, args.dbc) if is_can else Table(path, signal_map)
+    log = _opened(path, signal_map, args.dbc)
     notes = {**signal_map.notes, VEHICLE_NOTE: signal_map.vehicle_reference}
     with bars([path.name]) as show:
         count = write_bag(args.out, _shown(log, show), notes)
@@ -71,6 +71,13 @@ def run(args: Namespace) -> int:
     for text, times in troubles.items():
         _warn("warning", f"{path}: {text}, {times} times")
     return 1 if troubles else 0
+
+
+def _opened(path: Path, signal_map: SignalMap, dbc: Path | None) -> _Log:
+    """Open a log by its suffix."""
+    if path.suffix.lower() in can_log.SUFFIXES:
+        return CanLog(path, signal_map, dbc)
+    return Ros1Log(path, signal_map) if path.suffix == ros1_log.SUFFIX else Table(path, signal_map)
 
 
 def _import_bag(path: Path, signal_map: SignalMap, out: Path) -> int:

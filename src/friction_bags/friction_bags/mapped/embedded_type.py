@@ -35,14 +35,14 @@ class EmbeddedType:
             if not topic.definition:
                 raise BagError(f"{topic.name}: {error}; the bag holds no definition of it") from error
             text, encoding = topic.definition, topic.definition_encoding
+        self._store: Any = get_typestore(Stores.EMPTY)
         try:
-            self._types = get_types_from_idl(text) if encoding == "ros2idl" else get_types_from_msg(text, topic.type)
-            self.fields = Fields(self._members(topic.type))
+            of_text = get_types_from_idl(text) if encoding == "ros2idl" else get_types_from_msg(text, topic.type)
+            self._store.register(of_text)
+            self.fields = fields_in(self._store, topic.type)
             """Fields of the type."""
         except Exception as error:  # rosbags passes on whatever its parser raises
             raise BagError(f"{topic.name}: the definition of {topic.type} cannot be read") from error
-        self._store: Any = get_typestore(Stores.EMPTY)
-        self._store.register(self._types)
 
     def decode(self, data: bytes) -> Any:
         """Decode CDR to an object with the fields of the message.
@@ -59,11 +59,18 @@ class EmbeddedType:
                 return self._store.deserialize_cdr(data[:-_PADDING], self._name)
             raise ValueError(f"not a {self._name}: {error}") from error
 
-    def _members(self, name: str) -> dict[str, Fields]:
-        return {member: self._fields(description) for member, description in self._types[name][1]}
 
-    def _fields(self, description: Any) -> Fields:
-        kind, details = description
-        if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE):
-            return Fields(self._fields(details[0]).members, is_sequence=True)
-        return Fields(self._members(details) if kind == Nodetype.NAME else {})
+def fields_in(store: Any, type_name: str) -> Fields:
+    """Return the fields of a type in a store of rosbags.
+
+    Raises:
+        KeyError: it, or one that it refers to, is not there.
+    """
+    return Fields({name: _fields(store, description) for name, description in store.fielddefs[type_name][1]})
+
+
+def _fields(store: Any, description: Any) -> Fields:
+    kind, details = description
+    if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+        return Fields(_fields(store, details[0]).members, is_sequence=True)
+    return fields_in(store, details) if kind == Nodetype.NAME else Fields({})
