@@ -16,8 +16,8 @@ from friction_adapter.unit_table import UNITS, Conversion, conversion, unit_name
 from friction_parameters.parameter import ParameterError
 from vehicle_models.nanoseconds import NANOSECONDS
 
-_LATEST = 1 << 62
-"""Later than any stamp that a message can hold [ns]."""
+_LATEST = (1 << 31) * NANOSECONDS
+"""Later than any stamp that a message can hold [ns]: its seconds have 31 bits and a sign."""
 UNREADABLE = (LookupError, ValueError, TypeError, AttributeError, OverflowError)
 """What a message or row without the value raises."""
 

@@ -81,14 +81,17 @@ class Conversion:
         return abs(difference * self.factor / self.divisor)
 
     def function(self) -> Callable[[float], float]:
-        """Return the conversion of a raw value. What does nothing is left out, so no bit of a value is lost to it."""
+        """Return the conversion of a raw value. What does nothing is left out, so no bit of a value is lost to it.
+
+        A float32 of numpy would stay one in a product.
+        """
         factor, divisor, scale, offset = self.factor, self.divisor, self.scale, self.offset
         if scale != 1.0 or offset != 0.0:
-            return lambda raw: (raw * scale + offset) * factor / divisor
+            return lambda raw: (float(raw) * scale + offset) * factor / divisor
         if divisor != 1.0:
-            return lambda raw: raw * factor / divisor
+            return lambda raw: float(raw) * factor / divisor
         if factor != 1.0:
-            return lambda raw: raw * factor
+            return lambda raw: float(raw) * factor
         return float
 
 

@@ -168,9 +168,10 @@ def test_signals_of_one_message_and_source_share_their_latency(tmp_path: Path) -
 
 def test_a_stamp_that_no_message_can_hold_is_counted_and_left_out(tmp_path: Path) -> None:
     of_map = adapter(tmp_path, "speed: {from: {column: v}}", columns=("t", "v"))
-    for stamp in (-1.0, nan, float("inf"), 1e30):
+    for stamp in (-1.0, nan, float("inf"), 1e30, 2.0**31):
         assert of_map.take(TABLE, {"t": stamp, "v": 1.0}, 0) == []
-    assert of_map.refused == 4
+    assert of_map.refused == 5
+    assert len(of_map.take(TABLE, {"t": 2.0**31 - 1.0, "v": 1.0}, 0)) == 1
 
 
 def test_a_record_without_the_value_is_counted_by_signal(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 from math import isclose, pi
 
+import numpy as np
 import pytest
 
 from friction_adapter.unit_table import UNITS, conversion, unit_named
@@ -39,6 +40,14 @@ def test_scale_and_offset_make_the_unit_then_the_sign_counts() -> None:
 
 def test_a_standard_deviation_has_no_offset() -> None:
     assert isclose(conversion("speed", "km/h", None, offset=5.0, sign=-1).of_difference(3.6), 1.0, rel_tol=1e-14)
+
+
+def test_a_float32_of_an_array_is_converted_with_all_digits() -> None:
+    raw = np.float32(0.1)
+    for unit in ("m/s", "km/h"):
+        value = conversion("speed", unit, None).function()(raw)  # type: ignore[arg-type]
+        assert type(value) is float
+        assert value == conversion("speed", unit, None).function()(float(raw))
 
 
 def test_a_value_in_si_units_keeps_every_bit() -> None:
