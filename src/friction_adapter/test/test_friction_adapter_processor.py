@@ -1,10 +1,14 @@
 """Messages of a car in, messages of this graph out."""
 
+import math
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import pytest
+from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TwistWithCovarianceStamped, Vector3Stamped
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_adapter.map_file import load_map
@@ -116,3 +120,34 @@ def test_what_a_map_cannot_have_is_refused(tmp_path: Path, signal: str, said: st
     with pytest.raises(ParameterError) as refused:
         processor(tmp_path, signal)
     assert said in str(refused.value)
+
+
+def test_whatever_a_message_holds_nothing_is_raised_and_what_is_made_can_be_sent(tmp_path: Path) -> None:
+    draw = Random(7)
+    numbers = (0.0, -1e308, 5e-324, math.inf, -math.inf, math.nan, 65.5)
+    imu = "{topic: /imu, type: sensor_msgs/msg/Imu}"
+    of_map = processor(
+        tmp_path,
+        f"acceleration: {{from: {imu}, field: linear_acceleration.x, valid: {{field: header.frame_id, is: ok}}}}",
+        f"yaw_rate: {{from: {imu}, field: angular_velocity.z}}",
+        f"wheel_speed: {{from: {STATES}, field: 'velocity[name=j_{{wheel}}]', unit: edges, counter: 256}}",
+    )
+    made: list[tuple[str, Any]] = []
+    for _ in range(2000):
+        stamp = Time(
+            sec=draw.choice((-(2**31), -1, 0, 1, 2, 2**31 - 1)), nanosec=draw.choice((0, 10**7, 2 * 10**7, 2**32 - 1))
+        )
+        if draw.random() < 0.5:
+            message = Imu()
+            message.header.frame_id = draw.choice(("ok", ""))
+            message.linear_acceleration.x, message.angular_velocity.z = draw.choice(numbers), draw.choice(numbers)
+            topic = "/imu"
+        else:
+            names = draw.sample(["j_FL", "j_FR", "j_RL", "j_RR", "j_RR", ""], draw.randint(0, 6))
+            velocity = [draw.choice(numbers) for _ in range(draw.randint(0, 6))]
+            message, topic = JointState(name=names, velocity=velocity), "/joints"
+        message.header.stamp = stamp
+        made += of_map.process(topic, message)
+    assert {topic for topic, _ in made} == {"imu/data", "wheel_states"}
+    assert all(serialize_message(message) for _, message in made)
+    assert of_map.health().message != "ok"
