@@ -9,7 +9,7 @@ options_real_car ?= --method car --seeds 2 --hours 0.1
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build ready test lint demo bench results report bags docs clean
+.PHONY: help setup build ready test lint demo bench results report mdf bags docs clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
@@ -45,6 +45,10 @@ results: build ## the same tables as pages in docs/results, or PARTS="slope abs"
 
 report: build ## every table and figure of the chapter as one page; EFFORT=0.1 for a quick one
 	@$(run) python -m friction_evaluation report --out build/report --effort $(EFFORT)
+
+mdf: ready ## install asammdf (209 MB), which reads MDF logs, and test it
+	@$(run) python -m pip install --quiet asammdf
+	@$(run) pytest src/friction_bags/test/test_friction_bags_mdf.py
 
 bags: build ## make the recorded experiments of bags/ again, from fixed seeds
 	@$(run) python -m friction_bags library

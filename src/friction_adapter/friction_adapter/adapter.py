@@ -217,12 +217,12 @@ class Adapter:
             if not each.unit or (signal.unit and signal.unit == stated):
                 continue
             if signal.unit and stated:
-                raise self._error(signal, f"its unit is {signal.unit}, and {stated} in the DBC file")
+                raise self._error(signal, f"its unit is {signal.unit} here, and {stated} where it comes from")
             if stated:
                 return stated
             if not signal.unit:
                 known = ", ".join(UNITS[dimension])
-                raise self._error(signal, f"the DBC file has it in '{each.unit}': give its unit, one of {known}")
+                raise self._error(signal, f"it comes in '{each.unit}': give its unit, one of {known}")
         return signal.unit or next(iter(UNITS[dimension]))
 
     def _stamp_reader(self, signal: Signal, source: str) -> Callable[[Any, int], int]:

@@ -134,10 +134,10 @@ def test_a_standard_deviation_is_in_the_unit_of_the_signal(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("signal", "said"),
     [
-        ("speed: {from: {can: V}, unit: m/s}", "line 4: 'speed': its unit is m/s, and km/h in the DBC file"),
+        ("speed: {from: {can: V}, unit: m/s}", "line 4: 'speed': its unit is m/s here, and km/h where it comes from"),
         (
             "speed: {from: {can: X}}",
-            "the DBC file has it in 'furlong': give its unit, one of m/s, km/h",
+            "it comes in 'furlong': give its unit, one of m/s, km/h",
         ),
         ("speed: {from: {can: Y}}", "line 4: 'speed': there are V, A, P"),
         ("speed: {from: table, field: [V, Q], combine: sum}", "there is no column 'Q': P, V, t"),

@@ -155,8 +155,8 @@ def test_frames_on_a_topic_give_the_signals_of_a_log(tmp_path: Path, signal_map:
     ("old", "new", "said"),
     [
         ("{can: Ax}", "{can: LongAcc}", "has no CAN signal 'LongAcc': there are"),
-        ("{can: Ax}", "{can: Ax}, unit: m/s^2", "its unit is m/s^2, and g in the DBC file"),
-        ("{front: P}", "{front: Other.Rpm}", "the DBC file has it in 'rpm': give its unit, one of Pa"),
+        ("{can: Ax}", "{can: Ax}, unit: m/s^2", "its unit is m/s^2 here, and g where it comes from"),
+        ("{front: P}", "{front: Other.Rpm}", "it comes in 'rpm': give its unit, one of Pa"),
         ("can: {dbc: car.dbc, topic: /can}", "", "needs a DBC file: 'can: {dbc: FILE}', or --dbc"),
     ],
 )
