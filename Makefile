@@ -9,7 +9,7 @@ options_real_car ?= --method car --seeds 2 --hours 0.1
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build ready test lint demo bench results report bags docs clean
+.PHONY: help setup build ready test lint demo bench results report mdf bags docs clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
@@ -31,9 +31,9 @@ lint: setup ## ruff and mypy
 test: build lint ## everything that must hold: lint, format, types, tests
 	@$(run) pytest -n auto --dist loadfile --max-worker-restart 0 test src
 
-demo: ready ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow LAW=curve|slope_sign, or BAG=path to replay; VEHICLE=name|file
+demo: ready ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow LAW=curve|slope_sign, or BAG=path [MAP=name|file] to replay; VEHICLE=name|file
 	@$(run) python -m friction_bringup demo $(if $(BAG),--bag "$(BAG)",--surface $(SURFACE)) --law $(LAW) \
-		$(if $(VEHICLE),--vehicle "$(VEHICLE)") --out "$(OUT)/demo"
+		$(if $(MAP),--map "$(MAP)") $(if $(VEHICLE),--vehicle "$(VEHICLE)") --out "$(OUT)/demo"
 
 bench: build ## every table of the evaluation as text and JSON, or PARTS="slope abs"
 	@failed=0; $(foreach part,$(PARTS),$(run) python -m friction_evaluation $(part) $(options_$(part)) \
@@ -45,6 +45,10 @@ results: build ## the same tables as pages in docs/results, or PARTS="slope abs"
 
 report: build ## every table and figure of the chapter as one page; EFFORT=0.1 for a quick one
 	@$(run) python -m friction_evaluation report --out build/report --effort $(EFFORT)
+
+mdf: ready ## install asammdf (209 MB), which reads MDF logs, and test it
+	@$(run) python -m pip install --quiet asammdf
+	@$(run) pytest src/friction_bags/test/test_friction_bags_mdf.py
 
 bags: build ## make the recorded experiments of bags/ again, from fixed seeds
 	@$(run) python -m friction_bags library

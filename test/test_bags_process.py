@@ -15,17 +15,17 @@ import pytest
 from rclpy.serialization import deserialize_message
 
 from dds_client import PATIENCE, own_domain
+from friction_adapter.map_file import load_map
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import encode
 from friction_bags.bag_io.message_bag import write_bag
-from friction_bags.bag_io.message_definition import message_class
 from friction_bags.experiments.library import Experiment, simulate
-from friction_bags.importers import bmw
-from friction_bags.importers.import_csv import read_rows
+from friction_bags.importers.table import Table
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
+from friction_runtime.message_type import message_class
 from friction_runtime.shipped_files import shipped_file
 
 CAR = Path(__file__).parents[1] / "src" / "friction_bags" / "test" / "two_corners.yaml"
@@ -159,7 +159,7 @@ def test_live_nodes_give_what_offline_processing_gives_on_the_measured_stop(
 ) -> None:
     """With gaps up to 70 ms and steps below 1 ms between stamps."""
     bag = tmp_path / "bmw"
-    write_bag(bag, bmw.messages(read_rows(BMW, bmw.COLUMNS)), {})
+    write_bag(bag, Table(BMW, load_map("bmw")).messages(), {})
     how = ["--as-fast-as-possible", "--start-offset", "14", "--duration", "6"]
     replay_to_live_nodes(processes, bag, tmp_path / "live", parameters, how)
     assert_live_equals_offline(part_of(bag, 14.0, 6.0, tmp_path / "part"), tmp_path / "live", parameters, tmp_path)

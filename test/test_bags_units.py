@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 from friction_msgs.msg import FrictionCurve, FrictionSlope, WheelSlip
 
+from friction_adapter.map_file import load_map
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode
 from friction_bags.bag_io.message_bag import write_bag
-from friction_bags.importers import bmw, iac
-from friction_bags.importers.import_csv import read_rows
+from friction_bags.importers.table import Table
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 
@@ -54,12 +54,12 @@ def test_no_unit_of_a_recorded_experiment_is_suspected(name: str, tmp_path: Path
 
 
 @pytest.mark.parametrize(
-    ("importer", "file", "vehicle"),
-    [(bmw, "bmw_m8_abs_stop_100hz.csv", "bmw_m8"), (iac, "iac_av21_putnam_25hz.csv", "indy_av21")],
+    ("signal_map", "file", "vehicle"),
+    [("bmw", "bmw_m8_abs_stop_100hz.csv", "bmw_m8"), ("iac", "iac_av21_putnam_25hz.csv", "indy_av21")],
 )
-def test_no_unit_of_a_measured_drive_is_suspected(importer: Any, file: str, vehicle: str, tmp_path: Path) -> None:
+def test_no_unit_of_a_measured_drive_is_suspected(signal_map: str, file: str, vehicle: str, tmp_path: Path) -> None:
     """There are no pressures in them."""
     if not (DATA / file).exists():
         pytest.skip(f"{DATA / file} is absent (set FRICTION_DATA)")
-    write_bag(tmp_path / "bag", importer.messages(read_rows(DATA / file, importer.COLUMNS)), {})
+    write_bag(tmp_path / "bag", Table(DATA / file, load_map(signal_map)).messages(), {})
     assert_no_unit_is_suspected(tmp_path / "bag", tmp_path, vehicle, ("wheel_slip",))

@@ -226,6 +226,11 @@ def test_node_that_ends_too_soon_is_named_with_its_log_and_ends_the_demo(tmp_pat
     assert processes_of(tmp_path / "out") == {}
 
 
+def test_map_without_bag_or_that_is_none_is_refused(refused: Callable[..., str], tmp_path: Path) -> None:
+    assert "--map is for a bag" in refused("--map", "gazebo", "--vehicle", "compact_car")
+    assert "there is no signal map 'no_map'" in refused("--bag", str(tmp_path), "--map", "no_map")
+
+
 def test_bag_without_wheels_is_refused_with_what_it_lacks(refused: Callable[..., str], tmp_path: Path) -> None:
     (tmp_path / "bag").mkdir()
     assert str(tmp_path / "bag") in refused("--bag", str(tmp_path / "bag"))

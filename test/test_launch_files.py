@@ -13,7 +13,7 @@ from ament_index_python.packages import get_package_share_directory
 
 from friction_bags.offline.estimators import ESTIMATORS
 from friction_bringup import graph
-from friction_bringup.node_start import WATCHING, commanding, composed_arguments, node_starts
+from friction_bringup.node_start import WATCHING, commanding, composed_arguments, node_starts, with_adapter
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import NodeName, file_values
 from friction_runtime.shipped_files import shipped_file
@@ -35,10 +35,21 @@ def write(directory: Path, sections: Mapping[str, Mapping[str, Any]]) -> str:
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_shipped_parameter_file_is_for_our_nodes_in_any_namespace_and_passes_their_checks(path: Path) -> None:
     sections = set(yaml.safe_load(path.read_text()))
-    assert sections <= {f"/**/{node}" for node in graph.NODES}
+    assert sections <= {f"/**/{node}" for node in (*graph.NODES, graph.ADAPTER)}
     for node in graph.NODES:
         found = file_values(graph.parameter_class(node), path, NodeName(node, "/my_car"))
         assert bool(found) == (f"/**/{node}" in sections), node
+
+
+def test_a_signal_map_puts_the_adapter_before_the_estimators(tmp_path: Path) -> None:
+    assert with_adapter(ESTIMATORS, WATCHING, "") == (ESTIMATORS, WATCHING)
+    nodes, decided = with_adapter(ESTIMATORS, WATCHING, "bmw")
+    assert nodes == (graph.ADAPTER, *ESTIMATORS)
+    first, *rest = node_starts(nodes, decided, "", CAR)
+    assert dict(first.decided) == {"vehicle_file": CAR, "map_file": "bmw"}
+    assert rest == node_starts(ESTIMATORS, WATCHING, "", CAR)
+    with pytest.raises(ParameterError, match="there is no signal map"):
+        with_adapter(ESTIMATORS, WATCHING, str(tmp_path / "nowhere.yaml"))
 
 
 @pytest.mark.parametrize("name", ["demo", "bmw_m8"])
@@ -205,6 +216,7 @@ def launched(name: str, **arguments: str) -> list[Any]:
         ("graph", ESTIMATORS, {"vehicle_file": CAR}),
         ("graph", ["friction_bringup", graph.SUPERVISOR], {"vehicle_file": CAR, "composed": "true"}),
         ("alongside", ESTIMATORS, {"vehicle_file": CAR, "namespace": "my_car"}),
+        ("alongside", [graph.ADAPTER, *ESTIMATORS], {"vehicle_file": CAR, "map_file": "bmw"}),
         ("node", [graph.PLANT], {"node": graph.PLANT}),
         ("node", [graph.SUPERVISOR], {"node": graph.SUPERVISOR, "vehicle_file": CAR}),
     ],

@@ -12,6 +12,7 @@ SOURCES = Path(__file__).resolve().parents[1] / "src"
 ALGORITHMS = (
     "friction_parameters",
     "vehicle_models",
+    "friction_adapter",
     "wheel_slip",
     "friction_slope",
     "friction_curve_id",
@@ -23,7 +24,9 @@ AROUND = {
     "__main__": "starts the node",
     "node": "layer 3",
     "processor": "layer 2",
-    "messages": "smart_tyre_forces: estimates as messages",
+    "messages": "smart_tyre_forces and friction_adapter: values as messages",
+    "record_mapper": "friction_adapter: records of any source as messages",
+    "message_fields": "friction_adapter: fields of installed message types",
     "curve_messages": "friction_curve_id: estimates as messages",
     "inputs": "friction_curve_id: messages as samples",
     "input_watch": "abs_supervisor: progress of the inputs, by their messages",

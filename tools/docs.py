@@ -15,6 +15,7 @@ from friction_evaluation.closed_loop import state_machine_figure
 from friction_parameters.generated import ShippedFile, parameter_file, parameter_table
 from vehicle_models.vehicle_table import vehicle_table
 
+NODES = (*graph.NODES, graph.ADAPTER)
 ROOT = Path(__file__).resolve().parents[1]
 FIGURE = ROOT / "docs" / "figure_8_1.png"
 
@@ -25,7 +26,7 @@ def generated_texts() -> Iterator[tuple[Path, str]]:
     Raises:
         ValueError: a README has no place for its table.
     """
-    for node in graph.NODES:
+    for node in NODES:
         shipped: Mapping[str, ShippedFile] = import_module(f"{node}.parameters").SHIPPED
         for name, file in shipped.items():
             yield ROOT / "src" / node / "config" / f"{name}.yaml", parameter_file(node, file)

@@ -1,1 +1,1 @@
-"""Record, replay, repair and offline processing of bags; importers for measured data."""
+"""Record, replay, repair and offline processing of bags; importers for tables and logs of any car."""

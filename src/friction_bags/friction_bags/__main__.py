@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.bag_io.message_definition import UnknownTypeError
 from friction_parameters.command_line import command
+from friction_runtime.message_type import UnknownTypeError
 
 _NODES = {
     "record": ("record_replay.record", "record topics to a bag"),
@@ -17,7 +17,7 @@ _TOOLS = {
     "info": ("bag_io.info", "show what a bag holds"),
     "reindex": ("bag_io.reindex", "repair a bag whose recorder was killed"),
     "process": ("offline.process", "run the estimators over bags, without middleware"),
-    "import": ("importers.import_csv", "make a bag from measured data in a CSV file"),
+    "import": ("importers.import_log", "make a bag from a table or log of any car, by a signal map"),
     "calibrate_radii": ("offline.calibrate_radii", "find the wheel radii from the coasting stretches of a bag"),
     "library": ("experiments.library", "make the recorded experiments of bags/ again"),
 }

@@ -9,11 +9,14 @@ from rclpy.serialization import deserialize_message
 
 from friction_bags.__main__ import main
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_bags.bag_io.message_definition import message_class
-from friction_bags.importers import bmw
+from friction_runtime.message_type import message_class
 from vehicle_models.vehicle_file import load_vehicle
 
 DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[4] / "shared" / "data"))
+BMW_COLUMNS = (
+    *("t_s", "vx_mps", "vy_mps", "ax_mps2", "ay_mps2", "yaw_rate_radps"),
+    *("w_fl_radps", "w_fr_radps", "w_rl_radps", "w_rr_radps", "brake_torque_can"),
+)
 BMW = DATA / "bmw_m8_abs_stop_100hz.csv"
 IAC = DATA / "iac_av21_putnam_25hz.csv"
 needs_data = pytest.mark.skipif(not BMW.is_file(), reason=f"{BMW} is absent (set FRICTION_DATA)")
@@ -43,7 +46,7 @@ def test_the_bmw_bag_holds_the_values_and_the_times_of_the_file(tmp_path: Path) 
     assert set(bag) == {"/wheel_states", "/imu/data", "/vehicle_velocity", "/can/total_brake_torque_request"}
     assert all(len(messages) == len(rows) for messages in bag.values())
     for row, (stamp, wheels) in zip(rows, bag["/wheel_states"], strict=True):
-        assert stamp - bmw.STAMP_OFFSET * 10**9 == round(row["t_s"] * 1e9)
+        assert stamp - 1000 * 10**9 == round(row["t_s"] * 1e9)
         assert wheels.name == ["front_left", "front_right", "rear_left", "rear_right"]
         assert list(wheels.velocity) == [row[f"w_{wheel}_radps"] for wheel in ("fl", "fr", "rl", "rr")]
     for row, (_, imu) in zip(rows, bag["/imu/data"], strict=True):
@@ -101,9 +104,9 @@ def test_the_iac_bag_holds_the_values_of_the_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("a,b\n1,2\n", "no column t_s"),
-        (",".join(bmw.COLUMNS) + "\n" + ",".join(["1"] * 9) + ",x\n", "line 2"),
-        (",".join(bmw.COLUMNS) + "\n" + "1,2\n", "line 2"),
+        ("a,b\n1,2\n", "there is no column 'w_fl_radps': a, b"),
+        (",".join(BMW_COLUMNS) + "\n" + ",".join(["1"] * 10) + ",x\n", "line 2"),
+        (",".join(BMW_COLUMNS) + "\n" + "1,2\n", "line 2"),
     ],
 )
 def test_a_file_with_other_columns_or_no_numbers_is_refused(
@@ -118,3 +121,47 @@ def test_a_file_with_other_columns_or_no_numbers_is_refused(
 def test_a_missing_file_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["import", "iac", str(tmp_path / "x.csv"), "--out", str(tmp_path / "bag")]) == 2
     assert "x.csv" in capsys.readouterr().err
+
+
+TABLE_MAP = """vehicle: bmw_m8
+stamp: time
+signals:
+  speed: {from: {column: "v [km/h]"}, unit: km/h}
+"""
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "# time,v [km/h],gear\n1.5,36,D\n",
+        "time;v [km/h];gear\n1.5;36;D\n",
+        "\ufefftime\tgear\tv [km/h]\n1.5\tD\t36\n",
+        'gear,"time","v [km/h]"\nD,1.5,36\n',
+    ],
+)
+def test_tables_of_other_tools_are_read(tmp_path: Path, text: str) -> None:
+    signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
+    signal_map.write_text(TABLE_MAP)
+    source.write_text(text, encoding="utf-8")
+    assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 0
+    with BagReader(tmp_path / "bag") as reader:
+        ((topic, stamp, data),) = list(reader.messages())
+        assert reader.custom_data["vehicle"] == "bmw_m8"
+    assert (topic.name, stamp) == ("/vehicle_velocity", 1_500_000_000)
+    assert isclose(deserialize_message(data, message_class(topic.type)).twist.twist.linear.x, 10.0)
+
+
+def test_what_cannot_be_used_of_a_table_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
+    signal_map.write_text(TABLE_MAP)
+    source.write_text("time,v [km/h]\n-1,36\n1,36\n")
+    assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 1
+    said = capsys.readouterr().err
+    assert "stamp that no message can hold, 1 times" in said
+    assert "nothing can be estimated without 'wheel_speed'" in said
+
+
+@pytest.mark.parametrize("given", [["drive.csv"], ["no_map", "drive.csv"], ["bmw", "a.csv", "b.csv"]])
+def test_a_log_without_map_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str], given: list[str]) -> None:
+    assert main(["import", *given, "--out", str(tmp_path / "bag")]) == 2
+    assert "give LOG --map MAP, or one of " in capsys.readouterr().err

@@ -11,7 +11,8 @@ from friction_bags.__main__ import main
 PACKAGE = Path(__file__).parents[1] / "friction_bags"
 WORKSPACE = frozenset(path.parent.name for path in Path(__file__).parents[2].glob("*/package.xml"))
 ALLOWED: dict[str, set[str]] = {
-    "bag_io": set(),
+    "progress_bars": set(),
+    "bag_io": {"friction_runtime"},  # names of message types
     "bag_vehicle": {"friction_bags.bag_io", "friction_parameters", "friction_runtime", "vehicle_models"},
     "record_replay": {
         "friction_bags.bag_io",
@@ -21,17 +22,29 @@ ALLOWED: dict[str, set[str]] = {
         "vehicle_models",
     },
     "offline": {
+        "friction_adapter",
         "friction_bags.bag_io",
         "friction_bags.bag_vehicle",
+        "friction_bags.mapped",
+        "friction_bags.progress_bars",
         "friction_parameters",
         "friction_runtime",
         "vehicle_models",
         "wheel_slip",
     },
-    "importers": {
+    "mapped": {
+        "friction_adapter",
         "friction_bags.bag_io",
         "friction_bags.bag_vehicle",
-        "friction_msgs",
+        "friction_runtime",
+    },
+    "importers": {
+        "friction_adapter",
+        "friction_bags.bag_io",
+        "friction_bags.bag_vehicle",
+        "friction_bags.mapped",
+        "friction_bags.progress_bars",
+        "friction_parameters",
         "friction_runtime",
         "vehicle_models",
     },
@@ -45,7 +58,11 @@ ALLOWED: dict[str, set[str]] = {
         "friction_runtime",
         "vehicle_models",
     },
-    "__main__": {"friction_bags.bag_io", "friction_parameters"},  # loads the module of a command by its name
+    "__main__": {
+        "friction_bags.bag_io",
+        "friction_parameters",
+        "friction_runtime",
+    },  # loads the module of a command by its name
 }
 
 

@@ -20,12 +20,12 @@ from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import encode, installed_topic
-from friction_bags.bag_io.message_definition import message_class
 from friction_bags.offline.graph_stages import graph_stages
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_parameters.parameter import ParameterError
 from friction_parameters.values import from_mapping
+from friction_runtime.message_type import message_class
 from friction_runtime.processor_graph import ProcessorGraph
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle

@@ -12,11 +12,11 @@ from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode
 from friction_bags.bag_io.message_bag import write_bag
-from friction_bags.bag_io.message_definition import message_class
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_parameters.parameter import ParameterError
+from friction_runtime.message_type import message_class
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.vehicle_file import shipped_vehicles
 

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
+from friction_adapter.map_argument import add_map_argument
+from friction_adapter.map_file import load_map
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_vehicle import vehicle_for
+from friction_bags.mapped.mapped_bag import MappedBag
+from friction_bags.mapped.write_mapped import write_mapped
+from friction_bags.offline.plan import SayOnce
 from friction_bringup import graph
 from friction_bringup.composed import run_composed
 from friction_bringup.demo import run_demo
@@ -18,6 +25,7 @@ from friction_bringup.monitor import run_monitor
 from friction_bringup.recorded_run import require_samples
 from friction_bringup.security_policies import policies
 from friction_parameters.command_line import command
+from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import silent
 from friction_runtime.shipped_files import shipped_file
 from vehicle_models.vehicle_argument import add_vehicle_argument
@@ -41,6 +49,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         "--law", choices=graph.LAWS, default=graph.LAWS[0], help="what commands the brake (default: curve)"
     )
     demo.add_argument("--bag", type=Path, help="replay this bag in place of the plant")
+    add_map_argument(demo)
     add_vehicle_argument(demo, f"{graph.DEMO_VEHICLE}, or the one the bag names")
     demo.add_argument(
         "--params", type=Path, help="parameter file (default: that of the demo, or the one the bag names)"
@@ -66,10 +75,32 @@ def _run(arguments: Sequence[str] | None) -> int:
         print(policies(*secured), end="")
         return 0
     try:
-        return run_demo(_demo_options(options))
+        with _mapped(options) as native:
+            return run_demo(_demo_options(native))
     except DemoError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
+
+
+@contextmanager
+def _mapped(options: argparse.Namespace) -> Iterator[argparse.Namespace]:
+    """Yield options whose bag holds the topics of this graph: where a signal map is given, what it makes of the bag.
+
+    Raises:
+        ParameterError: the map is not valid, or there is no bag for it.
+        BagError: the bag cannot be read, or lacks a topic of the map.
+    """
+    if not options.map:
+        yield options
+        return
+    if not options.bag:
+        raise ParameterError("--map is for a bag: give --bag")
+    signal_map = load_map(options.map, options.vehicle)
+    with TemporaryDirectory(prefix="friction_demo_") as directory:
+        native = Path(directory, options.bag.resolve().stem)
+        with MappedBag(options.bag, signal_map, SayOnce()) as bag:
+            write_mapped(bag, native, signal_map.notes)
+        yield argparse.Namespace(**{**vars(options), "bag": native})
 
 
 def _demo_options(options: argparse.Namespace) -> DemoOptions:

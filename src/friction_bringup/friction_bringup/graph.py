@@ -14,6 +14,8 @@ PLANT = "corner_sim"
 SUPERVISOR = "abs_supervisor"
 NODES = (PLANT, *ESTIMATORS)
 """In the order in which data flows. Package, module, node and parameter file of a node have one name."""
+ADAPTER = "friction_adapter"
+"""Stands before the estimators where a car has other topics: it takes part in no demo."""
 COMPOSED = ("wheel_slip", "friction_slope", "smart_tyre_forces", "friction_curve_id")
 """Estimators that may share a process, in the order in which they are served: the last one when nothing else waits."""
 COMPOSED_PROCESS = "estimators"

@@ -10,6 +10,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.utilities.namespace_utils import prefix_namespace
 
+from friction_adapter.map_file import map_choices
 from friction_bringup import graph
 from friction_bringup.node_start import Decided, composed_arguments, node_starts
 from vehicle_models.vehicle_file import vehicle_choices
@@ -55,6 +56,13 @@ def composed_argument(default: str) -> LaunchDescriptionEntity:
         default_value=default,
         choices=["true", "false", "True", "False"],
         description=f"run {', '.join(graph.COMPOSED)} in one process",
+    )
+
+
+def map_argument() -> LaunchDescriptionEntity:
+    """Declare the signal map of a car with other topics."""
+    return DeclareLaunchArgument(
+        "map_file", default_value="", description=f"signal map of a car with other topics: {map_choices()}"
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from friction_adapter.map_file import map_reference
 from friction_bags.offline.estimators import needs_curve_of_car
 from friction_bringup import graph
 from friction_parameters.parameter import ParameterError
@@ -26,6 +27,17 @@ def commanding(law: str, vehicle_file: str) -> Decided:
     if needs_curve_of_car(law, len(load_vehicle(vehicle_file).wheels)):
         decided["friction_curve_id"] = {"method": "car"}
     return decided
+
+
+def with_adapter(nodes: Sequence[str], decided: Decided, map_file: str) -> tuple[Sequence[str], Decided]:
+    """Put the adapter before some nodes where a signal map is given; return nodes and parameters.
+
+    Raises:
+        ParameterError: there is no such map.
+    """
+    if not map_file:
+        return nodes, decided
+    return (graph.ADAPTER, *nodes), {**decided, graph.ADAPTER: {"map_file": map_reference(map_file)}}
 
 
 @dataclass(frozen=True)

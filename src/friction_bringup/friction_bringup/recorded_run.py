@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib import import_module
 from operator import attrgetter
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +15,7 @@ from rclpy.serialization import deserialize_message
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bringup.braking_metrics import CrossingEvent, hardest_braking
+from friction_runtime.message_type import message_class
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 
@@ -115,7 +114,7 @@ def read_run(bag: Path, wheels: Sequence[str]) -> RecordedRun:
         wanted = [topic for topic in reader.counts if topic.type in _COLUMNS or topic.name == _SAMPLES]
         getters = {t: [attrgetter(column) for column in _COLUMNS.get(t.type, ())] for t in wanted}
         for topic, _, data in reader.messages(wanted):
-            message = deserialize_message(data, _message_class(topic.type))
+            message = deserialize_message(data, message_class(topic.type))
             stamp = to_nanoseconds(message.header.stamp)
             if topic.name == _SAMPLES:
                 samples.append(stamp)
@@ -157,8 +156,3 @@ def _series(
 
 def _seconds(stamps: list[int], start: int) -> Array:
     return np.array([(stamp - start) / NANOSECONDS for stamp in stamps])
-
-
-def _message_class(name: str) -> Any:
-    package, _, kind = name.split("/")
-    return getattr(import_module(f"{package}.msg"), kind)

@@ -29,6 +29,7 @@ from typing import Any, get_type_hints
 
 from friction_parameters.generated import range_text
 from friction_parameters.parameter import ParameterError, checked, parameter
+from friction_parameters.yaml_entries import YamlEntries
 from friction_parameters.yaml_source import Entry, plain, read_yaml, refuse_repeated
 from vehicle_models.vehicle import FRONT, REAR, Accelerometer, Deviation, SharedBy, Vehicle, Wheel
 
@@ -109,26 +110,8 @@ def load_vehicle(name: str | Path) -> Vehicle:
     return _vehicle(_File(path), read_yaml(path, "vehicle file"))
 
 
-class _File:
-    """Reads the entries of one file; errors name file and line."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-
-    def error(self, entry: Entry, text: str) -> ParameterError:
-        return ParameterError(f"{self.path}: line {entry.line}: {text}")
-
-    def mapping(self, key: str, entry: Entry) -> dict[str, Entry]:
-        """Entries of a mapping."""
-        if not isinstance(entry.value, dict):
-            raise self.error(entry, f"'{key}' must hold keys and values")
-        return entry.value
-
-    def known(self, entries: Mapping[str, Entry], known: tuple[str, ...]) -> None:
-        """Refuse a key that is unknown here."""
-        for key, entry in entries.items():
-            if key not in known:
-                raise self.error(entry, f"unknown key '{key}': known here are {', '.join(known)}")
+class _File(YamlEntries):
+    """Values of a vehicle file."""
 
     def values(
         self, cls: type, entries: Mapping[str, Entry], shared_by: SharedBy

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
 from types import TracebackType
-from typing import Any, Protocol, cast
+from typing import Any, Protocol, TypeVar, cast
 
 import yaml
 from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat
@@ -19,6 +19,7 @@ from friction_bags.bag_io.salvage_sqlite import SqliteSalvage, is_truncated
 
 Message = tuple[Topic, int, bytes]
 """Topic, recording stamp [ns], CDR data."""
+Opened = TypeVar("Opened", bound="BagReader")
 
 _ENCODINGS = {
     MessageDefinitionFormat.MSG: "ros2msg",
@@ -141,7 +142,7 @@ class BagReader:
         if self._unpacked is not None:
             self._unpacked.cleanup()
 
-    def __enter__(self) -> "BagReader":
+    def __enter__(self: Opened) -> Opened:
         """Return itself."""
         return self
 

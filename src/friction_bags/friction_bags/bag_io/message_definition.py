@@ -4,22 +4,18 @@ import json
 import re
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
 
+from friction_runtime.message_type import TYPE_NAME, UnknownTypeError
+
 _SEPARATOR = "=" * 80
 _FIELD_TYPE = re.compile(r"^\s*((?:[A-Za-z]\w*/)*[A-Za-z]\w*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]\w*")
-_TYPE_NAME = re.compile(r"[a-z][a-z0-9_]*/(msg/)?[A-Za-z]\w*", re.ASCII)
 _PRIMITIVES = frozenset(
     "bool byte char float32 float64 int8 uint8 int16 uint16 int32 uint32 int64 uint64 string wstring".split()
 )
-
-
-class UnknownTypeError(Exception):
-    """A message type is not installed; the text names the type and the package."""
 
 
 @dataclass(frozen=True)
@@ -58,23 +54,6 @@ def message_definition(type_name: str) -> MessageDefinition:
 
 
 @cache
-def message_class(type_name: str) -> type:
-    """Return the Python class of an installed type.
-
-    Raises:
-        UnknownTypeError: the type is not installed.
-    """
-    package, _, name = type_name.partition("/")
-    try:
-        if not _TYPE_NAME.fullmatch(type_name):
-            raise ImportError(f"{type_name!r} is not the name of a type")
-        get_package_share_directory(package)  # what is no package of ROS is not imported, whatever a bag says
-        return getattr(import_module(f"{package}.msg"), name.removeprefix("msg/"))
-    except (ImportError, AttributeError, PackageNotFoundError, ValueError) as error:
-        raise UnknownTypeError(f"type {type_name} is not installed: install or build package {package}") from error
-
-
-@cache
 def type_name(kind: Any) -> str:
     """Return the name of a message class, e.g. sensor_msgs/msg/JointState."""
     return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
@@ -99,7 +78,7 @@ def _short(type_name: str) -> str:
 
 
 def _msg_path(type_name: str) -> Path:
-    if not _TYPE_NAME.fullmatch(type_name):
+    if not TYPE_NAME.fullmatch(type_name):
         raise UnknownTypeError(f"{type_name!r} is not the name of a type")
     package, name = _short(type_name).split("/")
     try:

@@ -1,1 +1,1 @@
-"""Bags from measured data in CSV files."""
+"""Bags from tables and logs of any car."""

@@ -9,11 +9,13 @@ from typing import Any
 
 from sensor_msgs.msg import JointState
 
+from friction_adapter.map_file import load_map
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode
 from friction_bags.bag_io.message_definition import type_name
 from friction_bags.bag_vehicle import vehicle_for
+from friction_bags.mapped.mapped_bag import MappedBag
 from friction_bags.offline.estimators import (
     SMART_TYRE,
     WHEEL_ESTIMATORS,
@@ -47,6 +49,8 @@ class ProcessOptions:
     """Namespace of the topics, e.g. /car; / for none."""
     outputs_only: bool = False
     """Whether to leave out the topics of the bag."""
+    map_file: str = ""
+    """Signal map, or name of a shipped one; empty where the bag holds the topics of this graph."""
 
     @property
     def prefix(self) -> str:
@@ -68,6 +72,18 @@ class OfflinePlan:
     """Relative name of each topic in the bag that the estimators take, empty for the other topics."""
     copied: tuple[bool, ...]
     """Whether each topic in the bag is copied to the new one."""
+    map_file: str = ""
+    """Signal map, as in ProcessOptions."""
+    prefix: str = "/"
+    """Prefix of the names of the topics."""
+
+    def open_bag(self, report: Report) -> BagReader:
+        """Open the bag again, in another process.
+
+        Raises:
+            BagError: it cannot be read.
+        """
+        return open_bag(self.bag, self.map_file, self.vehicle_note, self.prefix, report)
 
     def processors(self, report: Report) -> list[Processor]:
         """Make the processors.
@@ -95,6 +111,25 @@ class SayOnce:
             print(f"{severity}: {text}", file=sys.stderr)
 
 
+def open_bag(bag: Path, map_file: str, vehicle: str, prefix: str, report: Report) -> BagReader:
+    """Open a bag, through a signal map where one is given.
+
+    Args:
+        bag: bag to read.
+        map_file: signal map, or name of a shipped one; empty for none.
+        vehicle: vehicle file in place of that of the map; empty for that of the map.
+        prefix: prefix of the names of the topics.
+        report: log function.
+
+    Raises:
+        BagError: the bag cannot be read, or lacks a topic of the map.
+        ParameterError: the map is not valid.
+    """
+    if not map_file:
+        return BagReader(bag)
+    return MappedBag(bag, load_map(map_file, vehicle), report, prefix)
+
+
 def plan_for(reader: BagReader, options: ProcessOptions, report: Report) -> tuple[OfflinePlan, list[Processor]]:
     """Make the plan for a bag; return also its processors.
 
@@ -118,7 +153,8 @@ def plan_for(reader: BagReader, options: ProcessOptions, report: Report) -> tupl
     _name_missing(processors, made.union(taken), prefix)
     copied = tuple(not options.outputs_only and name not in made for name in names)
     values = {name: values_of(each) for name, each in parameters.items()}
-    return OfflinePlan(reader.bag, values, vehicle, note, tuple(taken), copied), processors
+    plan = OfflinePlan(reader.bag, values, vehicle, note, tuple(taken), copied, options.map_file, prefix)
+    return plan, processors
 
 
 def output_numbers(processors: Sequence[Processor]) -> dict[str, int]:

@@ -5,20 +5,18 @@ import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, wait
-from contextlib import contextmanager
 from functools import partial
 from multiprocessing import active_children, get_context
 from os import cpu_count
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
+from friction_adapter.map_argument import add_map_argument
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_vehicle import CAR_OTHERWISE
 from friction_bags.offline.estimators import ESTIMATORS
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import ProcessResult, process_bag
+from friction_bags.progress_bars import bars
 from friction_parameters.command_line import count
 from friction_parameters.parameter import ParameterError
 from vehicle_models.vehicle_argument import add_vehicle_argument
@@ -39,6 +37,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--estimators", nargs="+", choices=ESTIMATORS, default=[], help="default: all with inputs")
     add_vehicle_argument(parser, CAR_OTHERWISE)
     parser.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
+    add_map_argument(parser)
     parser.add_argument("--namespace", default="/", help="namespace of the topics, such as /car")
     parser.add_argument("--outputs-only", action="store_true", help="leave out the topics of the bag")
     parser.add_argument(
@@ -63,6 +62,7 @@ def run(args: Namespace) -> int:
         tuple(args.params_file),
         args.namespace,
         args.outputs_only,
+        args.map,
     )
     outs = [args.out] if len(args.bags) == 1 else [args.out / bag.resolve().name for bag in args.bags]
     if len(set(outs)) < len(outs):
@@ -96,7 +96,7 @@ def _process_all(
     """Process a bag in a chain of processes, or several bags at once; yield results in the order of the bags."""
     if len(pairs) == 1 or jobs == 1:
         for bag, out in pairs:
-            with _bars([bag]) as show:
+            with bars([bag.name]) as show:
                 result = _attempt(bag, out, options, jobs, partial(show, 0))
             yield result
         return
@@ -108,7 +108,7 @@ def _process_all(
             for index, (bag, out) in enumerate(pairs)
         ]
         try:
-            with _bars([bag for bag, _ in pairs]) as show:
+            with bars([bag.name for bag, _ in pairs]) as show:
                 while wait(futures, _REFRESH_PERIOD).not_done:
                     for index, part in parts.items():
                         show(index, part)
@@ -127,13 +127,3 @@ def _attempt(
         return process_bag(bag, out, options, processes, progress)
     except (BagError, ParameterError, OSError) as error:
         return error
-
-
-@contextmanager
-def _bars(bags: Sequence[Path]) -> Iterator[Callable[[int, float], None]]:
-    """Yield a function that shows progress on a terminal, by the bag's index and the share that is done."""
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        tasks = [progress.add_task(bag.name, total=1.0) for bag in bags]
-        yield lambda index, part: progress.update(tasks[index], completed=part)

@@ -8,12 +8,11 @@ from operator import itemgetter
 from pathlib import Path
 from time import perf_counter
 
-from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import installed_topic
 from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.offline.graph_stages import graph_stages
-from friction_bags.offline.plan import ProcessOptions, SayOnce, output_numbers, plan_for
+from friction_bags.offline.plan import ProcessOptions, SayOnce, open_bag, output_numbers, plan_for
 from friction_bags.offline.stage_processes import read_steps, steps_of_stages, undecoded
 from friction_bags.offline.stage_run import StageRun
 from vehicle_models.nanoseconds import NANOSECOND
@@ -60,8 +59,9 @@ def process_bag(
     """
     begun = perf_counter()
     with ExitStack() as stack:
-        reader = stack.enter_context(BagReader(bag))
-        plan, processors = plan_for(reader, options, SayOnce())
+        say = SayOnce()
+        reader = stack.enter_context(open_bag(bag, options.map_file, options.vehicle, options.prefix, say))
+        plan, processors = plan_for(reader, options, say)
         stages = graph_stages(processors, processes)
         made = {topic: kind for processor in processors for topic, kind in processor.outputs.items()}
         notes = {**reader.custom_data, VEHICLE_NOTE: plan.vehicle_note}
@@ -93,7 +93,7 @@ def process_bag(
                 given += len(outputs)
             count += 1
             if count % _PROGRESS_EVERY == 0:
-                progress(count / total)
+                progress(min(count / total, 1.0))  # what a map makes is not counted before
         progress(1.0)
         duration = (reader.end - reader.start) * NANOSECOND
         found = tuple(dict.fromkeys([*reader.problems, *problems, *undecoded(run)]))

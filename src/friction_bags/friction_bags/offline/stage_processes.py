@@ -73,13 +73,14 @@ def _run_stage(plan: OfflinePlan, stage: int, stages: int, before: Connection | 
     """
     signal(SIGINT, SIG_IGN)  # the writing process ends this one
     try:
-        processors = plan.processors(SayOnce())
+        say = SayOnce()
+        processors = plan.processors(say)
         run = StageRun(graph_stages(processors, stages)[stage], output_numbers(processors))
         problems: list[str] = []
         if before is not None:
             _send(_received(before, problems), run, plan, behind)
         else:
-            with BagReader(plan.bag) as reader:
+            with plan.open_bag(say) as reader:
                 _send(read_steps(reader, plan), run, plan, behind)
                 problems = reader.problems
         behind.send((*problems, *undecoded(run)))

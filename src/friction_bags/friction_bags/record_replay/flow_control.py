@@ -8,10 +8,10 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
-from friction_bags.bag_io.message_definition import UnknownTypeError, message_class
 from friction_bags.record_replay import qos_profiles
 from friction_bags.record_replay.topic_selection import TopicSelection
 from friction_runtime.machine_load import slowdown
+from friction_runtime.message_type import UnknownTypeError, message_class
 from friction_runtime.stop_flag import StopFlag
 from vehicle_models.nanoseconds import NANOSECONDS
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from std_msgs.msg import String
 
-from friction_bags.bag_io.message_definition import UnknownTypeError, message_class
+from friction_runtime.message_type import UnknownTypeError, message_class
 
 _FASTRTPS = b"rosidl_typesupport_fastrtps_c"
 _INTROSPECTION = b"rosidl_typesupport_introspection_c"

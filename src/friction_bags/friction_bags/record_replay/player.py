@@ -12,11 +12,11 @@ from rosgraph_msgs.msg import Clock
 
 from friction_bags.bag_io.bag_format import Topic
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_bags.bag_io.message_definition import UnknownTypeError
 from friction_bags.record_replay import qos_profiles
 from friction_bags.record_replay.flow_control import FlowControl, has_header, header_stamp
 from friction_bags.record_replay.foreign_type import raw_class
 from friction_runtime.machine_load import slowdown
+from friction_runtime.message_type import UnknownTypeError
 from friction_runtime.stop_flag import StopFlag
 from vehicle_models.nanoseconds import NANOSECONDS
 

@@ -12,10 +12,11 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from friction_bags.bag_io.bag_format import Topic
 from friction_bags.bag_io.bag_writer import BagWriter
-from friction_bags.bag_io.message_definition import UnknownTypeError, message_definition
+from friction_bags.bag_io.message_definition import message_definition
 from friction_bags.record_replay import qos_profiles
 from friction_bags.record_replay.foreign_type import raw_class
 from friction_bags.record_replay.topic_selection import TopicSelection
+from friction_runtime.message_type import UnknownTypeError
 
 
 class _Taken(NamedTuple):

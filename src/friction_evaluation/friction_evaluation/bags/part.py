@@ -28,13 +28,13 @@ from friction_bags.bag_io.bag_format import Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import decode, encode, installed_topic
-from friction_bags.bag_io.message_definition import message_class
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_evaluation.bags.libraries import library_seconds
 from friction_evaluation.rows import Row, at_most, not_judged
 from friction_parameters.command_line import count
 from friction_parameters.values import from_mapping
+from friction_runtime.message_type import message_class
 from vehicle_models.vehicle_file import load_vehicle
 
 _VEHICLE = "chapter_car"

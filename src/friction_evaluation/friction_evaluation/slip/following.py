@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_bags.importers.bmw import COLUMNS, STAMP_OFFSET, messages
-from friction_bags.importers.bmw import WHEELS as BMW_WHEELS
-from friction_bags.importers.import_csv import read_rows
+from friction_adapter.map_file import load_map
+from friction_bags.importers.table import Table
 from friction_evaluation.measured_data import BMW_M8
 from friction_evaluation.protocol import STEP
 from friction_evaluation.slip.stops import CAR, END_SPEED, Stop
 from friction_runtime.stamps import to_nanoseconds
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.two_axle import four_wheels
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimator import SlipEstimator
@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 
 BMW_STOP = (6.9, 9.0)
 """The stop in the file's time [s]."""
+_BMW_WHEELS = ("w_fl_radps", "w_fr_radps", "w_rl_radps", "w_rr_radps")
+"""Columns of the wheel speeds."""
 
 
 @dataclass(frozen=True)
@@ -79,28 +81,26 @@ def follow_bmw(path: Path, offset: float = 0.0) -> Followed:
     measured: list[list[float]] = []
     truth: list[float] = []
     valid = 0
-    for row in read_rows(path, COLUMNS):
+    signal_map = load_map("bmw")
+    table = Table(path, signal_map)
+    for row in table.rows():
+        stamp = round(row["t_s"] * NANOSECONDS) + signal_map.stamp_offset
         outputs = []
-        for topic, message in messages([row]):
-            name = topic.lstrip("/")
+        for name, message in table.of_row(row):
             if name == "imu/data":
                 message.linear_acceleration.x += offset
             if name in processor.sensors and name != VEHICLE_VELOCITY:
                 outputs += [answer for _, answer in processor.process(name, message)]
         inside = BMW_STOP[0] <= row["t_s"] <= BMW_STOP[1] and row["vx_mps"] > END_SPEED
-        if inside and outputs and to_nanoseconds(outputs[0].header.stamp) == _stamp(row["t_s"]):
+        if inside and outputs and to_nanoseconds(outputs[0].header.stamp) == stamp:
             found.append((outputs[0].vehicle_speed, outputs[0].vehicle_speed_variance))
             wheels.append([output.wheel_speed for output in outputs])
-            measured.append([row[column] for column in BMW_WHEELS.values()])
+            measured.append([row[column] for column in _BMW_WHEELS])
             truth.append(row["vx_mps"])
             valid += sum(output.valid for output in outputs)
     speed, radii = np.array(truth), np.array(BMW_M8.radii)
     slip = 1.0 - np.array(measured) * radii / speed[:, np.newaxis]
     return _compare(np.array(found), np.array(wheels), np.array(measured), radii, speed, slip, valid)
-
-
-def _stamp(seconds: float) -> int:
-    return round(seconds * 1e9) + STAMP_OFFSET * 1_000_000_000
 
 
 def _compare(

@@ -1,0 +1,5 @@
+"""python -m friction_adapter: the node."""
+
+from friction_adapter.node import main
+
+raise SystemExit(main())

@@ -1,0 +1,135 @@
+"""Values as messages of this graph."""
+
+from array import array
+from collections.abc import Callable, Mapping, Sequence
+from math import isnan
+from typing import Any
+
+from friction_msgs.msg import BrakeDemand
+from geometry_msgs.msg import TwistWithCovarianceStamped, Vector3
+from sensor_msgs.msg import FluidPressure, Imu, JointState
+
+from friction_adapter.adapter import Target
+from friction_adapter.quantities import (
+    BRAKE_DEMAND,
+    BRAKE_PRESSURE,
+    BRAKE_TORQUE_REQUEST,
+    IMU,
+    VEHICLE_VELOCITY,
+    WHEEL_STATES,
+)
+from friction_runtime.new_message import new_message
+from friction_runtime.stamps import header_at
+from vehicle_models.vehicle import Vehicle
+
+Maker = Callable[[int, Sequence[float]], Any]
+"""Makes a message from its stamp [ns] and the values of the target."""
+MESSAGE_TYPES: Mapping[str, type] = {
+    WHEEL_STATES: JointState,
+    IMU: Imu,
+    VEHICLE_VELOCITY: TwistWithCovarianceStamped,
+    BRAKE_PRESSURE: FluidPressure,
+    BRAKE_DEMAND: BrakeDemand,
+    BRAKE_TORQUE_REQUEST: JointState,
+}
+_FRAME = "base_link"
+_UNKNOWN = -1.0
+"""First element of a covariance of sensor_msgs/Imu whose quantity is not measured."""
+
+
+def maker(target: Target, stddevs: Mapping[str, float], vehicle: Vehicle) -> Maker:
+    """Return what makes the messages of a target.
+
+    What was not measured is left at its default: covariances are zero, the orientation is marked as unknown. A rate
+    that is NaN is marked likewise.
+
+    Args:
+        target: the target.
+        stddevs: standard deviation by its parts, where known.
+        vehicle: the car.
+    """
+    variances = {part: stddev**2 for part, stddev in stddevs.items()}
+    if target.message == WHEEL_STATES:
+        return _wheel_states_maker([vehicle.wheel(wheel).joint for wheel in target.parts])
+    if target.message == IMU:
+        return _imu_maker(variances.get("acceleration", 0.0), vehicle.accelerometer.axis)
+    if target.message == VEHICLE_VELOCITY:
+        return _velocity_maker(variances.get("speed", 0.0))
+    if target.message == BRAKE_PRESSURE:
+        return _pressure_maker(target.wheel, variances.get(BRAKE_PRESSURE, 0.0))
+    if target.message == BRAKE_DEMAND:
+        return lambda stamp, values: BrakeDemand(header=header_at(stamp, _FRAME), pressure=values[0])
+    return lambda stamp, values: JointState(header=header_at(stamp, ""), name=["all_wheels"], effort=list(values))
+
+
+def _wheel_states_maker(joints: list[str]) -> Maker:
+    def make(stamp: int, values: Sequence[float]) -> JointState:
+        message = new_message(JointState)
+        message.header = header_at(stamp, "")
+        message.name = joints
+        message.velocity = array("d", values)
+        message.position = array("d")
+        message.effort = array("d")
+        return message
+
+    return make
+
+
+def _pressure_maker(wheel: str, variance: float) -> Maker:
+    def make(stamp: int, values: Sequence[float]) -> FluidPressure:
+        message = new_message(FluidPressure)
+        message.header = header_at(stamp, wheel)
+        message.fluid_pressure = values[0]
+        message.variance = variance
+        return message
+
+    return make
+
+
+def _imu_maker(variance: float, axis: str) -> Maker:
+    """The accelerometer along the car is on the axis that the vehicle file names."""
+    across = "x" if axis == "y" else "y"
+    defaults = Imu()
+    unknown = _covariance(0, _UNKNOWN)
+    measured = _covariance("xyz".index(axis), variance)
+
+    def make(stamp: int, values: Sequence[float]) -> Imu:
+        forward, leftward, yaw_rate = values
+        acceleration, rates = Vector3(), Vector3()
+        setattr(acceleration, axis, forward)
+        if not isnan(leftward):
+            setattr(acceleration, across, leftward)
+        if not isnan(yaw_rate):
+            rates.z = yaw_rate
+        message = new_message(Imu)
+        message.header = header_at(stamp, _FRAME)
+        message.orientation = defaults.orientation
+        message.orientation_covariance = unknown
+        message.linear_acceleration = acceleration
+        message.linear_acceleration_covariance = measured
+        message.angular_velocity = rates
+        message.angular_velocity_covariance = unknown if isnan(yaw_rate) else defaults.angular_velocity_covariance
+        return message
+
+    return make
+
+
+def _covariance(place: int, value: float) -> Any:
+    """Return a covariance of sensor_msgs/Imu that is zero but for one number on its diagonal."""
+    covariance = Imu().orientation_covariance
+    covariance[4 * place] = value
+    return covariance
+
+
+def _velocity_maker(variance: float) -> Maker:
+    def make(stamp: int, values: Sequence[float]) -> TwistWithCovarianceStamped:
+        forward, leftward = values
+        message = TwistWithCovarianceStamped()
+        message.header = header_at(stamp, _FRAME)
+        message.twist.twist.linear.x = forward
+        message.twist.covariance[0] = variance
+        if not isnan(leftward):
+            message.twist.twist.linear.y = leftward
+        return message
+
+    return make

@@ -1,0 +1,137 @@
+"""A signal map: where each signal of a car comes from, and in which unit."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from math import nan
+from pathlib import Path
+from typing import Final
+
+from friction_adapter.quantities import Quantity
+from vehicle_models.vehicle import Vehicle
+
+ARRIVAL: Final = "arrival"
+"""In place of a field: the time at which a message arrived, or was recorded."""
+
+
+class Kind(Enum):
+    """Where a signal is found."""
+
+    TOPIC = "topic"
+    CAN = "can"
+    TABLE = "table"
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Source of a signal."""
+
+    kind: Kind
+    topic: str = ""
+    """Name of the topic; empty for CAN and tables."""
+    type: str = ""
+    """Message type of the topic, e.g. sensor_msgs/msg/JointState."""
+
+
+@dataclass(frozen=True)
+class Flag:
+    """A field that says whether a signal is valid."""
+
+    field: str
+    is_value: float | str
+    """Value with which it is."""
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One quantity of the car or of one wheel."""
+
+    quantity: Quantity
+    wheel: str
+    """Name of the wheel; empty for a quantity of the car."""
+    origin: Origin
+    fields: tuple[str, ...]
+    """Fields, CAN signals or columns; several are added up."""
+    line: int
+    """Line in the file."""
+    unit: str = ""
+    """Name in UNITS; empty for that of the DBC file, else the SI unit."""
+    mean: bool = False
+    """Whether the sum of several fields is divided by their number."""
+    scale: float = 1.0
+    offset: float = 0.0
+    sign: int = 1
+    full_scale: float = 1.0
+    """100 % [SI unit]."""
+    latency: int = 0
+    """Age of the value at its stamp [ns]."""
+    stddev: float = nan
+    """Standard deviation in `unit`; NaN: not stated."""
+    invalid: tuple[float, ...] = ()
+    """Raw values that mean that there is none."""
+    flag: Flag | None = None
+    counter: float = nan
+    """Number at which a counter of edges wraps."""
+    stamp: str = "header.stamp"
+    """Field, column, or ARRIVAL."""
+
+    @property
+    def title(self) -> str:
+        """Quantity and wheel, for messages to the user."""
+        return f"'{self.quantity.name}'{f' of {self.wheel}' if self.wheel else ''}"
+
+
+@dataclass(frozen=True)
+class CanBus:
+    """How frames of a CAN bus are read."""
+
+    dbc: Path | None = None
+    topic: str = ""
+    """Topic of can_msgs/Frame; empty where frames come from logs only."""
+    by_arrival: bool = False
+    """Whether frames of the topic are stamped by their arrival."""
+
+
+@dataclass(frozen=True)
+class SignalMap:
+    """All signals of a car."""
+
+    path: Path
+    vehicle: Vehicle
+    vehicle_reference: str
+    """Name of a shipped vehicle file, or absolute path."""
+    signals: tuple[Signal, ...]
+    stamp_offset: int = 0
+    """Added to every stamp [ns]."""
+    together: int = 5_000_000
+    """Messages whose stamps are at most this far apart are of one instant [ns]."""
+    can: CanBus = field(default_factory=CanBus)
+    notes: Mapping[str, str] = field(default_factory=dict)
+    """Notes for a bag that is made with this map."""
+
+    @property
+    def topics(self) -> dict[str, str]:
+        """Type of each topic that signals come from, without that of CAN frames."""
+        return {each.origin.topic: each.origin.type for each in self.signals if each.origin.kind is Kind.TOPIC}
+
+    def has(self, quantity: str) -> bool:
+        """Whether the map names a quantity."""
+        return any(each.quantity.name == quantity for each in self.signals)
+
+    @property
+    def cannot(self) -> tuple[str, ...]:
+        """What cannot be estimated with these signals, and what to add: a sentence each."""
+        texts = []
+        if not self.has("wheel_speed"):
+            texts.append("nothing can be estimated without 'wheel_speed': add the speed of each wheel")
+        if not self.has("acceleration"):
+            texts.append(
+                "without 'acceleration', wheel_slip needs use_imu: false, and has no speed while the wheels slide: add "
+                "the accelerometer along the car"
+            )
+        if not self.has("brake_pressure"):
+            texts.append(
+                "without 'brake_pressure' there is no brake torque, and wheel_slip alone has all its inputs: add the "
+                "pressure at each wheel, or that of the line as `fields: {all: ...}`"
+            )
+        return tuple(texts)

@@ -1,0 +1,25 @@
+"""Packaging of friction_adapter."""
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+package_name = "friction_adapter"
+
+setup(
+    name=package_name,
+    version="0.1.0",
+    packages=find_packages(exclude=["test"]),
+    package_data={package_name: ["py.typed", "maps/*.yaml"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", ["resource/" + package_name]),
+        ("share/" + package_name, ["package.xml"]),
+        ("share/" + package_name + "/config", glob("config/*.yaml")),
+    ],
+    zip_safe=True,
+    maintainer="friction developers",
+    maintainer_email="developers@friction.example.org",
+    description="Any car's messages, CAN frames and tables as the topics of this graph, by a signal map",
+    license="Apache-2.0",
+    entry_points={"console_scripts": ["friction_adapter_node = friction_adapter.node:main"]},
+)

@@ -1,0 +1,68 @@
+"""Without the packages for CAN everything else runs, and the line that installs them is named."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from friction_adapter.can_frames import CanFrames
+from friction_parameters.parameter import ParameterError
+
+DBC = """VERSION ""
+BU_: E
+BO_ 1 A: 2 E
+ SG_ Speed : 0|16@1+ (0.1,0) [0|100] "km/h" E
+BO_ 2 B: 3 E
+ SG_ Speed : 0|16@1+ (0.1,0) [0|100] "km/h" E
+ SG_ Gear : 16|4@1+ (1,0) [0|7] "" E
+"""
+
+
+def frames(directory: Path, text: str = DBC) -> CanFrames:
+    path = directory / "car.dbc"
+    path.write_text(text)
+    return CanFrames(path)
+
+
+def test_without_the_packages_the_line_that_installs_them_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "cantools.database", None)
+    with pytest.raises(ParameterError, match="python -m pip install python-can cantools"):
+        frames(tmp_path)
+
+
+class TestWithCantools:
+    @pytest.fixture(autouse=True)
+    def needs_cantools(self) -> None:
+        pytest.importorskip("cantools", reason="cantools is absent: python -m pip install python-can cantools")
+
+    def test_a_signal_is_found_by_its_name_or_that_of_its_frame(self, tmp_path: Path) -> None:
+        assert frames(tmp_path).find("Gear") == ("B", "Gear", "")
+        assert frames(tmp_path).find("A.Speed") == ("A", "Speed", "km/h")
+
+    @pytest.mark.parametrize(
+        ("name", "said"),
+        [("Speed", "several CAN signals have the name 'Speed': A.Speed, B.Speed"), ("Speeed", "there are Speed")],
+    )
+    def test_a_name_of_none_or_several_is_refused(self, tmp_path: Path, name: str, said: str) -> None:
+        with pytest.raises(ValueError, match=said):
+            frames(tmp_path).find(name)
+
+    def test_frames_that_are_not_kept_unknown_or_too_short_give_nothing(self, tmp_path: Path) -> None:
+        bus = frames(tmp_path)
+        bus.keep(["A"])
+        found = bus.decode(1, False, bytes([232, 3]))
+        assert found is not None
+        assert (found.name, dict(found.values)) == ("A", {"Speed": pytest.approx(100.0)})
+        assert bus.decode(2, False, bytes(2)) is None
+        assert bus.decode(1, True, bytes(2)) is None
+        assert bus.undecoded == 0
+        assert bus.decode(1, False, bytes(1)) is None
+        assert bus.undecoded == 1
+
+    def test_a_file_that_is_no_dbc_file_is_refused(self, tmp_path: Path) -> None:
+        with pytest.raises(ParameterError, match="cannot be read"):
+            frames(tmp_path, "BO_ nonsense {")
+        with pytest.raises(ParameterError, match="No such file"):
+            CanFrames(tmp_path / "none.dbc")

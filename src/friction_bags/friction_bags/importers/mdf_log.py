@@ -1,0 +1,120 @@
+"""Logs in MDF 3 and 4, through asammdf."""
+
+from collections.abc import Iterator
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from friction_adapter.record_mapper import RecordMapper
+from friction_adapter.signal_map import SignalMap
+from friction_adapter.sources import Sources
+from friction_bags.bag_io.bag_format import BagError
+from friction_bags.importers.can_log import START_OFFSET
+from friction_parameters.parameter import ParameterError
+from friction_runtime.processor import Output
+from vehicle_models.nanoseconds import NANOSECONDS
+
+SUFFIXES = (".mdf", ".dat", ".mf4")
+INSTALL_LINE = "python -m pip install asammdf"
+_EARLIEST = 1.0
+_MOST_LISTED = 30
+
+
+class MdfLog:
+    """A log, read through a signal map whose CAN signals are the names of channels.
+
+    The channels of a group have the same times, as the signals of a CAN frame.
+    """
+
+    def __init__(self, path: Path, signal_map: SignalMap) -> None:
+        """Find the signals of the map.
+
+        Raises:
+            BagError: the log cannot be read.
+            ParameterError: asammdf is not installed, or the log lacks a channel.
+            OSError: there is no such log.
+        """
+        try:
+            from asammdf import MDF
+        except ImportError as error:
+            raise ParameterError(f"MDF logs need one more package: {INSTALL_LINE}") from error
+        path.stat()
+        self._path = path
+        try:
+            self._mdf: Any = MDF(path)
+        except Exception as error:  # asammdf passes on whatever its parsers raise
+            raise BagError(f"{path} cannot be read: {error}") from error
+        self._needed: dict[str, dict[str, tuple[int, int]]] = {}
+        """Group and place of each channel that is needed, by its name and that of its source."""
+        self._mapper = RecordMapper(signal_map, Sources(can=self))
+        self._is_offset = signal_map.stamp_offset != 0
+        self._share = 0.0
+
+    def find(self, name: str) -> tuple[str, str, str]:
+        """Return group, name within it and unit of a channel, given as NAME or GROUP.NAME, groups numbered from 0.
+
+        Raises:
+            ValueError: there is no such channel, or several; the text names those there are.
+        """
+        channels = self._mdf.channels_db
+        group, _, rest = name.partition(".")
+        only = int(group) if group.isdecimal() and rest in channels else None
+        channel = name if only is None else rest
+        places = [place for place in channels.get(channel, ()) if only in (None, place[0])]
+        if len(places) > 1:
+            several = ", ".join(f"{place[0]}.{channel}" for place in places)
+            raise ValueError(f"several channels have the name '{channel}': {several}")
+        if not places:
+            near = get_close_matches(name, list(channels), _MOST_LISTED, 0.4) or sorted(channels)[:_MOST_LISTED]
+            raise ValueError(f"{self._path} has no channel '{name}': there are {', '.join(near)}")
+        number, index = places[0]
+        source = f"group {number}"
+        self._needed.setdefault(source, {})[channel] = (number, index)
+        return source, channel, self._mdf.get_channel_unit(channel, group=number, index=index) or ""
+
+    def messages(self) -> Iterator[Output]:
+        """Yield topics and messages.
+
+        Raises:
+            BagError: a channel cannot be read.
+        """
+        groups = {source: self._columns(channels) for source, channels in self._needed.items()}
+        names = list(groups)
+        times = np.concatenate([groups[name][0] for name in names])
+        numbers = np.repeat(np.arange(len(names)), [groups[name][0].size for name in names])
+        rows = np.concatenate([np.arange(groups[name][0].size) for name in names])
+        order = np.argsort(times, kind="stable")
+        begins_late = self._is_offset or not times.size or times[order[0]] >= _EARLIEST
+        offset = 0 if begins_late else START_OFFSET * NANOSECONDS
+        for done, at in enumerate(order.tolist()):
+            self._share = done / order.size
+            source = names[numbers[at]]
+            record = {channel: values[rows[at]] for channel, values in groups[source][1].items()}
+            stamp = round(float(times[at]) * NANOSECONDS) + offset
+            for topic, message in self._mapper.take(source, record, stamp):
+                yield f"/{topic}", message
+        self._mdf.close()
+
+    def share(self) -> float:
+        """Return the share of the samples that have been read."""
+        return self._share
+
+    def troubles(self) -> dict[str, int]:
+        """Return how often something could not be used, by what it is."""
+        return self._mapper.troubles()
+
+    def _columns(self, channels: dict[str, tuple[int, int]]) -> tuple[Any, dict[str, Any]]:
+        """Return times [s] and values of the channels of one group, NaN where a value is marked as invalid."""
+        times, columns = np.empty(0), {}
+        for name, (group, index) in channels.items():
+            try:
+                found = self._mdf.get(name, group=group, index=index, ignore_invalidation_bits=True)
+                values = np.array(found.samples, dtype=np.float64)
+            except Exception as error:  # asammdf passes on whatever its parsers raise
+                raise BagError(f"{self._path}: channel '{name}' cannot be read: {error}") from error
+            if found.invalidation_bits is not None:
+                values[np.asarray(found.invalidation_bits, dtype=bool)] = np.nan
+            times, columns[name] = found.timestamps, values
+        return times, columns

@@ -1,0 +1,1 @@
+"""Bags of any car through a signal map."""

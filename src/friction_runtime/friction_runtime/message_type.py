@@ -1,0 +1,32 @@
+"""Message types by their names."""
+
+import re
+from functools import cache
+from importlib import import_module
+from typing import Final
+
+from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
+
+TYPE_NAME: Final = re.compile(r"[a-z][a-z0-9_]*/(msg/)?[A-Za-z]\w*", re.ASCII)
+"""Names of types, such as sensor_msgs/msg/JointState."""
+
+
+class UnknownTypeError(Exception):
+    """A message type is not installed; the text names the type and the package."""
+
+
+@cache
+def message_class(type_name: str) -> type:
+    """Return the Python class of an installed type.
+
+    Raises:
+        UnknownTypeError: the type is not installed.
+    """
+    package, _, name = type_name.partition("/")
+    try:
+        if not TYPE_NAME.fullmatch(type_name):
+            raise ImportError(f"{type_name!r} is not the name of a type")
+        get_package_share_directory(package)  # what is no package of ROS is not imported, whatever a bag says
+        return getattr(import_module(f"{package}.msg"), name.removeprefix("msg/"))
+    except (ImportError, AttributeError, PackageNotFoundError, ValueError) as error:
+        raise UnknownTypeError(f"type {type_name} is not installed: install or build package {package}") from error
