@@ -25,7 +25,7 @@ class EstimatorParameters:
     minimum_speed: float = shared.minimum_speed(1.0)
     max_gap: float = shared.max_gap(0.1)
     max_slip_stddev: float = parameter(
-        0.12, "no slip where its standard deviation is larger", minimum=1e-3, maximum=1.0
+        0.15, "no slip where its standard deviation is larger", minimum=1e-3, maximum=1.0
     )
     learn_radii: bool = parameter(False, "calibrate the radii while the car coasts, and use them")
     wheel_filter: WheelFilterParameters = group(WheelFilterParameters())

@@ -74,7 +74,7 @@ class SpeedFilterParameters:
     compliance: float = parameter(
         0.008, "slip of a rolling wheel per acceleration of the car, to expect", unit="s^2/m", minimum=0.0, maximum=0.1
     )
-    compliance_stddev: float = parameter(0.02, "its standard deviation", unit="s^2/m", minimum=1e-4, maximum=0.1)
+    compliance_stddev: float = parameter(0.03, "its standard deviation", unit="s^2/m", minimum=1e-4, maximum=0.1)
     compliance_time: float = parameter(
         2.0, "time in which it changes: the road, and how near the peak is", unit="s", minimum=0.1, maximum=100.0
     )
