@@ -9,7 +9,9 @@ from friction_evaluation.measured_data import BMW, data_directory
 from friction_evaluation.protocol import CORNER, DT
 from friction_evaluation.rows import failures
 from friction_evaluation.slip import part as slip
+from friction_evaluation.slip.car_drives import cases, drive
 from friction_evaluation.slip.following import follow, follow_bmw, shipped
+from friction_evaluation.slip.honesty import judge
 from friction_evaluation.slip.stops import CAR, CRUISE, Stop, stops
 from friction_evaluation.slip.tables import ACTIVATION_SLIP, LAMBDA_INIT, ROADS, Road, braking, tables
 from vehicle_models.vehicle_file import load_vehicle
@@ -27,6 +29,23 @@ def test_stop_begins_with_a_steady_cruise_and_ends_at_3_metres_a_second() -> Non
     assert stop.slip[stop.onset :].max() > 0.1
     noise = stop.wheel_speed - (1.0 - stop.slip) * stop.speed[:, np.newaxis] / np.array(CAR.radii)
     assert noise.std() == pytest.approx(np.sqrt(0.005), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "burckhardt, dry, through the peak",
+        "pacejka, wet, at 50% of the peak",
+        "step of +10 %, coasting",
+        "driven wheels spin on snow, pacejka",
+    ],
+)
+def test_stated_deviations_hold_on_a_car_that_only_its_vehicle_file_describes(name: str) -> None:
+    car = load_vehicle("compact_car")
+    found = judge(drive(cases()[name], car, 1), car, shipped().estimator)
+    assert np.mean(np.abs(found.speed) < 1.96 * found.speed_deviation) > 0.9
+    assert np.mean(np.abs(found.slip) < 1.96 * found.slip_deviation) > 0.9
+    assert found.valid > 80.0
 
 
 @pytest.mark.parametrize("road", ["dry", "snow"])

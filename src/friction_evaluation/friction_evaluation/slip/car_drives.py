@@ -104,7 +104,11 @@ def cases() -> dict[str, Case]:
     for name, trouble in _TROUBLES.items():
         found[f"{name}, at half of the peak"] = Case(share=0.5, trouble=trouble)
         found[f"{name}, through the peak"] = Case(trouble=trouble)
-    for name, around in (("hill of 6 % in 1 s", _hill), ("step of +10 %", _step(_STEEP)), ("of -10 %", _step(-_STEEP))):
+    for name, around in (
+        ("hill of 6 % in 1 s", _hill),
+        ("step of +10 %", _step(_STEEP)),
+        ("step of -10 %", _step(-_STEEP)),
+    ):
         found[f"{name}, coasting"] = Case(share=0.0, around=around)
         found[f"{name}, at half of the peak"] = Case(share=0.5, around=around)
         found[f"{name}, through the peak"] = Case(around=around)
