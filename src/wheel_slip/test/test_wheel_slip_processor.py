@@ -18,7 +18,6 @@ from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from friction_parameters.values import declared, from_mapping
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
-from vehicle_models.vehicle import Accelerometer
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimate import Reason, SpeedSource
 from wheel_slip.parameters import SHIPPED, SpeedSensorParameters, WheelSlipParameters
@@ -296,7 +295,7 @@ def test_old_parameter_is_refused_with_its_new_place(name: str) -> None:
 
 
 def test_mounting_of_the_accelerometer_is_that_of_the_car(processor: CarProcessor) -> None:
-    mounted = Accelerometer(axis="y", sign=-1.0, offset=0.5, scale=1.02, pitch_gain=0.001)
+    mounted = replace(CORNER.accelerometer, axis="y", sign=-1.0, offset=0.5, scale=1.02, pitch_gain=0.001)
     turned = CarProcessor(replace(CORNER, accelerometer=mounted), WheelSlipParameters())
     messages: list[Message] = []
     for topic, message in stop():
