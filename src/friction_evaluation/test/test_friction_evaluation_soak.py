@@ -27,8 +27,8 @@ def lap(ended: float, use: ProcessUse = USE, lost: int = 0) -> Lap:
     return Lap(ended, {"front_left/slip": Answers(100, lost, np.full(100 - lost, 2.0))}, {"wheel_slip": use}, 1.0)
 
 
-def seen(published: dict[int, int], since: int = 0) -> Seen:
-    found = Seen(since)
+def seen(published: dict[int, int]) -> Seen:
+    found = Seen()
     for stamp, at in published.items():
         found.note(stamp, at)
     return found
@@ -42,7 +42,7 @@ def test_the_stamp_of_a_serialized_message_is_read_without_decoding_it() -> None
 
 def test_a_sample_without_answer_is_lost_and_a_heartbeat_of_the_lap_before_answers_none() -> None:
     sent = seen({stamp: stamp * MILLISECOND for stamp in (0, 5, 10, 15, 20)})
-    topic = seen({15: 1, 5: 8 * MILLISECOND, 20: 3}, since=2)
+    topic = seen({15: 1, 5: 8 * MILLISECOND, 20: 3})
     topic.note(15, 20 * MILLISECOND)
     topic.note(15, 90 * MILLISECOND)
     found = answers(sent, topic, begin=5)

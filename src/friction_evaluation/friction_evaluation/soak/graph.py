@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 
@@ -117,32 +117,31 @@ class SoakGraph:
         self._call("reset")
         self._take()
         self.lost_packets = 0
-        # The graph has nothing to say between the end of a lap and the start of the next but heartbeats of the end.
-        begun = time.time_ns()
-        self._seen = {topic: Seen(begun) for topic in self._taps}
+        self._seen = {topic: Seen() for topic in self._taps}
         self._call("start")
-        source = self._seen[_SOURCE].published
+        sent = self._seen[_SOURCE]
+        source = sent.published
         self._until(
             lambda: self._has_ended(source),
             self._lap / self._pace + _START_LIMIT,
             lambda: f"the end of a lap: {len(source)} samples came; {self._end_of_log(graph.PLANT)}",
         )
         last = max(source)
+        asked = source[last][0]
         quiet = time.monotonic() + _QUIET * slowdown()
         self._until(
-            lambda: time.monotonic() > quiet or all(last in seen.published for seen in self._seen.values()),
+            lambda: time.monotonic() > quiet or all(seen.answer(last, asked) for seen in self._seen.values()),
             _START_LIMIT * slowdown(),
             lambda: "the last answers",
         )
         begin = min(source) + round(_TRUSTED_AFTER * NANOSECONDS)
-        sent = self._seen[_SOURCE]
         return {topic: answers(sent, seen, begin) for topic, seen in self._seen.items() if topic != _SOURCE}
 
-    def _has_ended(self, source: Mapping[int, int]) -> bool:
+    def _has_ended(self, source: Mapping[int, Sequence[int]]) -> bool:
         """Whether the last sample of a lap has come, or should have: on a busy machine this process may lose it."""
         if not source:
             return False
-        silent = (time.time_ns() - max(source.values())) / NANOSECONDS
+        silent = (time.time_ns() - source[max(source)][-1]) / NANOSECONDS
         return max(source) - min(source) >= round(self._lap * NANOSECONDS) or silent > _SILENT * slowdown()
 
     def use(self) -> dict[str, ProcessUse]:
@@ -173,7 +172,7 @@ class SoakGraph:
         kinds = {_SOURCE: JointState, **{f"{wheel}/{name}": k for wheel in _WHEELS for name, k in _KINDS.items()}}
         self._taps = {topic: tap(node, kind, topic) for topic, kind in kinds.items()}
         self._patches = [tap(node, ContactPatch, f"{wheel}/{_PATCHES}") for wheel in _WHEELS]
-        self._seen = {topic: Seen(0) for topic in self._taps}
+        self._seen = {topic: Seen() for topic in self._taps}
         self.lost_packets = 0
         """Contact patches of the present lap that lack blocks of a tyre."""
         self.patches = 0

@@ -11,16 +11,20 @@ from numpy.typing import NDArray
 
 @dataclass
 class Seen:
-    """First publication [ns, wall clock] of each stamp [ns] of one topic: a command is repeated as a heartbeat."""
+    """Publications [ns, wall clock] of each stamp [ns] of one topic: a command is repeated as a heartbeat."""
 
-    since: int
-    """What was published before [ns, wall clock] belongs to the lap before, whose stamps were the same."""
-    published: dict[int, int] = field(default_factory=dict)
+    published: dict[int, list[int]] = field(default_factory=dict)
 
     def note(self, stamp: int, at: int) -> None:
         """Take one message."""
-        if at >= self.since:
-            self.published.setdefault(stamp, at)
+        self.published.setdefault(stamp, []).append(at)
+
+    def answer(self, stamp: int, asked: int) -> int | None:
+        """Return the first publication [ns] of a stamp since it was asked for [ns], None where there is none.
+
+        What was published before answers the same stamp of the lap before.
+        """
+        return min((at for at in self.published.get(stamp, ()) if at >= asked), default=None)
 
 
 @dataclass(frozen=True)
@@ -43,8 +47,9 @@ def answers(sent: Seen, topic: Seen, begin: int) -> Answers:
         topic: what answers it.
         begin: first stamp that is to be answered [ns].
     """
-    asked = {stamp: at for stamp, at in sent.published.items() if stamp >= begin}
-    delays = [topic.published[stamp] - at for stamp, at in asked.items() if topic.published.get(stamp, 0) >= at]
+    asked = {stamp: at[0] for stamp, at in sent.published.items() if stamp >= begin}
+    first = {stamp: topic.answer(stamp, at) for stamp, at in asked.items()}
+    delays = [at - asked[stamp] for stamp, at in first.items() if at is not None]
     return Answers(len(asked), len(asked) - len(delays), np.array(delays, dtype=float) * 1e-6)
 
 
