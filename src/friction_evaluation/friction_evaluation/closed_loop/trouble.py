@@ -110,6 +110,7 @@ _OF_ANY_CAR = (
     Trouble("radius -2 %", radius=0.98),
     Trouble("radius +2 %", radius=1.02),
     Trouble("delay +10 ms", delay=0.01),
+    Trouble("delay +20 ms", delay=0.02),
     Trouble("apply rate -30 %", apply_rate=0.7),
 )
 TROUBLES: tuple[Trouble, ...] = (
