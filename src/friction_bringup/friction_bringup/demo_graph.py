@@ -12,6 +12,7 @@ from std_srvs.srv import Trigger
 
 from friction_bags.offline.estimators import ESTIMATORS
 from friction_bringup import graph
+from friction_bringup.demo_drive import plant_of_demo
 from friction_bringup.discovery import local_discovery
 from friction_bringup.node_start import WATCHING, Decided, commanding, composed_arguments, node_starts
 from friction_bringup.processes import ProcessGroup
@@ -151,12 +152,9 @@ def _decided(options: DemoOptions) -> Decided:
     """Return the parameters of the demo that override the parameter files, by node."""
     if options.bag:
         return WATCHING
-    plant: dict[str, graph.ParameterValue] = {
-        "surfaces": [options.surface],
-        "exit_when_done": True,
-        "autostart": False,
-    }
-    return {**commanding(options.law, options.vehicle), graph.PLANT: plant}
+    of_demo = plant_of_demo(options.surface, options.vehicle)
+    plant = {**of_demo[graph.PLANT], "exit_when_done": True, "autostart": False}
+    return {**commanding(options.law, options.vehicle), **of_demo, graph.PLANT: plant}
 
 
 def _hears(observer: Node, name: str, topic: str) -> bool:

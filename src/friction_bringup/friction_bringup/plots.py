@@ -84,15 +84,19 @@ def wheel_figure(run: RecordedRun, wheel: str, title: str) -> Figure:
 
 
 def all_wheels_figure(run: RecordedRun, title: str, span: tuple[float, float] | None) -> Figure:
-    """Draw speeds, slips and the sign of the slope for all wheels, over all time or a span of it."""
-    figure = Figure(figsize=(11.0, 9.0), layout="constrained")
-    axes: list[Axes] = list(figure.subplots(3, 1, sharex=True, height_ratios=[2.5, 3.0, 1.5]))
+    """Draw speeds, slips, the sign of the slope and forces of all wheels, over all time or a span of it."""
+    forces = any(_has_valid_forces(run, wheel) for wheel in run.wheels)
+    figure = Figure(figsize=(11.0, 14.0 if forces else 9.0), layout="constrained")
+    ratios = [2.5, 3.0, 1.5, *([2.5, 2.5] if forces else [])]
+    axes: list[Axes] = list(figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios))
     figure.suptitle(title)
     _draw_speeds(axes[0], run, run.wheels)
     for wheel, colour in zip(run.wheels, WHEEL_COLOURS, strict=False):
         if (slip := run.get(f"{wheel}/slip")) is not None:
             axes[1].plot(slip.time, slip["slip"], color=colour, lw=1.0, label=wheel)
     _draw_identified_peak(axes[1], run, VEHICLE)
+    if (curve := run.get(f"truth/{run.wheels[0]}/friction_curve")) is not None:
+        axes[1].plot(curve.time, curve["lambda_max"], color=PEAK, lw=1.2, ls="--", label="λ_max of the road, true")
     axes[1].set_ylabel("slip λ [-]")
     labels = []
     for row, wheel in enumerate(run.wheels):
@@ -108,10 +112,30 @@ def all_wheels_figure(run: RecordedRun, title: str, span: tuple[float, float] | 
     axes[2].set_ylim(len(labels) - 0.5, -0.5)
     axes[2].set_ylabel("slope sign")
     _legend_of_bands(axes[2], dict(SIGNS.values()))
+    if forces:
+        _draw_force(axes[3], run, "fx")
+        _draw_force(axes[4], run, "fz")
     _finish(axes)
     if span is not None:
         axes[0].set_xlim(span[0] - _MARGIN, span[1] + _MARGIN)
     return figure
+
+
+def _has_valid_forces(run: RecordedRun, wheel: str) -> bool:
+    force = run.get(f"{wheel}/tyre_force")
+    return force is not None and bool(np.any(force["valid"] > 0.0))
+
+
+def _draw_force(axes: Axes, run: RecordedRun, name: str) -> None:
+    """Draw a force of each wheel: a dot for each revolution with a valid one, the truth as a line."""
+    for wheel, colour in zip(run.wheels, WHEEL_COLOURS, strict=False):
+        if (truth := run.get(f"truth/{wheel}/tyre_force")) is not None:
+            axes.plot(truth.time, 1e-3 * truth[name], color=colour, lw=0.7, alpha=0.6, label=f"{wheel}, true")
+        if (force := run.get(f"{wheel}/tyre_force")) is not None:
+            valid = force["valid"] > 0.0
+            label = f"{wheel}, from its tyre"
+            axes.plot(force.time[valid], 1e-3 * force[name][valid], ls="", marker="o", ms=3, color=colour, label=label)
+    axes.set_ylabel({"fx": "Fx [kN], forward", "fz": "Fz [kN]"}[name])
 
 
 def _draw_speeds(axes: Axes, run: RecordedRun, wheels: tuple[str, ...] | list[str]) -> None:
