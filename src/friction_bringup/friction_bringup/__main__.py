@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(arguments: Sequence[str] | None) -> int:
     parser = argparse.ArgumentParser(prog="python -m friction_bringup", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    commands.add_parser("monitor", help="watch every wheel of a running graph; q quits")
+    commands.add_parser("monitor", help="watch every wheel of a running graph; q quits; takes --ros-args")
     commands.add_parser("graph", help=f"run {', '.join(graph.COMPOSED)} in one process; takes --ros-args")
     demo = commands.add_parser(
         "demo", help="drive a car and brake it with the supervisor in the loop, or replay a bag, with a live view"
@@ -68,10 +68,10 @@ def _run(arguments: Sequence[str] | None) -> int:
     options, of_ros = parser.parse_known_args(arguments)
     if options.command == "graph":
         return run_composed(of_ros)
+    if options.command == "monitor" and of_ros[:1] in ([], ["--ros-args"]):
+        return run_monitor(of_ros)
     if of_ros:
         parser.error(f"unrecognized arguments: {' '.join(of_ros)}")
-    if options.command == "monitor":
-        return run_monitor()
     if options.command == "policies":
         secured = options.vehicle, options.params_file, options.namespace, options.commanding, options.composed
         print(policies(*secured), end="")
@@ -128,8 +128,8 @@ def demo_main() -> int:
 
 
 def monitor_main() -> int:
-    """``ros2 run friction_bringup monitor``."""
-    return main(["monitor"])
+    """``ros2 run friction_bringup monitor --ros-args ...``."""
+    return main(["monitor", *sys.argv[1:]])
 
 
 def graph_main() -> int:
