@@ -39,7 +39,11 @@ class CarModelParameters:
     )
     slope: float = parameter(0.0, "sine of the angle of the road, uphill positive", minimum=-0.3, maximum=0.3)
     drive_speeds: tuple[float, ...] = parameter(
-        (0.0,), "speeds that the driver drives at until he brakes; 0: in neutral", unit="m/s", minimum=0.0, maximum=150.0
+        (0.0,),
+        "speeds that the driver drives at until he brakes; 0: in neutral",
+        unit="m/s",
+        minimum=0.0,
+        maximum=150.0,
     )
     drive_times: tuple[float, ...] = parameter(
         (0.0,), "when each is reached, straight from one to the next", unit="s", minimum=0.0

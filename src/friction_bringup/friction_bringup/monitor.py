@@ -116,7 +116,9 @@ def wheels_view(wheels: dict[str, WheelView], now: float, width: int) -> Group:
     forces = any(_FORCE in view.messages for view in wheels.values())
     chosen = (*_COLUMNS, *(_FORCE_COLUMNS if forces else ()))
     columns = [each for each in chosen if each.from_width <= width < each.below_width]
-    table = Table(title="Friction graph (q quits)", title_justify="left", box=None, collapse_padding=True, pad_edge=False)
+    table = Table(
+        title="Friction graph (q quits)", title_justify="left", box=None, collapse_padding=True, pad_edge=False
+    )
     for heading in ("wheel", *(each.heading for each in columns), "age [s]"):
         table.add_column(escape(heading), no_wrap=True)
     said: list[Text] = []

@@ -24,9 +24,9 @@ in mu, nearly all of it from the speed sensor, so the chapter must have smoothed
 (8.11) is used with the factor 1/2 that its quadratic term lacks in print; without it the iteration diverges
 on wet and snow even without noise. LS and RLS carry a bias of their model (8.12), which noise-free data show
 as well: 3.5 % on dry, 0.5 % on wet, 1.4 % on cobblestone, 0.2 % on snow. It explains most of the chapter's
-error of about 5 % on dry, and not that on wet, which must come from the noise of its run. RLS equals LS at the end, as in
-the chapter. The chapter's mu_max of 1.0014 for cobblestone does not follow from its parameters, which give
-0.9986."""
+error of about 5 % on dry, and not that on wet, which must come from the noise of its run. RLS equals LS at
+the end, as in the chapter. The chapter's mu_max of 1.0014 for cobblestone does not follow from its
+parameters, which give 0.9986."""
 
 SPEED = """The chapter's roads are reproduced by curves with its lambda_max, 0.1 and 0.13, and by its numbers
 of samples from lambda_init = 0.07 to the ABS activation at 0.15. Its errors are those of single test drives;
