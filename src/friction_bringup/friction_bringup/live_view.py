@@ -137,7 +137,8 @@ class LiveView(Node):
         super().__init__("live_view")
         self.wheels: dict[str, WheelView] = {}
         self.samples = 0
-        """Messages of wheel_states so far."""
+        """Messages of wheel_states so far; of tyre_force where there are none."""
+        self._wheels_turn = False
         self._first_stamp = 0
         self._last_stamp = 0
         self._listening: set[str] = set()
@@ -160,7 +161,10 @@ class LiveView(Node):
         return {wheel: view for wheel, view in self.wheels.items() if wheel != VEHICLE}
 
     def _on_wheel_states(self, message: JointState) -> None:
-        stamp = to_nanoseconds(message.header.stamp)
+        self._wheels_turn = True
+        self._sample(to_nanoseconds(message.header.stamp))
+
+    def _sample(self, stamp: int) -> None:
         if self.samples == 0 or stamp < self._last_stamp:
             self._first_stamp = stamp
         self._last_stamp = stamp
@@ -180,6 +184,8 @@ class LiveView(Node):
         view = self.wheels[wheel]
         view.messages[name] = message
         view.arrivals[name] = monotonic()
+        if name == "tyre_force" and not self._wheels_turn:
+            self._sample(max(to_nanoseconds(message.header.stamp), self._last_stamp))
 
     def table(self, title: str) -> Table:
         """Return the wheels as a table for a terminal of 80 columns."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from itertools import pairwise
 from pathlib import Path
 
@@ -85,7 +86,7 @@ def wheel_figure(run: RecordedRun, wheel: str, title: str) -> Figure:
 
 def all_wheels_figure(run: RecordedRun, title: str, span: tuple[float, float] | None) -> Figure:
     """Draw speeds, slips, the sign of the slope and forces of all wheels, over all time or a span of it."""
-    forces = any(_has_valid_forces(run, wheel) for wheel in run.wheels)
+    forces = any(run.get(f"{start}{wheel}/tyre_force") is not None for wheel in run.wheels for start in ("", "truth/"))
     figure = Figure(figsize=(11.0, 14.0 if forces else 9.0), layout="constrained")
     ratios = [2.5, 3.0, 1.5, *([2.5, 2.5] if forces else [])]
     axes: list[Axes] = list(figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios))
@@ -121,20 +122,19 @@ def all_wheels_figure(run: RecordedRun, title: str, span: tuple[float, float] | 
     return figure
 
 
-def _has_valid_forces(run: RecordedRun, wheel: str) -> bool:
-    force = run.get(f"{wheel}/tyre_force")
-    return force is not None and bool(np.any(force["valid"] > 0.0))
-
-
 def _draw_force(axes: Axes, run: RecordedRun, name: str) -> None:
     """Draw a force of each wheel: a dot for each revolution with a valid one, the truth as a line."""
+    reasons: Counter[str] = Counter()
     for wheel, colour in zip(run.wheels, WHEEL_COLOURS, strict=False):
         if (truth := run.get(f"truth/{wheel}/tyre_force")) is not None:
             axes.plot(truth.time, 1e-3 * truth[name], color=colour, lw=0.7, alpha=0.6, label=f"{wheel}, true")
         if (force := run.get(f"{wheel}/tyre_force")) is not None:
             valid = force["valid"] > 0.0
+            reasons.update(force.reasons if not np.any(valid) else {})
             label = f"{wheel}, from its tyre"
             axes.plot(force.time[valid], 1e-3 * force[name][valid], ls="", marker="o", ms=3, color=colour, label=label)
+    for row, text in enumerate(reasons):
+        axes.text(0.5, 0.9 - 0.12 * row, f"never valid: {text}", transform=axes.transAxes, ha="center", va="center")
     axes.set_ylabel({"fx": "Fx [kN], forward", "fz": "Fz [kN]"}[name])
 
 
