@@ -218,7 +218,7 @@ def test_bad_file_is_named_and_nothing_starts(refused: Callable[..., str], tmp_p
 
 def test_node_that_ends_too_soon_is_named_with_its_log_and_ends_the_demo(tmp_path: Path) -> None:
     bad = parameters(tmp_path, {"calibration_file": "/no/such/file"}, "smart_tyre_forces")
-    arguments = ["--params", str(bad)]
+    arguments = ["--car", "corner", "--params", str(bad)]
     result = subprocess.run(command(tmp_path / "out", *arguments), capture_output=True, text=True, check=False)
     assert result.returncode == 1
     assert "estimators ended with exit code 2" in result.stderr
