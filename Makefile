@@ -1,6 +1,7 @@
 # Two commands matter: `make demo` and `make test`. `make help` lists the rest.
 PYTHON ?= python3
 SURFACE ?= dry
+CAR ?= car
 LAW ?= curve
 OUT ?= out
 EFFORT ?= 1
@@ -31,8 +32,8 @@ lint: setup ## ruff and mypy
 test: build lint ## everything that must hold: lint, format, types, tests
 	@$(run) pytest -n auto --dist loadfile --max-worker-restart 0 test src
 
-demo: ready ## braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow LAW=curve|slope_sign, or BAG=path [MAP=name|file] to replay; VEHICLE=name|file
-	@$(run) python -m friction_bringup demo $(if $(BAG),--bag "$(BAG)",--surface $(SURFACE)) --law $(LAW) \
+demo: ready ## a car braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow|split|"dry snow" CAR=car|corner LAW=curve|slope_sign, or BAG=path [MAP=name|file] to replay; VEHICLE=name|file
+	@$(run) python -m friction_bringup demo $(if $(BAG),--bag "$(BAG)",--surface "$(SURFACE)" --car $(CAR)) --law $(LAW) \
 		$(if $(MAP),--map "$(MAP)") $(if $(VEHICLE),--vehicle "$(VEHICLE)") --out "$(OUT)/demo"
 
 bench: build ## every table of the evaluation as text and JSON, or PARTS="slope abs"

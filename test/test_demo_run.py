@@ -87,7 +87,7 @@ def run(out: Path, *arguments: str) -> Finished:
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Finished:
     directory = tmp_path_factory.mktemp("demo")
-    return run(directory / "out", "--surface", "wet", "--params", str(parameters(directory, SHORT)))
+    return run(directory / "out", "--car", "corner", "--surface", "wet", "--params", str(parameters(directory, SHORT)))
 
 
 def test_demo_prints_the_summary_and_leaves_plot_and_bag_and_no_process(demo: Finished) -> None:
@@ -125,7 +125,7 @@ def test_supervisor_is_in_the_loop(demo: Finished) -> None:
 
 def test_same_seed_gives_the_same_run_although_the_estimators_stall(demo: Finished, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    arguments = command(out, "--surface", "wet", "--params", str(parameters(tmp_path, SHORT)))
+    arguments = command(out, "--car", "corner", "--surface", "wet", "--params", str(parameters(tmp_path, SHORT)))
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
         until_under_way(process)
         (estimators,) = (number for number, line in processes_of(out).items() if "friction_bringup graph" in line)
@@ -165,7 +165,7 @@ def answers(run: RecordedRun, topic: str, column: str) -> np.ndarray:
 def running(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
     """Start a demo that does not end by itself; it is under way when the test begins."""
     out = tmp_path / "out"
-    arguments = ["--params", str(parameters(tmp_path, ENDLESS))]
+    arguments = ["--car", "corner", "--params", str(parameters(tmp_path, ENDLESS))]
     with subprocess.Popen(command(out, *arguments), stdout=subprocess.PIPE, text=True) as process:
         until_under_way(process)
         yield process, next(out.iterdir())
@@ -218,7 +218,7 @@ def test_bad_file_is_named_and_nothing_starts(refused: Callable[..., str], tmp_p
 
 def test_node_that_ends_too_soon_is_named_with_its_log_and_ends_the_demo(tmp_path: Path) -> None:
     bad = parameters(tmp_path, {"calibration_file": "/no/such/file"}, "smart_tyre_forces")
-    arguments = ["--params", str(bad)]
+    arguments = ["--car", "corner", "--params", str(bad)]
     result = subprocess.run(command(tmp_path / "out", *arguments), capture_output=True, text=True, check=False)
     assert result.returncode == 1
     assert "estimators ended with exit code 2" in result.stderr

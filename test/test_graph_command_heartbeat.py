@@ -84,7 +84,7 @@ class Loop:
             self.supervisor = self._start(graph.SUPERVISOR, shadow=False)
 
     def _start(self, node: str, **parameters: graph.ParameterValue) -> subprocess.Popen[str]:
-        command = graph.command(node, [shipped_file(node)], {"vehicle_file": graph.DEMO_VEHICLE, **parameters})
+        command = graph.command(node, [shipped_file(node)], {"vehicle_file": "chapter_corner", **parameters})
         return self._client.start(*command[1:])
 
     @property
@@ -220,7 +220,7 @@ def test_a_supervisor_that_was_stopped_commands_nothing_for_what_is_old_when_it_
 
 def test_in_lock_step_no_stall_of_the_plant_costs_it_a_command(client: DdsClient) -> None:
     def start(node: str, **parameters: graph.ParameterValue) -> subprocess.Popen[str]:
-        command = graph.command(node, [shipped_file(node)], {"vehicle_file": graph.DEMO_VEHICLE, **parameters})
+        command = graph.command(node, [shipped_file(node)], {"vehicle_file": "chapter_corner", **parameters})
         return client.start(*command[1:])
 
     start("wheel_slip")

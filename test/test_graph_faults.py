@@ -45,7 +45,7 @@ def client() -> Iterator[DdsClient]:
 
 def start(client: DdsClient, node: str, *extra: str, **parameters: graph.ParameterValue) -> subprocess.Popen[str]:
     """Start a node with its shipped parameter file, the demo's car, some parameters and further ROS arguments."""
-    command = graph.command(node, [shipped_file(node)], {"vehicle_file": graph.DEMO_VEHICLE, **parameters})
+    command = graph.command(node, [shipped_file(node)], {"vehicle_file": "chapter_corner", **parameters})
     return client.start(*command[1:], *extra)
 
 

@@ -13,6 +13,7 @@ from corner_sim.car.tyre import TYRES, Tyre
 from corner_sim.plant import SAMPLE_TIME, SLIP_MIN_SPEED, PlantSample
 from corner_sim.road import Road
 from corner_sim.sensors import Measurement
+from corner_sim.throttle import Throttle
 from friction_parameters.parameter import parameter
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
 from vehicle_models.sensor_noise import SensorNoise
@@ -37,6 +38,16 @@ class CarModelParameters:
         SAME, "surface under the right wheels all the way; else the road's", choices=(SAME, *SURFACES)
     )
     slope: float = parameter(0.0, "sine of the angle of the road, uphill positive", minimum=-0.3, maximum=0.3)
+    drive_speeds: tuple[float, ...] = parameter(
+        (0.0,),
+        "speeds that the driver drives at until he brakes; 0: in neutral",
+        unit="m/s",
+        minimum=0.0,
+        maximum=150.0,
+    )
+    drive_times: tuple[float, ...] = parameter(
+        (0.0,), "when each is reached, straight from one to the next", unit="s", minimum=0.0
+    )
     fading: float = parameter(
         0.0, "share of the brake gain lost when the pads have taken 100 kJ", minimum=0.0, maximum=0.9
     )
@@ -85,7 +96,8 @@ class CarPlant:
             speed: at the start.
 
         Raises:
-            ValueError: there is no tyre for a surface, the car stands, or its rear wheels are not the driven ones.
+            ValueError: there is no tyre for a surface, the car stands, its rear wheels are not the driven ones, or the
+                speeds of the drive do not fit its times.
         """
         family = TYRES[parameters.tyre]
         right = () if parameters.right_surface == SAME else (parameters.right_surface,)
@@ -108,6 +120,9 @@ class CarPlant:
         self._speed_stddev = errors.noise.speed_variance**0.5
         self._gain = np.array([wheel.brake_gain for wheel in vehicle.wheels])
         self._actuator = BrakeActuator(4, SAMPLE_TIME, actuator)
+        self._throttle = Throttle(
+            parameters.drive_times, parameters.drive_speeds, vehicle.mass, vehicle.wheels[2].radius
+        )
         self._index = 0
 
     @property
@@ -157,9 +172,11 @@ class CarPlant:
         begin = self._actuator.torque / self._gain
         end = self._actuator.step(self._gain * np.asarray(demand_pressure, dtype=np.float64), command) / self._gain
         self._put_on_the_road()
+        braking = bool(np.any(np.asarray(demand_pressure) > 0.0))
+        engine = 0.0 if braking else self._throttle.torque(self._index * SAMPLE_TIME, self._car.speed)
         steps = self._measured.steps_per_sample
         for k in range(steps):
-            self._measured.step((begin + (k + 0.5) / steps * (end - begin)).tolist())
+            self._measured.step((begin + (k + 0.5) / steps * (end - begin)).tolist(), engine)
         self._index += 1
 
     def measure(self, sample: PlantSample) -> Measurement:

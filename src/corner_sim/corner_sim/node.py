@@ -181,7 +181,12 @@ class CornerSimNode(Node):
 
     def _finish(self, reason: str) -> None:
         self._phase = Phase.DONE
-        self.get_logger().info(f"done after {self._simulation.time:.3f} s: {reason}")
+        again = (
+            ""
+            if self._in_force.exit_when_done
+            else f"; again: {self.get_fully_qualified_name()}/reset, a std_srvs/Trigger"
+        )
+        self.get_logger().info(f"done after {self._simulation.time:.3f} s: {reason}{again}")
         if self._in_force.exit_when_done:
             until = monotonic() + _LINGER
             for output in self._outputs.values():

@@ -20,6 +20,7 @@ from friction_bags.offline.plan import SayOnce
 from friction_bringup import graph
 from friction_bringup.composed import run_composed
 from friction_bringup.demo import run_demo
+from friction_bringup.demo_drive import CARS, ROADS
 from friction_bringup.demo_graph import DemoError, DemoOptions
 from friction_bringup.monitor import run_monitor
 from friction_bringup.recorded_run import require_samples
@@ -39,18 +40,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(arguments: Sequence[str] | None) -> int:
     parser = argparse.ArgumentParser(prog="python -m friction_bringup", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    commands.add_parser("monitor", help="watch every wheel of a running graph; q quits")
+    commands.add_parser("monitor", help="watch every wheel of a running graph; q quits; takes --ros-args")
     commands.add_parser("graph", help=f"run {', '.join(graph.COMPOSED)} in one process; takes --ros-args")
     demo = commands.add_parser(
-        "demo", help="brake from 30 m/s with the supervisor in the loop, or replay a bag, with a live view"
+        "demo", help="drive a car and brake it with the supervisor in the loop, or replay a bag, with a live view"
     )
-    demo.add_argument("--surface", choices=graph.SURFACES, default="dry", help="road of the plant (default: dry)")
+    demo.add_argument("--surface", choices=ROADS, default="dry", help="road of the plant (default: dry)")
+    demo.add_argument("--car", choices=CARS, default="car", help="a whole car, or the corner of the chapter")
     demo.add_argument(
         "--law", choices=graph.LAWS, default=graph.LAWS[0], help="what commands the brake (default: curve)"
     )
     demo.add_argument("--bag", type=Path, help="replay this bag in place of the plant")
     add_map_argument(demo)
-    add_vehicle_argument(demo, f"{graph.DEMO_VEHICLE}, or the one the bag names")
+    add_vehicle_argument(demo, "that of --car, or the one the bag names")
     demo.add_argument(
         "--params", type=Path, help="parameter file (default: that of the demo, or the one the bag names)"
     )
@@ -66,10 +68,10 @@ def _run(arguments: Sequence[str] | None) -> int:
     options, of_ros = parser.parse_known_args(arguments)
     if options.command == "graph":
         return run_composed(of_ros)
+    if options.command == "monitor" and of_ros[:1] in ([], ["--ros-args"]):
+        return run_monitor(of_ros)
     if of_ros:
         parser.error(f"unrecognized arguments: {' '.join(of_ros)}")
-    if options.command == "monitor":
-        return run_monitor()
     if options.command == "policies":
         secured = options.vehicle, options.params_file, options.namespace, options.commanding, options.composed
         print(policies(*secured), end="")
@@ -110,7 +112,7 @@ def _demo_options(options: argparse.Namespace) -> DemoOptions:
         ParameterError: neither the bag nor the command line names the car.
         BagError: the bag cannot be read, or holds no wheel_states.
     """
-    vehicle, parameters = options.vehicle or graph.DEMO_VEHICLE, "demo"
+    vehicle, parameters = options.vehicle or CARS[options.car], "demo"
     if options.bag:
         with BagReader(options.bag) as reader:
             require_samples(reader)
@@ -126,8 +128,8 @@ def demo_main() -> int:
 
 
 def monitor_main() -> int:
-    """``ros2 run friction_bringup monitor``."""
-    return main(["monitor"])
+    """``ros2 run friction_bringup monitor --ros-args ...``."""
+    return main(["monitor", *sys.argv[1:]])
 
 
 def graph_main() -> int:

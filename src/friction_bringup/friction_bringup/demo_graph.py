@@ -10,11 +10,14 @@ from pathlib import Path
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.offline.estimators import ESTIMATORS
 from friction_bringup import graph
+from friction_bringup.demo_drive import plant_of_demo
 from friction_bringup.discovery import local_discovery
 from friction_bringup.node_start import WATCHING, Decided, commanding, composed_arguments, node_starts
 from friction_bringup.processes import ProcessGroup
+from friction_bringup.recorded_run import has_wheel_states
 from friction_runtime.domain import free_domain_id
 from friction_runtime.machine_load import slowdown
 from vehicle_models.vehicle_file import load_vehicle
@@ -119,8 +122,11 @@ class DemoGraph:
         play = ["friction_bags", "play", str(self._options.bag), "--topics", *graph.INPUTS]
         play += ["--wait", f"{_DISCOVERY_LIMIT * slowdown():.0f}", "--settle", "1"]
         play += ["--subscribers", "1", *(f"{name}={count + 1}" for name, count in heard.items())]
-        # In real time, yet never further ahead of an estimator than queues hold: a stall of the machine loses nothing.
-        self._run(_PLAYER, [sys.executable, "-m", *play, "--follow", *last, "--ahead", "30"])
+        with BagReader(self._options.bag) as reader:
+            if has_wheel_states(reader):  # without, there is no answer to every stamp
+                # In real time, yet never further ahead of an estimator than queues hold: a stall loses nothing.
+                play += ["--follow", *last, "--ahead", "30"]
+        self._run(_PLAYER, [sys.executable, "-m", *play])
 
     @property
     def ended(self) -> bool:
@@ -151,12 +157,9 @@ def _decided(options: DemoOptions) -> Decided:
     """Return the parameters of the demo that override the parameter files, by node."""
     if options.bag:
         return WATCHING
-    plant: dict[str, graph.ParameterValue] = {
-        "surfaces": [options.surface],
-        "exit_when_done": True,
-        "autostart": False,
-    }
-    return {**commanding(options.law, options.vehicle), graph.PLANT: plant}
+    of_demo = plant_of_demo(options.surface, options.vehicle)
+    plant = {**of_demo[graph.PLANT], "exit_when_done": True, "autostart": False}
+    return {**commanding(options.law, options.vehicle), **of_demo, graph.PLANT: plant}
 
 
 def _hears(observer: Node, name: str, topic: str) -> bool:

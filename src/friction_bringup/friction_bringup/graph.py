@@ -7,7 +7,9 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from friction_bags.offline.estimators import ESTIMATORS
+from ament_index_python.packages import get_package_share_directory
+
+from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE
 from friction_runtime.shipped_files import shipped_file, shipped_parameters
 
 PLANT = "corner_sim"
@@ -31,15 +33,17 @@ INPUTS = (
 """Topics that are replayed from a bag; the estimates in it are made again."""
 VEHICLE = "vehicle"
 """Used in place of a wheel for an estimate of the whole vehicle."""
-DEMO_VEHICLE = "chapter_corner"
-"""Default car of the demo."""
-SURFACES = ("dry", "wet", "cobblestone", "snow")
 LAWS = ("curve", "slope_sign")
 """Laws of the supervisor, that of the demo first."""
 QUIET_LOG = ("--ros-args", "--disable-external-lib-logs")
 """Arguments for processes whose output already goes to a file."""
 
 ParameterValue = bool | int | float | str | Sequence[float] | Sequence[str]
+
+
+def plant_calibration() -> Path:
+    """Return the path of the calibration of the smart tyres that the plant has."""
+    return Path(get_package_share_directory(SMART_TYRE), "calibration", "plant_tyres.yaml")
 
 
 def parameter_class(node: str) -> type:

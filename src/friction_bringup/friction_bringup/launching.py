@@ -36,6 +36,18 @@ def common_arguments(params_file: str = "", vehicle_file: str = "") -> list[Laun
             choices=["true", "false", "True", "False"],
             description="take the time from /clock",
         ),
+        DeclareLaunchArgument(
+            "respawn",
+            default_value="false",
+            choices=["true", "false", "True", "False"],
+            description="start a process again that has ended",
+        ),
+        DeclareLaunchArgument(
+            "log_level",
+            default_value="info",
+            choices=["debug", "info", "warn", "error", "fatal"],
+            description="of every node",
+        ),
     ]
 
 
@@ -46,7 +58,11 @@ def argument(context: LaunchContext, name: str) -> str:
 
 def uses_sim_time(context: LaunchContext) -> bool:
     """Return the launch argument use_sim_time."""
-    return argument(context, "use_sim_time").lower() == "true"
+    return _is_true(context, "use_sim_time")
+
+
+def _is_true(context: LaunchContext, name: str) -> bool:
+    return argument(context, name).lower() == "true"
 
 
 def composed_argument(default: str) -> LaunchDescriptionEntity:
@@ -68,7 +84,7 @@ def map_argument() -> LaunchDescriptionEntity:
 
 def is_composed(context: LaunchContext) -> bool:
     """Return the launch argument composed."""
-    return argument(context, "composed").lower() == "true"
+    return _is_true(context, "composed")
 
 
 def node_actions(
@@ -90,6 +106,7 @@ def node_actions(
     starts = node_starts(nodes, decided, argument(context, "params_file"), argument(context, "vehicle_file"), full)
     alone = [start for start in starts if not (composed and start.node in graph.COMPOSED)]
     sim_time = ["-p", f"use_sim_time:={str(uses_sim_time(context)).lower()}"]
+    respawn, log_level = _is_true(context, "respawn"), ["--log-level", argument(context, "log_level")]
     return [
         *(LogInfo(msg=note) for start in starts for note in start.notes),
         *(
@@ -97,7 +114,8 @@ def node_actions(
                 package="friction_bringup",
                 executable="graph",
                 namespace=namespace,
-                ros_arguments=[*composed_arguments(starts), *sim_time],
+                ros_arguments=[*composed_arguments(starts), *sim_time, *log_level],
+                respawn=respawn,
                 output="screen",
             )
             for _ in range(composed)
@@ -108,6 +126,8 @@ def node_actions(
                 executable=graph.executable(start.node),
                 namespace=namespace,
                 parameters=[*start.files, {"use_sim_time": uses_sim_time(context), **start.decided}],
+                ros_arguments=log_level,
+                respawn=respawn,
                 output="screen",
             )
             for start in alone

@@ -63,15 +63,17 @@ _DISCOVERY_PERIOD = 0.1
 _BAR_CELLS = 10
 _BAR_FULL_SLIP = 0.4
 _LINE_CELL = 19
-_TABLE_COLUMNS: tuple[tuple[str, int, JustifyMethod], ...] = (
+_Columns = tuple[tuple[str, int, JustifyMethod], ...]
+_TABLE_COLUMNS: _Columns = (
     ("wheel", 11, "left"),
     ("slip", 5, "right"),
-    ("", _BAR_CELLS, "left"),
     ("sign", 4, "center"),
     ("state", 11, "left"),
     ("command", 8, "left"),
     ("p [bar]", 7, "right"),
 )
+_BAR_COLUMN: _Columns = (("", _BAR_CELLS, "left"),)
+_FORCE_COLUMNS: _Columns = (("Fx [kN]", 7, "right"), ("Fz [kN]", 7, "right"))
 
 
 @dataclass
@@ -135,7 +137,8 @@ class LiveView(Node):
         super().__init__("live_view")
         self.wheels: dict[str, WheelView] = {}
         self.samples = 0
-        """Messages of wheel_states so far."""
+        """Messages of wheel_states so far; of tyre_force where there are none."""
+        self._wheels_turn = False
         self._first_stamp = 0
         self._last_stamp = 0
         self._listening: set[str] = set()
@@ -158,7 +161,10 @@ class LiveView(Node):
         return {wheel: view for wheel, view in self.wheels.items() if wheel != VEHICLE}
 
     def _on_wheel_states(self, message: JointState) -> None:
-        stamp = to_nanoseconds(message.header.stamp)
+        self._wheels_turn = True
+        self._sample(to_nanoseconds(message.header.stamp))
+
+    def _sample(self, stamp: int) -> None:
         if self.samples == 0 or stamp < self._last_stamp:
             self._first_stamp = stamp
         self._last_stamp = stamp
@@ -178,23 +184,26 @@ class LiveView(Node):
         view = self.wheels[wheel]
         view.messages[name] = message
         view.arrivals[name] = monotonic()
+        if name == "tyre_force" and not self._wheels_turn:
+            self._sample(max(to_nanoseconds(message.header.stamp), self._last_stamp))
 
     def table(self, title: str) -> Table:
         """Return the wheels as a table for a terminal of 80 columns."""
         heading = f"{title}   t = {self.time:6.2f} s   v = {number(self.speed, '5.2f')} m/s"
         table = Table(title=heading, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
-        for name, width, justify in _TABLE_COLUMNS:
+        forces = any("tyre_force" in view.messages for view in self._real_wheels.values())
+        for name, width, justify in (*_TABLE_COLUMNS, *(_FORCE_COLUMNS if forces else _BAR_COLUMN)):
             table.add_column(escape(name), min_width=width, justify=justify, no_wrap=True)
         for wheel, view in self._real_wheels.items():
             sign = view.sign
             table.add_row(
                 wheel,
                 view.number("slip", "slip", ".3f"),
-                Text(_bar(view), style="green" if sign.plain != "−" else "bold red"),
                 sign,
                 view.state,
                 Text(view.command, style=_LIMITED if view.release.style == _LIMITED else ""),
                 view.number("brake_pressure", "fluid_pressure", ".1f", 1e-5),
+                *(_forces(view) if forces else [Text(_bar(view), style="green" if sign.plain != "−" else "bold red")]),
             )
         reasons = dict.fromkeys(reason for view in self.wheels.values() for reason in view.reasons)
         table.caption = escape("\n".join(reasons)) or " "
@@ -206,11 +215,12 @@ class LiveView(Node):
         return f"  t [s]  v [m/s]  {'  '.join(f'{wheel:{_LINE_CELL}}' for wheel in self._real_wheels)}"
 
     def line(self) -> str:
-        """Return the wheels as one line: slip, sign of the slope, and for a single wheel the supervisor's state."""
+        """Return the wheels as one line: slip, sign of the slope, forces; of a single wheel the supervisor's state."""
         cells = []
         for view in self._real_wheels.values():
             slip = view.number("slip", "slip", ".3f")
-            cells.append(f"slip {slip:>6} slope {view.sign.plain}".ljust(_LINE_CELL))
+            forces = "  Fx {:>6} Fz {:>5} kN".format(*_forces(view)) if "tyre_force" in view.messages else ""
+            cells.append(f"slip {slip:>6} slope {view.sign.plain}".ljust(_LINE_CELL) + forces)
         if len(cells) == 1:
             pressure = view.number("brake_pressure", "fluid_pressure", ".1f", 1e-5)
             cells.append(f"{view.state.plain:11}  {view.command:8}  {pressure:>6} bar")
@@ -220,6 +230,10 @@ class LiveView(Node):
 def number(value: float, form: str) -> str:
     """Return a number as text, a dash where it is not finite."""
     return f"{value:{form}}" if isfinite(value) else "–"
+
+
+def _forces(view: WheelView) -> list[str]:
+    return [view.number("tyre_force", name, ".2f", 1e-3) for name in ("fx", "fz")]
 
 
 def _bar(view: WheelView) -> str:

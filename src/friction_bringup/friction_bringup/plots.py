@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from itertools import pairwise
 from pathlib import Path
 
@@ -84,15 +85,19 @@ def wheel_figure(run: RecordedRun, wheel: str, title: str) -> Figure:
 
 
 def all_wheels_figure(run: RecordedRun, title: str, span: tuple[float, float] | None) -> Figure:
-    """Draw speeds, slips and the sign of the slope for all wheels, over all time or a span of it."""
-    figure = Figure(figsize=(11.0, 9.0), layout="constrained")
-    axes: list[Axes] = list(figure.subplots(3, 1, sharex=True, height_ratios=[2.5, 3.0, 1.5]))
+    """Draw speeds, slips, the sign of the slope and forces of all wheels, over all time or a span of it."""
+    forces = any(run.get(f"{start}{wheel}/tyre_force") is not None for wheel in run.wheels for start in ("", "truth/"))
+    figure = Figure(figsize=(11.0, 14.0 if forces else 9.0), layout="constrained")
+    ratios = [2.5, 3.0, 1.5, *([2.5, 2.5] if forces else [])]
+    axes: list[Axes] = list(figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios))
     figure.suptitle(title)
     _draw_speeds(axes[0], run, run.wheels)
     for wheel, colour in zip(run.wheels, WHEEL_COLOURS, strict=False):
         if (slip := run.get(f"{wheel}/slip")) is not None:
             axes[1].plot(slip.time, slip["slip"], color=colour, lw=1.0, label=wheel)
     _draw_identified_peak(axes[1], run, VEHICLE)
+    if (curve := run.get(f"truth/{run.wheels[0]}/friction_curve")) is not None:
+        axes[1].plot(curve.time, curve["lambda_max"], color=PEAK, lw=1.2, ls="--", label="λ_max of the road, true")
     axes[1].set_ylabel("slip λ [-]")
     labels = []
     for row, wheel in enumerate(run.wheels):
@@ -108,10 +113,29 @@ def all_wheels_figure(run: RecordedRun, title: str, span: tuple[float, float] | 
     axes[2].set_ylim(len(labels) - 0.5, -0.5)
     axes[2].set_ylabel("slope sign")
     _legend_of_bands(axes[2], dict(SIGNS.values()))
+    if forces:
+        _draw_force(axes[3], run, "fx")
+        _draw_force(axes[4], run, "fz")
     _finish(axes)
     if span is not None:
         axes[0].set_xlim(span[0] - _MARGIN, span[1] + _MARGIN)
     return figure
+
+
+def _draw_force(axes: Axes, run: RecordedRun, name: str) -> None:
+    """Draw a force of each wheel: a dot for each revolution with a valid one, the truth as a line."""
+    reasons: Counter[str] = Counter()
+    for wheel, colour in zip(run.wheels, WHEEL_COLOURS, strict=False):
+        if (truth := run.get(f"truth/{wheel}/tyre_force")) is not None:
+            axes.plot(truth.time, 1e-3 * truth[name], color=colour, lw=0.7, alpha=0.6, label=f"{wheel}, true")
+        if (force := run.get(f"{wheel}/tyre_force")) is not None:
+            valid = force["valid"] > 0.0
+            reasons.update(force.reasons if not np.any(valid) else {})
+            label = f"{wheel}, from its tyre"
+            axes.plot(force.time[valid], 1e-3 * force[name][valid], ls="", marker="o", ms=3, color=colour, label=label)
+    for row, text in enumerate(reasons):
+        axes.text(0.5, 0.9 - 0.12 * row, f"never valid: {text}", transform=axes.transAxes, ha="center", va="center")
+    axes.set_ylabel({"fx": "Fx [kN], forward", "fz": "Fz [kN]"}[name])
 
 
 def _draw_speeds(axes: Axes, run: RecordedRun, wheels: tuple[str, ...] | list[str]) -> None:

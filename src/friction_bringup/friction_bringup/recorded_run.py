@@ -22,6 +22,8 @@ from vehicle_models.nanoseconds import NANOSECONDS
 Array = NDArray[np.float64]
 
 _SAMPLES = "/wheel_states"
+_TYRES = "friction_msgs/msg/TyreSignals"
+"""Type of the topics from which something can be shown without wheel_states."""
 
 _COLUMNS: Mapping[str, tuple[str, ...]] = {
     "friction_msgs/msg/WheelSlip": ("slip", "slip_rate", "vehicle_speed", "wheel_speed", "valid"),
@@ -48,7 +50,7 @@ class Series:
     """The messages of one topic: the time of their stamps and some of their fields."""
 
     time: Array
-    """Time since the first stamp of wheel_states [s]."""
+    """Time since the start of the run [s]."""
     columns: Mapping[str, Array]
     reasons: Counter[str] = field(default_factory=Counter)
     """How often each reason was given where the message was not valid."""
@@ -65,7 +67,7 @@ class RecordedRun:
     wheels: tuple[str, ...]
     """Names of the wheels of the car."""
     start: int
-    """First stamp of wheel_states [ns]."""
+    """First stamp of wheel_states, or of anything where there is none [ns]."""
     series: Mapping[str, Series]
     """Series by topic, without the namespace's leading slash."""
     samples: Array
@@ -103,7 +105,7 @@ def read_run(bag: Path, wheels: Sequence[str]) -> RecordedRun:
         wheels: names of the wheels of the car.
 
     Raises:
-        BagError: the bag cannot be read, or holds no wheel_states, without which there is nothing to show.
+        BagError: the bag cannot be read, or holds neither wheel_states nor tyre signals.
     """
     rows: dict[str, list[tuple[int, list[float]]]] = {}
     types: dict[str, str] = {}
@@ -124,7 +126,7 @@ def read_run(bag: Path, wheels: Sequence[str]) -> RecordedRun:
             rows.setdefault(name, []).append((stamp, [float(get(message)) for get in getters[topic]]))
             if not getattr(message, "valid", True):
                 reasons.setdefault(name, Counter())[message.reason_text] += 1
-    start = samples[0]
+    start = samples[0] if samples else min((stamp for values in rows.values() for stamp, _ in values), default=0)
     series = {
         name: _series(values, start, _COLUMNS[types[name]], reasons.get(name, Counter()))
         for name, values in rows.items()
@@ -136,10 +138,15 @@ def require_samples(reader: BagReader) -> None:
     """Refuse a bag from which nothing can be shown.
 
     Raises:
-        BagError: the bag holds no wheel_states.
+        BagError: the bag holds neither wheel_states nor tyre signals.
     """
-    if not any(topic.name == _SAMPLES and count for topic, count in reader.counts.items()):
-        raise BagError(f"{reader.bag} holds no {_SAMPLES}: nothing can be shown of it")
+    if not has_wheel_states(reader) and not any(t.type == _TYRES and count for t, count in reader.counts.items()):
+        raise BagError(f"{reader.bag} holds no {_SAMPLES} and no tyre signals: nothing can be shown of it")
+
+
+def has_wheel_states(reader: BagReader) -> bool:
+    """Whether a bag has messages of wheel_states."""
+    return any(topic.name == _SAMPLES and count for topic, count in reader.counts.items())
 
 
 def _series(

@@ -10,6 +10,7 @@ from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 
 from friction_bringup import graph
+from friction_bringup.demo_drive import CARS, ROADS, plant_of_demo
 from friction_bringup.launching import (
     argument,
     common_arguments,
@@ -23,21 +24,18 @@ from friction_runtime.shipped_files import shipped_file
 
 
 def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
-    plant: dict[str, graph.ParameterValue] = {
-        "surfaces": [argument(context, "surface")],
-        "publish_clock": uses_sim_time(context),
-        "use_sim_time": False,
-    }
+    of_demo = plant_of_demo(argument(context, "surface"), argument(context, "vehicle_file"))
+    plant = {**of_demo[graph.PLANT], "publish_clock": uses_sim_time(context), "use_sim_time": False}
     decided = commanding(argument(context, "law"), argument(context, "vehicle_file"))
-    return node_actions(context, graph.NODES, {**decided, graph.PLANT: plant}, is_composed(context))
+    return node_actions(context, graph.NODES, {**decided, **of_demo, graph.PLANT: plant}, is_composed(context))
 
 
 def generate_launch_description() -> LaunchDescription:
     surface = DeclareLaunchArgument(
-        "surface", default_value="dry", choices=list(graph.SURFACES), description="road of the plant"
+        "surface", default_value="dry", choices=list(ROADS), description="road of the plant"
     )
     law = DeclareLaunchArgument(
         "law", default_value=graph.LAWS[0], choices=list(graph.LAWS), description="what commands the brake"
     )
-    shared = common_arguments(str(shipped_file("friction_bringup", "demo")), graph.DEMO_VEHICLE)
+    shared = common_arguments(str(shipped_file("friction_bringup", "demo")), CARS["car"])
     return LaunchDescription([surface, law, composed_argument("true"), *shared, OpaqueFunction(function=_nodes)])

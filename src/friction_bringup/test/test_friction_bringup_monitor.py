@@ -9,14 +9,14 @@ from friction_msgs.msg import BrakeCommand, FrictionCurve, FrictionSlope, Superv
 from rich.console import Console
 
 from friction_bringup.live_view import WheelView
-from friction_bringup.monitor import wheels_table
+from friction_bringup.monitor import wheels_view
 
 
-def shown(view: WheelView, now: float) -> str:
+def shown(view: WheelView, now: float, width: int = 160) -> str:
     """Return the monitor's table as plain text."""
-    console = Console(width=220, color_system=None)
+    console = Console(width=width, color_system=None)
     with console.capture() as capture:
-        console.print(wheels_table({"rear_left": view}, now))
+        console.print(wheels_view({"rear_left": view}, now, width))
     return capture.get()
 
 
@@ -39,6 +39,25 @@ def test_every_estimate_is_shown_with_its_deviation(view: WheelView) -> None:
     for part in ("rear_left", "21.50", "0.123", "−", "S21", "decrease", "0.170 ± 0.020", "-2.50 ± –", "0.10"):
         assert part in text
     assert "silent for" not in text
+
+
+@pytest.mark.parametrize("width", [80, 100, 160])
+def test_no_number_is_cut_on_a_terminal_of_any_width(view: WheelView, width: int) -> None:
+    text = shown(view, 10.1, width)
+    for part in ("rear_left", "0.123", "−", "S21 wait", "decrease", "0.170", "-2.50", "4.00", "0.10"):
+        assert part in text
+    assert "…" not in text
+    assert max(map(len, text.splitlines())) <= width
+
+
+def test_reason_has_a_line_of_its_own(view: WheelView) -> None:
+    view.messages["slip"] = WheelSlip(valid=False, reason_text="rear_left: too slow")
+    assert "rear_left: too slow" in [line.strip() for line in shown(view, 10.1, 80).splitlines()]
+
+
+def test_forces_have_columns_only_where_there_are_any(view: WheelView) -> None:
+    del view.messages["tyre_force"]
+    assert "Fz" not in shown(view, 10.1)
 
 
 @pytest.mark.parametrize(
@@ -80,5 +99,5 @@ def test_invalid_estimate_is_no_number_but_a_reason(view: WheelView) -> None:
 def test_graph_without_wheels_says_what_is_waited_for() -> None:
     console = Console(width=120)
     with console.capture() as capture:
-        console.print(wheels_table({}, 0.0))
+        console.print(wheels_view({}, 0.0, 120))
     assert "no wheel yet" in capture.get()

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
-
-from ament_index_python.packages import get_package_share_directory
 
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, closed_loop_parameters, make_processors
+from friction_bringup.graph import plant_calibration
 from friction_parameters.values import from_mapping
 from friction_runtime.processor import silent
 from friction_runtime.processor_graph import ProcessorGraph
@@ -24,8 +22,7 @@ START = 10**12
 def fuzzed_parameters() -> dict[str, Any]:
     """Return the parameters of the nodes, by name: the supervisor commands, and the tyres are calibrated."""
     found = closed_loop_parameters(ESTIMATORS)
-    calibration = Path(get_package_share_directory(SMART_TYRE), "calibration", "plant_tyres.yaml")
-    found[SMART_TYRE] = replace(found[SMART_TYRE], calibration_file=str(calibration))
+    found[SMART_TYRE] = replace(found[SMART_TYRE], calibration_file=str(plant_calibration()))
     return found
 
 

@@ -30,8 +30,9 @@ _LOAD_TRANSFER = _CAR.height_ratio / _CAR.front_load_share
 _TEXT = f"""The friction samples that a car measures on a front wheel, made with the static load, begin below
 the theoretical curve and then overshoot it, as in the chapter's figure: the tyre follows the slip with a
 relaxation length of {_RELAXATION_LENGTH} m, and the body pitches beyond its steady angle
-({_CAR.pitch_frequency} Hz, damping {_CAR.pitch_damping}), and the load with it. The abscissa of the peak moves
-little, as in the chapter; its ordinate does. The chapter's test drive is not public, this is its simulated
+({_CAR.pitch_frequency} Hz, damping {_CAR.pitch_damping}), and the load with it. The chapter says that the abscissa of
+the peak hardly moves; here the highest sample lies 23 % beyond it, as the top is flat and the load still swings
+when the tyre has passed it. The chapter's test drive is not public, this is its simulated
 counterpart."""
 
 

@@ -11,12 +11,18 @@ from pathlib import Path
 from friction_evaluation.rows import Row, as_text, columns
 
 _STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 1100px; margin: 2em auto; padding: 0 1em; color: #222; }
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 1240px; margin: 2em auto; padding: 0 1em; color: #222; }
 h1, h2, h3 { line-height: 1.2; } h2 { border-bottom: 1px solid #ccc; margin-top: 2.5em; }
 table { border-collapse: collapse; font-size: 12px; margin: 0.7em 0; display: block; overflow-x: auto; }
 th, td { border: 1px solid #ccc; padding: 2px 6px; text-align: right; white-space: nowrap; }
-th { background: #f2f2f2; } td:first-child, th:first-child { text-align: left; }
+th { white-space: normal; background: #f2f2f2; } td:first-child, th:first-child { text-align: left; }
 figure { margin: 1.2em 0; } img { max-width: 100%; } figcaption, caption { color: #555; text-align: left; }
+@media print {
+  @page { size: A4; margin: 12mm; }
+  body { max-width: none; margin: 0; padding: 0; font-size: 10px; }
+  table { display: table; width: 100%; font-size: 6px; } td, th { white-space: normal; padding: 1px 2px; }
+  figure { break-inside: avoid; } h2, h3 { break-after: avoid; }
+}
 """
 
 
@@ -57,7 +63,8 @@ def page(title: str, introduction: str, sections: Sequence[Section]) -> str:
     contents = "".join(f'<li><a href="#{escape(s.key)}">{escape(s.title)}</a></li>' for s in sections)
     body = "".join(_section(section) for section in sections)
     return (
-        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
+        f'<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        f'<meta name="viewport" content="width=device-width, initial-scale=1"><title>{escape(title)}</title>'
         f"<style>{_STYLE}</style></head><body><h1>{escape(title)}</h1>{_paragraphs(introduction)}"
         f"<ol>{contents}</ol>{body}</body></html>\n"
     )

@@ -20,6 +20,7 @@ from friction_evaluation.report import friction_samples, slope, speed, texts
 from friction_evaluation.report.page import Picture, Section, Table, page
 from friction_evaluation.rows import Row, plain
 from friction_parameters.command_line import positive
+from friction_parameters.parameter import ParameterError
 
 Seeds = Callable[[int], str]
 """Number of seeds of this run, as an argument, from the full number."""
@@ -44,10 +45,8 @@ def run(options: argparse.Namespace) -> list[Row]:
     made: list[Section] = []
     for make in _sections(pictures, options.effort, live=not options.no_live):
         made.append(make())
+        _write(out, made)  # after each section: a run that is ended early leaves what it has made
         console.print(f"{made[-1].title}: done")
-    (out / "index.html").write_text(page(texts.TITLE, texts.INTRODUCTION, made), encoding="utf-8")
-    results = {s.key: {table.caption: [plain(row) for row in table.rows] for table in s.tables} for s in made}
-    (out / "results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     console.print(f"report {out / 'index.html'}", soft_wrap=True)
     return [
         {
@@ -58,6 +57,12 @@ def run(options: argparse.Namespace) -> list[Row]:
         }
         for s in made
     ]
+
+
+def _write(out: Path, made: Sequence[Section]) -> None:
+    (out / "index.html").write_text(page(texts.TITLE, texts.INTRODUCTION, made), encoding="utf-8")
+    results = {s.key: {table.caption: [plain(row) for row in table.rows] for table in s.tables} for s in made}
+    (out / "results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
 
 
 def _sections(pictures: Path, effort: float, live: bool) -> list[Callable[[], Section]]:
@@ -143,14 +148,15 @@ def _beyond(seeds: Seeds) -> Section:
 
 
 def _measured(seeds: Seeds) -> Section:
-    tables = [
-        Table("Whole-vehicle fits and tyre rig", rows_of("measured")),
-        Table(
-            "Speed and slip without a speed sensor",
-            rows_of("slip", "--cases", "stops", "measured", "--seeds", seeds(100)),
-        ),
-    ]
-    return Section("measured", "Measured data, and slip without a speed sensor", texts.MEASURED, tables)
+    tables: list[Table] = []
+    text, cases = texts.MEASURED, ["stops", "measured"]
+    try:
+        tables.append(Table("Whole-vehicle fits and tyre rig", rows_of("measured")))
+    except ParameterError as absent:
+        text, cases = f"There are no rows of measured cars and tyres here: {absent}.", ["stops"]
+    rows = rows_of("slip", "--cases", *cases, "--seeds", seeds(100))
+    tables.append(Table("Speed and slip without a speed sensor", rows))
+    return Section("measured", "Measured data, and slip without a speed sensor", text, tables)
 
 
 def _live() -> Section:

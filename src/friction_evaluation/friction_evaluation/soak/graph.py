@@ -10,7 +10,6 @@ from pathlib import Path
 from types import TracebackType
 
 import rclpy
-from ament_index_python.packages import get_package_share_directory
 from friction_msgs.msg import BrakeCommand, ContactPatch, FrictionCurve, FrictionSlope, SupervisorState, WheelSlip
 from rclpy.executors import SingleThreadedExecutor
 from sensor_msgs.msg import JointState
@@ -154,14 +153,13 @@ class SoakGraph:
         return {name: use_of(self._processes.pid(name)) for name in (*ESTIMATORS, graph.PLANT)}
 
     def _start(self, env: Mapping[str, str]) -> None:
-        calibration = Path(get_package_share_directory(SMART_TYRE), "calibration", "plant_tyres.yaml")
         readers = len(WHEEL_ESTIMATORS) + 1  # and this process
         commands = commanding(_LAW, _VEHICLE)
         plant = {"end_time": self._lap, "real_time_factor": self._pace, "wait_for_subscribers": readers}
         decided = {
             **commands,
             graph.SUPERVISOR: {**commands[graph.SUPERVISOR], "real_time": self._pace >= 1.0},
-            SMART_TYRE: {"calibration_file": str(calibration)},
+            SMART_TYRE: {"calibration_file": str(graph.plant_calibration())},
             graph.PLANT: {**_PLANT, **plant},
         }
         for start in node_starts((*ESTIMATORS, graph.PLANT), decided, vehicle_file=_VEHICLE):

@@ -1,0 +1,59 @@
+"""The drive of the demo: the car reaches its speed within the grip it may use, and then stands."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from corner_sim.models import CAR, in_order
+from corner_sim.parameters import SimParameters
+from corner_sim.simulation import Simulation
+from friction_bringup.demo_drive import CARS, ROADS, plant_of_demo
+from friction_bringup.graph import PLANT
+from friction_parameters.parameter import ParameterError
+from friction_parameters.values import from_mapping
+from vehicle_models.vehicle_file import load_vehicle
+
+
+def plant(road: str, car: str = "car") -> Mapping[str, Any]:
+    return plant_of_demo(road, CARS[car])[PLANT]
+
+
+@pytest.mark.parametrize("road", ["dry", "snow"])
+def test_car_rolls_for_its_zero_then_drives_up_with_at_most_half_of_the_grip(road: str) -> None:
+    given = replace(from_mapping(SimParameters, plant(road)), tyre_signals=False)
+    simulation = Simulation(given, in_order(CAR, load_vehicle(CARS["car"])), 10**12)
+    speeds, used = [], []
+    while simulation.time < given.demand_start:
+        sample = simulation.sample
+        speeds.append(sample.speed)
+        used.append(np.max(np.abs(sample.friction) / sample.peak[:, 1]))
+        simulation.advance()
+    rolling = np.array(speeds[:1000])
+    assert rolling.max() / rolling.min() < 1.03  # what the smart tyre takes for a constant speed
+    assert speeds[0] == 8.0
+    assert speeds[-1] == pytest.approx(22.0, rel=0.02)
+    assert max(used) <= 0.5
+
+
+@pytest.mark.parametrize("road", ROADS)
+def test_every_road_makes_a_plant(road: str) -> None:
+    Simulation(from_mapping(SimParameters, plant(road)), in_order(CAR, load_vehicle(CARS["car"])), 10**12)
+
+
+def test_second_road_begins_while_the_car_brakes() -> None:
+    given = replace(from_mapping(SimParameters, plant("dry snow")), tyre_signals=False)
+    simulation = Simulation(given, in_order(CAR, load_vehicle(CARS["car"])), 10**12)
+    while simulation.time < given.demand_start:
+        simulation.advance()
+    assert 5.0 < given.surface_distances[1] - simulation.distance < 20.0
+
+
+def test_corner_has_no_sides_and_is_told_so() -> None:
+    assert plant("wet", "corner") == {"surfaces": ["wet"]}
+    with pytest.raises(ParameterError, match="'split' needs a car with four wheels"):
+        plant("split", "corner")

@@ -1,0 +1,33 @@
+"""Bags as arrays: what can be shown of a bag that holds tyres alone, and that its picture holds their forces."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from friction_msgs.msg import FrictionSlope
+
+from friction_bags.bag_io.bag_format import BagError
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.message_bag import write_bag
+from friction_bringup.plots import all_wheels_figure
+from friction_bringup.recorded_run import read_run, require_samples
+
+TYRES = Path(__file__).parents[3] / "bags" / "tyre_dynamic_2_0_bar"
+
+
+def test_bag_of_tyres_alone_begins_with_its_first_message_and_shows_forces() -> None:
+    run = read_run(TYRES, ("front_left", "rear_left"))
+    forces = run.series["truth/rear_left/tyre_force"]
+    assert run.samples.size == 0
+    assert forces.time[0] == 0.0
+    assert forces.time.size == 500
+    labels = [axes.get_ylabel() for axes in all_wheels_figure(run, "tyres", None).axes]
+    assert "Fx [kN], forward" in labels
+    assert "Fz [kN]" in labels
+
+
+def test_bag_without_wheels_and_tyres_is_refused(tmp_path: Path) -> None:
+    write_bag(tmp_path / "bag", [("/front_left/friction_slope", FrictionSlope())], {})
+    with BagReader(tmp_path / "bag") as reader, pytest.raises(BagError, match="no tyre signals"):
+        require_samples(reader)
