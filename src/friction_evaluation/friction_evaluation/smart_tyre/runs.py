@@ -103,7 +103,8 @@ def reference_load(drive: Drive, axle: str) -> Array:
 
 def passages(block: TyreBlock, table: ToothTable | None, refiner: FrontRefiner | None = None) -> list[Passage]:
     """Passages of a whole drive."""
-    tracker = PatchTracker(WHEEL, TRACKER, table, refiner)
+    wheel = WHEEL if table is None else replace(WHEEL, encoder_teeth=len(table) // 2)
+    tracker = PatchTracker(wheel, TRACKER, table, refiner)
     return tracker.push(block.first_sample, block.encoder_voltage, block.radial_acceleration)
 
 
@@ -115,13 +116,13 @@ def wheel_angle(block: TyreBlock, table: ToothTable) -> WheelAngle:
     return wheel
 
 
-def learned_table(block: TyreBlock) -> ToothTable:
+def learned_table(block: TyreBlock, teeth: int = WHEEL.encoder_teeth) -> ToothTable:
     """Tooth table learned from a drive.
 
     Raises:
         ValueError: the wheel never turned evenly enough.
     """
-    tracker = PatchTracker(WHEEL, TRACKER)
+    tracker = PatchTracker(replace(WHEEL, encoder_teeth=teeth), TRACKER)
     tracker.push(block.first_sample, block.encoder_voltage, block.radial_acceleration)
     if tracker.wheel.table is None:
         raise ValueError("tooth table not learned")
