@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smart_tyre_forces.calibrate import WheelRun, calibrate
+from smart_tyre_forces.calibrate import calibrate
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.correction import Patch, PatchCorrection
 from smart_tyre_forces.encoder_crossings import EncoderCrossings
@@ -16,6 +16,7 @@ from smart_tyre_forces.patch_tracker import Passage, PatchTracker, TrackerParame
 from smart_tyre_forces.reasons import ForceReason
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.wheel_angle import WheelAngle
+from smart_tyre_forces.wheel_run import WheelRun
 from vehicle_models.encoder import EncoderParameters
 from vehicle_models.force_history import CAR, Drive, dynamic_drive, quasi_static_drives
 from vehicle_models.tyre_ring import TyreRing
