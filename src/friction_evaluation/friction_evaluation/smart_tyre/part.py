@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from rich.progress import Progress
 
 from friction_evaluation.rows import Row, at_most, not_judged
-from friction_evaluation.smart_tyre import cost, figures
+from friction_evaluation.smart_tyre import cost, figures, gains
 from friction_evaluation.smart_tyre.fronts import Waveform, scatter
 from friction_evaluation.smart_tyre.runs import (
     LOW,
@@ -88,6 +88,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--plant-calibration", type=Path, help="only write the calibration of corner_sim's wheels there"
     )
+    parser.add_argument(
+        "--gains", action="store_true", help="only tyres that are not as calibrated, on a plant of its own"
+    )
     parser.add_argument("--no-live", action="store_true", help="leave out the cost of the live node over DDS (20 s)")
 
 
@@ -96,6 +99,10 @@ def run(args: argparse.Namespace) -> list[Row]:
     if args.plant_calibration is not None:
         calibration_runs(NOISY, PLANT_WHEELS).calibrate().save(args.plant_calibration)
         return []
+    if args.gains:
+        car = calibration_runs(NOISY, PLANT_WHEELS).calibrate()
+        with Progress(transient=True) as progress:
+            return list(gains.rows(car, range(args.seeds), progress))
     runs = calibration_runs(NOISY)
     known, ideal = runs.calibrate(), calibration_runs(QUIET).calibrate()
     with Progress(transient=True) as progress:
