@@ -80,7 +80,7 @@ class GainWatch:
             ]
         )
         self._p[1, 2] = self._p[2, 1] = common
-        self._excess, self._count = 0.0, _SCATTER_PRIOR
+        self._excess, self._weight = 0.0, 0.0
         self._last_shift: float | None = None
 
     @property
@@ -94,7 +94,7 @@ class GainWatch:
             length_stddev=float(np.sqrt(1.0 - share)) * self._length_prior,
             force=self._x[kept],
             covariance=self._p[np.ix_(kept, kept)],
-            scatter=max(self._excess, 0.0),
+            scatter=max(self._excess, 0.0) / self._weight if self._weight else 0.0,
         )
 
     @property
@@ -145,8 +145,10 @@ class GainWatch:
         if self._last_shift is not None:
             time = patch.length_raw / patch.passage.wheel_speed
             excess = 0.5 * (patch.shift - self._last_shift) ** 2 - shift_stddev(self._tyre, patch) ** 2
-            self._count = min(self._count + 1, _SCATTER_MEMORY)
-            self._excess += (excess / time**2 - self._excess) / self._count
+            kept = 1.0 - 1.0 / _SCATTER_MEMORY
+            # Least squares of the excess over the square of the time: fast revolutions say little of it.
+            self._excess = kept * self._excess + excess * time**2
+            self._weight = kept * (self._weight or _SCATTER_PRIOR * time**4) + time**4
         self._last_shift = patch.shift
 
     def _see_force(
