@@ -15,10 +15,11 @@ from friction_curve_id.car.evidence import mixture, reaching_up
 from friction_curve_id.car.fit import CurveFit, WheelSpeedNoise
 from friction_curve_id.car.node_signals import Start, delayed, node_signals
 from friction_curve_id.car.pitch import PitchState, pitch_of_body
-from friction_curve_id.car.prior import STATED, car_prior
+from friction_curve_id.car.prior import car_prior
 from friction_curve_id.car.unknowns import FADING_WORK, SHARED, Unknown
 from friction_curve_id.car.wheel_equation import wheel_equation
 from vehicle_models import burckhardt
+from vehicle_models.stated_deviations import STATED
 from vehicle_models.surfaces import SURFACES
 from vehicle_models.vehicle import Deviation, SharedBy
 from vehicle_models.vehicle_file import load_vehicle

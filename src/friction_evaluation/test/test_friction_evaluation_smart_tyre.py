@@ -98,6 +98,10 @@ def test_limits_are_those_of_the_projects_table() -> None:
         ("1.6 bar", "Fz bias [%]"): 10.0,
         ("1.6 bar", "Fx RMSE [%]"): 8.0,
         ("1.6 bar, re-zeroed", "Fz RMSE against reference [%]"): 3.5,
+        ("one tooth missing", "Fz RMSE against truth [%]"): 1.43,
+        ("one tooth missing", "Fx RMSE [%]"): 5.46,
+        ("ring 60-2", "Fz RMSE against truth [%]"): 1.43,
+        ("ring 60-2", "Fx RMSE [%]"): 5.46,
         ("cost", "four wheels, 10 ms blocks, algorithm [% of a core]"): 5.0,
     }
     parser = argparse.ArgumentParser()

@@ -11,32 +11,20 @@ from numpy.typing import NDArray
 
 from smart_tyre_forces.calibration import Calibration, Polynomial, TyreCalibration, WheelCalibration
 from smart_tyre_forces.correction import Patch, PatchCorrection, ZeroParameters
+from smart_tyre_forces.drive_coverage import ACCELERATING, missing
 from smart_tyre_forces.force_map import ForceMap
 from smart_tyre_forces.forces import steady_force
 from smart_tyre_forces.front_template import FrontTemplate
 from smart_tyre_forces.patch_tracker import Passage, TrackerParameters
 from smart_tyre_forces.reasons import PatchReason
+from smart_tyre_forces.wheel_run import WheelRun
 from vehicle_models.straight_forces import wheel_forces
-from vehicle_models.vehicle import REAR, Vehicle, Wheel
+from vehicle_models.vehicle import REAR, Vehicle
 
 Array = NDArray[np.float64]
 
-_ACCELERATING = 1.0
-"""Acceleration above which a tyre that is not driven shows the cross-talk [m/s^2]."""
 _STEADY = 0.05
 """Acceleration below which the scatter of the fronts is taken [m/s^2]."""
-
-
-@dataclass(frozen=True)
-class WheelRun:
-    """Passages of one wheel in one drive."""
-
-    wheel: Wheel
-    passages: list[Passage]
-    time: Array
-    """Times of the car's acceleration, on the time scale of the passages [s], increasing, shape (n,)."""
-    acceleration: Array
-    """Acceleration of the car [m/s^2], forward positive, shape (n,)."""
 
 
 @dataclass(frozen=True)
@@ -112,6 +100,8 @@ def calibrate(
         ValueError: a drive lacks what it is needed for; the message names it.
     """
     shift_trend, length_trend, trend_force, residuals = quasi_static_trends(quasi_static, car, parameters)
+    if lacks := missing(dynamic, parameters.sample_rate):
+        raise ValueError(f"the {len(dynamic)} dynamic drives of the wheels lack {'; and '.join(lacks)}")
     speeds = np.linspace(parameters.minimum_speed, parameters.maximum_speed, 61, dtype=np.float64)
     steady = wheel_forces(car, speeds, np.zeros(len(speeds)))
     wheels = {
@@ -164,14 +154,10 @@ def _beta_step(tyre: TyreCalibration, runs: list[WheelRun], points: list[Points]
     """
     longer, left = [], []
     for run, p in zip(runs, points, strict=True):
-        accelerating = (p.acceleration > _ACCELERATING) & (not run.wheel.driven)
+        accelerating = (p.acceleration > ACCELERATING) & (not run.wheel.driven)
         longer.append((p.length - tyre.nominal_length)[accelerating])
         left.append((p.shift - tyre.shift_map.angle(p.fx))[accelerating])
     x, y = np.concatenate(longer), np.concatenate(left)
-    if len(x) < 5:
-        raise ValueError(
-            "dynamic runs: beta needs a wheel that is not driven, and 5 revolutions of it while the car accelerates"
-        )
     return -float(x @ y / (x @ x))
 
 

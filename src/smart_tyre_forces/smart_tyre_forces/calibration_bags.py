@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader
 from rosbags.highlevel.anyreader import AnyReaderError
 
-from smart_tyre_forces.calibrate import WheelRun
 from smart_tyre_forces.front_template import FrontRefiner
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker, TrackerParameters
 from smart_tyre_forces.tooth_table import ToothTable
+from smart_tyre_forces.wheel_run import WheelRun
 from vehicle_models.nanoseconds import NANOSECOND
 from vehicle_models.vehicle import Vehicle, Wheel
 

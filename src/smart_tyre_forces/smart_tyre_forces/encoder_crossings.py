@@ -2,7 +2,8 @@
 
 Every sample of the sine takes part: a short symmetric filter (its delay is a whole number of samples) averages the
 neighbourhood of each crossing before the crossing is interpolated, on a sine. Hysteresis keeps noise from adding
-crossings, so they alternate between rising and falling and lie 180/teeth degrees apart.
+crossings, so they alternate between rising and falling and lie 180/teeth degrees apart. Across missing teeth they are
+put in again (see missing_teeth).
 """
 
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from friction_parameters.parameter import parameter
 from smart_tyre_forces.fir import filtered
+from smart_tyre_forces.missing_teeth import Gap
 from smart_tyre_forces.reasons import PatchReason
 
 Array = NDArray[np.float64]
@@ -22,6 +24,10 @@ _TAPS = _HANN[1:-1] / np.sum(_HANN)
 _DELAY = (len(_TAPS) - 1) // 2
 _LONGEST_INTERVAL: Final = 0.033
 """Time between crossings [s] above which the wheel may have turned back: the sine has no direction."""
+_LATE: Final = 1.25
+"""Ratio of neighbouring intervals from which a crossing waits for what follows: a tooth may be missing."""
+_QUIET: Final = 0.5
+"""Share of an interval with the sine within the hysteresis, from which there was no tooth: 0.3 at walking pace."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,7 @@ class CrossingParameters:
     )
     interval_ratio: float = parameter(
         1.5,
-        "ratio of neighbouring crossing intervals above which a tooth is missed or surplus",
+        "ratio of neighbouring crossing intervals below the inverse of which one is surplus",
         minimum=1.1,
         maximum=3.0,
     )
@@ -68,6 +74,7 @@ class EncoderCrossings:
         self._carried: Array = np.zeros(0)
         self._armed: tuple[float, float] | None = None
         self._previous: list[float] = []
+        self._gap: Gap | None = None
         self._last_chord = np.nan
 
     def push(self, voltage: Array) -> list[Stretch]:
@@ -94,10 +101,10 @@ class EncoderCrossings:
         if len(change) == 0:
             return []
         after = change + 1
-        return self._checked(self._between(places[change], places[after], values[change], values[after]))
+        return self._checked(*self._between(places[change], places[after], values[change], values[after]))
 
-    def _between(self, begin: Array, end: Array, before: Array, after: Array) -> Array:
-        """Times of the zeros between samples of opposite sign: first on the chord, then on the sine.
+    def _between(self, begin: Array, end: Array, before: Array, after: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Times of the zeros between samples of opposite sign, first on the chord, then on the sine; which are vague.
 
         The last half wave gives the phase delta between the two samples, and A sin(x) = |before|, A sin(delta - x) =
         |after| give the phase x at which the zero lies, whatever the amplitude A.
@@ -108,31 +115,61 @@ class EncoderCrossings:
         last = np.empty(len(chord))
         last[0], last[1:] = self._last_chord, chord[:-1]
         self._last_chord = float(chord[-1])
-        delta = np.minimum(np.pi * step / (chord - last), 2.0)
+        interval = chord - last
+        delta = np.minimum(np.pi * step / interval, 2.0)
         phase = np.arctan2(before * np.sin(delta), after + before * np.cos(delta))
-        return np.where(np.isfinite(delta), begin + step * phase / delta, chord)
+        return np.where(np.isfinite(delta), begin + step * phase / delta, chord), step > _QUIET * interval
 
-    def _checked(self, times: Array) -> list[Stretch]:
+    def _checked(self, times: Array, vague: NDArray[np.bool_]) -> list[Stretch]:
+        if self._gap is not None or np.count_nonzero(vague):
+            return self._one_by_one(times.tolist(), vague.tolist())
         carried = len(self._previous)
         known = np.empty(carried + len(times))
         known[:carried], known[carried:] = self._previous, times
-        self._previous = known[-2:].tolist()
         intervals = known[1:] - known[:-1]
         ratio = intervals[1:] / intervals[:-1]
-        limit = self._parameters.interval_ratio
-        uneven = (ratio > limit) | (ratio * limit < 1.0)
-        long = intervals > self._longest_interval
-        if not (np.count_nonzero(uneven) or np.count_nonzero(long)):
-            return [Stretch(None, times)]
-        wrong = np.zeros(len(known), dtype=bool)
-        wrong[2:] = uneven
-        standing = np.zeros(len(known), dtype=bool)
-        standing[1:] = long
-        faults = np.flatnonzero((wrong | standing)[carried:])
-        if len(faults) == 0:
-            return [Stretch(None, times)]
-        stretches = [Stretch(None, times[: faults[0]])] if faults[0] > 0 else []
-        for begin, end in zip(faults, [*faults[1:], len(times)], strict=True):
-            why = PatchReason.REVERSAL if standing[carried + begin] else PatchReason.MISSED_TOOTH
-            stretches.append(Stretch(why, times[begin:end]))
+        uneven = (ratio > _LATE) | (ratio * self._parameters.interval_ratio < 1.0)
+        if np.count_nonzero(uneven) or np.count_nonzero(intervals > self._longest_interval):
+            return self._one_by_one(times.tolist(), vague.tolist())
+        self._previous = known[-2:].tolist()
+        return [Stretch(None, times)]
+
+    def _one_by_one(self, times: list[float], vague: list[bool]) -> list[Stretch]:
+        """The same where an interval is not like the one before."""
+        stretches: list[Stretch] = []
+        interrupted: PatchReason | None = None
+        good: list[float] = []
+        for time, is_vague in zip(times, vague, strict=True):
+            fault = self._take(time, is_vague, good)
+            if fault is not None:
+                if good:
+                    stretches.append(Stretch(interrupted, np.asarray(good)))
+                interrupted, good = fault, [time]
+                self._previous, self._gap = [time], None
+        if good:
+            stretches.append(Stretch(interrupted, np.asarray(good)))
         return stretches
+
+    def _take(self, time: float, vague: bool, good: list[float]) -> PatchReason | None:
+        """Take one crossing; append to `good` what is known by it, or return why the angle is lost."""
+        previous = self._previous
+        newest = self._gap.newest if self._gap is not None else previous[-1] if previous else time
+        if time - newest > self._longest_interval:
+            return PatchReason.REVERSAL
+        found = [time]
+        if self._gap is not None:
+            bridged = self._gap.bridge(time)
+            if bridged is None:
+                return None if self._gap.may_be_bridged else PatchReason.MISSED_TOOTH
+            found, self._gap = bridged, None
+        elif len(previous) == 2:
+            interval = previous[1] - previous[0]
+            ratio = (time - newest) / interval
+            if vague or ratio > _LATE:
+                self._gap = Gap(previous[1], interval, time, _LATE)
+                return None
+            if ratio * self._parameters.interval_ratio < 1.0:
+                return PatchReason.MISSED_TOOTH
+        good += found
+        self._previous = [*previous, *found][-2:]
+        return None

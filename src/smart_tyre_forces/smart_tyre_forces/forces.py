@@ -16,6 +16,7 @@ import numpy as np
 from smart_tyre_forces.calibration import TyreCalibration, WheelCalibration, polynomial
 from smart_tyre_forces.correction import Patch
 from smart_tyre_forces.reasons import FORCE_TEXTS, ForceReason, PatchReason
+from smart_tyre_forces.tyre_gain import TyreGain
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,7 @@ def forces(
     zero_speed: float,
     *,
     restore_steady: bool,
+    gain: TyreGain | None = None,
 ) -> Forces:
     """Forces of one contact patch: Fz = f_z(Delta phi) (8.14), Fx = f_x(delta phi) (8.16) and the steady part.
 
@@ -73,18 +75,34 @@ def forces(
         wheel: calibration with the steady force; None when not calibrated.
         zero_speed: v_0, at which the shift was set to zero [m/s].
         restore_steady: whether to add the steady part that the speed trend removed.
+        gain: the tyre against its calibration; None: the calibration holds exactly.
     """
     if tyre is None or wheel is None:
         return Forces(ForceReason.NOT_CALIBRATED)
     if patch.reason is not PatchReason.OK:
         return Forces(ForceReason.NO_PATCH)
-    fz, fx = tyre.length_map.force(patch.length), tyre.shift_map.force(patch.shift)
-    if not (np.isfinite(fz) and np.isfinite(fx)):
+    known = gain or TyreGain()
+    trend = polynomial(tyre.length_trend, patch.speed) - tyre.nominal_length
+    fz = tyre.length_map.force((patch.length + trend) / known.length - trend)
+    mapped = tyre.shift_map.force(patch.shift)
+    if not (np.isfinite(fz) and np.isfinite(mapped)):
         return Forces(ForceReason.OUT_OF_RANGE)
+    turn = turn_rate(patch, zero_speed)
+    force = float((mapped - known.force[1] - known.force[2] * turn) / (1.0 + known.force[0]))
+    effect = np.array([force, 1.0, turn]) / (1.0 + known.force[0])
+    by_shift, by_length = known.load_scatter(patch)
+    length = length_stddev(tyre, patch) if gain is None else _front_stddev(tyre, patch) * float(np.sqrt(2.0))
+    length = float(np.hypot(np.hypot(length, by_length), known.length_stddev * (patch.length + trend)))
+    shift = tyre.shift_map.slope(force) * float(np.hypot(shift_stddev(tyre, patch), by_shift))
     return Forces(
         reason=ForceReason.OK,
-        fx=fx + (steady_force(tyre, wheel, patch.speed, zero_speed) if restore_steady else 0.0),
+        fx=force + (steady_force(tyre, wheel, patch.speed, zero_speed) if restore_steady else 0.0),
         fz=fz,
-        fx_stddev=tyre.shift_map.slope(fx) * shift_stddev(tyre, patch),
-        fz_stddev=tyre.length_map.slope(fz) * length_stddev(tyre, patch),
+        fx_stddev=float(np.sqrt(shift**2 + effect @ known.covariance @ effect)),
+        fz_stddev=tyre.length_map.slope(fz) * length,
     )
+
+
+def turn_rate(patch: Patch, zero_speed: float) -> float:
+    """Return omega - omega_0 [rad/s], by which a changed delay shows in the shift; v_0 [m/s] is the zero's speed."""
+    return patch.passage.wheel_speed * (1.0 - zero_speed / patch.speed)

@@ -1,11 +1,14 @@
 """<wheel>/tyre_signals in, <wheel>/contact_patch and <wheel>/tyre_force out, once per revolution."""
 
+from collections import deque
 from collections.abc import Mapping, Sequence
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
 from friction_msgs.msg import ContactPatch, TyreForce, TyreSignals
 from geometry_msgs.msg import WrenchStamped
+from sensor_msgs.msg import Imu
 from std_msgs.msg import Header
 
 from friction_runtime.primary import Primary
@@ -13,20 +16,27 @@ from friction_runtime.processor import Health, Level, Output, Report, level_of, 
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces import messages
 from smart_tyre_forces.calibration import Calibration
+from smart_tyre_forces.car_reference import Reference
 from smart_tyre_forces.correction import Patch, PatchCorrection
-from smart_tyre_forces.forces import Forces, forces
+from smart_tyre_forces.forces import Forces, forces, steady_force
 from smart_tyre_forces.front_template import FrontTemplate, TemplateFit
+from smart_tyre_forces.gain_watch import GainWatch
+from smart_tyre_forces.late_acceleration import DELAY, LateAcceleration
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker
 from smart_tyre_forces.reasons import ForceReason, PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
+from smart_tyre_forces.tyre_comparison import TyreComparison
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.plausible import LATEST_STAMP, NEW_RUN
+from vehicle_models.plausible import HIGHEST_ACCELERATION, LATEST_STAMP, NEW_RUN
 from vehicle_models.vehicle import Vehicle
 
 _QUIET = (PatchReason.OK, PatchReason.NOT_READY, PatchReason.SPEED_RANGE, PatchReason.REVERSAL)
 """Reasons that belong to ordinary driving."""
 
+_ACCELERATION = "imu/data"
+_LONGEST_STEP = 60.0
+"""Longest time between revolutions that counts as such [s]."""
 _LAST_SAMPLE = 2**52
 """Last index of a sample: the time of a front within a sample is still told apart there."""
 
@@ -41,6 +51,7 @@ class TyreProcessor:
         parameters: SmartTyreParameters,
         calibration: Calibration | None,
         report: Report = silent,
+        comparison: TyreComparison | None = None,
     ) -> None:
         """Build for one wheel of a car; a wheel that is not in the calibration gives raw contact patches.
 
@@ -49,9 +60,7 @@ class TyreProcessor:
         """
         self._wheel = vehicle.wheel(wheel)
         self._topic = f"{wheel}/tyre_signals"
-        self.sensors: Mapping[str, type] = {}
         self.estimates: Mapping[str, type] = {self._topic: TyreSignals}
-        self.optional = (self._topic,)
         self.outputs: Mapping[str, type] = {f"{wheel}/contact_patch": ContactPatch, f"{wheel}/tyre_force": TyreForce}
         if parameters.publish_wrench:
             self.outputs = {**self.outputs, f"{wheel}/tyre_wrench": WrenchStamped}
@@ -62,6 +71,11 @@ class TyreProcessor:
         self._template = _template(parameters, calibration)
         self._wheel_calibration = None if calibration is None else calibration.wheels.get(wheel)
         self._tyre = None if calibration is None or self._wheel_calibration is None else calibration.tyre
+        self.sensors: Mapping[str, type] = {} if self._tyre is None else {_ACCELERATION: Imu}
+        self.optional = (self._topic, *self.sensors)
+        self._accelerometer = vehicle.accelerometer
+        self._reference = Reference(vehicle, self._wheel)
+        self._comparison = TyreComparison() if comparison is None else comparison
         self._table = None
         if self._wheel_calibration is not None:
             self._table = ToothTable(np.asarray(self._wheel_calibration.tooth_table))
@@ -77,9 +91,18 @@ class TyreProcessor:
         refiner = TemplateFit(self._template) if self._template is not None else None
         self._tracker = PatchTracker(self._wheel, self._p.tracker, self._table, refiner)
         self._correction = PatchCorrection(self._tyre, self._wheel.radius, self._p.tracker.sample_rate, self._p.zero)
+        self._accelerations = LateAcceleration()
+        self._watch_again()
         self._last_stamp: int | None = None
         self._patch: Patch | None = None
         self._forces: Forces | None = None
+
+    def _watch_again(self) -> None:
+        """Watch the gains as a tyre's that is new."""
+        self._gains = None if self._tyre is None else GainWatch(self._tyre, self._reference)
+        self._unlearned: deque[tuple[int, Patch]] = deque()
+        self._learned = 0
+        self._zero_speed = np.nan
 
     def request_shift_zero(self) -> None:
         """Set the shift to zero at the next stretch of constant speed."""
@@ -88,9 +111,13 @@ class TyreProcessor:
     def request_length_zero(self) -> None:
         """Set the length to nominal at the next stretch of constant speed, after a change of pressure."""
         self._correction.request_length_zero()
+        self._watch_again()
 
-    def process(self, topic: str, message: TyreSignals) -> Sequence[Output]:
-        """Take one block; return the outputs for the revolutions it completes."""
+    def process(self, topic: str, message: TyreSignals | Imu) -> Sequence[Output]:
+        """Take one block, or an acceleration of the car; return the outputs for the revolutions that it completes."""
+        if isinstance(message, Imu):
+            self._note_acceleration(message)
+            return []
         self._note_first()
         stamp = to_nanoseconds(message.header.stamp)
         voltage = np.asarray(message.encoder_voltage, dtype=np.float32)
@@ -111,6 +138,12 @@ class TyreProcessor:
             )
             outputs += self._revolution(header, passage)
         return outputs
+
+    def _note_acceleration(self, message: Imu) -> None:
+        value = self._accelerometer.forward(message.linear_acceleration)
+        stamp = to_nanoseconds(message.header.stamp)
+        if isfinite(value) and abs(value) < HIGHEST_ACCELERATION and 0 < stamp <= LATEST_STAMP:
+            self._accelerations.take(stamp, value)
 
     def _note_first(self) -> None:
         """Report what is missing once there are signals: a wheel without any is not a smart tyre, which is no fault."""
@@ -146,12 +179,15 @@ class TyreProcessor:
             self._report(
                 "warning", f"{self._wheel.name}: contact patch length differs at constant speed: pressure changed?"
             )
+        if self._gains is not None:
+            self._learn(to_nanoseconds(header.stamp), self._patch, self._gains)
         self._forces = forces(
             self._patch,
             self._tyre,
             self._wheel_calibration,
             self._correction.zero_speed,
             restore_steady=self._p.restore_steady_force,
+            gain=None if self._gains is None else self._gains.gain,
         )
         wheel = self._wheel.name
         outputs: list[Output] = [
@@ -161,6 +197,28 @@ class TyreProcessor:
         if self._p.publish_wrench and self._forces.reason is ForceReason.OK:
             outputs.append((f"{wheel}/tyre_wrench", messages.tyre_wrench(header, self._forces)))
         return outputs
+
+    def _learn(self, stamp: int, patch: Patch, gains: GainWatch) -> None:
+        """Learn from the revolutions DELAY ago: what comes out does not depend on which input arrived first."""
+        zero_speed = self._correction.zero_speed
+        if patch.reason is not PatchReason.OK or self._tyre is None or self._wheel_calibration is None:
+            return
+        if zero_speed != self._zero_speed:
+            self._watch_again()
+            self._zero_speed = zero_speed
+        seconds = 0.5 * patch.length_raw / patch.passage.wheel_speed
+        self._unlearned.append((stamp - round(seconds * NANOSECONDS), patch))
+        while stamp - self._unlearned[0][0] > DELAY * NANOSECONDS:
+            when, past = self._unlearned.popleft()
+            acceleration = self._accelerations.at(when)
+            if acceleration is None or self._gains is None:
+                continue
+            steady = steady_force(self._tyre, self._wheel_calibration, past.speed, zero_speed)
+            share = self._reference.share(past.speed, acceleration) if self._reference.has_share else None
+            since = min(max(when - self._learned, 0) / NANOSECONDS, _LONGEST_STEP)
+            self._gains.see(past, acceleration, share, steady, zero_speed, since)
+            self._learned = when
+            self._comparison.gains[self._wheel.name] = self._gains.gain
 
     def watch(self, ages: Mapping[str, float], now: float) -> Sequence[Output]:
         """Note silence for diagnostics, once signals have been received."""
@@ -189,6 +247,10 @@ class TyreProcessor:
             return Level.OK, "no tyre signals"
         if self._patch is None:
             return Level.OK, "no revolution seen yet"
+        if verdict := self._comparison.verdict(self._wheel.name):
+            return Level.WARN, verdict
+        if self._gains is not None and (change := self._gains.delay_change):
+            return Level.WARN, f"delay of the acceleration in the tyre changed by {1e3 * change:+.2f} ms"
         level, text = level_of(self._patch.reason, _QUIET, broken=()), self._patch.text
         if level is Level.OK and self._correction.pressure_changed:
             return Level.WARN, "pressure changed: re-zero the length"
@@ -212,7 +274,8 @@ def build(parameters: SmartTyreParameters, vehicle: Vehicle, report: Report = si
                 f"calibration file {parameters.calibration_file}: has {', '.join(calibration.wheels)}, "
                 f"no wheel of the car: {', '.join(vehicle.wheel_names)}"
             )
-    return [TyreProcessor(wheel, vehicle, parameters, calibration, report) for wheel in vehicle.wheel_names]
+    comparison = TyreComparison()
+    return [TyreProcessor(wheel, vehicle, parameters, calibration, report, comparison) for wheel in vehicle.wheel_names]
 
 
 def _template(parameters: SmartTyreParameters, calibration: Calibration | None) -> FrontTemplate | None:

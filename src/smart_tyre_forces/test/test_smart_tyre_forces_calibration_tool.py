@@ -139,6 +139,17 @@ def test_bags_that_do_not_allow_it_are_named(
     assert not (tmp_path / "c.yaml").exists()
 
 
+def test_drives_that_are_alike_are_refused_by_what_they_lack(
+    bags: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    slow = [str(bags["up"]), str(bags["down"])]
+    arguments = ["--quasi-static", *slow, "--dynamic", str(bags["up"]), str(bags["up"])]
+    assert main([*arguments, "--out", str(tmp_path / "c.yaml"), *CAR]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "braking below -2.0 m/s^2 (for the force maps)" in said and said.startswith("error: the 4 dynamic drives")
+    assert not (tmp_path / "c.yaml").exists()
+
+
 def test_bags_whose_car_is_not_known_are_refused(
     bags: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -7,7 +7,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smart_tyre_forces.calibrate import WheelRun, calibrate
+from smart_tyre_forces.calibrate import calibrate
 from smart_tyre_forces.calibration import Calibration, TyreCalibration, WheelCalibration, polynomial
 from smart_tyre_forces.correction import Patch, PatchCorrection, ZeroParameters, load_shift
 from smart_tyre_forces.force_map import ForceMap
@@ -15,6 +15,7 @@ from smart_tyre_forces.forces import forces, length_stddev, shift_stddev, steady
 from smart_tyre_forces.front_template import GRID, FrontTemplate
 from smart_tyre_forces.patch_tracker import Passage
 from smart_tyre_forces.reasons import ForceReason, PatchReason
+from smart_tyre_forces.wheel_run import WheelRun
 from vehicle_models.force_history import Drive, dynamic_drive, quasi_static_drives
 from vehicle_models.tyre_ring import TyreRing
 from vehicle_models.vehicle import Vehicle

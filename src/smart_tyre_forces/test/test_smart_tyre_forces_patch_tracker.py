@@ -111,10 +111,10 @@ def test_stated_deviation_of_the_fronts_is_their_scatter(
     assert 0.6 * scatter < stated < 1.5 * scatter
 
 
-def test_a_missed_tooth_leaves_no_permanent_error(simulate: Any, table: ToothTable) -> None:
+def test_missed_teeth_leave_no_permanent_error(simulate: Any, table: ToothTable) -> None:
     block = simulate(12.0, seconds=8.0)
     damaged = replace(block, encoder_voltage=block.encoder_voltage.copy())
-    damaged.encoder_voltage[40_000:40_045] = -0.3
+    damaged.encoder_voltage[40_000:40_300] = -0.3
     before, after = (fronts([p for p in run(b, table) if p.time > 50_000]) for b in (block, damaged))
     whole = run(damaged, table)
     assert [p.reason for p in whole if p.reason is not PatchReason.OK] == [PatchReason.MISSED_TOOTH]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from friction_msgs.msg import ContactPatch, TyreForce, TyreSignals
+from sensor_msgs.msg import Imu
 from std_msgs.msg import Header
 
 from friction_parameters.generated import parameter_file
@@ -123,7 +124,10 @@ def test_wheels_that_the_calibration_lacks_give_raw_patches_and_say_so_once_they
     processors = build(
         SmartTyreParameters(calibration_file=calibration_file), CAR, lambda _severity, text: said.append(text)
     )
-    assert [list(each.optional) for each in processors] == [[f"{w}/tyre_signals"] for w in CAR.wheel_names]
+    watched = [["imu/data"], [], [], []]
+    assert [list(each.optional) for each in processors] == [
+        [f"{wheel}/tyre_signals", *car] for wheel, car in zip(CAR.wheel_names, watched, strict=True)
+    ]
     assert said == []
     messages = list(blocks(simulate(10.0, seconds=14.0)))
     for message in messages:
@@ -299,3 +303,24 @@ def test_what_no_sensor_gives_is_no_patch_and_no_warning_of_numpy(
     with np.errstate(all="raise"):
         answers = feed(processor, messages)
     assert answers
+
+
+def test_answers_do_not_depend_on_whether_the_acceleration_or_the_block_came_first(
+    simulate: Any, calibration_file: str
+) -> None:
+    messages = list(blocks(simulate(8.0, seconds=14.0, load=1.1)))
+    stamps = range(5_000_000_000, 19_000_000_000, 5_000_000)
+    sensed = [Imu(header=Header(stamp=from_nanoseconds(stamp))) for stamp in stamps]
+    both = sorted([*messages, *sensed], key=lambda m: to_nanoseconds(m.header.stamp))
+    # Blocks arrive when they are over, accelerations up to a quarter of a second late.
+    late = sorted(
+        [*messages, *sensed],
+        key=lambda m: to_nanoseconds(m.header.stamp) + (250_000_000 if isinstance(m, Imu) else 10_000_000),
+    )
+    given = SmartTyreParameters(calibration_file=calibration_file)
+    learned, other, alone = (feed(build(given, CAR)[0], each) for each in (both, late, messages))
+    assert repr(learned) == repr(other)
+    assert repr(learned) != repr(alone)
+    last = [[m for topic, m in each if topic == "front_left/tyre_force"][-1] for each in (learned, alone)]
+    # What carries a tenth more than its static load is a tyre that reads too much, or so it looks to the watch.
+    assert last[0].fz == pytest.approx(3679.0, rel=0.03) and last[0].fz_stddev < 0.2 * last[1].fz_stddev

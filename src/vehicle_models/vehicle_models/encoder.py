@@ -15,6 +15,9 @@ class EncoderParameters:
     """Imperfections of an ABS encoder."""
 
     teeth: int = Wheel.encoder_teeth
+    """Teeth, missing ones included."""
+    missing_teeth: int = 0
+    """Teeth in a row that are missing: broken off, or the mark of a ring such as 60-2."""
     amplitude_per_speed: float = 0.05
     """Amplitude over wheel speed [V s/rad]: an inductive sensor measures the rate of change of flux."""
     modulation: float = 0.06
@@ -69,6 +72,9 @@ class ToothedRing:
             * (1.0 + p.modulation * np.cos(turned + self._modulation_phase))
         )
         volt = amplitude * (np.sin(phase) + p.second_harmonic * np.sin(2.0 * phase + self._harmonic_phase))
+        if p.missing_teeth > 0:
+            # Without a tooth the flux does not change.
+            volt = np.where(np.mod(phase, 2.0 * np.pi * p.teeth) < 2.0 * np.pi * p.missing_teeth, 0.0, volt)
         if p.noise > 0.0:
             volt = volt + p.noise * rng.standard_normal(volt.shape)
         return np.round(volt / p.resolution) * p.resolution if p.resolution > 0.0 else volt

@@ -23,8 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.car_sample import Checked
-from friction_curve_id.car.prior import absolute_deviation, mass_deviation, radius_deviation, relative_deviation
+from friction_curve_id.car.prior import radius_deviation
 from vehicle_models.single_corner import GRAVITY
+from vehicle_models.stated_deviations import absolute_deviation, mass_deviation, relative_deviation
 from vehicle_models.vehicle import AIR_DENSITY, FRONT, REAR, Vehicle
 
 Array = NDArray[np.float64]

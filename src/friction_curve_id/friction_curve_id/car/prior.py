@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 from friction_curve_id.car.curve_family import ShapePrior
 from friction_curve_id.car.unknowns import SHARED, Unknown
 from vehicle_models.single_corner import GRAVITY
-from vehicle_models.vehicle import FRONT, Deviations, Vehicle, Wheel
+from vehicle_models.stated_deviations import (
+    STATED,
+    absolute_deviation,
+    deviation_of,
+    mass_deviation,
+    relative_deviation,
+)
+from vehicle_models.vehicle import FRONT, Vehicle
 
 Array = NDArray[np.float64]
 
@@ -32,26 +39,6 @@ _OTHER_WHEELS = 0.15
 """Relative deviation of the deceleration of the car from that of the wheels that are measured."""
 _SLIP_OFFSET_STDDEV = 5e-4
 """Of the slip of a rolling wheel, where its radius is not known exactly."""
-
-STATED = {
-    "mass": 0.087,
-    "inertia": 0.1,
-    "brake_gain": 0.058,
-    "radius": 0.006,
-    "relaxation_length": 0.5,
-    "centre_of_gravity_height": 0.06,
-}
-"""Relative deviations of what a vehicle file does not state."""
-STATED_ABSOLUTE = {
-    "front_load_share": 0.0115,
-    "brake_pressure_delay": 0.012,
-    "engine_drag_torque": 46.0,
-    "offset": 0.17,
-    "scale": 0.0115,
-    "pitch_gain": 0.0015,
-    "delay": 0.006,
-}
-"""Deviations of what a vehicle file does not state, in its units."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +120,9 @@ def car_prior(
     if height > 0.0:
         relative = STATED["centre_of_gravity_height"] * height
         put(
-            Unknown.LOG_HEIGHT_RATIO, 0.0, _deviation(vehicle.deviations, "centre_of_gravity_height", relative) / height
+            Unknown.LOG_HEIGHT_RATIO,
+            0.0,
+            deviation_of(vehicle.deviations, "centre_of_gravity_height", relative) / height,
         )
     share_stddev = 0.0 if _one_axle(vehicle) else absolute_deviation(vehicle.deviations, "front_load_share")
     put(Unknown.FRONT_LOAD_SHARE, vehicle.front_load_share, share_stddev)
@@ -143,26 +132,6 @@ def car_prior(
 
 def _one_axle(vehicle: Vehicle) -> bool:
     return all(wheel.axle == FRONT for wheel in vehicle.wheels)
-
-
-def _deviation(deviations: Deviations, name: str, otherwise: float) -> float:
-    return deviations[name].stddev if name in deviations else otherwise
-
-
-def mass_deviation(vehicle: Vehicle) -> float:
-    """Relative standard deviation of the mass."""
-    return _deviation(vehicle.deviations, "mass", STATED["mass"] * vehicle.mass) / vehicle.mass
-
-
-def relative_deviation(wheel: Wheel, name: str) -> float:
-    """Relative standard deviation of a quantity of a wheel, of STATED where its file states none."""
-    value = float(getattr(wheel, name))
-    return _deviation(wheel.deviations, name, STATED[name] * value) / value
-
-
-def absolute_deviation(deviations: Deviations, name: str) -> float:
-    """Standard deviation of a quantity in its unit, of STATED_ABSOLUTE where its file states none."""
-    return _deviation(deviations, name, STATED_ABSOLUTE[name])
 
 
 def radius_deviation(vehicle: Vehicle) -> float:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smart_tyre_forces.calibrate import WheelRun, calibrate
+from smart_tyre_forces.calibrate import calibrate
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.correction import Patch, PatchCorrection
 from smart_tyre_forces.encoder_crossings import EncoderCrossings
@@ -16,6 +16,7 @@ from smart_tyre_forces.patch_tracker import Passage, PatchTracker, TrackerParame
 from smart_tyre_forces.reasons import ForceReason
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.wheel_angle import WheelAngle
+from smart_tyre_forces.wheel_run import WheelRun
 from vehicle_models.encoder import EncoderParameters
 from vehicle_models.force_history import CAR, Drive, dynamic_drive, quasi_static_drives
 from vehicle_models.tyre_ring import TyreRing
@@ -103,7 +104,8 @@ def reference_load(drive: Drive, axle: str) -> Array:
 
 def passages(block: TyreBlock, table: ToothTable | None, refiner: FrontRefiner | None = None) -> list[Passage]:
     """Passages of a whole drive."""
-    tracker = PatchTracker(WHEEL, TRACKER, table, refiner)
+    wheel = WHEEL if table is None else replace(WHEEL, encoder_teeth=len(table) // 2)
+    tracker = PatchTracker(wheel, TRACKER, table, refiner)
     return tracker.push(block.first_sample, block.encoder_voltage, block.radial_acceleration)
 
 
@@ -115,13 +117,13 @@ def wheel_angle(block: TyreBlock, table: ToothTable) -> WheelAngle:
     return wheel
 
 
-def learned_table(block: TyreBlock) -> ToothTable:
+def learned_table(block: TyreBlock, teeth: int = WHEEL.encoder_teeth) -> ToothTable:
     """Tooth table learned from a drive.
 
     Raises:
         ValueError: the wheel never turned evenly enough.
     """
-    tracker = PatchTracker(WHEEL, TRACKER)
+    tracker = PatchTracker(replace(WHEEL, encoder_teeth=teeth), TRACKER)
     tracker.push(block.first_sample, block.encoder_voltage, block.radial_acceleration)
     if tracker.wheel.table is None:
         raise ValueError("tooth table not learned")

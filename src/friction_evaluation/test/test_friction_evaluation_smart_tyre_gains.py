@@ -1,0 +1,34 @@
+"""A short cut of `smart_tyre --gains`: one tyre in a minute that brakes once, on a plant of its own."""
+
+import numpy as np
+import pytest
+
+from corner_sim.car.recording import Recording
+from friction_evaluation.smart_tyre.gains import LIMITS, MINUTE, drive, judge
+from friction_evaluation.smart_tyre.runs import NOISY, RING, calibration_runs
+from smart_tyre_forces.calibration import Calibration
+
+
+@pytest.fixture(scope="module")
+def known() -> Calibration:
+    return calibration_runs(NOISY, {"front_left": 0, "rear_left": 2}).calibrate()
+
+
+@pytest.fixture(scope="module")
+def recording() -> Recording:
+    return drive(0.03, 5, MINUTE)
+
+
+@pytest.mark.parametrize("stiffness", [0.8, 1.2])
+def test_a_tyre_that_is_off_is_covered_from_the_first_force_on_and_learned_within_a_minute(
+    known: Calibration, recording: Recording, stiffness: float
+) -> None:
+    judged = judge(recording, "rear_left", stiffness, known, 1)
+    assert judged.time[0] < 7.0
+    for name, limit in LIMITS.items():
+        error, stddev = judged.error[name], judged.stddev[name]
+        assert np.mean(np.abs(error) < 1.96 * stddev) > 0.9
+        late = judged.time > 47.0
+        assert 100.0 * np.sqrt(np.mean(error[late] ** 2)) / RING.static_load < limit
+    # A deviation that covers everything would pass the first; what was learned must make it small.
+    assert judged.stddev["Fz"][-1] < 0.5 * judged.stddev["Fz"][0]
