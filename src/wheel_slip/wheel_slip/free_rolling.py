@@ -16,6 +16,8 @@ _LENGTH: Final = 0.25
 """Length of a stretch [s]."""
 _FORCELESS: Final = 0.6
 """Largest force of all tyres over the mass of the car [m/s^2]: drag, a gentle engine; half of what ice bears."""
+_LARGEST_OFFSET: Final = 0.3
+"""What is taken off of a learned offset [m/s^2]: more of it is a slope, down which brakes may hold the car."""
 _STEEPEST: Final = 2.0
 """Largest change of the rim speeds [m/s^2]: a slope without force."""
 _UNLIKE: Final = 1.0
@@ -70,6 +72,7 @@ class FreeRolling:
             The stretch that ends with this sample, None where none does.
         """
         gauged = reading is not None
+        offset = max(-_LARGEST_OFFSET, min(offset, _LARGEST_OFFSET))
         small = reading is None or min(abs(reading), abs(reading - offset)) <= _FORCELESS
         if not small or not all([isfinite(speed) for speed in rim_speeds]):
             self._begin = None

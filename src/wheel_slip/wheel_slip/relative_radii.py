@@ -8,8 +8,9 @@ acceleration of a car limits the more the faster it is. d is the slip by the lit
 wheels where some are driven and some not, else of the rear axle (t_i = 1, others 0). u and d come and go, e stays: a
 Kalman filter without a prior of e takes them apart.
 
-What the vehicle file says of the radii is added to its result as a prior with Student's tails (3 degrees of freedom):
-deviations near the stated one are shared by all wheels, and one wheel far off is told from four that are a little off.
+What the vehicle file says of the radii is the prior that its result is weighed with: either all wheels are as it says,
+or one of them is far off (another tyre, a flat one). Each of these cases gets its probability, and the radii and their
+variances are those of all cases together: while a slow curve leaves open which wheel it is, the variances say so.
 """
 
 from collections.abc import Sequence
@@ -35,7 +36,7 @@ _LATERAL = 2.5
 """Lateral acceleration of a car in traffic, standard deviation [m/s^2]."""
 _TIGHTEST = 0.1
 """Curvature of slow turns, standard deviation [1/m]."""
-_CURVE_TIME = 3.0
+_CURVE_TIME = 4.0
 """Time in which a curve comes and goes [s]."""
 _SLIP_PER_FORCE = 0.008
 """Slip of the driven wheels per force of all tyres over the mass [s^2/m]: half the weight, slip stiffness of 25."""
@@ -47,12 +48,14 @@ _NOISE = 0.001
 """Deviation of the mean of one stretch: bumps, noise of the wheel speeds."""
 _WALK = 1e-4
 """Change of a radius in the square root of a second, as a share: temperature, a slow puncture."""
-_FREEDOM = 3.0
-"""Degrees of freedom of Student's distribution."""
-_ROUNDS = 12
-"""Rounds in which the widths of the prior settle."""
-_FAR = 4.0
-"""Stated deviations from the others beyond which a wheel is named."""
+_FAR = 0.05
+"""Deviation of the radius of a wheel that is far off, as a share."""
+_RARE = 1e-3
+"""Probability that one certain wheel is far off."""
+_SURE = 0.95
+"""Probability from which on a wheel is named."""
+_NAMED = 0.01
+"""Smallest error of a radius that is named, as a share."""
 
 
 class RelativeRadii:
@@ -113,30 +116,39 @@ class RelativeRadii:
         self._combine()
 
     def _combine(self) -> None:
-        """Add the prior of the vehicle file; its widths follow the deviations that it finds."""
+        """Weigh what was seen with the vehicle file: all wheels are as it says, or one is far off."""
         count = len(self._nominal)
-        information = np.linalg.inv(self._p[:count, :count])
-        seen = information @ self._x[:count]
-        prior = self._stddevs**2
-        found = np.zeros(count)
-        for _ in range(_ROUNDS if self._seen else 1):
-            covariance = np.linalg.inv(information + np.diag(1.0 / prior))
-            found = covariance @ seen
-            prior = (_FREEDOM * self._stddevs**2 + found**2) / (_FREEDOM + 1.0)
-            prior = np.maximum(prior, self._stddevs**2)
+        seen, seen_covariance = self._x[:count], self._p[:count, :count]
         relative = np.eye(count) - 1.0 / count
-        shares = np.exp(found)
-        self.radii = tuple([float(each) for each in np.array(self._nominal) * shares])
+        weights, means, covariances = np.zeros(count + 1), np.zeros((count + 1, count)), []
+        for case in range(count + 1):
+            prior = np.diag(self._stddevs**2)
+            if case < count:
+                prior[case, case] += _FAR**2
+            total = prior + seen_covariance
+            gain = np.linalg.solve(total, prior).T
+            means[case] = gain @ seen
+            covariances.append(relative @ (prior - gain @ prior) @ relative)
+            weights[case] = -0.5 * (seen @ np.linalg.solve(total, seen) + np.linalg.slogdet(total)[1])
+        weights += np.log([_RARE] * count + [1.0])
+        weights = np.exp(weights - weights.max())
+        weights /= weights.sum()
+        found = weights @ means
+        variances = np.zeros(count)
+        for weight, mean, covariance in zip(weights, means, covariances, strict=True):
+            variances += weight * (np.diag(covariance) + (relative @ (mean - found)) ** 2)
+        self.radii = tuple([float(each) for each in np.array(self._nominal) * np.exp(found)])
         """Most likely radii [m]."""
-        self.variances: Sequence[float] = [float(each) for each in np.diag(relative @ covariance @ relative)]
+        self.variances: Sequence[float] = [float(each) for each in variances]
         """Variances of the radii relative to their mean, as shares [-]."""
-        self.text = self._describe(found - np.median(found))
-        """Names the wheels that are far from what the vehicle file says, empty where none is."""
+        self.text = self._describe(found, weights)
+        """Names the wheel that is far from what the vehicle file says, empty where none is."""
 
-    def _describe(self, errors: Array) -> str:
-        return "; ".join(
-            f"{name}: its radius is {100.0 * abs(error):.1f} % {'below' if error < 0.0 else 'above'} that of the vehicle "
-            "file, beside the other wheels: another tyre, worn or flat? It is corrected"
-            for name, error, stddev, variance in zip(self._names, errors, self._stddevs, self.variances, strict=True)
-            if abs(error) > _FAR * max(stddev, variance**0.5)
-        )
+    def _describe(self, errors: Array, weights: Array) -> str:
+        for name, error, weight in zip(self._names, errors, weights[:-1], strict=True):
+            if weight > _SURE and abs(error) > _NAMED:
+                return (
+                    f"{name}: its radius is {100.0 * abs(error):.1f} % {'below' if error < 0.0 else 'above'} that of "
+                    "the vehicle file, beside the other wheels: another tyre, worn or flat? It is corrected"
+                )
+        return ""
