@@ -10,7 +10,9 @@ from friction_parameters.parameter import group, parameter
 from vehicle_models.plausible import HIGHEST_SLIP
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
+from wheel_slip.free_rolling import FreeRolling
 from wheel_slip.online_radii import OnlineRadii
+from wheel_slip.relative_radii import RelativeRadii
 from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.unit_check import UnitCheck
@@ -27,7 +29,9 @@ class EstimatorParameters:
     max_slip_stddev: float = parameter(
         0.15, "no slip where its standard deviation is larger", minimum=1e-3, maximum=1.0
     )
-    learn_radii: bool = parameter(False, "calibrate the radii while the car coasts, and use them")
+    learn_radii: bool = parameter(
+        False, "calibrate the radii against vehicle_velocity while the car coasts, and use them"
+    )
     wheel_filter: WheelFilterParameters = group(WheelFilterParameters())
     vehicle_speed: VehicleSpeedParameters = group(VehicleSpeedParameters())
 
@@ -39,6 +43,8 @@ class SlipEstimator:
         """Start without samples."""
         self._car = vehicle
         self._p = parameters
+        self._relative = RelativeRadii(vehicle)
+        self._free = FreeRolling()
         self._units = UnitCheck(sum(vehicle.radii) / len(vehicle.radii))
         self._largest_variance = parameters.max_slip_stddev**2
         self.reset()
@@ -49,9 +55,14 @@ class SlipEstimator:
         self._units.reset()
         self._wheels = [WheelSpeedFilter(p.wheel_filter, p.max_gap) for _ in self._car.wheels]
         self.vehicle = VehicleSpeed(self._car, p.vehicle_speed, p.wheel_filter.speed_stddev)
+        self._relative.reset()
+        self._free.reset()
         self.radii = self._car.radii
-        """Radii in use [m]: those of the vehicle file, or learned ones."""
+        """Radii in use [m]: those of the vehicle file as far as the wheels agree with it, or calibrated ones."""
+        self.radius_variances: Sequence[float] = self._relative.variances
+        """Variances of the radii relative to their mean, as shares [-]."""
         self._online = OnlineRadii(self.radii) if p.learn_radii else None
+        self._calibrated = False
 
     def update(
         self,
@@ -72,7 +83,9 @@ class SlipEstimator:
             One estimate per wheel.
         """
         if self._online is not None:
-            self.radii = self._online.update(stamp, wheel_speeds, measured_speeds)
+            calibrated = self._online.update(stamp, wheel_speeds, measured_speeds)
+            if calibrated is not None:
+                self._calibrated, self.radii = True, calibrated
         radii = self.radii
         rim_speeds: list[float] = []
         smooth_rim_speeds: list[float] = []
@@ -88,12 +101,30 @@ class SlipEstimator:
         newest = measured_speeds[-1].speed if measured_speeds else None
         self._units.update(stamp, smooth_rim_speeds, rim_accelerations, acceleration, newest)
         car = self._motion()
+        self._learn_radii(stamp, smooth_rim_speeds, acceleration)
         return [
-            self._estimate(wheel, measured, radius, car, unlike)
-            for wheel, measured, radius, unlike in zip(
-                self._wheels, wheel_speeds, radii, self._unlike(smooth_rim_speeds), strict=True
+            self._estimate(wheel, measured, radius, car, unlike, radius_variance)
+            for wheel, measured, radius, unlike, radius_variance in zip(
+                self._wheels, wheel_speeds, radii, self._unlike(smooth_rim_speeds), self.radius_variances, strict=True
             )
         ]
+
+    def _learn_radii(self, stamp: int, smooth_rim_speeds: Sequence[float], acceleration: float | None) -> None:
+        """Learn from the next stretch without force; the radii are used from the next sample on."""
+        stretch = self._free.update(stamp, smooth_rim_speeds, acceleration, self.vehicle.offset, self._p.max_gap)
+        if stretch is None or self._calibrated:
+            return
+        with_file = [
+            speed * nominal / radius
+            for speed, nominal, radius in zip(stretch.rim_speeds, self._car.radii, self.radii, strict=True)
+        ]
+        self._relative.update(stretch._replace(rim_speeds=with_file))
+        self.radii, self.radius_variances = self._relative.radii, self._relative.variances
+
+    @property
+    def radius_text(self) -> str:
+        """Names the wheels whose radius is far from the vehicle file's, empty where none is."""
+        return self._relative.text
 
     def _unlike(self, rim_speeds: Sequence[float]) -> list[float]:
         """Return how far each wheel is from the mean of all [m/s] while they roll: by curves, radii or slip."""
@@ -119,7 +150,13 @@ class SlipEstimator:
         return _Motion(speed, acceleration, vehicle.stated_variance, source, Reason.OK, "")
 
     def _estimate(
-        self, wheel: WheelSpeedFilter, measured: float, radius: float, car: "_Motion", unlike: float
+        self,
+        wheel: WheelSpeedFilter,
+        measured: float,
+        radius: float,
+        car: "_Motion",
+        unlike: float,
+        radius_variance: float,
     ) -> WheelEstimate:
         car_speed, car_acceleration, _, source, reason, text = car
         omega = (wheel.speed, wheel.speed_variance)
@@ -133,7 +170,7 @@ class SlipEstimator:
                 reason, text = Reason.NOT_READY, "too few samples since start"
         elif reason is Reason.OK:
             variance = slip_variance(car_speed[0], car_speed[1], omega[0], omega[1], radius)
-            variance += (unlike / car_speed[0]) ** 2
+            variance += (unlike / car_speed[0]) ** 2 + (radius * omega[0] / car_speed[0]) ** 2 * radius_variance
             if variance > self._largest_variance:
                 reason, text = Reason.UNCERTAIN, f"standard deviation of the slip is {sqrt(variance):.3f}"
                 variance = nan

@@ -19,31 +19,26 @@ _NEAR: Final = round(0.02 * NANOSECONDS)
 
 
 class OnlineRadii:
-    """Learns radii against the speed sensor from its first sample on; until then the wheels against each other."""
+    """Learns radii against the speed sensor."""
 
     def __init__(self, nominal: tuple[float, ...]) -> None:
         """Start with the nominal radii [m]."""
         self._calibration = RadiusCalibration(nominal, CalibrationParameters(needed=_NEEDED))
-        self._radii = nominal
-        self._against_sensor = False
+        self._radii: tuple[float, ...] | None = None
         self._recent: deque[tuple[int, Sequence[float]]] = deque()
 
-    def update(self, stamp: int, wheel_speeds: Sequence[float], measured: Sequence[SpeedSample]) -> tuple[float, ...]:
-        """Take a sample as SlipEstimator.update does; return the radii to use [m]."""
-        if measured and not self._against_sensor:
-            self._against_sensor = True
-            self._calibration.reset()
+    def update(
+        self, stamp: int, wheel_speeds: Sequence[float], measured: Sequence[SpeedSample]
+    ) -> tuple[float, ...] | None:
+        """Take a sample as SlipEstimator.update does; return the radii to use [m], None until they are certain."""
         counted = False
-        if self._against_sensor:
-            self._recent.append((stamp, wheel_speeds))
-            while self._recent[0][0] < stamp - _MEMORY:
-                self._recent.popleft()
-            for sample in measured:
-                when, speeds = min(self._recent, key=lambda known: abs(known[0] - sample.stamp))
-                if abs(when - sample.stamp) <= _NEAR:
-                    counted |= self._calibration.update(sample.stamp, speeds, sample.speed)
-        else:
-            counted = self._calibration.update(stamp, wheel_speeds)
+        self._recent.append((stamp, wheel_speeds))
+        while self._recent[0][0] < stamp - _MEMORY:
+            self._recent.popleft()
+        for sample in measured:
+            when, speeds = min(self._recent, key=lambda known: abs(known[0] - sample.stamp))
+            if abs(when - sample.stamp) <= _NEAR:
+                counted |= self._calibration.update(sample.stamp, speeds, sample.speed)
         if counted:
             found = self._calibration.result()
             if (

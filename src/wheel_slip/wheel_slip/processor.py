@@ -1,7 +1,7 @@
 """wheel_states, imu/data and vehicle_velocity in, <wheel>/slip out: one processor for the car."""
 
 from collections.abc import Mapping
-from math import isfinite, nan
+from math import isfinite, nan, sqrt
 from typing import Final
 
 from friction_msgs.msg import WheelSlip
@@ -78,6 +78,8 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         bad = [f"{wheel}: {estimate.text}" for wheel, estimate in self._last.items() if estimate.reason not in _QUIET]
         if self._estimator.vehicle.accelerometer_is_stuck:
             bad.append(f"{IMU}: repeats one value that the wheels contradict; left out")
+        if self._estimator.radius_text:
+            bad.append(self._estimator.radius_text)
         if self._missing:
             bad.append(self._missing)
         return Level.WARN if bad else Level.OK, "; ".join(bad)
@@ -87,6 +89,9 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         values = {
             **car.health_values(self._stamp),
             "radii [m]": ", ".join(f"{radius:.4f}" for radius in self._estimator.radii),
+            "their relative standard deviations [%]": ", ".join(
+                f"{100.0 * sqrt(variance):.2f}" for variance in self._estimator.radius_variances
+            ),
             "late samples of vehicle_velocity": str(self._speeds.late),
         }
         for wheel, estimate in self._last.items():
