@@ -47,7 +47,7 @@ class Motion:
     @property
     def speed(self) -> Array:
         """Median of the rims [m/s], (N,)."""
-        return np.nanmedian(self.rims, axis=1) if self.time.size else np.zeros(0)
+        return median_known(self.rims)
 
     @property
     def rate(self) -> Array:
@@ -81,6 +81,14 @@ class Motion:
     def with_wheel_factors(self, factors: Array) -> "Motion":
         """Return the motion with the rims multiplied, (n,)."""
         return replace(self, rims=self.rims * factors)
+
+
+def median_known(table: Array) -> Array:
+    """Median of what is known in each row of (N, n), (N,); NaN where nothing is."""
+    found = np.full(table.shape[0], np.nan)
+    some = np.isfinite(table).any(axis=1)
+    found[some] = np.nanmedian(table[some], axis=1)
+    return found
 
 
 def moving_mean(signal: Array, width: int) -> Array:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_bringup.doctor.drive import IMU, SPEED, WHEEL_STATES, Array, Drive, Recorded, pressure_topic
 
@@ -39,7 +40,16 @@ def _late(topic: str, seconds: float) -> Change:
 def _column(topic: str, column: int, change: Callable[[Array], Array]) -> Change:
     def edit(recorded: Recorded) -> Recorded:
         values = recorded.values.copy()
-        values[:, column] = change(values)
+        values[:, column] = change(values[:, column])
+        return replace(recorded, values=values)
+
+    return _edit(topic, edit)
+
+
+def _copied(topic: str, source: int, target: int) -> Change:
+    def edit(recorded: Recorded) -> Recorded:
+        values = recorded.values.copy()
+        values[:, target] = values[:, source]
         return replace(recorded, values=values)
 
     return _edit(topic, edit)
@@ -54,7 +64,7 @@ def _pressures(change: Callable[[str], Change]) -> Change:
     return edit
 
 
-def _kept(topic: str, keep: Callable[[Recorded], Array]) -> Change:
+def _kept(topic: str, keep: Callable[[Recorded], NDArray[np.bool_]]) -> Change:
     def edit(recorded: Recorded) -> Recorded:
         rows = keep(recorded)
         return Recorded(recorded.stamp[rows], recorded.arrival[rows], recorded.values[rows])
@@ -86,8 +96,8 @@ TROUBLES: dict[str, Trouble] = {
         Trouble(
             "wheel backwards", _scaled(WHEEL_STATES, np.array([1.0, 1.0, -1.0, 1.0])), "sign", "rear_left", "backwards"
         ),
-        Trouble("wheel copied", _column(WHEEL_STATES, 1, lambda v: v[:, 0]), "duplicate", "front_right", "front_left"),
-        Trouble("wheel stuck", _column(WHEEL_STATES, 3, lambda v: np.full(len(v), 7.0)), "wheel", "rear_right", "never"),
+        Trouble("wheel copied", _copied(WHEEL_STATES, 0, 1), "duplicate", "front_right", "front_left"),
+        Trouble("wheel stuck", _column(WHEEL_STATES, 3, lambda v: 7.0 + 0.0 * v), "wheel", "rear_right", "never"),
         Trouble(
             "radius -3 %", _scaled(WHEEL_STATES, np.array([1.0 / 0.97, 1.0, 1.0, 1.0])), "radius", "front_left", "-"
         ),
@@ -112,7 +122,7 @@ TROUBLES: dict[str, Trouble] = {
         Trouble("pressure offset 3 bar", _scaled(_FRONT_LEFT, 1.0, 3e5), "pressure offset", _FRONT_LEFT),
         Trouble("pressure 60 ms late", _pressures(lambda t: _late(t, 0.06)), "skew", _FRONT_LEFT),
         Trouble("gain 1.6 times", _pressures(lambda t: _scaled(t, 1.0 / 1.6)), "gain", "brakes"),
-        Trouble("wheels with gaps", _kept(WHEEL_STATES, lambda r: (r.stamp % 20.0) > 0.4), "topic", WHEEL_STATES, "gaps"),
+        Trouble("wheels with gaps", _kept(WHEEL_STATES, lambda r: r.stamp % 20.0 > 0.4), "topic", WHEEL_STATES, "gaps"),
         Trouble("stamps go back", _edit(IMU, _jumping_back), "topic", IMU, "back"),
         Trouble("speed in km/h", _scaled(SPEED, 3.6), "unit", SPEED, "km/h"),
         Trouble("speed 80 ms late", _late(SPEED, 0.08), "skew", SPEED),

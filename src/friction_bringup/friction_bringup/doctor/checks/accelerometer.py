@@ -23,7 +23,7 @@ _AGE_FLOOR = 1.5e-3
 """Deviation of an age [s] that the transient of the pitch leaves."""
 _SCALE_FLOOR = 0.004
 WHEEL_LAG = 1.5e-3
-"""Time by which a free wheel follows the car, and a tyre's force its brake [s]: inertia over slip stiffness, 1 to 3 ms."""
+"""Time by which a free wheel follows the car, and a tyre's force its brake [s]: inertia over slip stiffness."""
 
 
 def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift | None]:

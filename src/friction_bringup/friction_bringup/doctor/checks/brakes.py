@@ -1,7 +1,7 @@
 """Brake pressures beside the accelerometer: signs, units, signals that do not brake, age, gain and its fade.
 
-While a brake is applied the throttle is closed, and f = -(sum of k p / r) / m - drag, whatever the slope: the reading is
-the force of the tyres over the mass. That force follows the pressure within 2 ms; so pressure and accelerometer tell
+While a brake is applied the throttle is closed, and f = -(sum of k p / r) / m - drag, whatever the slope: the reading
+is the force of the tyres over the mass. That force follows the pressure within 2 ms; so pressure and accelerometer tell
 age and gain, and the accelerometer's own age and scale beside the wheels are taken off.
 """
 

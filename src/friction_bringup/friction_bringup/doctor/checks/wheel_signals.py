@@ -4,7 +4,7 @@ import numpy as np
 
 from friction_bringup.doctor.drive import WHEEL_STATES, Drive
 from friction_bringup.doctor.finding import Finding, Verdict
-from friction_bringup.doctor.motion import Motion
+from friction_bringup.doctor.motion import Motion, median_known
 
 _COPY = 0.98
 """Share of samples of a moving car in which two wheels are equal that only a copy has."""
@@ -14,7 +14,7 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
     """Return the findings, and the motion with signs put right."""
     names = drive.vehicle.wheel_names
     found: list[Finding] = []
-    size = np.nanmedian(np.abs(motion.rims), axis=1)
+    size = median_known(np.abs(motion.rims))
     rolls = np.nan_to_num(size) > 1e-3
     factors = np.ones(len(names))
     for i, name in enumerate(names):
