@@ -38,7 +38,7 @@ def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift
         found.append(Finding("accelerometer", IMU, Verdict.NOTE, text, remedy="drive with changes of speed"))
         gain = accelerometer.scale
     else:
-        found += _age_and_scale(drive, compared)
+        found += _age_and_scale(drive, compared, age_of_teeth(drive, motion))
         gain = compared.gain
     found.append(_offset(drive, motion, gain, road))
     return found, compared
@@ -56,6 +56,17 @@ def against_wheels(drive: Drive, motion: Motion) -> Shift | None:
         return None
     scale = 1.0 / found.gain
     return Shift(WHEEL_LAG - found.late, found.late_stddev, scale, scale * found.gain_stddev / found.gain)
+
+
+def age_of_teeth(drive: Drive, motion: Motion) -> float:
+    """Deviation of the age of the wheel speeds themselves [s].
+
+    Speeds made from teeth are as old as half of a sample and half a tooth, those of other sensors are not: which they
+    are is not known, so both are within two deviations.
+    """
+    wheel = drive.vehicle.wheels[0]
+    tooth = 2.0 * np.pi * wheel.radius / wheel.encoder_teeth / float(np.median(motion.speed[motion.moving]))
+    return 0.25 * (motion.step + tooth)
 
 
 def without_pitch(drive: Drive, motion: Motion) -> Array:
@@ -92,11 +103,11 @@ def _mounting(drive: Drive, motion: Motion) -> list[Finding]:
     return []
 
 
-def _age_and_scale(drive: Drive, compared: Shift) -> list[Finding]:
+def _age_and_scale(drive: Drive, compared: Shift, of_wheels: float) -> list[Finding]:
     accelerometer = drive.vehicle.accelerometer
     stated = accelerometer.deviations
     age, doubt = compared.late, hypot(compared.late_stddev, _AGE_FLOOR)
-    verdict = against_file(age, doubt, accelerometer.delay, _stddev(stated, "delay"), 4e-3)
+    verdict = against_file(age, hypot(doubt, of_wheels), accelerometer.delay, _stddev(stated, "delay"), 4e-3)
     text = f"{1e3 * age:+.1f} ms later than the wheels, {1e3 * accelerometer.delay:.1f} ms in the file"
     learned = {"accelerometer.delay": (max(age, 0.0), doubt)} if age < 0.1 else {}
     remedy = "--write, or 'latency' in the signal map" if verdict is Verdict.WARN else ""

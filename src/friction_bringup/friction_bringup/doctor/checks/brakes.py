@@ -10,7 +10,7 @@ from math import hypot, isfinite, log
 
 import numpy as np
 
-from friction_bringup.doctor.checks.accelerometer import WHEEL_LAG, without_pitch
+from friction_bringup.doctor.checks.accelerometer import WHEEL_LAG, age_of_teeth, without_pitch
 from friction_bringup.doctor.drive import Array, Drive, pressure_topic
 from friction_bringup.doctor.finding import Finding, Verdict, against_file
 from friction_bringup.doctor.motion import Motion, NDArrayBool, pressure_threshold
@@ -117,6 +117,7 @@ def _ages(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
     vehicle = drive.vehicle
     stated = vehicle.deviations.get("brake_pressure_delay")
     found = []
+    of_wheels = age_of_teeth(drive, motion)
     for i in sound:
         topic = pressure_topic(vehicle.wheel_names[i])
         # how much later the accelerometer is than this pressure, and than the wheels
@@ -128,7 +129,7 @@ def _ages(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
         age = accelerometer.late - (compared.late - WHEEL_LAG)
         doubt = hypot(hypot(accelerometer.late_stddev, compared.late_stddev), _AGE_FLOOR)
         delay = vehicle.brake_pressure_delay
-        verdict = against_file(age, doubt, delay, None if stated is None else stated.stddev, 6e-3)
+        verdict = against_file(age, hypot(doubt, of_wheels), delay, None if stated is None else stated.stddev, 6e-3)
         text = f"{1e3 * age:+.1f} ms later than the wheels, {1e3 * delay:.1f} ms in the file"
         remedy = "--write, or 'latency' in the signal map" if verdict is Verdict.WARN else ""
         learned = {"brake_pressure_delay": (age, doubt)} if 0.0 <= age < 0.5 else {}

@@ -11,7 +11,7 @@ import numpy as np
 from friction_bringup.doctor.drive import Array, Drive
 from friction_bringup.doctor.finding import Finding, Verdict, against_file
 from friction_bringup.doctor.motion import Motion
-from vehicle_models.vehicle import AIR_DENSITY
+from vehicle_models.vehicle import AIR_DENSITY, SharedBy
 
 _LEAST = 4.0
 """Rolling time [s] below which there is no answer."""
@@ -20,6 +20,8 @@ _PARTS = 10
 _GENTLE = 2.5
 _FLOOR = 5e-4
 """Deviation of a ratio of radii that no drive undercuts: wear, load and temperature within it."""
+_UNEQUAL = 0.01
+"""Share by which a single radius may differ from the others: tyres wear unequally."""
 _GRAVITY = 9.81
 
 
@@ -52,6 +54,7 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
     common = 0.0 if has_sensor else max(_stated(wheel) or 0.01 for wheel in (w.deviations for w in vehicle.wheels))
     found = []
     factors = 1.0 / free
+    usual = float(np.median(factors))
     for i, wheel in enumerate(vehicle.wheels):
         radius = wheel.radius * float(factors[i])
         relative = float(np.hypot(stddev[i], _FLOOR * (2.0 if driven[i] else 1.0)))
@@ -60,6 +63,9 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
         against = "the speed sensor" if has_sensor else "the other wheels"
         change = 100.0 * (factors[i] - 1.0)
         verdict = against_file(radius, radius * relative, wheel.radius, stated, 0.004 * wheel.radius)
+        of_one = stated if _is_own(wheel.deviations) else None  # what all wheels share explains no single one
+        one = against_file(float(factors[i]) / usual, relative, 1.0, (of_one or 0.0) / wheel.radius, _UNEQUAL)
+        verdict = one if one is Verdict.WARN else verdict
         text = f"{change:+.2f} % against the file, by {against}"
         if not has_sensor:
             text += "; the size of all cannot be told without a speed sensor"
@@ -74,6 +80,11 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
 def _stated(deviations: object) -> float | None:
     found = deviations.get("radius") if isinstance(deviations, dict) else None
     return None if found is None else float(found.stddev)
+
+
+def _is_own(deviations: object) -> bool:
+    found = deviations.get("radius") if isinstance(deviations, dict) else None
+    return found is not None and found.shared_by is not SharedBy.ALL
 
 
 def _blocks(columns: Array, use: np.ndarray, width: int) -> Array:
