@@ -30,6 +30,16 @@ def ratio(motion: Motion, signal: Array, reference: Array, use: NDArrayBool) -> 
     return jackknife(x, y)
 
 
+def correlation(motion: Motion, signal: Array, reference: Array, use: NDArrayBool) -> float:
+    """Return the correlation of the same differences; NaN where there are too few."""
+    y = np.diff(block_means(motion, signal, use))
+    x = np.diff(block_means(motion, reference, use))
+    known = np.isfinite(x) & np.isfinite(y)
+    if known.sum() < _LEAST or np.ptp(x[known]) == 0.0 or np.ptp(y[known]) == 0.0:
+        return np.nan
+    return float(np.corrcoef(x[known], y[known])[0, 1])
+
+
 def jackknife(x: Array, y: Array) -> tuple[float, float]:
     """Return the slope of y = k x through the origin and its deviation."""
     known = np.isfinite(x) & np.isfinite(y)

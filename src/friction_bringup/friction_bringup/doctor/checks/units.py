@@ -10,7 +10,7 @@ from math import inf, isfinite, log, pi
 
 import numpy as np
 
-from friction_bringup.doctor.accelerations import ratio
+from friction_bringup.doctor.accelerations import correlation, ratio
 from friction_bringup.doctor.drive import IMU, SPEED, WHEEL_STATES, Drive
 from friction_bringup.doctor.finding import Finding, Verdict
 from friction_bringup.doctor.motion import Motion
@@ -20,6 +20,8 @@ _PRICE = 6.0
 _TOLERANCE = 0.02
 """Deviation of the ratio of two sound sensors: radii, scale and pitch of the accelerometer."""
 _ACCELERATIONS = {"m/s^2": 1.0, "g": 1.0 / 9.81, "mm/s^2": 1e3}
+_FOLLOWS = 0.7
+"""Correlation of accelerometer and wheels below which nothing is said of its unit and sign."""
 _SPEEDS = {"m/s": 1.0, "km/h": 3.6, "mph": 2.23694, "kn": 1.94384}
 _FASTEST, _SLOWEST = 90.0, 4.0
 """Top speeds of a drive [m/s] beyond which a unit is wrong."""
@@ -51,7 +53,8 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
         measured = float(np.median((motion.measured / motion.speed)[fast])) if fast.any() else np.nan
     hard = float(np.nanpercentile(np.abs(motion.rate[sure]), 99.5)) if sure.any() else np.nan
     top = float(np.nanpercentile(motion.speed, 99.5))
-    known_force = isfinite(force) and force_stddev < 0.3 * abs(force)
+    follows = correlation(motion, motion.force, motion.rate, sure)
+    known_force = abs(follows) > _FOLLOWS and isfinite(force) and force_stddev < 0.3 * abs(force)
     accelerations = _ACCELERATIONS if known_force else {"m/s^2": 1.0}
     speeds = _SPEEDS if isfinite(measured) else {"m/s": 1.0}
 
@@ -110,6 +113,9 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
             )
         )
         motion = replace(motion, measured=-motion.measured)
+    if abs(follows) <= _FOLLOWS:
+        text = f"cannot be judged: it does not follow the acceleration of the wheels (correlation {follows:.2f})"
+        found.append(Finding("unit", IMU, Verdict.NOTE, text, remedy="look at its axis, and at the field in the map"))
     witnesses = [name for name, there in ((IMU, known_force), (SPEED, isfinite(measured))) if there]
     if not found:
         text = (
