@@ -65,14 +65,12 @@ def bag_lines(directory: Path, given: dict[str, str]) -> Iterator[list[str]]:
         yield [name]
     for bag in ("not_there", "empty", "directory", "no_bag"):
         yield ["process", given[bag], "--out", out]
-        yield ["calibrate_radii", given[bag], "--out", out, "--vehicle", "compact_car"]
         yield ["import", "bmw", given[bag], "--out", out]
         yield ["import", "iac", given[bag], "--out", out]
     for file in ("not_there", "empty", "not_utf8", "not_yaml", "list", "directory"):
         if file != "empty":
             yield ["process", DRY, "--out", out, "--params-file", given[file]]
         yield ["process", DRY, "--out", out, "--vehicle", given[file]]
-        yield ["calibrate_radii", DRY, "--out", out, "--vehicle", given[file]]
         yield ["record", "--out", out, "--vehicle", given[file]]
     yield ["process", DRY]
     yield ["process", DRY, DRY, "--out", out]
@@ -89,7 +87,6 @@ def bag_lines(directory: Path, given: dict[str, str]) -> Iterator[list[str]]:
     yield []
     yield from with_each(["process", DRY, "--out", out], "--jobs", COUNTS)
     yield from with_each(["record", "--out", out], "--duration", (*NUMBERS, "0"))
-    yield from with_each(["calibrate_radii", DRY, "--out", out], "--max-acceleration", (*NUMBERS, "0"))
     for option in ("--rate", "--duration", "--clock"):
         yield from with_each(["play", DRY], option, (*NUMBERS, "0"))
     for option in ("--start-offset", "--wait", "--settle"):
@@ -178,7 +175,7 @@ def test_a_bag_of_an_odd_type_is_described_and_refused_by_what_needs_it(
     assert bags(["info", bag]) == 0
     for main, line in (
         (bags, ["process", bag, "--out", str(tmp_path / "out"), "--vehicle", "compact_car"]),
-        (bags, ["calibrate_radii", bag, "--out", str(tmp_path / "car.yaml"), "--vehicle", "compact_car"]),
+        (bringup, ["doctor", bag, "--vehicle", "compact_car"]),
         (bringup, ["demo", "--bag", bag, "--out", str(tmp_path / "demo")]),
     ):
         assert main(line) in (1, 2), line
@@ -190,7 +187,7 @@ def test_a_message_that_is_cut_off_is_one_line(tmp_path: Path, capsys: pytest.Ca
     bag = odd_bag(tmp_path, "short", "sensor_msgs/msg/JointState", b"\0\1\0\0\1\2")
     out = str(tmp_path / "out")
     assert bags(["process", bag, "--out", out, "--vehicle", "compact_car"]) in (1, 2)
-    assert bags(["calibrate_radii", bag, "--out", str(tmp_path / "car.yaml"), "--vehicle", "compact_car"]) in (1, 2)
+    assert bringup(["doctor", bag, "--vehicle", "compact_car"]) in (1, 2)
     assert "Traceback" not in capsys.readouterr().err
 
 

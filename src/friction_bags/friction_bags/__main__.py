@@ -18,7 +18,6 @@ _TOOLS = {
     "reindex": ("bag_io.reindex", "repair a bag whose recorder was killed"),
     "process": ("offline.process", "run the estimators over bags, without middleware"),
     "import": ("importers.import_log", "make a bag from a table or log of any car, by a signal map"),
-    "calibrate_radii": ("offline.calibrate_radii", "find the wheel radii from the coasting stretches of a bag"),
     "library": ("experiments.library", "make the recorded experiments of bags/ again"),
 }
 

@@ -97,9 +97,7 @@ def test_part_imports_only_what_its_rule_names(part: str) -> None:
     assert set(imported(part)) - {f"friction_bags.{part}"} <= ALLOWED[part]
 
 
-@pytest.mark.parametrize(
-    "command", ["record", "play", "info", "reindex", "process", "import", "calibrate_radii", "library"]
-)
+@pytest.mark.parametrize("command", ["record", "play", "info", "reindex", "process", "import", "library"])
 def test_every_command_finds_its_module(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         main([command, "--help"])

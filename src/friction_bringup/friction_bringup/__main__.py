@@ -1,4 +1,4 @@
-"""Command line: ``python -m friction_bringup demo``, ``graph``, ``monitor`` and ``policies``."""
+"""Command line: ``python -m friction_bringup demo``, ``doctor``, ``graph``, ``monitor`` and ``policies``."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from friction_bringup.composed import run_composed
 from friction_bringup.demo import run_demo
 from friction_bringup.demo_drive import CARS, ROADS
 from friction_bringup.demo_graph import DemoError, DemoOptions
+from friction_bringup.doctor import command as doctor
 from friction_bringup.monitor import run_monitor
 from friction_bringup.recorded_run import require_samples
 from friction_bringup.security_policies import policies
@@ -57,6 +58,9 @@ def _run(arguments: Sequence[str] | None) -> int:
         "--params", type=Path, help="parameter file (default: that of the demo, or the one the bag names)"
     )
     demo.add_argument("--out", type=Path, default=Path("out"), help="directory for the results (default: out)")
+    doctor.add_arguments(
+        commands.add_parser("doctor", help="say what is wrong with the signals of a drive, and learn the car from it")
+    )
     secure = commands.add_parser(
         "policies", help="print what each node may publish and read, as a policy file of SROS2"
     )
@@ -72,6 +76,8 @@ def _run(arguments: Sequence[str] | None) -> int:
         return run_monitor(of_ros)
     if of_ros:
         parser.error(f"unrecognized arguments: {' '.join(of_ros)}")
+    if options.command == "doctor":
+        return doctor.run(options)
     if options.command == "policies":
         secured = options.vehicle, options.params_file, options.namespace, options.commanding, options.composed
         print(policies(*secured), end="")

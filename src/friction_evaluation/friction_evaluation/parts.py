@@ -22,6 +22,7 @@ PARTS = {
     "slip": "vehicle speed and slip without a speed sensor, simulated stops and the measured one",
     "smart_tyre": "Fz and Fx from the in-tyre accelerometer",
     "fuzz": "hostile messages into every processor: exceptions, valid nonsense, recovery",
+    "doctor": "the doctor: sabotaged drives named, healthy ones without alarm, accuracy of what it learns",
     "bags": "offline processing of bags: real-time factor, memory over length",
     "live": "the graph over DDS: lost samples, delay, agreement with the offline processors",
     "soak": "the whole graph with tyres over DDS for minutes: memory, threads, descriptors, lost samples, delays",

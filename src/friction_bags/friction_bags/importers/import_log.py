@@ -28,10 +28,17 @@ _BAG_SUFFIXES = (".mcap", ".db3", ".zstd")
 _SHOW_EVERY = 1000
 
 
-class _Log(Protocol):
-    def messages(self) -> Iterator[Output]: ...
-    def share(self) -> float: ...
-    def troubles(self) -> Mapping[str, int]: ...
+class Log(Protocol):
+    """A log, read through a signal map."""
+
+    def messages(self) -> Iterator[Output]:
+        """Yield topics, with a leading slash, and messages."""
+
+    def share(self) -> float:
+        """Return the share that has been read."""
+
+    def troubles(self) -> Mapping[str, int]:
+        """Return how often something could not be used, by what it is."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -58,11 +65,11 @@ def run(args: Namespace) -> int:
     """
     name, path = _map_and_log(args.log, args.map)
     signal_map = load_map(name, args.vehicle)
-    if path.is_dir() or path.suffix in _BAG_SUFFIXES:
+    if is_bag(path):
         return _import_bag(path, signal_map, args.out)
     for text in signal_map.cannot:
         _warn("warning", f"{signal_map.path}: {text}")
-    log = _opened(path, signal_map, args.dbc)
+    log = open_log(path, signal_map, args.dbc)
     notes = {**signal_map.notes, VEHICLE_NOTE: signal_map.vehicle_reference}
     with bars([path.name]) as show:
         count = write_bag(args.out, _shown(log, show), notes)
@@ -73,8 +80,24 @@ def run(args: Namespace) -> int:
     return 1 if troubles else 0
 
 
-def _opened(path: Path, signal_map: SignalMap, dbc: Path | None) -> _Log:
-    """Open a log by its suffix."""
+def is_bag(path: Path) -> bool:
+    """Whether a path is that of a bag of ROS 2, which is no log."""
+    return path.is_dir() or path.suffix in _BAG_SUFFIXES
+
+
+def open_log(path: Path, signal_map: SignalMap, dbc: Path | None) -> Log:
+    """Open a log by its suffix.
+
+    Args:
+        path: CAN log, MDF log, bag of ROS 1 or table.
+        signal_map: the map.
+        dbc: DBC file of a CAN log in place of that of the map; None for that of the map.
+
+    Raises:
+        BagError: it cannot be read.
+        OSError: there is no such file.
+        ParameterError: the map does not fit the log, or a package is not installed.
+    """
     if path.suffix.lower() in can_log.SUFFIXES:
         return CanLog(path, signal_map, dbc)
     if path.suffix.lower() in mdf_log.SUFFIXES:
@@ -105,7 +128,7 @@ def _warn(severity: str, text: str) -> None:
     print(f"{severity}: {text}", file=sys.stderr)
 
 
-def _shown(log: _Log, show: Callable[[int, float], None]) -> Iterator[Output]:
+def _shown(log: Log, show: Callable[[int, float], None]) -> Iterator[Output]:
     for number, output in enumerate(log.messages()):
         if number % _SHOW_EVERY == 0:
             show(0, log.share())

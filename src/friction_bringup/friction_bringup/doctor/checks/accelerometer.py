@@ -1,0 +1,156 @@
+"""The accelerometer beside the wheels that roll freely: age, scale, offset, axis.
+
+A wheel without drive or brake has the speed of the car. So its speed is the integral of the accelerometer, but for
+slope and offset, which a polynomial over some seconds takes up; steps of the throttle then tell age and scale. The
+body's pitch is in both: it belongs to how the accelerometer is mounted.
+"""
+
+from math import hypot
+
+import numpy as np
+
+from friction_bringup.doctor.accelerations import ratio
+from friction_bringup.doctor.drive import IMU, Array, Drive
+from friction_bringup.doctor.finding import Finding, Verdict, against_file
+from friction_bringup.doctor.motion import Motion
+from friction_bringup.doctor.shift import Shift, shift, stretches
+from vehicle_models.single_corner import GRAVITY
+
+FLAT, CIRCUIT, UNKNOWN = "flat", "out-and-back", "unknown"
+ROADS = (UNKNOWN, FLAT, CIRCUIT)
+"""What the user knows of the road: nothing, no slope anywhere, or an end as high as the beginning."""
+_AGE_FLOOR = 1.5e-3
+"""Deviation of an age [s] that the transient of the pitch leaves."""
+_SCALE_FLOOR = 0.004
+WHEEL_LAG = 1.5e-3
+"""Time by which a free wheel follows the car, and a tyre's force its brake [s]: inertia over slip stiffness."""
+
+
+def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift | None]:
+    """Return the findings, and age and scale of the accelerometer."""
+    if not np.isfinite(motion.force).any():
+        return [], None
+    accelerometer = drive.vehicle.accelerometer
+    found = _mounting(drive, motion)
+    compared = against_wheels(drive, motion)
+    if compared is None:
+        text = "age and scale cannot be told: too few stretches without braking"
+        found.append(Finding("accelerometer", IMU, Verdict.NOTE, text, remedy="drive with changes of speed"))
+        gain = accelerometer.scale
+    else:
+        found += _age_and_scale(drive, compared, age_of_teeth(drive, motion))
+        gain = compared.gain
+    found.append(_offset(drive, motion, gain, road))
+    return found, compared
+
+
+def against_wheels(drive: Drive, motion: Motion) -> Shift | None:
+    """Return by how much the accelerometer is later than the wheels, and its reading over the car's acceleration."""
+    rolls = motion.moving & ~motion.braking & np.isfinite(motion.force) & np.isfinite(motion.rims).all(axis=1)
+    free = [i for i, wheel in enumerate(drive.vehicle.wheels) if not wheel.driven] or list(range(motion.rims.shape[1]))
+    rims = motion.rims[:, free].mean(axis=1)
+    force = np.nan_to_num(without_pitch(drive, motion))
+    travelled = np.cumsum(force) * motion.step - 0.5 * motion.step * force
+    found = shift(motion, travelled, rims, stretches(motion, rolls, 3.0, 8.0), order=3)
+    if found is None or not found.gain > 0.0:
+        return None
+    scale = 1.0 / found.gain
+    return Shift(WHEEL_LAG - found.late, found.late_stddev, scale, scale * found.gain_stddev / found.gain)
+
+
+def age_of_teeth(drive: Drive, motion: Motion) -> float:
+    """Deviation of the age of the wheel speeds themselves [s].
+
+    Speeds made from teeth are as old as half of a sample and half a tooth, those of other sensors are not: which they
+    are is not known, so both are within two deviations.
+    """
+    wheel = drive.vehicle.wheels[0]
+    tooth = 2.0 * np.pi * wheel.radius / wheel.encoder_teeth / float(np.median(motion.speed[motion.moving]))
+    return 0.25 * (motion.step + tooth)
+
+
+def without_pitch(drive: Drive, motion: Motion) -> Array:
+    """Reading [m/s^2], (N,), without the gravity that the pitch of the body adds, by the vehicle file."""
+    vehicle = drive.vehicle
+    rate = np.nan_to_num(motion.rate)
+    count = rate.size
+    omega = 2.0 * np.pi * vehicle.pitch_frequency
+    s = 2j * np.pi * np.fft.rfftfreq(2 * count, motion.step) / omega  # twice as long: the end does not meet the begin
+    angle = np.fft.irfft(np.fft.rfft(rate, 2 * count) / (1.0 + 2.0 * vehicle.pitch_damping * s + s**2), 2 * count)[
+        :count
+    ]
+    return np.asarray(motion.force - GRAVITY * vehicle.accelerometer.pitch_gain * angle)
+
+
+def _mounting(drive: Drive, motion: Motion) -> list[Finding]:
+    named = "xyz".index(drive.vehicle.accelerometer.axis)
+    gains = []
+    for axis in range(3):
+        gain, doubt = ratio(motion, motion.axes[:, axis], motion.rate, motion.moving)
+        gains.append((gain, doubt))
+    own, own_doubt = gains[named]
+    if not np.isfinite(own) or own_doubt > 0.2:
+        return []
+    for axis, (gain, doubt) in enumerate(gains):
+        if axis != named and np.isfinite(gain) and abs(gain) > max(0.15, 5.0 * doubt):
+            angle = float(np.degrees(np.arctan2(abs(gain), abs(own))))
+            text = f"is turned: {'xyz'[axis]} has {gain:.2f} and {'xyz'[named]} {own:.2f} of the car's acceleration"
+            far = abs(own) < 0.5
+            remedy = f"'accelerometer: {{axis: {'xyz'[axis]}}}' in the vehicle file" if far else "turn it along the car"
+            return [
+                Finding("mounting", IMU, Verdict.FAIL if far else Verdict.WARN, text, angle, unit="deg", remedy=remedy)
+            ]
+    return []
+
+
+def _age_and_scale(drive: Drive, compared: Shift, of_wheels: float) -> list[Finding]:
+    accelerometer = drive.vehicle.accelerometer
+    stated = accelerometer.deviations
+    age, doubt = compared.late, hypot(compared.late_stddev, _AGE_FLOOR)
+    verdict = against_file(age, hypot(doubt, of_wheels), accelerometer.delay, _stddev(stated, "delay"), 4e-3)
+    text = f"{1e3 * age:+.1f} ms later than the wheels, {1e3 * accelerometer.delay:.1f} ms in the file"
+    learned = {"accelerometer.delay": (max(age, 0.0), doubt)} if age < 0.1 else {}
+    remedy = "--write, or 'latency' in the signal map" if verdict is Verdict.WARN else ""
+    findings = [Finding("skew", IMU, verdict, text, 1e3 * age, 1e3 * doubt, "ms", remedy, learned)]
+    scale, doubt = compared.gain, hypot(compared.gain_stddev, _SCALE_FLOOR)
+    of_pitch = GRAVITY * (_stddev(stated, "pitch_gain") or 0.0)
+    verdict = against_file(scale, hypot(doubt, of_pitch), accelerometer.scale, _stddev(stated, "scale"), 0.02)
+    text = f"reads {scale:.3f} of the wheels' acceleration, without pitch ({accelerometer.scale:.3f})"
+    learned = {"accelerometer.scale": (scale, hypot(doubt, of_pitch))}
+    remedy = "--write, or 'scale' in the signal map" if verdict is Verdict.WARN else ""
+    findings.append(Finding("scale", IMU, verdict, text, scale, hypot(doubt, of_pitch), "", remedy, learned))
+    return findings
+
+
+def _offset(drive: Drive, motion: Motion, gain: float, road: str) -> Finding:
+    """Mean of what is left of the reading; over the distance, as hills that end where they began cancel over it."""
+    if road == UNKNOWN:
+        text = "cannot be told from slope: give --road flat or --road out-and-back if it was so"
+        return Finding("offset", IMU, Verdict.NOTE, text)
+    rest = without_pitch(drive, motion) - gain * motion.rate
+    use = motion.moving & np.isfinite(rest)
+    if use.sum() * motion.step < 5.0:
+        return Finding("offset", IMU, Verdict.NOTE, "cannot be told: the car hardly moves")
+    weight = motion.speed[use] if road == CIRCUIT else np.ones(int(use.sum()))
+    offset, doubt = _mean(rest[use], weight)
+    accelerometer = drive.vehicle.accelerometer
+    verdict = against_file(offset, doubt, accelerometer.offset, _stddev(accelerometer.deviations, "offset"), 0.05)
+    text = f"reads {offset:+.3f} m/s^2 on a level road, {accelerometer.offset:+.3f} in the file"
+    remedy = "take the value into the vehicle file (--write)" if verdict is Verdict.WARN else ""
+    return Finding(
+        "offset", IMU, verdict, text, offset, doubt, "m/s^2", remedy, {"accelerometer.offset": (offset, doubt)}
+    )
+
+
+def _mean(values: Array, weight: Array) -> tuple[float, float]:
+    """Weighted mean and its deviation, by leaving out each tenth."""
+    parts = np.arange(values.size) * 10 // values.size
+    up = np.bincount(parts, values * weight, 10)
+    down = np.bincount(parts, weight, 10)
+    without = (up.sum() - up) / (down.sum() - down)
+    return float(up.sum() / down.sum()), float(np.hypot(np.sqrt(9.0 * np.var(without)), 5e-3))
+
+
+def _stddev(deviations: object, name: str) -> float | None:
+    found = deviations.get(name) if hasattr(deviations, "get") else None
+    return None if found is None else float(found.stddev)

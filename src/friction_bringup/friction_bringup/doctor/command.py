@@ -1,0 +1,111 @@
+"""The command `python -m friction_bringup doctor`."""
+
+import json
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from friction_adapter.map_argument import add_map_argument
+from friction_adapter.map_file import load_map
+from friction_bags.bag_io.bag_format import BagError, Topic
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.cdr import decode
+from friction_bags.bag_io.message_definition import type_name
+from friction_bags.bag_vehicle import vehicle_for
+from friction_bags.importers.import_log import is_bag, open_log
+from friction_bags.offline.plan import SayOnce, open_bag
+from friction_bringup.doctor.checks.accelerometer import ROADS, UNKNOWN
+from friction_bringup.doctor.drive import Drive, collect, kinds
+from friction_bringup.doctor.examine import examine, exit_code
+from friction_bringup.doctor.learned import learned_file
+from friction_bringup.doctor.report import as_json, print_findings
+from friction_parameters.parameter import ParameterError
+from friction_runtime.processor import silent
+from friction_runtime.stamps import to_nanoseconds
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_argument import add_vehicle_argument
+from vehicle_models.vehicle_file import load_vehicle, vehicle_path
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options of this command."""
+    parser.add_argument("drive", type=Path, metavar="BAG|LOG", help="a bag, or with --map a log of any car")
+    add_map_argument(parser)
+    parser.add_argument("--dbc", type=Path, metavar="FILE", help="DBC file of a CAN log (default: that of the map)")
+    add_vehicle_argument(parser, "that of the map, or of the bag")
+    parser.add_argument("--road", choices=ROADS, default=UNKNOWN, help="what is known of the road's slope")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the findings to this file")
+    parser.add_argument("--write", type=Path, metavar="FILE", help="write the vehicle file with what was learned")
+
+
+def run(options: Namespace) -> int:
+    """Examine a drive; return the exit code: 1 where something is to be changed.
+
+    Raises:
+        BagError: the drive cannot be read.
+        ParameterError: map or vehicle file are bad, or what was learned is not possible for a car.
+        OSError: a file cannot be read or written.
+    """
+    drive, source = read_drive(options.drive, options.map, options.vehicle, options.dbc)
+    findings = examine(drive, options.road)
+    print_findings(f"{options.drive}: {drive.vehicle.name}", findings)
+    if options.json is not None:
+        options.json.write_text(json.dumps(as_json(findings), indent=1) + "\n", encoding="utf-8")
+    if options.write is not None:
+        options.write.write_text(learned_file(findings, source), encoding="utf-8")
+    return exit_code(findings)
+
+
+def read_drive(path: Path, map_name: str, vehicle: str, dbc: Path | None) -> tuple[Drive, Path]:
+    """Read a bag or a log; return the drive and the vehicle file of its car.
+
+    Raises:
+        BagError: it cannot be read.
+        ParameterError: the map or the vehicle file is bad, or a log has no map.
+        OSError: a file cannot be read.
+    """
+    if is_bag(path):
+        with open_bag(path, map_name, vehicle, "/", SayOnce()) as reader:
+            source = vehicle_path(vehicle_for(reader, vehicle, "", silent))
+            return _of_bag(reader, load_vehicle(source)), source
+    if not map_name:
+        raise ParameterError(f"{path} is no bag: a log needs --map")
+    signal_map = load_map(map_name, vehicle)
+    source = vehicle_path(signal_map.vehicle_reference)
+    log = open_log(path, signal_map, dbc)
+    wanted = kinds(signal_map.vehicle)
+    others: dict[str, int] = {}
+
+    def of_log() -> Iterator[tuple[str, int, Any]]:
+        for name, message in log.messages():
+            topic = name.lstrip("/")
+            if topic in wanted:
+                yield topic, to_nanoseconds(message.header.stamp), message
+            else:
+                others[topic] = others.get(topic, 0) + 1
+
+    drive = collect(signal_map.vehicle, of_log(), others)
+    for text, times in log.troubles().items():
+        print(f"warning: {path}: {text}, {times} times", file=sys.stderr)
+    return drive, source
+
+
+def _of_bag(reader: BagReader, vehicle: Vehicle) -> Drive:
+    wanted = kinds(vehicle)
+    topics: dict[Topic, type] = {}
+    for topic in reader.counts:
+        kind = wanted.get(topic.name.lstrip("/"))
+        if kind is not None and type_name(kind) == topic.type:
+            topics[topic] = kind
+    others = {topic.name.lstrip("/"): count for topic, count in reader.counts.items() if topic not in topics}
+
+    def messages() -> Iterator[tuple[str, int, Any]]:
+        for topic, recorded, data in reader.messages(topics):
+            try:
+                yield topic.name.lstrip("/"), recorded, decode(data, topics[topic])
+            except ValueError as error:
+                raise BagError(f"{reader.bag}: {topic.name}: {error}") from error
+
+    return collect(vehicle, messages(), others)

@@ -1,0 +1,111 @@
+"""Time by which one signal is later than another: iterated least squares on overlapping stretches.
+
+    y(t) = c_0 + c_1 t + k x(t - T)
+
+with c of each stretch, k and T of all. Linear in T about the present one; the first comes from a scan. The deviation is
+that of the result without each stretch (jackknife).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_bringup.doctor.drive import Array
+from friction_bringup.doctor.motion import Motion, NDArrayBool, moving_mean
+
+_REACH = 0.5
+"""Largest shift that is looked for [s]."""
+_ROUNDS = 8
+_PARTS = 10
+
+
+@dataclass(frozen=True)
+class Shift:
+    """A signal later than another by a time, and its gain."""
+
+    late: float
+    """[s]"""
+    late_stddev: float
+    """[s]"""
+    gain: float
+    gain_stddev: float
+
+
+def stretches(motion: Motion, use: NDArrayBool, shortest: float, longest: float) -> list[slice]:
+    """Return stretches in which all samples are to be used, of at least and at most some times [s]."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], use.astype(np.int8), [0]])))
+    least, most = round(shortest / motion.step), round(longest / motion.step)
+    found = []
+    for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        parts = max(-(-(end - begin) // most), 1)
+        for k in range(parts):
+            part = slice(begin + k * (end - begin) // parts, begin + (k + 1) * (end - begin) // parts)
+            if part.stop - part.start >= least:
+                found.append(part)
+    return found
+
+
+def shift(motion: Motion, x: Array, y: Array, where: Sequence[slice], order: int = 1) -> Shift | None:
+    """Return by how much y is later than x, and dy / dx; None where the stretches do not say.
+
+    Args:
+        motion: time axis.
+        x: the earlier signal, (N,).
+        y: the later one, (N,); both smoothed alike inside.
+        where: stretches, at least three.
+        order: of the polynomial in time that is taken out of each.
+    """
+    width = 2 * max(round(0.02 / motion.step), 1) + 1
+    x, y = moving_mean(x, width), moving_mean(y, width)
+    usable = [part for part in where if np.isfinite(y[part]).all()]
+    if len(usable) < 3:
+        return None
+    known = np.isfinite(x)
+    if not known.any():
+        return None
+    time = motion.time
+    filled = np.interp(time, time[known], x[known])
+
+    def moved(late: float) -> Array:
+        return np.asarray(np.interp(time - late, time, filled))
+
+    def sums(late: float) -> Array:
+        """Normal equations of each stretch: of x, dx/dt and y without the polynomial, (m, 3, 3)."""
+        now, change = moved(late), (moved(late - motion.step) - moved(late + motion.step)) / (2.0 * motion.step)
+        found = []
+        for part in usable:
+            columns = np.column_stack([now[part], change[part], y[part]])
+            basis = np.vander(np.linspace(-1.0, 1.0, columns.shape[0]), order + 1)
+            columns = columns - basis @ np.linalg.lstsq(basis, columns, rcond=None)[0]
+            found.append(columns.T @ columns)
+        return np.array(found)
+
+    def unexplained(late: float) -> float:
+        n = sums(late).sum(axis=0)
+        return float(n[2, 2] - n[0, 2] ** 2 / n[0, 0]) if n[0, 0] > 0.0 else np.inf
+
+    late = min(np.arange(-_REACH, _REACH + 1e-9, 0.02), key=unexplained)
+    late = min(np.arange(late - 0.02, late + 0.021, 0.005), key=unexplained)
+    for _ in range(_ROUNDS):
+        gain, step = _solved(sums(late).sum(axis=0))
+        if not np.isfinite(step) or abs(late - step) > 1.2 * _REACH:
+            return None
+        late -= float(np.clip(step, -0.02, 0.02))
+        if abs(step) < 1e-5:
+            break
+    each = sums(late)
+    total = each.sum(axis=0)
+    group = np.arange(len(usable)) % min(_PARTS, len(usable))
+    without = np.array([_solved(total - each[group == k].sum(axis=0)) for k in range(int(group.max()) + 1)])
+    deviation = np.sqrt((without.shape[0] - 1) * np.var(without, axis=0))
+    gain, _ = _solved(total)
+    return Shift(float(late), float(deviation[1]), float(gain), float(deviation[0]))
+
+
+def _solved(n: Array) -> tuple[float, float]:
+    """Gain and shift left to make, from normal equations."""
+    if not np.linalg.det(n[:2, :2]) > 0.0:
+        return np.nan, np.nan
+    gain, slope = np.linalg.solve(n[:2, :2], n[:2, 2])
+    return float(gain), float(slope / gain) if gain else np.nan

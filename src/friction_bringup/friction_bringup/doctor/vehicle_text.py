@@ -1,0 +1,73 @@
+"""Text of a vehicle file with other values; comments and everything else stay as they are."""
+
+from collections.abc import Mapping
+
+import yaml
+
+Edit = tuple[int, int, str]
+"""Begin and end of the text to replace, and the new text."""
+_EXACT = ("accelerometer.sign",)
+"""Keys without a deviation."""
+
+
+def with_values(text: str, learned: Mapping[str, tuple[float, float]]) -> str:
+    """Set values and deviations in the text of a vehicle file, one after the other.
+
+    Args:
+        text: text of a valid vehicle file.
+        learned: value and its standard deviation by dotted key, such as `wheels.FL.radius` or `accelerometer.offset`.
+
+    Returns:
+        The new text.
+    """
+    for key, (value, stddev) in learned.items():
+        text = _with_value(text, key.split("."), value, None if key in _EXACT else stddev)
+    return text
+
+
+def _with_value(text: str, path: list[str], value: float, stddev: float | None) -> str:
+    node = yaml.compose(text, Loader=yaml.SafeLoader)
+    missing = list(path)
+    while len(missing) > 1 and (inner := _value(node, missing[0])) is not None:
+        node = inner
+        missing.pop(0)
+    values = {"value": _number(value)} if stddev is None else {"value": _number(value), "stddev": _number(stddev)}
+    given = _value(node, missing[0])
+    if isinstance(given, yaml.MappingNode) and stddev is not None:
+        edits = [_entry(given, key, each) for key, each in values.items()]
+    else:
+        new = values["value"] if stddev is None else f"{{value: {values['value']}, stddev: {values['stddev']}}}"
+        for key in reversed(missing[1:]):
+            new = f"{{{key}: {new}}}"
+        edits = [_entry(node, missing[0], new)]
+    for begin, end, new in sorted(edits, reverse=True):
+        text = text[:begin] + new + text[end:]
+    return text
+
+
+def _number(value: float) -> str:
+    """Five digits, in a form that YAML takes for a number."""
+    text = f"{value:.5g}"
+    mantissa, e, exponent = text.partition("e")
+    return text if not e or "." in mantissa else f"{mantissa}.0e{exponent}"
+
+
+def _value(mapping: yaml.Node | None, key: str) -> yaml.Node | None:
+    if isinstance(mapping, yaml.MappingNode):
+        for name, value in mapping.value:
+            if name.value == key:
+                return value
+    return None
+
+
+def _entry(mapping: yaml.Node | None, key: str, new: str) -> Edit:
+    """Return the edit that sets a key of a mapping; a new key goes before the others."""
+    assert isinstance(mapping, yaml.MappingNode)
+    present = _value(mapping, key)
+    if present is not None:
+        return present.start_mark.index, present.end_mark.index, new
+    if mapping.flow_style:
+        begin = mapping.start_mark.index + 1
+        return begin, begin, f"{key}: {new}{', ' if mapping.value else ''}"
+    begin, column = mapping.start_mark.index, mapping.start_mark.column
+    return begin, begin, f"{key}: {new}\n{' ' * column}"

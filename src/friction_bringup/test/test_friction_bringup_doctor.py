@@ -1,0 +1,130 @@
+"""The doctor's command: what it says of a bag, its exit code, JSON, and the vehicle file with what it learned."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from sensor_msgs.msg import Imu, JointState
+
+from friction_bags.bag_io.message_bag import write_bag
+from friction_bringup.__main__ import main
+from friction_bringup.doctor.vehicle_text import with_values
+from friction_runtime.stamps import from_nanoseconds
+from vehicle_models.vehicle import Deviation, SharedBy
+from vehicle_models.vehicle_file import load_vehicle
+
+TRUE = np.array([0.301, 0.299, 0.304, 0.3035])
+FOUR = ["front_left", "front_right", "rear_left", "rear_right"]
+CAR = """\
+name: my car   # it is mine
+mass: {value: 1620.0, stddev: 60.0}
+front_load_share: 0.58
+wheelbase: 2.68
+centre_of_gravity_height: 0.54
+track: 1.55
+all_wheels:
+  inertia: 1.1
+  radius: {value: 0.3, stddev: 0.005}    # from the data sheet
+  brake_gain: 1.0e-4
+wheels:
+  front_left: {axle: front, side: left, }
+  front_right: {axle: front, side: right, radius: 0.302}    # worn
+  rear_left:
+    # the new one
+    axle: rear
+    side: left
+    radius:
+      value: 0.305
+      # a comment below
+    driven: true
+  rear_right: {axle: rear, side: right, radius: {stddev: 0.1, value: 0.3015}}
+"""
+
+
+def write_rolling(bag: Path, seconds: float, factor: float = 1.0) -> None:
+    """Write a car that speeds up and slows gently; its accelerometer reads `factor` times the acceleration."""
+    messages = []
+    generator = np.random.default_rng(2)
+    for k in range(round(seconds / 0.005)):
+        time = 0.005 * k
+        stamp, speed, rate = (k + 1) * 5_000_000, 15.0 - 3.0 * np.cos(0.4 * time), 1.2 * np.sin(0.4 * time)
+        wheels = JointState(name=FOUR, velocity=(speed / TRUE + 0.07 * generator.normal(size=4)).tolist())
+        wheels.header.stamp = from_nanoseconds(stamp)
+        imu = Imu()
+        imu.header.stamp = from_nanoseconds(stamp)
+        imu.linear_acceleration.x = factor * rate + 0.05 * generator.normal()
+        messages += [("/wheel_states", wheels), ("/imu/data", imu)]
+        if k % 20 == 0:
+            sensor = TwistWithCovarianceStamped()
+            sensor.header.stamp = from_nanoseconds(stamp)
+            sensor.twist.twist.linear.x = speed
+            messages.append(("/vehicle_velocity", sensor))
+    write_bag(bag, messages, {})
+
+
+@pytest.fixture
+def car(tmp_path: Path) -> Path:
+    path = tmp_path / "my_car.yaml"
+    path.write_text(CAR)
+    return path
+
+
+def test_what_a_drive_tells_is_written_into_the_vehicle_file(tmp_path: Path, car: Path) -> None:
+    write_rolling(tmp_path / "bag", 40.0)
+    out = tmp_path / "learned.yaml"
+    # the file states 1 % and less for wheels that are 1.5 % off
+    assert main(["doctor", str(tmp_path / "bag"), "--vehicle", str(car), "--write", str(out)]) in (0, 1)
+    learned = load_vehicle(out)
+    assert learned.radii == pytest.approx(tuple(TRUE), rel=3e-3)
+    for wheel in learned.wheels:
+        assert 1e-6 <= wheel.deviations["radius"].stddev < 1.5e-3
+        assert wheel.deviations["radius"].shared_by is SharedBy.WHEEL
+    assert car.read_text() == CAR
+
+
+def test_a_unit_is_named_in_json_and_by_the_exit_code(tmp_path: Path, car: Path) -> None:
+    write_rolling(tmp_path / "bag", 40.0, factor=-1.0 / 9.81)
+    file = tmp_path / "findings.json"
+    assert main(["doctor", str(tmp_path / "bag"), "--vehicle", str(car), "--json", str(file)]) == 1
+    findings = json.loads(file.read_text())["findings"]
+    of_imu = {each["check"]: each for each in findings if each["subject"] == "imu/data"}
+    assert of_imu["unit"]["verdict"] == "FAIL"
+    assert of_imu["unit"]["sentence"].startswith("is in g")
+    assert "backwards" in of_imu["sign"]["sentence"]
+
+
+def test_a_car_that_stands_is_no_trouble_and_no_crash(tmp_path: Path, car: Path) -> None:
+    stamps = [(k + 1) * 5_000_000 for k in range(1000)]
+    states = [JointState(name=FOUR, velocity=[0.0] * 4) for _ in stamps]
+    for state, stamp in zip(states, stamps, strict=True):
+        state.header.stamp = from_nanoseconds(stamp)
+    write_bag(tmp_path / "bag", [("/wheel_states", state) for state in states], {})
+    file = tmp_path / "findings.json"
+    main(["doctor", str(tmp_path / "bag"), "--vehicle", str(car), "--json", str(file)])
+    said = {each["subject"]: each for each in json.loads(file.read_text())["findings"]}
+    assert said["car"]["verdict"] == "NOTE"
+    assert "does not move" in said["car"]["sentence"]
+    assert "imu/data" in said["wheel_slip"]["sentence"]
+
+
+def test_a_log_without_a_map_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "log.blf").write_bytes(b"LOGG")
+    assert main(["doctor", str(tmp_path / "log.blf")]) == 2
+    assert "--map" in capsys.readouterr().err
+
+
+def test_everything_else_in_the_vehicle_file_stays_comments_too(tmp_path: Path, car: Path) -> None:
+    learned = {f"wheels.{name}.radius": (0.33, 0.0004) for name in FOUR}
+    changed = with_values(CAR, {**learned, "accelerometer.offset": (0.2, 0.01), "accelerometer.sign": (-1.0, 0.0)})
+    (tmp_path / "changed.yaml").write_text(changed)
+    before, after = load_vehicle(car), load_vehicle(tmp_path / "changed.yaml")
+    assert after.radii == (0.33,) * 4
+    for old, new in zip(before.wheels, after.wheels, strict=True):
+        assert new.deviations == {**old.deviations, "radius": Deviation(0.0004, SharedBy.WHEEL)}
+        assert (new.name, new.joint, new.inertia, new.driven) == (old.name, old.joint, old.inertia, old.driven)
+    assert (after.accelerometer.offset, after.accelerometer.sign) == (0.2, -1.0)
+    assert (after.mass, after.deviations) == (before.mass, before.deviations)
+    for comment in ("# it is mine", "# from the data sheet", "# worn", "# the new one", "# a comment below"):
+        assert comment in changed

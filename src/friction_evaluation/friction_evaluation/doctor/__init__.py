@@ -1,0 +1,1 @@
+"""The doctor on drives with known troubles, and on healthy ones."""
