@@ -7,7 +7,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionCurve, FrictionSlope, SlopeVote, SupervisorState, WheelSlip
+from friction_msgs.msg import (
+    BrakeCommand,
+    BrakeDemand,
+    FrictionCurve,
+    FrictionSlope,
+    SlopeVote,
+    SupervisorState,
+    WheelSlip,
+)
 from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import serialize_message

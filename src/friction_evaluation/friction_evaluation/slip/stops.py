@@ -1,7 +1,7 @@
 """Stops of a car on two axles from 30 m/s with the supervisor in the loop, and the signals of its sensors.
 
 The car cruises first (the engine holds the speed on the slope), then the driver demands 1.5 times the peak torque,
-split between the wheels in proportion to their gains. Every wheel has its own detector of the votes of friction_slope and
+split between the wheels in proportion to their gains. Every wheel has its own detector of votes and
 supervisor, with the shipped parameters. Its states command the brake without the envelope: the stops are manoeuvres
 with strong slip for the estimators, and say nothing about the supervisor. Sensor noise is drawn per run from its seed.
 """
