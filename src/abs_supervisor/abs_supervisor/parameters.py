@@ -62,7 +62,7 @@ class SupervisorParameters:
     )
     stale_after: float = parameter(
         0.1,
-        "silence of the slope votes (steady clock) after which the fail-safe acts, with 'shadow' or without 'real_time'",
+        "silence of the votes (steady clock) after which the fail-safe acts, with 'shadow' or without 'real_time'",
         unit="s",
         minimum=0.02,
         maximum=60.0,
