@@ -25,7 +25,10 @@ from vehicle_models.vehicle import Vehicle
 from vehicle_models.wheel_load import WheelLoad
 
 _IMU: Final = "imu/data"
-_QUIET = (Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING, Reason.NO_EXCITATION)
+_QUIET = (
+    *(Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING),
+    *(Reason.NO_EXCITATION, Reason.NOT_LASTING),
+)
 """Reasons that belong to ordinary driving."""
 _BROKEN = (Reason.NO_TORQUE,)
 """Reasons that do not go away by waiting."""

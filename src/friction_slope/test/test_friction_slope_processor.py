@@ -213,12 +213,12 @@ def test_missing_wheel_name_is_reported_with_the_names_there_are() -> None:
 
 @pytest.mark.parametrize("garbage", [nan, inf, -inf, 1e12])
 def test_garbage_in_any_input_is_refused_and_the_estimate_goes_on(garbage: float) -> None:
-    fed = stream(30)
+    whole = stream(71)
     for bad in (speed(31 * STEP, garbage), pressure(31 * STEP, garbage), slip(31 * STEP, garbage, 0.5)):
         processor = WheelProcessor("front_left", VEHICLE, P)
-        run(processor, fed)
-        rest = [item for item in stream(31)[-3:] if item[0] != bad[0]]
-        for message in run(processor, [bad, *rest, *stream(40, first=32)]):
+        run(processor, whole[:90])
+        rest = [item for item in whole[90:93] if item[0] != bad[0]]
+        for message in run(processor, [bad, *rest, *whole[93:]]):
             assert not message.valid or np.isfinite(message.indicator)
         assert message.valid
 
