@@ -202,7 +202,7 @@ class SlopeDetector:
         read_at = sample.stamp - round(delay * NANOSECONDS)
         if sample.wheel_speed * self._radius < (1.0 - LOCKED_SLIP) * speed:
             self._crossing.update(LOCKED_INDICATOR, 1, signals.slip, read_at)
-            return self._estimate(Reason.OK, "", nan, delay, LOCKED_INDICATOR)
+            return self._estimate(Reason.OK, "", nan, 0.0, LOCKED_INDICATOR)  # by the slip at the stamp, not by H
         growing, growth = self._growing(slip_rate, speed)
         swings = growing > 0 and h <= p.h_instability and not self._may_be_beyond(growth)
         if swings:
