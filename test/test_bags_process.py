@@ -30,7 +30,7 @@ from friction_runtime.shipped_files import shipped_file
 
 CAR = Path(__file__).parents[1] / "src" / "friction_bags" / "test" / "two_corners.yaml"
 WHEELS = ["front_left", "rear_right"]
-MADE = ("slip", "friction_slope", "friction_curve", "abs_supervisor", "brake_command")
+MADE = ("slip", "friction_slope", "slope_vote", "friction_curve", "abs_supervisor", "brake_command")
 DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[2] / "shared" / "data"))
 BMW = DATA / "bmw_m8_abs_stop_100hz.csv"
 

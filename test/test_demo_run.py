@@ -109,7 +109,7 @@ def test_bag_holds_the_answer_of_every_node_to_every_sample(demo: Finished) -> N
         assert reader.custom_data["vehicle"] == "chapter_corner"
     found = read_run(demo.bag, WHEELS)
     assert found.samples.size > 100
-    for topic in ("slip", "friction_slope", "abs_supervisor", "brake_command"):
+    for topic in ("slip", "friction_slope", "slope_vote", "abs_supervisor", "brake_command"):
         assert np.isin(found.samples, found.series[f"front_left/{topic}"].time).all(), topic
 
 

@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState, WheelSlip
+from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SlopeVote, SupervisorState, WheelSlip
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
@@ -28,6 +28,7 @@ WHEEL = "front_left"
 OUTPUTS: Mapping[str, type] = {
     f"{WHEEL}/slip": WheelSlip,
     f"{WHEEL}/friction_slope": FrictionSlope,
+    f"{WHEEL}/slope_vote": SlopeVote,
     f"{WHEEL}/abs_supervisor": SupervisorState,
     f"{WHEEL}/brake_command": BrakeCommand,
 }
@@ -65,7 +66,7 @@ def assert_in_order(found: Mapping[str, list[Any]]) -> None:
     """No estimate repeats a stamp; the supervisor does when it acts on silence between two samples."""
     for topic, received in found.items():
         stamps = [to_nanoseconds(message.header.stamp) for message in received]
-        estimate = topic.endswith(("/slip", "/friction_slope"))
+        estimate = topic.endswith(("/slip", "/friction_slope", "/slope_vote"))
         assert all(a < b if estimate else a <= b for a, b in pairwise(stamps)), topic
 
 
@@ -195,7 +196,7 @@ class PacedInputs:
             f"{WHEEL}/brake_pressure": FluidPressure,
             "brake_demand": BrakeDemand,
             f"{WHEEL}/slip": WheelSlip,
-            f"{WHEEL}/friction_slope": FrictionSlope,
+            f"{WHEEL}/slope_vote": SlopeVote,
         }
         self.publishers = {topic: qos.publish(node, kind, topic) for topic, kind in kinds.items()}
         self.states: list[SupervisorState] = []
@@ -233,7 +234,7 @@ class PacedInputs:
             return FluidPressure(header=header, fluid_pressure=4e6)
         if topic.endswith("slip"):
             return WheelSlip(header=header, slip=0.05, slip_variance=1e-5, vehicle_speed=19.0, valid=True)
-        return FrictionSlope(header=header, h=500.0, indicator=500.0, sign=1, valid=True)
+        return SlopeVote(header=header, h=500.0, indicator=500.0)
 
     def until(self, condition: Callable[[], bool]) -> None:
         """Send until a condition holds."""
@@ -257,7 +258,7 @@ def test_a_lost_input_brings_none_by_the_clock_with_its_reason_and_abs_comes_bac
         "wheel_states": SupervisorState.NO_WHEEL_SPEED,
         f"{WHEEL}/brake_pressure": SupervisorState.NO_PRESSURE,
         "brake_demand": SupervisorState.NO_DEMAND,
-        f"{WHEEL}/friction_slope": SupervisorState.NO_SLOPE,
+        f"{WHEEL}/slope_vote": SupervisorState.NO_SLOPE,
     }
     for topic, reason in lost.items():
         for fault in ("silent", "repeats"):

@@ -1,6 +1,6 @@
 """Whether the inputs of a supervisor that commands can be relied upon now: progress of their stamps against the clock.
 
-The supervisor listens to the sensors themselves, not only to what friction_slope makes of them: so a lost sensor is
+The supervisor listens to the sensors themselves, not only to what becomes of them in a vote: so a lost sensor is
 known within 50 ms and its own period, however long the nodes between wait for each other.
 """
 
@@ -19,17 +19,17 @@ Loss = tuple[Reason, str]
 
 
 class InputWatch:
-    """Follows wheel speed, pressure, demand and slope of one wheel: `note` good messages, `poll` with the clock."""
+    """Follows wheel speed, pressure, demand and vote of one wheel: `note` good messages, `poll` with the clock."""
 
-    def __init__(self, pressure: str, demand: str, slope: str) -> None:
-        """Choose the topics of the wheel's pressure, of the demand and of the wheel's slope."""
-        self._slope = slope
-        # In the order in which they are named: the loss of a sensor brings that of the slope.
+    def __init__(self, pressure: str, demand: str, vote: str) -> None:
+        """Choose the topics of the wheel's pressure, of the demand and of the wheel's vote."""
+        self._vote = vote
+        # In the order in which they are named: the loss of a sensor brings that of the vote.
         self._reasons = {
             WHEEL_STATES: Reason.NO_WHEEL_SPEED,
             pressure: Reason.NO_PRESSURE,
             demand: Reason.NO_PRESSURE if demand == pressure else Reason.NO_DEMAND,
-            slope: Reason.NO_SLOPE,
+            vote: Reason.NO_SLOPE,
         }
         self._inputs = {topic: StampProgress() for topic in self._reasons}
         self.loss: Loss | None = None
@@ -65,12 +65,12 @@ class InputWatch:
         return None
 
     def is_old(self, stamp: int) -> bool:
-        """Whether a slope with this stamp [ns] waited in a queue for so long that no answer is of use any more."""
-        return self._inputs[self._slope].is_old(stamp)
+        """Whether a vote with this stamp [ns] waited in a queue for so long that no answer is of use any more."""
+        return self._inputs[self._vote].is_old(stamp)
 
     def wants_heartbeat(self, ages: Mapping[str, float], commanded: bool) -> bool:
         """Whether the last command is to be repeated; `commanded` tells if there was one since the last poll."""
-        return not commanded or ages.get(self._slope, inf) > _HEARTBEAT
+        return not commanded or ages.get(self._vote, inf) > _HEARTBEAT
 
 
 def _text(topic: str, progress: StampProgress, age: float) -> str:

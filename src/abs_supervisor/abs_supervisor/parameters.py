@@ -62,7 +62,7 @@ class SupervisorParameters:
     )
     stale_after: float = parameter(
         0.1,
-        "silence of friction_slope (steady clock) after which the fail-safe acts, with 'shadow' or without 'real_time'",
+        "silence of the votes (steady clock) after which the fail-safe acts, with 'shadow' or without 'real_time'",
         unit="s",
         minimum=0.02,
         maximum=60.0,
@@ -90,7 +90,7 @@ class SupervisorParameters:
 
 SHIPPED: Mapping[str, ShippedFile] = {
     "abs_supervisor": ShippedFile(
-        "One set for all roads; it goes with friction_slope/config/friction_slope.yaml.\n"
+        "One set for all roads; it goes with 'vote' of friction_slope/config/friction_slope.yaml.\n"
         "No shipped file commands a brake: the README describes how to do it on purpose.",
         SupervisorParameters(),
     ),

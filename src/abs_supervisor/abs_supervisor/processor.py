@@ -1,10 +1,10 @@
-"""<wheel>/friction_slope, the driver's demand and what the envelope needs in, state and brake_command out."""
+"""<wheel>/slope_vote, the driver's demand and what the envelope needs in, state and brake_command out."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite, nan
 from typing import Any, Final
 
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState
+from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SlopeVote, SupervisorState
 from std_msgs.msg import Header
 
 from abs_supervisor.braking import TorqueWithHysteresis
@@ -38,20 +38,20 @@ _MISMATCH = Reason.PRESSURE_MISMATCH
 _USABLE = (*_QUIET, _MISMATCH)
 """Reasons with which the law goes on; the others bring the fail-safe."""
 _BROKEN = tuple(set(Reason) - set(_USABLE))
-_SLOPE_OK, _SLOPE_LOW_SPEED = int(FrictionSlope.OK), int(FrictionSlope.LOW_SPEED)
+_VOTE_OK, _VOTE_LOW_SPEED = int(FrictionSlope.OK), int(FrictionSlope.LOW_SPEED)
 """Copies of message constants: a message class looks its constants up in Python, here at every sample."""
 _UNMEASURED = tuple(int(each) for each in (FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION))
-"""Reasons of friction_slope with which the machine goes on although there is no indicator."""
+"""Reasons of a vote with which the machine goes on although there is no indicator."""
 _CURVE_GAP: Final = 0.02
 """[s] curves of a tyre's blocks are further apart; nothing waits for these, as nobody knows when the next one comes."""
 _MAY_BE_LOCKED: Final = "this wheel alone: it may be locked, and has no ABS"
-_SLOPE_NOT_READY = int(FrictionSlope.NOT_READY)
+_VOTE_NOT_READY = int(FrictionSlope.NOT_READY)
 """With an indicator: it has not passed a threshold yet. Without: the window is not full."""
 _COUNTER_END: Final = 2**32
 
 
-class WheelProcessor(AlignedProcessor[FrictionSlope]):
-    """Layer 2 of abs_supervisor: fires on <wheel>/friction_slope."""
+class WheelProcessor(AlignedProcessor[SlopeVote]):
+    """Layer 2 of abs_supervisor: fires on <wheel>/slope_vote."""
 
     def __init__(
         self,
@@ -73,20 +73,20 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._wheel, self._p, self._pair = wheel, parameters, pair
         self._state_topic, self._command_topic = f"{wheel}/abs_supervisor", f"{wheel}/brake_command"
         self._inputs = inputs = WheelInputs(wheel, vehicle, report, fine=parameters.law == CURVE)
-        self._slope = f"{wheel}/friction_slope"
+        self._vote = f"{wheel}/slope_vote"
         by_demand = parameters.braking_source == "demand"
         self._demand = BRAKE_DEMAND if by_demand else inputs.pressure
         in_real_time = not parameters.shadow and parameters.real_time
-        self._input_watch = InputWatch(inputs.pressure, self._demand, self._slope) if in_real_time else None
+        self._input_watch = InputWatch(inputs.pressure, self._demand, self._vote) if in_real_time else None
         self.sensors: Mapping[str, type] = inputs.sensors
-        self.estimates: Mapping[str, type] = {self._slope: FrictionSlope, **inputs.estimates}
+        self.estimates: Mapping[str, type] = {self._vote: SlopeVote, **inputs.estimates}
         if by_demand:
             self.estimates = {**self.estimates, self._demand: BrakeDemand}
         self.outputs: Mapping[str, type] = {self._state_topic: SupervisorState}
         if not parameters.shadow:
             self.outputs = {**self.outputs, self._command_topic: BrakeCommand}
         self.commands: Mapping[str, float] = {self._command_topic: parameters.valid_for} if in_real_time else {}
-        primary = Primary(self._slope, wheel, report, silent_after=parameters.stale_after)
+        primary = Primary(self._vote, wheel, report, silent_after=parameters.stale_after)
         topics = dict.fromkeys((self._demand, inputs.pressure, WHEEL_STATES, inputs.slip))
         aligned = [AlignedInput(topic) for topic in topics]
         self._waits_for_curve = not in_real_time
@@ -110,12 +110,12 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
     def watch(self, ages: Mapping[str, float], now: float) -> Sequence[Output]:
         """Fail safe when an input is lost, and repeat the command where the node commands in real time.
 
-        Elsewhere only a silent friction_slope is seen by the clock, a silent demand in message time.
+        Elsewhere only a silent vote is seen by the clock, a silent demand in message time.
         """
         super().watch(ages, now)
         if self._input_watch is None:
             silence = self._primary.silence
-            return self._fail((Reason.NO_SLOPE, f"{self._slope}: silent"), silence) if silence else []
+            return self._fail((Reason.NO_SLOPE, f"{self._vote}: silent"), silence) if silence else []
         loss = self._input_watch.poll(ages, now)
         outputs = self._fail(loss, loss[1]) if loss is not None else []
         if not outputs and self._stamp != 0 and self._input_watch.wants_heartbeat(ages, self._commanded):
@@ -137,8 +137,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._command = Command.NONE
         return self._outputs()
 
-    def _payload(self, message: FrictionSlope) -> FrictionSlope:
-        self._note(self._slope, message)
+    def _payload(self, message: SlopeVote) -> SlopeVote:
+        self._note(self._vote, message)
         return message
 
     def _take(self, topic: str, message: Any) -> str | None:
@@ -171,7 +171,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         self._hysteresis.reset()
         self._held: tuple[int, float] | None = None
         self._stamp = 0
-        self._reason, self._text = Reason.NO_SLOPE, f"{self._slope}: no message yet"
+        self._reason, self._text = Reason.NO_SLOPE, f"{self._vote}: no message yet"
         self._indicator = self._torque = nan
         self._seen = Seen(nan, nan, nan)
         self._command = Command.NONE
@@ -229,12 +229,12 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             self._held = (stamp, values[0])
         return refusal
 
-    def _fire(self, sample: AlignedSample[FrictionSlope]) -> list[Output]:
-        slope = sample.payload
+    def _fire(self, sample: AlignedSample[SlopeVote]) -> list[Output]:
+        vote = sample.payload
         loss = None if self._input_watch is None else self._input_watch.loss
         if loss is not None and self._input_watch is not None and self._input_watch.is_old(sample.stamp):
             return []
-        self._stamp, self._indicator = sample.stamp, slope.indicator
+        self._stamp, self._indicator = sample.stamp, vote.indicator
         torque = self._torque_at(sample)
         self._torque = nan if torque is None else torque
         seen = self._inputs.observe(sample, self._torque if self._demand == BRAKE_DEMAND else nan)
@@ -247,8 +247,8 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             self._command = Command.NONE
             return self._fail(loss, loss[1]) or self._outputs()
         self._reason, self._text = self._judge(sample, torque)
-        h, indicator = slope.h, slope.indicator if slope.valid and slope.reason == _SLOPE_OK else nan
-        if slope.reason == _SLOPE_LOW_SPEED and self._guard.slides:
+        h, indicator = vote.h, vote.indicator if vote.reason == _VOTE_OK else nan
+        if vote.reason == _VOTE_LOW_SPEED and self._guard.slides:
             h, indicator = nan, self._p.thresholds.h_instability
         evidence = Evidence(
             h=h,
@@ -282,7 +282,7 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
         pair.note(self._wheel, stamp, torque, command, released)
         return command
 
-    def _torque_at(self, sample: AlignedSample[FrictionSlope]) -> float | None:
+    def _torque_at(self, sample: AlignedSample[SlopeVote]) -> float | None:
         """Return the torque that the driver demands [N m]; None where it is not known."""
         if self._demand in sample.values:
             return sample.values[self._demand][0]
@@ -295,9 +295,9 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             return torque >= self._p.braking_torque
         return self._hysteresis.update(stamp, torque)
 
-    def _judge(self, sample: AlignedSample[FrictionSlope], torque: float | None) -> tuple[Reason, str]:
+    def _judge(self, sample: AlignedSample[SlopeVote], torque: float | None) -> tuple[Reason, str]:
         """Return the reason why the machine may not act on this sample, or OK, and its text."""
-        slope, guard, seen = sample.payload, self._guard, self._seen
+        vote, guard, seen = sample.payload, self._guard, self._seen
         if torque is None:
             return Reason.NO_DEMAND, sample.missing[self._demand]
         if not isfinite(seen.wheel_speed):
@@ -306,13 +306,13 @@ class WheelProcessor(AlignedProcessor[FrictionSlope]):
             return Reason.NO_PRESSURE, sample.missing[self._inputs.pressure]
         if guard.wheel_text:
             return Reason.WHEEL_SENSOR, guard.wheel_text
-        slow = slope.reason == _SLOPE_LOW_SPEED
+        slow = vote.reason == _VOTE_LOW_SPEED
         if slow and not guard.slides:
-            text = without_wheel(self._wheel, slope.reason_text)
+            text = without_wheel(self._wheel, vote.reason_text)
             return Reason.LOW_SPEED, f"{text}, by {_MAY_BE_LOCKED}" if self._gives_up() else text
-        alive = slow or slope.reason in _UNMEASURED or (slope.reason == _SLOPE_OK and slope.valid)
-        if not alive and not (slope.reason == _SLOPE_NOT_READY and isfinite(slope.indicator)):
-            return Reason.INVALID_SLOPE, of_topic(self._slope, slope.reason_text)
+        alive = slow or vote.reason in _UNMEASURED or vote.reason == _VOTE_OK
+        if not alive and not (vote.reason == _VOTE_NOT_READY and isfinite(vote.indicator)):
+            return Reason.INVALID_SLOPE, of_topic(self._vote, vote.reason_text)
         if guard.pressure_text:
             return _MISMATCH, f"{self._inputs.pressure}: {guard.pressure_text}"
         return Reason.OK, ""

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from math import inf, isfinite, nan, sqrt
 from typing import Any, Final
 
-from friction_msgs.msg import FrictionCurve, FrictionSlope, WheelSlip
+from friction_msgs.msg import FrictionCurve, SlopeVote, WheelSlip
 from sensor_msgs.msg import FluidPressure, JointState
 
 from abs_supervisor.guard import Seen
@@ -115,7 +115,7 @@ class WheelInputs:
         """Whether the values that were read from a topic say something of this wheel: its own speed may be missing."""
         return topic != WHEEL_STATES or values[2 * self._index + 1] == 1.0
 
-    def observe(self, sample: AlignedSample[FrictionSlope], demand: float) -> Seen:
+    def observe(self, sample: AlignedSample[SlopeVote], demand: float) -> Seen:
         """Return what is known at the stamp of a sample, with the driver's demand [N m], NaN where unknown."""
         own = nan
         others: list[float] = []

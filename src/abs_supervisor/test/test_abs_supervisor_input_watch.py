@@ -20,15 +20,15 @@ from vehicle_models.vehicle_file import load_vehicle
 
 WHEEL = "front_left"
 WHEEL_STATES, PRESSURE = "wheel_states", f"{WHEEL}/brake_pressure"
-DEMAND, SLOPE = "brake_demand", f"{WHEEL}/friction_slope"
+DEMAND, VOTE = "brake_demand", f"{WHEEL}/slope_vote"
 LOST = {
     WHEEL_STATES: SupervisorState.NO_WHEEL_SPEED,
     PRESSURE: SupervisorState.NO_PRESSURE,
     DEMAND: SupervisorState.NO_DEMAND,
-    SLOPE: SupervisorState.NO_SLOPE,
+    VOTE: SupervisorState.NO_SLOPE,
 }
 SLIP = f"{WHEEL}/slip"
-PERIODS = {WHEEL_STATES: 5, PRESSURE: 5, DEMAND: 20, SLIP: 5, SLOPE: 5}
+PERIODS = {WHEEL_STATES: 5, PRESSURE: 5, DEMAND: 20, SLIP: 5, VOTE: 5}
 """Of the messages [ms]."""
 VEHICLE = load_vehicle("chapter_corner")
 P = SupervisorParameters(
@@ -208,7 +208,7 @@ def test_the_demand_of_another_wheel_is_none_for_this_one() -> None:
 def test_commands_are_a_heartbeat_that_counts() -> None:
     bench = Bench()
     bench.run(1000)
-    bench.run(1500, None, SLOPE)
+    bench.run(1500, None, VOTE)
     times = [at for at, _ in bench.commands]
     assert max(b - a for a, b in pairwise(times)) <= 20
     counters = [command.counter for _, command in bench.commands]

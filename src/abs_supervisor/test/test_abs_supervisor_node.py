@@ -3,7 +3,7 @@
 import time
 
 import pytest
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState, WheelSlip
+from friction_msgs.msg import BrakeCommand, BrakeDemand, SlopeVote, SupervisorState, WheelSlip
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.qos import ReliabilityPolicy
@@ -31,7 +31,7 @@ class Inputs:
             "brake_demand": BrakeDemand,
             "front_left/brake_pressure": FluidPressure,
             "front_left/slip": WheelSlip,
-            "front_left/friction_slope": FrictionSlope,
+            "front_left/slope_vote": SlopeVote,
         }
         self._publishers = {topic: qos.publish(client.node, kind, topic) for topic, kind in kinds.items()}
         client.until(lambda: all(each.get_subscription_count() == 1 for each in self._publishers.values()))
@@ -46,14 +46,12 @@ class Inputs:
             "brake_demand": BrakeDemand(header=header, pressure=PRESSURE),
             "front_left/brake_pressure": FluidPressure(header=header, fluid_pressure=PRESSURE),
             "front_left/slip": slip,
-            "front_left/friction_slope": FrictionSlope(
-                header=header, h=indicator, indicator=indicator, sign=1, valid=True
-            ),
+            "front_left/slope_vote": SlopeVote(header=header, h=indicator, indicator=indicator),
         }.items():
             self._publishers[topic].publish(message)
 
 
-def test_node_commands_a_release_and_falls_back_when_the_slope_goes_silent() -> None:
+def test_node_commands_a_release_and_falls_back_when_the_votes_go_silent() -> None:
     states: list[SupervisorState] = []
     commands: list[BrakeCommand] = []
     arrived: list[float] = []
@@ -83,7 +81,7 @@ def test_node_commands_a_release_and_falls_back_when_the_slope_goes_silent() -> 
     assert arrived[-1] - last >= stale_after - 0.02
     assert states[-1].cause == SupervisorState.CAUSE_FAIL_SAFE
     assert states[-1].fail_safes == 1
-    for text in ("releases: 1, last cause: fail_safe", "front_left/friction_slope: no message for"):
+    for text in ("releases: 1, last cause: fail_safe", "front_left/slope_vote: no message for"):
         assert text in output
     assert "S1 -> S21" not in output, "transitions are for debugging"
     assert process.returncode == 0
@@ -124,7 +122,7 @@ def test_node_commands_nothing_unless_started_to_do_so() -> None:
 def test_only_a_node_that_commands_by_the_clock_gives_up_what_is_late(
     shadow: str, real_time: str, asked: ReliabilityPolicy
 ) -> None:
-    estimates = ("brake_demand", "front_left/friction_slope", "front_left/slip", "front_left/friction_curve")
+    estimates = ("brake_demand", "front_left/slope_vote", "front_left/slip", "front_left/friction_curve")
     with dds_client() as client:
         arguments = (*CAR, "-p", f"shadow:={shadow}", "-p", f"real_time:={real_time}")
         client.start("-m", "abs_supervisor", "--ros-args", *arguments)

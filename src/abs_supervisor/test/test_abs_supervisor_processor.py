@@ -7,7 +7,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionCurve, FrictionSlope, SupervisorState, WheelSlip
+from friction_msgs.msg import (
+    BrakeCommand,
+    BrakeDemand,
+    FrictionCurve,
+    FrictionSlope,
+    SlopeVote,
+    SupervisorState,
+    WheelSlip,
+)
 from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import serialize_message
@@ -29,7 +37,7 @@ from vehicle_models.vehicle_file import load_vehicle
 
 CONFIG = Path(__file__).parents[1] / "config" / "abs_supervisor.yaml"
 STEP = 5_000_000
-SLOPE = "front_left/friction_slope"
+VOTE = "front_left/slope_vote"
 VEHICLE = load_vehicle("chapter_corner")
 P = SupervisorParameters(
     shadow=False,
@@ -47,15 +55,14 @@ def demand(stamp: int, torque: float, wheel: str = "") -> BrakeDemand:
     return BrakeDemand(header=Header(stamp=from_nanoseconds(stamp)), wheel=wheel, pressure=torque / K)
 
 
-def slope(stamp: int, indicator: float, growing: int = 1, reason: int = FrictionSlope.OK) -> FrictionSlope:
+def vote(stamp: int, indicator: float, growing: int = 1, reason: int = FrictionSlope.OK) -> SlopeVote:
     h = indicator if growing > 0 else -indicator
-    return FrictionSlope(
+    return SlopeVote(
         header=Header(stamp=from_nanoseconds(stamp)),
         wheel="front_left",
         h=h,
         indicator=indicator,
         reason=reason,
-        valid=reason == FrictionSlope.OK,
         reason_text="" if reason == FrictionSlope.OK else "front_left: why",
     )
 
@@ -97,7 +104,7 @@ class Bench:
             self.sample(0.0, torque=0.0)
 
     def sense(self, torque: float) -> None:
-        """All inputs but the slope, at the present stamp."""
+        """All inputs but the vote, at the present stamp."""
         self.processor.process("brake_demand", demand(self.stamp, torque))
         felt = float(self.brake.step(torque, self.command or 0)[0])
         for topic, message in (*turning(self.stamp, self.slip), pressure(self.stamp, felt)):
@@ -118,7 +125,7 @@ class Bench:
     def sample(self, indicator: float, torque: float = 500.0, growing: int = 1, reason: int = FrictionSlope.OK) -> str:
         self.stamp += STEP
         self.sense(torque)
-        self.take(self.processor.process(SLOPE, slope(self.stamp, indicator, growing, reason)))
+        self.take(self.processor.process(VOTE, vote(self.stamp, indicator, growing, reason)))
         return self.name
 
     @property
@@ -174,7 +181,7 @@ def test_release_time_out_is_measured_from_the_entry_into_s22() -> None:
 @pytest.mark.parametrize(
     "reason", [FrictionSlope.NO_TORQUE, FrictionSlope.BAD_INPUT, FrictionSlope.GAP, FrictionSlope.NO_SLIP]
 )
-def test_invalid_slope_brings_the_fail_safe_within_the_stated_time(reason: int) -> None:
+def test_vote_that_does_not_count_brings_the_fail_safe_within_the_stated_time(reason: int) -> None:
     bench = Bench()
     bench.brake_into_s22()
     first = bench.stamp + STEP
@@ -186,8 +193,8 @@ def test_invalid_slope_brings_the_fail_safe_within_the_stated_time(reason: int) 
     assert bench.state.cause == SupervisorState.CAUSE_FAIL_SAFE
     assert [severity for severity, _ in bench.said if severity != "debug"] == ["info", "error"]
     assert bench.said[-2][1].endswith(", releases: 1, last cause: fail_safe")
-    assert bench.said[-1][1] == "front_left/friction_slope: why: fail-safe"
-    assert bench.state.reason_text == "front_left/friction_slope: why"
+    assert bench.said[-1][1] == "front_left/slope_vote: why: fail-safe"
+    assert bench.state.reason_text == "front_left/slope_vote: why"
 
 
 def test_one_bad_sample_does_not_end_a_release() -> None:
@@ -199,7 +206,7 @@ def test_one_bad_sample_does_not_end_a_release() -> None:
 
 
 @pytest.mark.parametrize("reason", [FrictionSlope.NO_EXCITATION, FrictionSlope.NOT_BRAKING])
-def test_slope_that_is_merely_not_measurable_keeps_the_state(reason: int) -> None:
+def test_vote_that_is_merely_not_measurable_keeps_the_state(reason: int) -> None:
     bench = Bench()
     bench.sample(500.0)
     for _ in range(100):
@@ -224,7 +231,7 @@ def test_low_speed_of_a_wheel_that_may_be_locked_says_that_the_abs_is_lost() -> 
         for _ in range(40):
             bench.stamp += STEP
             given = [*turning(bench.stamp), pressure(bench.stamp, 500.0), ("brake_demand", demand(bench.stamp, 500.0))]
-            for topic, message in (*given, (SLOPE, slope(bench.stamp, nan, reason=FrictionSlope.LOW_SPEED))):
+            for topic, message in (*given, (VOTE, vote(bench.stamp, nan, reason=FrictionSlope.LOW_SPEED))):
                 if topic.endswith("slip") and not known:
                     message = WheelSlip(header=message.header, vehicle_speed=nan, reason=WheelSlip.BAD_INPUT)
                 bench.take(bench.processor.process(topic, message))
@@ -235,13 +242,13 @@ def test_low_speed_of_a_wheel_that_may_be_locked_says_that_the_abs_is_lost() -> 
 def test_silence_brings_the_fail_safe_by_the_clock_of_the_node() -> None:
     bench = Bench()
     bench.brake_into_s22()
-    ages = {SLOPE: 0.02, "brake_demand": 0.02}
+    ages = {VOTE: 0.02, "brake_demand": 0.02}
     assert bench.processor.watch(ages, 0.0) == []
-    bench.take(bench.processor.watch(ages | {SLOPE: P.stale_after + 0.01}, 0.0))
+    bench.take(bench.processor.watch(ages | {VOTE: P.stale_after + 0.01}, 0.0))
     assert bench.name == "S0"
     assert bench.command == BrakeCommand.NONE
     assert bench.state.reason == SupervisorState.NO_SLOPE
-    assert bench.processor.watch(ages | {SLOPE: 1.0}, 0.0) == []
+    assert bench.processor.watch(ages | {VOTE: 1.0}, 0.0) == []
     assert bench.processor.health().level is Level.ERROR
     bench.sample(500.0)
     assert bench.name == "S1"
@@ -253,7 +260,7 @@ def test_silent_demand_is_held_for_a_while_and_then_fails_safe() -> None:
     last = bench.stamp
     while bench.name != "S0":
         bench.stamp += STEP
-        for topic, message in (*turning(bench.stamp), pressure(bench.stamp, 500.0), (SLOPE, slope(bench.stamp, 500.0))):
+        for topic, message in (*turning(bench.stamp), pressure(bench.stamp, 500.0), (VOTE, vote(bench.stamp, 500.0))):
             for state, command in pairwise([*bench.processor.process(topic, message), None]):
                 if bench.name != "S0" and state is not None and command is not None and state[0].endswith("supervisor"):
                     bench.take([state, command])
@@ -263,7 +270,7 @@ def test_silent_demand_is_held_for_a_while_and_then_fails_safe() -> None:
     assert bench.stamp - answered <= P.deadline * 1e9, "what the answers wait for"
 
 
-def test_every_slope_message_is_answered_once_with_its_stamp() -> None:
+def test_every_vote_is_answered_once_with_its_stamp() -> None:
     bench = Bench()
     for k in range(50):
         bench.sample(nan, reason=FrictionSlope.NOT_READY if k < 20 else FrictionSlope.OK)
@@ -291,7 +298,7 @@ def test_jump_back_in_time_returns_to_s0_and_goes_on() -> None:
     assert bench.state.cause == SupervisorState.CAUSE_RESET
     told = [each for each in bench.said if each[0] != "debug"]
     assert told == [
-        ("info", f"{SLOPE}: stamps jumped back, front_left starts again"),
+        ("info", f"{VOTE}: stamps jumped back, front_left starts again"),
         ("info", f"front_left: braked for {lasted}, releases: 1, last cause: reset"),
     ]
     assert bench.sample(500.0) == "S1"
@@ -301,7 +308,7 @@ def test_demand_of_another_wheel_does_not_count() -> None:
     bench = Bench()
     for k in range(5, 80):
         bench.processor.process("brake_demand", demand(k * STEP, 500.0, wheel="rear_left"))
-        for topic, message in (*turning(k * STEP), pressure(k * STEP, 0.0), (SLOPE, slope(k * STEP, 500.0))):
+        for topic, message in (*turning(k * STEP), pressure(k * STEP, 0.0), (VOTE, vote(k * STEP, 500.0))):
             outputs = bench.processor.process(topic, message)
             if outputs:
                 bench.take(outputs)
@@ -312,7 +319,7 @@ def test_demand_of_another_wheel_does_not_count() -> None:
 def pressed(processor: WheelProcessor, stamp: int, torque: float) -> str:
     for topic, message in (*turning(stamp), pressure(stamp, torque)):
         processor.process(topic, message)
-    outputs = processor.process(SLOPE, slope(stamp, nan, reason=FrictionSlope.NO_EXCITATION))
+    outputs = processor.process(VOTE, vote(stamp, nan, reason=FrictionSlope.NO_EXCITATION))
     return ("S0", "S1", "S21", "S22")[outputs[0][1].state]
 
 
@@ -348,7 +355,7 @@ def test_pressure_is_taken_for_the_time_at_which_it_acted() -> None:
     for k, torque in enumerate(torques, 1):
         for topic, message in (*turning(k * STEP), pressure((k + 2) * STEP, torque)):
             processor.process(topic, message)
-        ((_, state), _) = processor.process(SLOPE, slope(k * STEP, nan, reason=FrictionSlope.NO_EXCITATION))
+        ((_, state), _) = processor.process(VOTE, vote(k * STEP, nan, reason=FrictionSlope.NO_EXCITATION))
         assert state.demand_torque == pytest.approx(torque)
 
 
@@ -359,7 +366,7 @@ def test_brake_gain_is_that_of_the_wheel() -> None:
     processor.process("brake_demand", demand(STEP, 300.0))
     for topic, message in (*turning(STEP), pressure(STEP, 0.0)):
         processor.process(topic, message)
-    assert processor.process(SLOPE, slope(STEP, 0.0))[0][1].demand_torque == pytest.approx(600.0)
+    assert processor.process(VOTE, vote(STEP, 0.0))[0][1].demand_torque == pytest.approx(600.0)
 
 
 def test_reset_starts_again() -> None:
@@ -373,7 +380,7 @@ def test_reset_starts_again() -> None:
 
 NUMBERS = st.one_of(st.floats(allow_nan=True, allow_infinity=True), st.sampled_from([0.0, nan, inf, -inf, 1e300]))
 TOPICS = (
-    SLOPE,
+    VOTE,
     "brake_demand",
     "wheel_states",
     "front_left/slip",
@@ -387,7 +394,7 @@ def hostile(topic: str, stamp: int, a: float, b: float, reason: int) -> Any:
     header = Header(stamp=from_nanoseconds(stamp))
     known = reason % 2 == 0
     return {
-        SLOPE: lambda: FrictionSlope(header=header, h=a, indicator=b, reason=reason, valid=known),
+        VOTE: lambda: SlopeVote(header=header, h=a, indicator=b, reason=reason),
         "brake_demand": lambda: BrakeDemand(header=header, pressure=a),
         "wheel_states": lambda: JointState(header=header, name=["front_left"], velocity=[a]),
         "front_left/slip": lambda: WheelSlip(header=header, slip=a, slip_variance=b, vehicle_speed=b, valid=known),
@@ -429,11 +436,11 @@ def test_every_wheel_of_the_car_is_commanded_where_that_is_chosen() -> None:
     ]
 
 
-def test_thresholds_are_those_of_the_slope_file_it_goes_with() -> None:
+def test_thresholds_are_those_of_the_votes_it_goes_with() -> None:
     shipped = CONFIG.parents[2] / "friction_slope" / "config" / "friction_slope.yaml"
-    detector = load(FrictionSlopeParameters, shipped, "friction_slope").detector
+    votes = load(FrictionSlopeParameters, shipped, "friction_slope").vote
     thresholds = load(SupervisorParameters, CONFIG, "abs_supervisor").thresholds
-    assert (detector.h_instability, detector.h_stability) == (thresholds.h_instability, thresholds.h_stability)
+    assert (votes.h_instability, votes.h_stability) == (thresholds.h_instability, thresholds.h_stability)
 
 
 @pytest.mark.parametrize(
@@ -483,14 +490,14 @@ def test_locked_wheel_whose_h_is_unknown_is_released() -> None:
     bench.sample(500.0)
     bench.stamp += STEP
     bench.sense(500.0)
-    locked = slope(bench.stamp, -1e5)
+    locked = vote(bench.stamp, -1e5)
     locked.h = nan
-    bench.take(bench.processor.process(SLOPE, locked))
+    bench.take(bench.processor.process(VOTE, locked))
     assert bench.name == "S21"
 
 
 @pytest.mark.parametrize("reason", [FrictionSlope.BAD_INPUT, FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION])
-def test_indicator_of_a_slope_that_is_not_valid_releases_nothing(reason: int) -> None:
+def test_indicator_of_a_vote_that_does_not_count_releases_nothing(reason: int) -> None:
     bench = Bench()
     bench.sample(500.0)
     for _ in range(300):
@@ -619,7 +626,7 @@ def test_wheel_that_slides_too_slowly_for_its_slope_keeps_its_abs_while_others_t
             ("wheel_states", wheels),
             ("front_left/slip", WheelSlip(header=header, vehicle_speed=nan, reason=WheelSlip.BAD_INPUT)),
             pressure(stamp, 300.0),
-            (SLOPE, slope(stamp, 500.0, reason=FrictionSlope.LOW_SPEED if low else FrictionSlope.OK)),
+            (VOTE, vote(stamp, 500.0, reason=FrictionSlope.LOW_SPEED if low else FrictionSlope.OK)),
         ):
             for output, answer in processor.process(topic, message):
                 if output.endswith("abs_supervisor"):
@@ -641,7 +648,7 @@ def test_missing_inputs_are_named_and_fail_safe() -> None:
         for _ in range(40):
             bench.stamp += STEP
             given = [*turning(bench.stamp), pressure(bench.stamp, 500.0), ("brake_demand", demand(bench.stamp, 500.0))]
-            for topic, message in (*given, (SLOPE, slope(bench.stamp, -200.0))):
+            for topic, message in (*given, (VOTE, vote(bench.stamp, -200.0))):
                 outputs = bench.processor.process(topic, message) if topic != missing else []
                 if outputs:
                     bench.take(outputs)

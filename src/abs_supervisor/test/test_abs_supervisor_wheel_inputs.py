@@ -1,6 +1,6 @@
 """What the supervisor reads beside the law's inputs does not depend on the order in which messages arrive."""
 
-from friction_msgs.msg import FrictionSlope, WheelSlip
+from friction_msgs.msg import SlopeVote, WheelSlip
 
 from abs_supervisor.wheel_inputs import WheelInputs
 from friction_runtime.aligner import AlignedSample
@@ -12,14 +12,14 @@ WHEEL = "front_left"
 STEP = 5_000_000
 
 
-def test_a_slope_is_told_why_its_own_slip_is_not_valid_whatever_slip_came_last() -> None:
+def test_a_vote_is_told_why_its_own_slip_is_not_valid_whatever_slip_came_last() -> None:
     inputs = WheelInputs(WHEEL, load_vehicle("chapter_corner"), silent, fine=False)
     for number, text in ((2, "too slow"), (3, "too slow"), (4, "no speed")):
         inputs.read(inputs.slip, WheelSlip(header=header_at(number * STEP, WHEEL), reason_text=text))
     told = []
     for number in (1, 2, 3, 4, 5):
-        sample = AlignedSample(number * STEP, FrictionSlope(), {}, {}, False)
+        sample = AlignedSample(number * STEP, SlopeVote(), {}, {}, False)
         told.append(inputs.observe(sample, 0.0).slip_text)
     assert told == [f"{WHEEL}/slip: {text}" for text in ("not valid", "too slow", "too slow", "no speed", "no speed")]
     inputs.read(inputs.slip, WheelSlip(header=header_at(STEP, WHEEL), reason_text="a new run"))
-    assert inputs.observe(AlignedSample(STEP, FrictionSlope(), {}, {}, False), 0.0).slip_text.endswith("a new run")
+    assert inputs.observe(AlignedSample(STEP, SlopeVote(), {}, {}, False), 0.0).slip_text.endswith("a new run")

@@ -13,6 +13,7 @@ from friction_msgs.msg import (
     ContactPatch,
     FrictionCurve,
     FrictionSlope,
+    SlopeVote,
     SupervisorState,
     TyreForce,
     TyreSignals,
@@ -32,7 +33,7 @@ from friction_bags.bag_io.message_definition import message_definition, type_nam
 from friction_runtime.message_type import message_class
 
 KINDS: list[Any] = [
-    *(BrakeCommand, BrakeDemand, ContactPatch, FrictionCurve, FrictionSlope, SupervisorState),
+    *(BrakeCommand, BrakeDemand, ContactPatch, FrictionCurve, FrictionSlope, SlopeVote, SupervisorState),
     *(TyreForce, TyreSignals, WheelSlip, TwistWithCovarianceStamped, WrenchStamped, FluidPressure, Imu, JointState),
 ]
 RANGES = {"int8": 7, "int16": 15, "int32": 31, "int64": 63}

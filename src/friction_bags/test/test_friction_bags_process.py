@@ -212,7 +212,7 @@ def test_a_supervisor_without_its_estimators_names_what_is_missing(
     made = process(bag, tmp_path / "alone", estimators=("abs_supervisor",))
     (warning,) = capsys.readouterr().err.splitlines()
     assert warning.startswith("warning: neither in the bag nor estimated: ")
-    assert {f"/{wheel}/{name}" for wheel in WHEELS for name in ("friction_slope", "slip")} == set(
+    assert {f"/{wheel}/{name}" for wheel in WHEELS for name in ("slope_vote", "slip")} == set(
         warning.rpartition(": ")[2].split(", ")
     )
     assert not made["/front_left/abs_supervisor"]

@@ -22,7 +22,7 @@ COMPOSED = ("wheel_slip", "friction_slope", "smart_tyre_forces", "friction_curve
 """Estimators that may share a process, in the order in which they are served: the last one when nothing else waits."""
 COMPOSED_PROCESS = "estimators"
 """Name of the process of these."""
-ESTIMATES = ("slip", "friction_slope", "friction_curve", "abs_supervisor", "contact_patch", "tyre_force")
+ESTIMATES = ("slip", "friction_slope", "slope_vote", "friction_curve", "abs_supervisor", "contact_patch", "tyre_force")
 """Topics of the estimators below each wheel."""
 COMMAND = "brake_command"
 """Topic of the supervisor below each wheel, unless it is in shadow mode."""

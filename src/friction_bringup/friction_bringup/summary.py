@@ -19,10 +19,6 @@ from friction_bringup.braking_metrics import (
 from friction_bringup.graph import VEHICLE
 from friction_bringup.recorded_run import RecordedRun
 
-_FORESEEN = (
-    "The supervisor's parameter set predicts H, so its crossings come early, and some have no true one. "
-    "For a slip near the peak run friction_slope with friction_slope_monitor.yaml."
-)
 _SHOWN_CROSSINGS = 16
 _SHOWN_REASONS = 3
 
@@ -80,7 +76,7 @@ def crossing_table(wheel: str, crossings: list[JudgedCrossing], truth: list[Cros
             f"{1e3 * crossing.delay:.0f}" if np.isfinite(crossing.delay) else "no true one",
         )
     counts = [_told(crossings, truth, sign, word) for sign, word in ((-1, "peak passed"), (1, "regained"))]
-    table.caption = "\n".join([*counts, _FORESEEN])
+    table.caption = "\n".join(counts)
     return table
 
 

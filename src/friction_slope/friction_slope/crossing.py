@@ -34,6 +34,8 @@ class CrossingDetector:
         """Slip at the last crossing [-]."""
         self.stamp = 0
         """Time of the last crossing [ns]."""
+        self.since = 0
+        """Time from which on the sign has been told and no indicator was against it [ns]."""
 
     def forget_sign(self) -> None:
         """Make the sign unknown and keep the record."""
@@ -51,6 +53,8 @@ class CrossingDetector:
             slip: returns the slip [-], NaN if unknown; called at a crossing only.
             stamp: time for which the indicator holds [ns].
         """
+        if indicator * self.sign < 0.0:
+            self.since = stamp
         if indicator < 0.0 and indicator <= self._h_instability:
             sign = -1
         elif indicator > 0.0 and indicator >= self._h_stability:
@@ -58,8 +62,8 @@ class CrossingDetector:
         else:
             return
         if self.sign == 0 and (sign > 0 or growing > 0):
-            self.sign = sign
+            self.sign, self.since = sign, stamp
         elif sign == -self.sign and growing == -sign:
-            self.sign = sign
+            self.sign, self.since = sign, stamp
             self.crossings += 1
             self.crossing_sign, self.slip, self.stamp = sign, slip(), stamp

@@ -30,7 +30,9 @@ LEAST_SCATTER: Final = 0.05
 """Scatter of the best wheel speeds [rad/s]."""
 JITTER: Final = 2.0
 """Largest jitter of a wheel speed that is not a spike [rad/s]."""
-_SIGNED = (Reason.OK, Reason.NO_EXCITATION)
+SAME_TIME: Final = 1e-6
+"""Times closer than this are one [s]."""
+_SIGNED = (Reason.OK, Reason.NO_EXCITATION, Reason.NOT_LASTING)
 """Reasons with which a sign is published."""
 NO_RELAXATION: Final = 1e-9
 """Relaxation length of a tyre whose friction follows the slip at once [m]."""
@@ -200,7 +202,7 @@ class SlopeDetector:
         read_at = sample.stamp - round(delay * NANOSECONDS)
         if sample.wheel_speed * self._radius < (1.0 - LOCKED_SLIP) * speed:
             self._crossing.update(LOCKED_INDICATOR, 1, signals.slip, read_at)
-            return self._estimate(Reason.OK, "", nan, delay, LOCKED_INDICATOR)
+            return self._estimate(Reason.OK, "", nan, 0.0, LOCKED_INDICATOR)  # by the slip at the stamp, not by H
         growing, growth = self._growing(slip_rate, speed)
         swings = growing > 0 and h <= p.h_instability and not self._may_be_beyond(growth)
         if swings:
@@ -213,6 +215,8 @@ class SlopeDetector:
             return self._estimate(Reason.NO_EXCITATION, f"{why}, sign is held", h, delay, indicator)
         if self._crossing.sign == 0:
             return self._estimate(Reason.NOT_READY, "indicator has not passed a threshold yet", h, delay, indicator)
+        if (read_at - self._crossing.since) / NANOSECONDS < delay - SAME_TIME:
+            return self._estimate(Reason.NOT_LASTING, "sign is younger than its delay", h, delay, indicator)
         return self._estimate(Reason.OK, "", h, delay, indicator)
 
     def _answer_by(self, method: Method) -> None:

@@ -27,6 +27,7 @@ class Reason(IntEnum):
     GAP = 6
     NOT_BRAKING = 7
     NO_EXCITATION = 8
+    NOT_LASTING = 9
 
 
 class SlopeSample:

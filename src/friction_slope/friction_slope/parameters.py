@@ -9,6 +9,7 @@ from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import group, parameter
 from friction_slope.detector import DetectorParameters, NoSlipParameters
 from friction_slope.estimate import METHODS
+from friction_slope.vote import VoteParameters
 from vehicle_models.vehicle_file import moved, vehicle_file_parameter
 
 
@@ -24,6 +25,7 @@ class FrictionSlopeParameters:
     )
     detector: DetectorParameters = group(DetectorParameters())
     no_slip: NoSlipParameters = group(NoSlipParameters())
+    vote: VoteParameters = group(VoteParameters())
     deadline: float = shared.deadline(0.03)
 
     MOVED: ClassVar[Mapping[str, str]] = {
@@ -44,27 +46,7 @@ class FrictionSlopeParameters:
 
 SHIPPED: Mapping[str, ShippedFile] = {
     "friction_slope": ShippedFile(
-        "For the ABS supervisor, one set for all roads: early rather than sure. H is predicted past the newest\n"
-        "sample, over what the brake needs to act. The set that publishes the slope sign for information is\n"
-        "friction_slope_monitor.yaml.",
-        FrictionSlopeParameters(
-            method="no_slip",
-            detector=DetectorParameters(
-                window=6,
-                lead=2.85,
-                rate_window=3,
-                h_instability=-1.0,
-                h_stability=8000.0,
-                slip_rate_dead_zone=0.8,
-                least_growth=0.0,
-                load_transfer=False,
-            ),
-            no_slip=NoSlipParameters(eta_margin=0.3),
-        ),
-    ),
-    "friction_slope_monitor": ShippedFile(
-        "One set for both methods and all roads, for information: few false alarms, slip at the crossing near\n"
-        "lambda_max. The set for the ABS supervisor is friction_slope.yaml.",
+        "One set for both methods and all roads. `vote` tunes <wheel>/slope_vote, the fast vote for abs_supervisor.",
         FrictionSlopeParameters(),
     ),
 }

@@ -1,10 +1,10 @@
-"""wheel_states, pressure, slip and imu/data in, <wheel>/friction_slope out: one processor per wheel."""
+"""wheel_states, pressure, slip and imu/data in, estimate or vote out: a processor for either at each wheel."""
 
 from collections.abc import Mapping
 from math import nan
 from typing import Any, Final
 
-from friction_msgs.msg import FrictionSlope, WheelSlip
+from friction_msgs.msg import FrictionSlope, SlopeVote, WheelSlip
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_runtime.aligned_processor import AlignedProcessor
@@ -13,19 +13,22 @@ from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, level_of, silent
-from friction_runtime.reason_text import set_reason
+from friction_runtime.reason_text import of_wheel, set_reason
 from friction_runtime.slip_fault import slip_fault, slip_is_known, speed_is_known
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
-from friction_slope.detector import SlopeDetector
-from friction_slope.estimate import METHODS, Reason, SlopeEstimate, SlopeSample
+from friction_slope.detector import NoSlipParameters, SlopeDetector
+from friction_slope.estimate import METHODS, Method, Reason, SlopeEstimate, SlopeSample
 from friction_slope.parameters import FrictionSlopeParameters
 from vehicle_models.plausible import HIGHEST_ACCELERATION
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.wheel_load import WheelLoad
 
 _IMU: Final = "imu/data"
-_QUIET = (Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING, Reason.NO_EXCITATION)
+_QUIET = (
+    *(Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING),
+    *(Reason.NO_EXCITATION, Reason.NOT_LASTING),
+)
 """Reasons that belong to ordinary driving."""
 _BROKEN = (Reason.NO_TORQUE,)
 """Reasons that do not go away by waiting."""
@@ -37,31 +40,50 @@ class WheelProcessor(AlignedProcessor[float]):
     """Layer 2 of friction_slope: fires on wheel_states."""
 
     def __init__(
-        self, wheel: str, vehicle: Vehicle, parameters: FrictionSlopeParameters, report: Report = silent
+        self,
+        wheel: str,
+        vehicle: Vehicle,
+        parameters: FrictionSlopeParameters,
+        report: Report = silent,
+        votes: bool = False,
     ) -> None:
-        """Build for one wheel of a car; `report` is the log function."""
-        self._wheel, self._topic = wheel, f"{wheel}/friction_slope"
+        """Build for one wheel of a car.
+
+        Args:
+            wheel: its name.
+            vehicle: the car.
+            parameters: of the node.
+            report: the log function.
+            votes: publish <wheel>/slope_vote in place of <wheel>/friction_slope.
+        """
+        self._wheel, self._votes = wheel, votes
+        self._topic = f"{wheel}/slope_vote" if votes else f"{wheel}/friction_slope"
+        method, detector, no_slip = METHODS[parameters.method], parameters.detector, parameters.no_slip
+        if votes:
+            method, detector = Method.NO_SLIP, parameters.vote.detector(detector)
+            no_slip = NoSlipParameters(eta_margin=parameters.vote.eta_margin)
         self._brake_torque = BrakeTorque(vehicle, wheel)
         self._pressure, self._slip = self._brake_torque.topic, f"{wheel}/slip"
         self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, self._pressure: FluidPressure}
         self.estimates: Mapping[str, type] = {self._slip: WheelSlip} if parameters.takes_slip else {}
-        self.outputs: Mapping[str, type] = {self._topic: FrictionSlope}
-        max_gap = parameters.detector.max_gap
+        self.outputs: Mapping[str, type] = {self._topic: SlopeVote if votes else FrictionSlope}
+        max_gap = detector.max_gap
         inputs = [AlignedInput(topic, max_gap) for topic in (self._pressure, *self.estimates)]
-        load = WheelLoad(vehicle, wheel) if parameters.detector.load_transfer else None
+        load = WheelLoad(vehicle, wheel) if detector.load_transfer else None
         if load is not None and load.transfer == 0.0:
             load = None  # one axle only: the acceleration moves no load, and is not waited for
         if load is not None:
             self.sensors = {**self.sensors, _IMU: Imu}
             inputs.append(AlignedInput(_IMU, max_gap, optional=True))
-        super().__init__(wheel, Primary(WHEEL_STATES, wheel, report), inputs, parameters.deadline, optional=(_IMU,))
+        name = f"{wheel} vote" if votes else wheel
+        super().__init__(name, Primary(WHEEL_STATES, name, report), inputs, parameters.deadline, optional=(_IMU,))
         self._accelerometer = vehicle.accelerometer
         self._wheel_speeds = WheelSpeeds(vehicle, (wheel,), report)
         self._detector = SlopeDetector(
             vehicle.corner(wheel),
-            METHODS[parameters.method],
-            parameters.detector,
-            parameters.no_slip,
+            method,
+            detector,
+            no_slip,
             load,
             vehicle.wheel(wheel).relaxation_length,
         )
@@ -152,7 +174,8 @@ class WheelProcessor(AlignedProcessor[float]):
             estimate.reason, estimate.text = Reason.BAD_INPUT, wrong_unit
         self._last = estimate
         self._text = self._reason(sample, estimate)
-        return [(self._topic, self._message(sample.stamp, estimate))]
+        message = self._vote(sample.stamp, estimate) if self._votes else self._message(sample.stamp, estimate)
+        return [(self._topic, message)]
 
     def _reason(self, sample: AlignedSample[float], estimate: SlopeEstimate) -> str:
         """Return the reason of an estimate in words; for a missing input, why it is missing."""
@@ -177,7 +200,20 @@ class WheelProcessor(AlignedProcessor[float]):
         set_reason(message, self._wheel, estimate.reason, self._text)
         return message
 
+    def _vote(self, stamp: int, estimate: SlopeEstimate) -> SlopeVote:
+        message = new_message(SlopeVote)
+        message.header = header_at(stamp, self._wheel)
+        message.wheel = self._wheel
+        message.h = estimate.h
+        message.indicator = estimate.indicator
+        message.delay = estimate.delay
+        message.reason = int(estimate.reason)
+        message.reason_text = of_wheel(self._wheel, self._text)
+        return message
+
 
 def build(parameters: FrictionSlopeParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:
-    """Make the processors: one per wheel."""
-    return [WheelProcessor(wheel, vehicle, parameters, report) for wheel in vehicle.wheel_names]
+    """Make the processors: for each wheel its vote, served first, and its estimate, which reports for both."""
+    wheels = vehicle.wheel_names
+    votes = [WheelProcessor(wheel, vehicle, parameters, silent, votes=True) for wheel in wheels]
+    return votes + [WheelProcessor(wheel, vehicle, parameters, report) for wheel in wheels]

@@ -91,6 +91,30 @@ def test_sign_follows_both_crossings_within_the_documented_delay_and_one_sample(
 
 
 @pytest.mark.parametrize("name", TABLE_8_1)
+def test_sign_is_valid_once_it_has_lasted_for_its_delay(name: str) -> None:
+    samples, truth = through_the_peak(name)
+    found = run(exact(), samples)
+    told = [k for k in range(1, len(found)) if found[k].sign and found[k].sign != found[k - 1].sign]
+    assert len(told) == 3
+    for k in told:
+        assert [found[k].reason, found[k + 1].reason] == [Reason.NOT_LASTING, Reason.OK]
+    for k, estimate in enumerate(found):
+        # What a valid sign says was so `delay` before, between two samples: here and one sample earlier.
+        assert estimate.reason is not Reason.OK or estimate.sign in truth[k - 2 : k]
+
+
+def test_sign_that_its_indicator_contradicts_is_not_valid() -> None:
+    samples, _ = through_the_peak("dry")
+    found = run(exact(), samples)
+    lost = next(k for k in range(len(found)) if found[k].crossings == 1)
+    # Beyond the peak the torque rises as if the friction did, while the slip goes on growing.
+    beyond = [changed(s, brake_torque=s.brake_torque + 4e5 * (n * DT) ** 2) for n, s in enumerate(samples[lost:])]
+    after = run(exact(), samples[:lost] + beyond[:10])[lost + 3 :]
+    assert all(estimate.sign == -1 and estimate.indicator > 0.0 for estimate in after)
+    assert {estimate.reason for estimate in after} == {Reason.NOT_LASTING}
+
+
+@pytest.mark.parametrize("name", TABLE_8_1)
 def test_slip_at_the_crossing_is_lambda_max(name: str) -> None:
     samples, _ = through_the_peak(name)
     peak = float(burckhardt.peak(surface(name))[0])
@@ -219,7 +243,7 @@ def test_gap_fills_the_window_again_and_says_so() -> None:
     samples, _ = through_the_peak("dry")
     late = samples[:60] + [changed(s, stamp=s.stamp + 100_000_000) for s in samples[60:]]
     found = run(exact(), late)
-    assert [estimate.reason for estimate in found[60:63]] == [Reason.GAP, Reason.GAP, Reason.OK]
+    assert [estimate.reason for estimate in found[60:64]] == [Reason.GAP, Reason.GAP, Reason.NOT_LASTING, Reason.OK]
     assert found[62].h == pytest.approx(run(exact(), samples)[62].h)
 
 

@@ -36,7 +36,8 @@ def sample(k: int) -> tuple[FluidPressure, JointState]:
 
 
 def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
-    parameters = changed(load(FrictionSlopeParameters, CONFIG, "friction_slope"), {"no_slip.slip_at_crossing": False})
+    alone = {"method": "no_slip", "no_slip.slip_at_crossing": False}
+    parameters = changed(load(FrictionSlopeParameters, CONFIG, "friction_slope"), alone)
     processor = WheelProcessor("front_left", load_vehicle("chapter_corner"), parameters)
     expected: list[FrictionSlope] = []
     for k in range(1, 61):
@@ -47,7 +48,7 @@ def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
     with dds_client() as client:
         arguments = (
             *("--params-file", str(CONFIG)),
-            *("-p", "vehicle_file:=chapter_corner", "-p", "no_slip.slip_at_crossing:=false"),
+            *("-p", "vehicle_file:=chapter_corner", "-p", "method:=no_slip", "-p", "no_slip.slip_at_crossing:=false"),
         )
         process = client.start("-m", "friction_slope", "--ros-args", *arguments)
         pressures = qos.publish(client.node, FluidPressure, PRESSURE)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from friction_msgs.msg import FrictionSlope, WheelSlip
+from friction_msgs.msg import FrictionSlope, SlopeVote, WheelSlip
 from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import serialize_message
@@ -213,12 +213,12 @@ def test_missing_wheel_name_is_reported_with_the_names_there_are() -> None:
 
 @pytest.mark.parametrize("garbage", [nan, inf, -inf, 1e12])
 def test_garbage_in_any_input_is_refused_and_the_estimate_goes_on(garbage: float) -> None:
-    fed = stream(30)
+    whole = stream(71)
     for bad in (speed(31 * STEP, garbage), pressure(31 * STEP, garbage), slip(31 * STEP, garbage, 0.5)):
         processor = WheelProcessor("front_left", VEHICLE, P)
-        run(processor, fed)
-        rest = [item for item in stream(31)[-3:] if item[0] != bad[0]]
-        for message in run(processor, [bad, *rest, *stream(40, first=32)]):
+        run(processor, whole[:90])
+        rest = [item for item in whole[90:93] if item[0] != bad[0]]
+        for message in run(processor, [bad, *rest, *whole[93:]]):
             assert not message.valid or np.isfinite(message.indicator)
         assert message.valid
 
@@ -368,16 +368,44 @@ def test_hostile_streams_give_consistent_messages_and_no_exception(fed: list[Any
             assert not message.valid or (np.isfinite(message.indicator) and message.sign in (-1, 1))
 
 
-@pytest.mark.parametrize(
-    ("name", "method"),
-    [("friction_slope", FrictionSlope.METHOD_NO_SLIP), ("friction_slope_monitor", FrictionSlope.METHOD_SLIP)],
-)
-def test_shipped_parameter_files_load_and_build(name: str, method: int) -> None:
-    parameters = load(FrictionSlopeParameters, CONFIG / f"{name}.yaml", "friction_slope")
-    assert parameters == SHIPPED[name].parameters
+def test_shipped_parameter_file_holds_the_defaults_and_makes_a_vote_and_an_estimate() -> None:
+    parameters = load(FrictionSlopeParameters, CONFIG / "friction_slope.yaml", "friction_slope")
+    assert parameters == SHIPPED["friction_slope"].parameters == FrictionSlopeParameters()
     assert ignored(parameters) == []
-    processor = build(parameters, VEHICLE)[0]
-    assert run(processor, stream(40))[-1].method == method
+    vote, estimate = build(parameters, VEHICLE)
+    assert vote.outputs == {"front_left/slope_vote": SlopeVote}
+    assert run(estimate, stream(40))[-1].method == FrictionSlope.METHOD_SLIP
+    assert len(run(vote, stream(40))) == 40
+
+
+def test_vote_is_predicted_by_the_method_without_slip_and_the_estimate_is_not() -> None:
+    parameters = FrictionSlopeParameters()
+    last = votes(parameters, stream(40))[-1]
+    assert isinstance(last, SlopeVote)
+    assert last.delay == pytest.approx(0.005 * (1.0 - parameters.vote.lead) * (parameters.vote.window - 1) / 2.0)
+    assert last.delay < 0.0 < run(WheelProcessor("front_left", VEHICLE, parameters), stream(40))[-1].delay
+    by_eta = replace(parameters, method="no_slip")
+    assert repr(votes(by_eta, stream(40))) == repr(votes(parameters, stream(40)))
+    assert serialize_message(last), "can be published: every field is set"
+
+
+def test_vote_does_not_depend_on_how_the_estimate_is_tuned() -> None:
+    tuned = changed(
+        FrictionSlopeParameters(),
+        {"detector.window": 40, "detector.h_instability": -1000.0, "no_slip.eta_margin": 5.0},
+    )
+    assert repr(votes(tuned, stream(40))) == repr(votes(FrictionSlopeParameters(), stream(40)))
+
+
+def test_vote_without_pressure_says_why_it_does_not_count() -> None:
+    last = votes(FrictionSlopeParameters(), [item for item in stream(40) if item[0] != PRESSURE])[-1]
+    assert last.reason == FrictionSlope.NO_TORQUE
+    assert PRESSURE in last.reason_text
+    assert np.isnan(last.indicator)
+
+
+def votes(parameters: FrictionSlopeParameters, fed: list[Fed]) -> list[Any]:
+    return run(WheelProcessor("front_left", VEHICLE, parameters, votes=True), fed)
 
 
 @pytest.mark.parametrize(
@@ -419,22 +447,17 @@ def test_parameters_of_no_slip_serve_both_methods() -> None:
     assert ignored(changed(FrictionSlopeParameters(), {"no_slip.eta_margin": 0.3})) == []
 
 
-def test_defaults_are_those_of_the_monitor_file() -> None:
-    monitor = load(FrictionSlopeParameters, CONFIG / "friction_slope_monitor.yaml", "friction_slope")
-    assert monitor == FrictionSlopeParameters()
-
-
 def test_every_wheel_of_the_car_has_a_processor_that_reads_its_joint() -> None:
     car = load_vehicle("chapter_car")
     renamed = replace(car, wheels=tuple(replace(wheel, joint=f"car::{wheel.name}") for wheel in car.wheels))
     processors = build(P, renamed)
     assert [topic for processor in processors for topic in processor.outputs] == [
-        f"{name}/friction_slope" for name in car.wheel_names
+        f"{name}/{topic}" for topic in ("slope_vote", "friction_slope") for name in car.wheel_names
     ]
     fed = [(topic, given) for topic, given in stream(30) if topic != "wheel_states"]
     fed += [speed(k * STEP, 90.0 + 30.0 * (0.005 * (k - 1)) ** 2, name="car::front_left") for k in range(1, 31)]
     straight = run(WheelProcessor("front_left", VEHICLE, P), stream(30))
-    assert repr(run(processors[0], fed)) == repr(straight)
+    assert repr(run(processors[len(car.wheels)], fed)) == repr(straight)
 
 
 def test_pressure_is_taken_for_the_time_at_which_it_acted() -> None:
@@ -459,7 +482,7 @@ def test_numbers_are_those_of_the_messages() -> None:
 
 @pytest.mark.parametrize(("factor", "named"), [(1.0, ""), (1e-5, "in bar"), (1e5, "converted from bar")])
 def test_a_pressure_in_another_unit_is_named_and_gives_no_sign(factor: float, named: str) -> None:
-    (processor,) = build(ALONE, VEHICLE)
+    processor = WheelProcessor("front_left", VEHICLE, ALONE)
     slopes = []
     for k in range(1, 400):
         torque = 300.0 * min(max(0.01 * (k - 100), 0.0), 1.0)  # brakes the car by 4.4 m/s^2

@@ -98,7 +98,7 @@ DEMAND = (
 GRAPH = (
     Case("slip_lost", partial(estimates.lost, name="slip")),
     Case("curve_lost", partial(estimates.lost, name="friction_curve")),
-    Case("slope_lost", partial(estimates.lost, name="friction_slope"), ALL, none_within=FAIL_SAFE),
+    Case("slope_lost", partial(estimates.lost, name="slope_vote"), ALL, none_within=FAIL_SAFE),
     Case("slope_invalid", estimates.invalid_slope, FIRST, none_within=FAIL_SAFE),
     Case("command_lost", partial(estimates.lost, name="brake_command"), ALL),
 )

@@ -17,10 +17,10 @@ def lost(site: Site, name: str) -> Fault:
 
 
 def invalid_slope(site: Site) -> Fault:
-    """friction_slope of the first wheel says that it is not valid, beside an indicator that calls for a release."""
+    """The vote of the first wheel says that it does not count, beside an indicator that calls for a release."""
 
     def change(message: Any) -> None:
-        message.valid, message.reason, message.reason_text = False, FrictionSlope.BAD_INPUT, "injected"
+        message.reason, message.reason_text = FrictionSlope.BAD_INPUT, "injected"
         message.indicator = _WORST_INDICATOR
 
-    return changed((f"{site.wheel}/friction_slope",), change)
+    return changed((f"{site.wheel}/slope_vote",), change)

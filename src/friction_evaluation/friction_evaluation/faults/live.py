@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import rclpy
-from friction_msgs.msg import BrakeCommand, FrictionSlope
+from friction_msgs.msg import BrakeCommand, SlopeVote
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
@@ -36,7 +36,7 @@ from friction_runtime import qos
 from friction_runtime.domain import free_domain_id
 from friction_runtime.wheel_speeds import WHEEL_STATES
 
-_SLOPE = f"{WHEEL}/friction_slope"
+_VOTE = f"{WHEEL}/slope_vote"
 _PRESSURE, _DEMAND = f"{WHEEL}/brake_pressure", "brake_demand"
 _START_LIMIT = 60.0
 _ANSWER_LIMIT = 2.0
@@ -70,8 +70,8 @@ class LiveTrials:
         """Start the nodes."""
         self._processes = processes
         self._env = os.environ | {"ROS_DOMAIN_ID": str(domain), "OMP_NUM_THREADS": "1"}
-        self._slope_sent = nan
-        node.create_subscription(FrictionSlope, _SLOPE, self._note_slope, qos.ESTIMATE)
+        self._vote_sent = nan
+        node.create_subscription(SlopeVote, _VOTE, self._note_vote, qos.ESTIMATE)
         self._car = LiveCar(node, executor)
         for name in WHEEL_ESTIMATORS:
             self._start(name)
@@ -90,7 +90,7 @@ class LiveTrials:
         self._brake()
         self._processes.send("friction_slope", signal.SIGSTOP)
         try:
-            return self._none_after(lambda: self._slope_sent)
+            return self._none_after(lambda: self._vote_sent)
         finally:
             self._processes.send("friction_slope", signal.SIGCONT)
 
@@ -99,7 +99,7 @@ class LiveTrials:
         self._brake()
         self._processes.send("friction_slope", signal.SIGKILL)
         try:
-            return self._none_after(lambda: self._slope_sent)
+            return self._none_after(lambda: self._vote_sent)
         finally:
             self._start("friction_slope")
 
@@ -143,8 +143,8 @@ class LiveTrials:
         command = graph.command(name, graph.parameter_files(name, None), overrides)
         self._processes.start(name, command, self._env)
 
-    def _note_slope(self, _: FrictionSlope, info: dict[str, int]) -> None:
-        self._slope_sent = info["source_timestamp"] * 1e-9
+    def _note_vote(self, _: SlopeVote, info: dict[str, int]) -> None:
+        self._vote_sent = info["source_timestamp"] * 1e-9
 
 
 def fail_safe_rows(trials: int, done: Callable[[], None]) -> list[Row]:

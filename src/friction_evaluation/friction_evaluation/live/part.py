@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from friction_msgs.msg import BrakeCommand, FrictionSlope, SupervisorState, WheelSlip
+from friction_msgs.msg import BrakeCommand, SlopeVote, SupervisorState, WheelSlip
 from rich.progress import Progress
 from sensor_msgs.msg import JointState
 
@@ -40,7 +40,7 @@ LOOP = ("wheel_slip", "friction_slope", "abs_supervisor")
 CHAIN: Mapping[str, type] = {
     SOURCE: JointState,
     f"{WHEEL}/slip": WheelSlip,
-    f"{WHEEL}/friction_slope": FrictionSlope,
+    f"{WHEEL}/slope_vote": SlopeVote,
     f"{WHEEL}/abs_supervisor": SupervisorState,
     f"{WHEEL}/brake_command": BrakeCommand,
 }

@@ -14,7 +14,7 @@ sample. `disagreement` is the time in which eta and the slip rate differ in sign
 chapter expects it at the beginning of hard braking and in the release; where a row says 0, there was none
 in these stops.
 
-The supervisor uses a set of its own (friction_slope.yaml), early rather than sure: what it loses against the
+The supervisor uses a set of its own (`vote` of friction_slope.yaml), early rather than sure: what it loses against the
 ideal is the build-up of torque, and releases that the noise of H triggers before the peak."""
 
 IDENTIFICATION = """The chapter prints one noisy run for each surface; a median over many runs is the fairer

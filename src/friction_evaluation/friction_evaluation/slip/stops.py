@@ -1,7 +1,7 @@
 """Stops of a car on two axles from 30 m/s with the supervisor in the loop, and the signals of its sensors.
 
 The car cruises first (the engine holds the speed on the slope), then the driver demands 1.5 times the peak torque,
-split between the wheels in proportion to their gains. Every wheel has its own friction_slope detector (no_slip) and
+split between the wheels in proportion to their gains. Every wheel has its own detector of votes and
 supervisor, with the shipped parameters. Its states command the brake without the envelope: the stops are manoeuvres
 with strong slip for the estimators, and say nothing about the supervisor. Sensor noise is drawn per run from its seed.
 """
@@ -19,8 +19,8 @@ from abs_supervisor.supervisor import Evidence, Supervisor
 from friction_evaluation.closed_loop.controller import shipped
 from friction_evaluation.closed_loop.panic_plant import DEMAND_RATIO
 from friction_evaluation.protocol import ACCELERATION_STDDEV, DT, SPEED, STEP
-from friction_slope.detector import SlopeDetector
-from friction_slope.estimate import METHODS, SlopeSample
+from friction_slope.detector import NoSlipParameters, SlopeDetector
+from friction_slope.estimate import Method, SlopeSample
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
 from vehicle_models.sensor_noise import CHAPTER_NOISE
@@ -128,7 +128,7 @@ def stops(
 
 
 class _Controller:
-    """The shipped friction_slope and abs_supervisor algorithms of one wheel."""
+    """The shipped algorithms of vote and abs_supervisor of one wheel."""
 
     def __init__(self, detector: SlopeDetector, supervisor: Supervisor) -> None:
         self._detector = detector
@@ -144,11 +144,12 @@ class _Controller:
 
 def _controllers(count: int, vehicle: Vehicle) -> list[list[_Controller]]:
     slope, supervisor = shipped()
-    method = METHODS[slope.method]
+    voting = slope.vote.detector(slope.detector)
+    no_slip = NoSlipParameters(eta_margin=slope.vote.eta_margin)
     return [
         [
             _Controller(
-                SlopeDetector(vehicle.corner(wheel.name), method, slope.detector, slope.no_slip),
+                SlopeDetector(vehicle.corner(wheel.name), Method.NO_SLIP, voting, no_slip),
                 Supervisor(supervisor.thresholds, supervisor.tolerance),
             )
             for wheel in four_wheels(vehicle)

@@ -117,4 +117,4 @@ def _detection(answers: Array, time: Array) -> Detection:
 
 def shipped_settings(imu: bool) -> Settings:
     """Return the shipped parameters, with or without an accelerometer."""
-    return Settings(SHIPPED_SLIP["wheel_slip"].parameters, SHIPPED["friction_slope_monitor"].parameters, imu)
+    return Settings(SHIPPED_SLIP["wheel_slip"].parameters, SHIPPED["friction_slope"].parameters, imu)

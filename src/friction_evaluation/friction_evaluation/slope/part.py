@@ -1,6 +1,6 @@
 """Slope sign through the peak and back, by the shipped processors wheel_slip and friction_slope.
 
-Parameters are those of friction_slope_monitor.yaml for both methods (only `method` differs) and of wheel_slip.yaml. A
+Parameters are those of friction_slope.yaml for both methods (only `method` differs) and of wheel_slip.yaml. A
 detection before the slip has truly passed the peak counts as early, and with the missed ones as infinitely late.
 
 Then cars with load transfer: the driver's stops of section 8.2.3 and ordinary braking, with what has to hold.

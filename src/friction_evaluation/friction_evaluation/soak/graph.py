@@ -10,7 +10,15 @@ from pathlib import Path
 from types import TracebackType
 
 import rclpy
-from friction_msgs.msg import BrakeCommand, ContactPatch, FrictionCurve, FrictionSlope, SupervisorState, WheelSlip
+from friction_msgs.msg import (
+    BrakeCommand,
+    ContactPatch,
+    FrictionCurve,
+    FrictionSlope,
+    SlopeVote,
+    SupervisorState,
+    WheelSlip,
+)
 from rclpy.executors import SingleThreadedExecutor
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
@@ -36,6 +44,7 @@ _PATCHES = "contact_patch"
 _KINDS: Mapping[str, type] = {
     "slip": WheelSlip,
     "friction_slope": FrictionSlope,
+    "slope_vote": SlopeVote,
     "friction_curve": FrictionCurve,
     "abs_supervisor": SupervisorState,
     "brake_command": BrakeCommand,
