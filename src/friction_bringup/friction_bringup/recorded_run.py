@@ -31,6 +31,7 @@ _COLUMNS: Mapping[str, tuple[str, ...]] = {
         *("sign", "h", "indicator", "valid", "crossings", "crossing_sign", "slip_at_crossing", "delay"),
         *("crossing_stamp.sec", "crossing_stamp.nanosec"),
     ),
+    "friction_msgs/msg/SlopeVote": ("indicator",),
     "friction_msgs/msg/FrictionCurve": ("lambda_max", "mu_max", "lambda_max_stddev", "mu_max_stddev", "mu", "valid"),
     "friction_msgs/msg/SupervisorState": (
         *("state", "demand_torque", "command", "release", "cap", "refused_releases", "caps", "valid"),
