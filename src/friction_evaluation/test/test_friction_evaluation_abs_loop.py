@@ -145,7 +145,7 @@ def test_the_demand_of_a_car_is_more_than_every_wheel_can_use() -> None:
 
 
 def test_the_law_brings_a_car_of_four_wheels_near_its_bound_without_a_lock() -> None:
-    options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", car=["four_wheels"], surface=["dry"], case=["none"])
+    options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", car=["car"], surface=["dry"], case=["none"])
     (row,) = part("abs").run(options)
     assert row["limit"] == row["bound"] - 0.01
     assert row["passed"], row["failures"]
