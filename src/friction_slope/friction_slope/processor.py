@@ -17,7 +17,7 @@ from friction_runtime.reason_text import of_wheel, set_reason
 from friction_runtime.slip_fault import slip_fault, slip_is_known, speed_is_known
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
-from friction_slope.detector import NoSlipParameters, SlopeDetector
+from friction_slope.detector import SlopeDetector
 from friction_slope.estimate import METHODS, Method, Reason, SlopeEstimate, SlopeSample
 from friction_slope.parameters import FrictionSlopeParameters
 from vehicle_models.plausible import HIGHEST_ACCELERATION
@@ -60,8 +60,8 @@ class WheelProcessor(AlignedProcessor[float]):
         self._topic = f"{wheel}/slope_vote" if votes else f"{wheel}/friction_slope"
         method, detector, no_slip = METHODS[parameters.method], parameters.detector, parameters.no_slip
         if votes:
-            method, detector = Method.NO_SLIP, parameters.vote.detector(detector)
-            no_slip = NoSlipParameters(eta_margin=parameters.vote.eta_margin)
+            vote = parameters.vote
+            method, detector, no_slip = Method.NO_SLIP, vote.detector(detector), vote.no_slip
         self._brake_torque = BrakeTorque(vehicle, wheel)
         self._pressure, self._slip = self._brake_torque.topic, f"{wheel}/slip"
         self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, self._pressure: FluidPressure}
@@ -185,14 +185,9 @@ class WheelProcessor(AlignedProcessor[float]):
         return text
 
     def _message(self, stamp: int, estimate: SlopeEstimate) -> FrictionSlope:
-        message = new_message(FrictionSlope)
-        message.header = header_at(stamp, self._wheel)
-        message.wheel = self._wheel
+        message = self._told(FrictionSlope, stamp, estimate)
         message.method = int(estimate.method)
         message.sign = estimate.sign
-        message.h = estimate.h
-        message.indicator = estimate.indicator
-        message.delay = estimate.delay
         message.crossings = estimate.crossings
         message.crossing_sign = estimate.crossing_sign
         message.slip_at_crossing = estimate.slip_at_crossing
@@ -201,14 +196,19 @@ class WheelProcessor(AlignedProcessor[float]):
         return message
 
     def _vote(self, stamp: int, estimate: SlopeEstimate) -> SlopeVote:
-        message = new_message(SlopeVote)
+        message = self._told(SlopeVote, stamp, estimate)
+        message.reason = int(estimate.reason)
+        message.reason_text = of_wheel(self._wheel, self._text)
+        return message
+
+    def _told(self, kind: type, stamp: int, estimate: SlopeEstimate) -> Any:
+        """Return a message with what estimate and vote have in common."""
+        message = new_message(kind)
         message.header = header_at(stamp, self._wheel)
         message.wheel = self._wheel
         message.h = estimate.h
         message.indicator = estimate.indicator
         message.delay = estimate.delay
-        message.reason = int(estimate.reason)
-        message.reason_text = of_wheel(self._wheel, self._text)
         return message
 
 

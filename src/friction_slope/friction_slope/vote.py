@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from friction_parameters.parameter import parameter
-from friction_slope.detector import DetectorParameters
+from friction_slope.detector import DetectorParameters, NoSlipParameters
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,11 @@ class VoteParameters:
         minimum=0.0,
         maximum=100.0,
     )
+
+    @property
+    def no_slip(self) -> NoSlipParameters:
+        """Parameters of (8.5)."""
+        return NoSlipParameters(eta_margin=self.eta_margin)
 
     def detector(self, estimate: DetectorParameters) -> DetectorParameters:
         """Return the parameters of the vote's detector: six samples show no scatter, nor a change of load."""

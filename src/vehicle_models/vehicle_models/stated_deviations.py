@@ -23,9 +23,15 @@ STATED_ABSOLUTE = {
 """Deviations of what a vehicle file does not state, in its units."""
 
 
+def stated_deviation(deviations: Deviations, name: str) -> float | None:
+    """Standard deviation of a quantity in its unit, None where its file states none."""
+    return deviations[name].stddev if name in deviations else None
+
+
 def deviation_of(deviations: Deviations, name: str, otherwise: float) -> float:
     """Standard deviation of a quantity in its unit, `otherwise` where its file states none."""
-    return deviations[name].stddev if name in deviations else otherwise
+    found = stated_deviation(deviations, name)
+    return otherwise if found is None else found
 
 
 def mass_deviation(vehicle: Vehicle) -> float:

@@ -111,8 +111,10 @@ class SlipEstimator:
 
     def _learn_radii(self, stamp: int, smooth_rim_speeds: Sequence[float], acceleration: float | None) -> None:
         """Learn from the next stretch without force; the radii are used from the next sample on."""
+        if self._calibrated:
+            return
         stretch = self._free.update(stamp, smooth_rim_speeds, acceleration, self.vehicle.offset, self._p.max_gap)
-        if stretch is None or self._calibrated:
+        if stretch is None:
             return
         with_file = [
             speed * nominal / radius

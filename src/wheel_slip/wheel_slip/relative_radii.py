@@ -19,6 +19,7 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicle_models.stated_deviations import stated_deviation
 from vehicle_models.vehicle import REAR, Vehicle
 from wheel_slip.free_rolling import Stretch
 
@@ -68,7 +69,7 @@ class RelativeRadii:
         self._names = vehicle.wheel_names
         self._half_track = 0.5 * vehicle.track
         stated = [
-            each.deviations["radius"].stddev / each.radius if "radius" in each.deviations else _UNSTATED
+            _UNSTATED if (found := stated_deviation(each.deviations, "radius")) is None else found / each.radius
             for each in wheels
         ]
         self._stddevs: Array = np.maximum(np.array(stated), _LEAST_DEVIATION)

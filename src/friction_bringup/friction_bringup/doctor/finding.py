@@ -39,6 +39,11 @@ class Finding:
     """Values for the vehicle file with their deviations, by dotted key, such as `wheels.FL.radius`."""
 
 
+def failure(check: str, subject: str, sentence: str, remedy: str) -> Finding:
+    """Return a FAIL that has no number."""
+    return Finding(check, subject, Verdict.FAIL, sentence, remedy=remedy)
+
+
 def against_file(value: float, stddev: float, stated: float, stated_stddev: float | None, least: float) -> Verdict:
     """Compare a learned value with that of the vehicle file.
 

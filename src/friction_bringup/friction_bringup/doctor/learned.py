@@ -8,6 +8,7 @@ import numpy as np
 
 from friction_bringup.doctor.finding import Finding, Verdict
 from friction_bringup.doctor.vehicle_text import with_values
+from vehicle_models.stated_deviations import stated_deviation
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -39,8 +40,7 @@ def stated_stddev(vehicle: Vehicle, key: str) -> float | None:
     """Return the deviation that the file states for a dotted key; None where it states none."""
     *path, name = key.split(".")
     part = vehicle.wheel(path[1]) if path[:1] == ["wheels"] else vehicle.accelerometer if path else vehicle
-    found = part.deviations.get(name)
-    return None if found is None else found.stddev
+    return stated_deviation(part.deviations, name)
 
 
 def learned_file(findings: Sequence[Finding], source: Path) -> str:

@@ -83,6 +83,12 @@ class Motion:
         return replace(self, rims=self.rims * factors)
 
 
+def free_rims(drive: Drive, motion: Motion) -> Array:
+    """Mean rim speed of the wheels that the engine does not drive, of all where it drives all [m/s], (N,)."""
+    free = [i for i, wheel in enumerate(drive.vehicle.wheels) if not wheel.driven] or list(range(motion.rims.shape[1]))
+    return np.asarray(motion.rims[:, free].mean(axis=1))
+
+
 def median_known(table: Array) -> Array:
     """Median of what is known in each row of (N, n), (N,); NaN where nothing is."""
     found = np.full(table.shape[0], np.nan)

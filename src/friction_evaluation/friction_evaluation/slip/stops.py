@@ -19,7 +19,7 @@ from abs_supervisor.supervisor import Evidence, Supervisor
 from friction_evaluation.closed_loop.controller import shipped
 from friction_evaluation.closed_loop.panic_plant import DEMAND_RATIO
 from friction_evaluation.protocol import ACCELERATION_STDDEV, DT, SPEED, STEP
-from friction_slope.detector import NoSlipParameters, SlopeDetector
+from friction_slope.detector import SlopeDetector
 from friction_slope.estimate import Method, SlopeSample
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
@@ -145,11 +145,10 @@ class _Controller:
 def _controllers(count: int, vehicle: Vehicle) -> list[list[_Controller]]:
     slope, supervisor = shipped()
     voting = slope.vote.detector(slope.detector)
-    no_slip = NoSlipParameters(eta_margin=slope.vote.eta_margin)
     return [
         [
             _Controller(
-                SlopeDetector(vehicle.corner(wheel.name), Method.NO_SLIP, voting, no_slip),
+                SlopeDetector(vehicle.corner(wheel.name), Method.NO_SLIP, voting, slope.vote.no_slip),
                 Supervisor(supervisor.thresholds, supervisor.tolerance),
             )
             for wheel in four_wheels(vehicle)

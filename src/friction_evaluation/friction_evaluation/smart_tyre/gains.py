@@ -112,14 +112,13 @@ def judge(recording: Recording, wheel: str, stiffness: float, known: Calibration
     turning = recording.speed * (1.0 - recording.slip[:, number]) / recording.parameters.radius[number]
     processor = TyreProcessor(wheel, CAR, SmartTyreParameters(), known)
     found: list[tuple[float, TyreForce]] = []
-    speed = _SPEED / WHEEL.radius
+    half = 0.0  # of the time that the last patch took [s]: its force is that of its middle
     for message in _messages(recording, wheel, source, turning, truth):
         for topic, answer in processor.process("", message):
             if topic.endswith("contact_patch") and answer.valid:
                 half = 0.5 * answer.length_raw / answer.wheel_speed
-                speed = half
             elif topic.endswith("tyre_force") and answer.valid:
-                found.append(((to_nanoseconds(answer.header.stamp) - _START) / NANOSECONDS - speed, answer))
+                found.append(((to_nanoseconds(answer.header.stamp) - _START) / NANOSECONDS - half, answer))
     time = np.array([when for when, _ in found])
     values = {"Fz": [m.fz for _, m in found], "Fx": [m.fx for _, m in found]}
     stddev = {"Fz": np.array([m.fz_stddev for _, m in found]), "Fx": np.array([m.fx_stddev for _, m in found])}

@@ -12,9 +12,10 @@ import numpy as np
 from friction_bringup.doctor.accelerations import ratio
 from friction_bringup.doctor.drive import IMU, Array, Drive
 from friction_bringup.doctor.finding import Finding, Verdict, against_file
-from friction_bringup.doctor.motion import Motion
+from friction_bringup.doctor.motion import Motion, free_rims
 from friction_bringup.doctor.shift import Shift, shift, stretches
 from vehicle_models.single_corner import GRAVITY
+from vehicle_models.stated_deviations import stated_deviation
 
 FLAT, CIRCUIT, UNKNOWN = "flat", "out-and-back", "unknown"
 ROADS = (UNKNOWN, FLAT, CIRCUIT)
@@ -47,8 +48,7 @@ def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift
 def against_wheels(drive: Drive, motion: Motion) -> Shift | None:
     """Return by how much the accelerometer is later than the wheels, and its reading over the car's acceleration."""
     rolls = motion.moving & ~motion.braking & np.isfinite(motion.force) & np.isfinite(motion.rims).all(axis=1)
-    free = [i for i, wheel in enumerate(drive.vehicle.wheels) if not wheel.driven] or list(range(motion.rims.shape[1]))
-    rims = motion.rims[:, free].mean(axis=1)
+    rims = free_rims(drive, motion)
     force = np.nan_to_num(without_pitch(drive, motion))
     travelled = np.cumsum(force) * motion.step - 0.5 * motion.step * force
     found = shift(motion, travelled, rims, stretches(motion, rolls, 3.0, 8.0), order=3)
@@ -107,14 +107,14 @@ def _age_and_scale(drive: Drive, compared: Shift, of_wheels: float) -> list[Find
     accelerometer = drive.vehicle.accelerometer
     stated = accelerometer.deviations
     age, doubt = compared.late, hypot(compared.late_stddev, _AGE_FLOOR)
-    verdict = against_file(age, hypot(doubt, of_wheels), accelerometer.delay, _stddev(stated, "delay"), 4e-3)
+    verdict = against_file(age, hypot(doubt, of_wheels), accelerometer.delay, stated_deviation(stated, "delay"), 4e-3)
     text = f"{1e3 * age:+.1f} ms later than the wheels, {1e3 * accelerometer.delay:.1f} ms in the file"
     learned = {"accelerometer.delay": (max(age, 0.0), doubt)} if age < 0.1 else {}
     remedy = "--write, or 'latency' in the signal map" if verdict is Verdict.WARN else ""
     findings = [Finding("skew", IMU, verdict, text, 1e3 * age, 1e3 * doubt, "ms", remedy, learned)]
     scale, doubt = compared.gain, hypot(compared.gain_stddev, _SCALE_FLOOR)
-    of_pitch = GRAVITY * (_stddev(stated, "pitch_gain") or 0.0)
-    verdict = against_file(scale, hypot(doubt, of_pitch), accelerometer.scale, _stddev(stated, "scale"), 0.02)
+    of_pitch = GRAVITY * (stated_deviation(stated, "pitch_gain") or 0.0)
+    verdict = against_file(scale, hypot(doubt, of_pitch), accelerometer.scale, stated_deviation(stated, "scale"), 0.02)
     text = f"reads {scale:.3f} of the wheels' acceleration, without pitch ({accelerometer.scale:.3f})"
     learned = {"accelerometer.scale": (scale, hypot(doubt, of_pitch))}
     remedy = "--write, or 'scale' in the signal map" if verdict is Verdict.WARN else ""
@@ -134,7 +134,9 @@ def _offset(drive: Drive, motion: Motion, gain: float, road: str) -> Finding:
     weight = motion.speed[use] if road == CIRCUIT else np.ones(int(use.sum()))
     offset, doubt = _mean(rest[use], weight)
     accelerometer = drive.vehicle.accelerometer
-    verdict = against_file(offset, doubt, accelerometer.offset, _stddev(accelerometer.deviations, "offset"), 0.05)
+    verdict = against_file(
+        offset, doubt, accelerometer.offset, stated_deviation(accelerometer.deviations, "offset"), 0.05
+    )
     text = f"reads {offset:+.3f} m/s^2 on a level road, {accelerometer.offset:+.3f} in the file"
     remedy = "take the value into the vehicle file (--write)" if verdict is Verdict.WARN else ""
     return Finding(
@@ -149,8 +151,3 @@ def _mean(values: Array, weight: Array) -> tuple[float, float]:
     down = np.bincount(parts, weight, 10)
     without = (up.sum() - up) / (down.sum() - down)
     return float(up.sum() / down.sum()), float(np.hypot(np.sqrt(9.0 * np.var(without)), 5e-3))
-
-
-def _stddev(deviations: object, name: str) -> float | None:
-    found = deviations.get(name) if hasattr(deviations, "get") else None
-    return None if found is None else float(found.stddev)

@@ -12,9 +12,10 @@ import numpy as np
 
 from friction_bringup.doctor.checks.accelerometer import WHEEL_LAG, age_of_teeth, without_pitch
 from friction_bringup.doctor.drive import Array, Drive, pressure_topic
-from friction_bringup.doctor.finding import Finding, Verdict, against_file
+from friction_bringup.doctor.finding import Finding, Verdict, against_file, failure
 from friction_bringup.doctor.motion import Motion, NDArrayBool, pressure_threshold
 from friction_bringup.doctor.shift import Shift, shift, stretches
+from vehicle_models.stated_deviations import deviation_of, stated_deviation
 from vehicle_models.vehicle import Vehicle
 
 _UNITS = {"Pa": 1.0, "kPa": 1e-3, "bar": 1e-5, "MPa": 1e-6, "mbar": 1e-2, "psi": 1.0 / 6894.76}
@@ -68,10 +69,10 @@ def _signals(drive: Drive, motion: Motion, there: list[int]) -> tuple[list[Findi
         size = float(np.nanmedian((signal - rest)[brakes]))
         if not isfinite(change) or abs(change) < 0.4:
             text = "does not brake: it does not rise and fall with the car's deceleration"
-            found.append(_fail("pressure", topic, text, "look at its sensor, and at the field in the signal map"))
+            found.append(failure("pressure", topic, text, "look at its sensor, and at the field in the signal map"))
             continue
         if change > 0.0:
-            found.append(_fail("sign", topic, "falls when the car brakes", "'sign: -1' in the signal map"))
+            found.append(failure("sign", topic, "falls when the car brakes", "'sign: -1' in the signal map"))
             pressure[:, i] *= -1.0
             rest, size = -rest, -size
         if abs(rest) > 0.1 * abs(size):
@@ -95,7 +96,7 @@ def _signals(drive: Drive, motion: Motion, there: list[int]) -> tuple[list[Findi
         if name != "Pa" and abs(log(ratio)) > _NEAR:
             topic = pressure_topic(vehicle.wheel_names[i])
             text = f"is in {name}: the car brakes {ratio:.3g} times as hard as the file expects of Pa"
-            found.append(_fail("unit", topic, text, f"'unit: {name}' in the signal map"))
+            found.append(failure("unit", topic, text, f"'unit: {name}' in the signal map"))
             pressure[:, i] /= _UNITS[name]
     return found, replace(motion, pressure=pressure), sound
 
@@ -115,7 +116,7 @@ def _correlation(x: Array, y: Array, use: NDArrayBool) -> float:
 
 def _ages(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], where: list[slice]) -> list[Finding]:
     vehicle = drive.vehicle
-    stated = vehicle.deviations.get("brake_pressure_delay")
+    stated = stated_deviation(vehicle.deviations, "brake_pressure_delay")
     found = []
     of_wheels = age_of_teeth(drive, motion)
     for i in sound:
@@ -129,7 +130,7 @@ def _ages(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
         age = accelerometer.late - (compared.late - WHEEL_LAG)
         doubt = hypot(hypot(accelerometer.late_stddev, compared.late_stddev), _AGE_FLOOR)
         delay = vehicle.brake_pressure_delay
-        verdict = against_file(age, hypot(doubt, of_wheels), delay, None if stated is None else stated.stddev, 6e-3)
+        verdict = against_file(age, hypot(doubt, of_wheels), delay, stated, 6e-3)
         text = f"{1e3 * age:+.1f} ms later than the wheels, {1e3 * delay:.1f} ms in the file"
         remedy = "--write, or 'latency' in the signal map" if verdict is Verdict.WARN else ""
         learned = {"brake_pressure_delay": (age, doubt)} if 0.0 <= age < 0.5 else {}
@@ -151,14 +152,14 @@ def _gain(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
     doubt = abs(ratio) * hypot(
         hypot(compared.gain_stddev / compared.gain, accelerometer.gain_stddev / accelerometer.gain), _GAIN_FLOOR
     )
-    mass = vehicle.deviations.get("mass")
-    stated = max((d.stddev / w.brake_gain for w in wheels if (d := w.deviations.get("brake_gain"))), default=0.0)
-    doubt_of_file = hypot(stated, 0.0 if mass is None else mass.stddev / vehicle.mass)
+    mass_stddev = deviation_of(vehicle.deviations, "mass", 0.0)
+    stated = max(deviation_of(w.deviations, "brake_gain", 0.0) / w.brake_gain for w in wheels)
+    doubt_of_file = hypot(stated, mass_stddev / vehicle.mass)
     verdict = against_file(ratio, doubt, 1.0, doubt_of_file, 0.05)
     text = f"{ratio:.3f} times the gains of the file, at its mass of {vehicle.mass:.0f} kg"
     remedy = "take the gains into the vehicle file (--write), or correct its mass" if verdict is Verdict.WARN else ""
     # gain over mass is what was measured: with another mass the gain is another
-    of_gain = hypot(doubt, 0.0 if mass is None else ratio * mass.stddev / vehicle.mass)
+    of_gain = hypot(doubt, ratio * mass_stddev / vehicle.mass)
     learned = {f"wheels.{w.name}.brake_gain": (ratio * w.brake_gain, of_gain * w.brake_gain) for w in wheels}
     found = [Finding("gain", "brakes", verdict, text, ratio, doubt, "", remedy, learned)]
     return found + _fade(motion, expected, compared, where)
@@ -193,7 +194,3 @@ def _fade(motion: Motion, expected: Array, whole: Shift, where: list[slice]) -> 
     return [
         Finding("fade", "brakes", Verdict.WARN if faded else Verdict.OK, text, 100.0 * lost, 100.0 * doubt, "%", remedy)
     ]
-
-
-def _fail(check: str, subject: str, text: str, remedy: str) -> Finding:
-    return Finding(check, subject, Verdict.FAIL, text, remedy=remedy)

@@ -11,7 +11,9 @@ import numpy as np
 from friction_bringup.doctor.drive import Array, Drive
 from friction_bringup.doctor.finding import Finding, Verdict, against_file
 from friction_bringup.doctor.motion import Motion
-from vehicle_models.vehicle import AIR_DENSITY, SharedBy
+from vehicle_models.single_corner import GRAVITY
+from vehicle_models.stated_deviations import stated_deviation
+from vehicle_models.vehicle import AIR_DENSITY, Deviations, SharedBy
 
 _LEAST = 4.0
 """Rolling time [s] below which there is no answer."""
@@ -22,7 +24,6 @@ _FLOOR = 5e-4
 """Deviation of a ratio of radii that no drive undercuts: wear, load and temperature within it."""
 _UNEQUAL = 0.01
 """Share by which a single radius may differ from the others: tyres wear unequally."""
-_GRAVITY = 9.81
 
 
 def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
@@ -36,7 +37,7 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
         reference = motion.measured if has_sensor else motion.rims.mean(axis=1)
         ratios = motion.rims / reference[:, None]
         resistance = (
-            _GRAVITY * vehicle.rolling_resistance + 0.5 * AIR_DENSITY * vehicle.drag_area * speed**2 / vehicle.mass
+            GRAVITY * vehicle.rolling_resistance + 0.5 * AIR_DENSITY * vehicle.drag_area * speed**2 / vehicle.mass
         )
         force = motion.smooth(motion.force, 0.2)
         known = use & np.isfinite(force)
@@ -51,7 +52,8 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
     driven = [wheel.driven for wheel in vehicle.wheels]
     if not has_sensor:
         free = free / np.median(free)  # one wheel that is far off does not move the others
-    common = 0.0 if has_sensor else max(_stated(wheel) or 0.01 for wheel in (w.deviations for w in vehicle.wheels))
+    stated_stddevs = [stated_deviation(wheel.deviations, "radius") for wheel in vehicle.wheels]
+    common = 0.0 if has_sensor else max(each or 0.01 for each in stated_stddevs)
     found = []
     factors = 1.0 / free
     usual = float(np.median(factors))
@@ -59,7 +61,7 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
         radius = wheel.radius * float(factors[i])
         relative = float(np.hypot(stddev[i], _FLOOR * (2.0 if driven[i] else 1.0)))
         doubt = radius * float(np.hypot(relative, common / wheel.radius))
-        stated = _stated(wheel.deviations)
+        stated = stated_stddevs[i]
         against = "the speed sensor" if has_sensor else "the other wheels"
         change = 100.0 * (factors[i] - 1.0)
         verdict = against_file(radius, radius * relative, wheel.radius, stated, 0.004 * wheel.radius)
@@ -77,13 +79,8 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
     return found, motion.with_wheel_factors(factors)
 
 
-def _stated(deviations: object) -> float | None:
-    found = deviations.get("radius") if isinstance(deviations, dict) else None
-    return None if found is None else float(found.stddev)
-
-
-def _is_own(deviations: object) -> bool:
-    found = deviations.get("radius") if isinstance(deviations, dict) else None
+def _is_own(deviations: Deviations) -> bool:
+    found = deviations.get("radius")
     return found is not None and found.shared_by is not SharedBy.ALL
 
 

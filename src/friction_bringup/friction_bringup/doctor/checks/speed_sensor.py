@@ -6,7 +6,7 @@ import numpy as np
 
 from friction_bringup.doctor.drive import SPEED, Drive
 from friction_bringup.doctor.finding import Finding, Verdict
-from friction_bringup.doctor.motion import Motion
+from friction_bringup.doctor.motion import Motion, free_rims
 from friction_bringup.doctor.shift import shift, stretches
 
 _FLOOR = 2e-3
@@ -19,8 +19,7 @@ def check(drive: Drive, motion: Motion) -> list[Finding]:
     """Return the finding; none without a speed sensor."""
     if not np.isfinite(motion.measured).any():
         return []
-    free = [i for i, wheel in enumerate(drive.vehicle.wheels) if not wheel.driven] or list(range(motion.rims.shape[1]))
-    rims = motion.rims[:, free].mean(axis=1)
+    rims = free_rims(drive, motion)
     rolls = motion.moving & ~motion.braking & np.isfinite(motion.measured) & np.isfinite(rims)
     compared = shift(motion, rims, motion.measured, stretches(motion, rolls, 2.0, 8.0))
     if compared is None or compared.late_stddev > 0.05:

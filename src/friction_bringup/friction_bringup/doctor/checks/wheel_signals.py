@@ -3,7 +3,7 @@
 import numpy as np
 
 from friction_bringup.doctor.drive import WHEEL_STATES, Drive
-from friction_bringup.doctor.finding import Finding, Verdict
+from friction_bringup.doctor.finding import Finding, failure
 from friction_bringup.doctor.motion import Motion, median_known
 
 _COPY = 0.98
@@ -21,12 +21,12 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
         rim = motion.rims[rolls, i]
         known = rim[np.isfinite(rim)]
         if not known.size:
-            found.append(_fail("wheel", name, "has no speed in wheel_states", "name its joint in the vehicle file"))
+            found.append(failure("wheel", name, "has no speed in wheel_states", "name its joint in the vehicle file"))
         elif np.ptp(known) == 0.0:
-            found.append(_fail("wheel", name, "never changes its speed", "look at its sensor"))
+            found.append(failure("wheel", name, "never changes its speed", "look at its sensor"))
         elif np.median(known) < 0.0:
             factors[i] = -1.0
-            found.append(_fail("sign", name, "turns backwards while the car drives", "'sign: -1' in the signal map"))
+            found.append(failure("sign", name, "turns backwards while the car drives", "'sign: -1' in the signal map"))
     recorded = drive.topics[WHEEL_STATES].values
     changed = np.abs(np.diff(recorded, axis=0, prepend=recorded[:1])).max(axis=1) > 0.0
     live = recorded[changed]
@@ -39,9 +39,5 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
                     f"is a copy of {first}: equal in {100.0 * (pair[:, 0] == pair[:, 1]).mean():.0f} % of the samples"
                 )
                 remedy = "give each wheel its own field in the signal map"
-                found.append(_fail("duplicate", names[j], text, remedy))
+                found.append(failure("duplicate", names[j], text, remedy))
     return found, motion.with_wheel_factors(factors)
-
-
-def _fail(check: str, subject: str, text: str, remedy: str) -> Finding:
-    return Finding(check, subject, Verdict.FAIL, text, remedy=remedy)
