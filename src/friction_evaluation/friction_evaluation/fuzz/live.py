@@ -40,6 +40,7 @@ from friction_runtime import qos
 from friction_runtime.domain import free_domain_id
 from friction_runtime.machine_load import slowdown
 from friction_runtime.processor import silent
+from friction_runtime.processor_graph import ProcessorGraph
 from friction_runtime.shipped_files import shipped_file, shipped_parameters
 from friction_runtime.stamps import header_at, to_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle
@@ -112,15 +113,16 @@ class _Trial:
     ) -> None:
         """Connect, and wait until the node is there."""
         self._name, self._processes, self._rng = name, processes, rng
-        (processor,) = make_processors({name: fuzzed_parameters()[name]}, load_vehicle(VEHICLE), silent)
-        kinds = {**processor.sensors, **processor.estimates}
-        self._inputs = [(topic, message) for topic, message in drive if topic in kinds]
-        answered = [out for topic, message in self._inputs for out in processor.process(topic, message)]
+        processors = make_processors({name: fuzzed_parameters()[name]}, load_vehicle(VEHICLE), silent)
+        without_middleware = ProcessorGraph(processors)
+        self._inputs = [(topic, message) for topic, message in drive if topic in without_middleware.inputs]
+        answered = [out for topic, message in self._inputs for out in without_middleware.feed(topic, message)]
         self._expected = {(topic, _time(message) - START): _is_valid(message) for topic, message in answered}
         self._publishers: dict[str, Publisher] = {
-            topic: qos.publish(node, kind, topic) for topic, kind in kinds.items()
+            topic: qos.publish(node, kind, topic) for topic, kind in without_middleware.inputs.items()
         }
-        self._taps = {topic: tap(node, kind, topic) for topic, kind in processor.outputs.items()}
+        outputs = [given for processor in processors for given in processor.outputs.items()]
+        self._taps = {topic: tap(node, kind, topic) for topic, kind in outputs}
         self._node = node
         self._nonsense: list[str] = []
         self._sent = 0
