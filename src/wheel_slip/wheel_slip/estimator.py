@@ -9,7 +9,7 @@ from friction_parameters import shared
 from friction_parameters.parameter import group, parameter
 from vehicle_models.plausible import HIGHEST_SLIP
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
+from wheel_slip.estimate import Mode, Reason, WheelEstimate
 from wheel_slip.free_rolling import FreeRolling
 from wheel_slip.online_radii import OnlineRadii
 from wheel_slip.relative_radii import RelativeRadii
@@ -131,7 +131,7 @@ class SlipEstimator:
     def _unlike(self, rim_speeds: Sequence[float]) -> list[float]:
         """Return how far each wheel is from the mean of all [m/s] while they roll: by curves, radii or slip."""
         known = [speed for speed in rim_speeds if isfinite(speed)]
-        if self.vehicle.source is not SpeedSource.WHEELS or not known:
+        if self.vehicle.mode is not Mode.ROLLING or not known:
             return [0.0] * len(rim_speeds)
         mean = sum(known) / len(known)
         return [speed - mean if isfinite(speed) else 0.0 for speed in rim_speeds]
@@ -139,17 +139,17 @@ class SlipEstimator:
     def _motion(self) -> "_Motion":
         """Return the motion of the car, with the reason if no wheel can have a slip."""
         vehicle, lowest = self.vehicle, self._p.minimum_speed
-        source = vehicle.source
+        mode = vehicle.mode
         if self._units.text:
-            return _Motion((nan, nan), (nan, nan), nan, SpeedSource.NONE, Reason.BAD_INPUT, self._units.text)
-        if source is SpeedSource.NONE:
+            return _Motion((nan, nan), (nan, nan), nan, Mode.WAITING, Reason.BAD_INPUT, self._units.text)
+        if mode is Mode.WAITING:
             text = "no vehicle speed: no sensor, and the wheels have not shown to roll yet"
-            return _Motion((nan, nan), (nan, nan), nan, source, Reason.NO_SPEED, text)
+            return _Motion((nan, nan), (nan, nan), nan, mode, Reason.NO_SPEED, text)
         speed, acceleration = (vehicle.speed, vehicle.variance), (vehicle.acceleration, vehicle.acceleration_variance)
         if vehicle.speed < lowest:
             text = f"vehicle speed is below {lowest} m/s"
-            return _Motion(speed, acceleration, vehicle.stated_variance, source, Reason.LOW_SPEED, text)
-        return _Motion(speed, acceleration, vehicle.stated_variance, source, Reason.OK, "")
+            return _Motion(speed, acceleration, vehicle.stated_variance, mode, Reason.LOW_SPEED, text)
+        return _Motion(speed, acceleration, vehicle.stated_variance, mode, Reason.OK, "")
 
     def _estimate(
         self,
@@ -160,7 +160,7 @@ class SlipEstimator:
         unlike: float,
         radius_variance: float,
     ) -> WheelEstimate:
-        car_speed, car_acceleration, _, source, reason, text = car
+        car_speed, car_acceleration, _, mode, reason, text = car
         omega = (wheel.speed, wheel.speed_variance)
         slip_found = rate = variance = rate_variance = nan
         if not isfinite(measured):
@@ -185,7 +185,7 @@ class SlipEstimator:
                 rate = slip_rate(car_speed[0], car_acceleration[0], omega[0], omega_dot[0], radius)
                 rate_variance = slip_rate_variance(car_speed, car_acceleration, omega, omega_dot, radius)
         return WheelEstimate(
-            slip_found, rate, car_speed[0], omega[0], variance, rate_variance, car.stated, source, reason, text
+            slip_found, rate, car_speed[0], omega[0], variance, rate_variance, car.stated, mode, reason, text
         )
 
 
@@ -196,6 +196,6 @@ class _Motion(NamedTuple):
     acceleration: tuple[float, float]
     stated: float
     """Variance of the speed with that of the radii [m^2/s^2]."""
-    source: SpeedSource
+    mode: Mode
     reason: Reason
     text: str

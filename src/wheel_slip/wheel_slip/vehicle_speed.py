@@ -1,11 +1,9 @@
-"""Vehicle speed from wheels, accelerometer and speed sensor: which of them is trusted when.
+"""Vehicle speed from wheels, accelerometer and speed sensor: what is done in each mode (mode.py).
 
 - While the car rolls, the wheels correct the speed and the accelerometer's offset is learned. A wheel sample is used
-  only `_BELIEF_LAG` after its stamp, at its own time, when nothing has shown that a slide had begun.
-- While it slides, the corrected acceleration is integrated; the wheels are bounds: braked wheels are no faster than the
-  car, driven ones no slower. The offset is no longer observed, so its uncertainty, and the speed's, grow with the road.
-  A braked wheel that comes close to the integrated speed confirms it, and limits that uncertainty without moving it.
-  One that the road carries for a moment, released by the brake, corrects it as far as integration alone has erred.
+  only `belief_lag` after its stamp, at its own time, when nothing has shown that a slide had begun.
+- While it slides, the corrected acceleration is integrated and the wheels are bounds (wheel_bounds.py). The offset is
+  no longer observed, so its uncertainty, and the speed's, grow with the road.
 - A speed sensor corrects in either mode, at its own time, and starts the estimate at once.
 """
 
@@ -20,12 +18,13 @@ from friction_parameters.parameter import group, parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.carried_wheels import CarriedWheels
-from wheel_slip.estimate import SpeedSource
-from wheel_slip.slide_detector import SlideDetector, SlideParameters
+from wheel_slip.estimate import SOURCES, Mode, SpeedSource
+from wheel_slip.mode import Cause, SlideParameters, transition
+from wheel_slip.slide_detector import SlideDetector
 from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.stuck_sensor import StuckSensor
+from wheel_slip.wheel_bounds import BoundParameters, WheelBounds
 
 _LOST_AFTER: Final = 1 * NANOSECONDS
 """Time without any sample [ns] after which the estimate starts again."""
@@ -37,20 +36,12 @@ _BLIND_STDDEV: Final = 0.1
 """Standard deviation of the speed where encoders read zero, as they do below about this rim speed [m/s]."""
 _AT_REST: Final = 1.0
 """Largest apparent acceleration of a car that stands [m/s^2]."""
-_BOUND_MARGIN: Final = 0.02
-"""Share of the speed by which wheels may pass the bound: radii and torsional vibration."""
 _SURPRISE: Final = 0.6
 """Mean innovation over its standard deviation that noise does not reach in hours: the road has changed its slope."""
 _SURPRISE_TIME: Final = 0.2
 """Time over which that innovation is averaged [s]."""
 _DOUBT: Final = 0.05
 """Standard deviation of the offset after such a change [m/s^2]."""
-_CLOSE: Final = 0.1
-"""Slip below which a wheel confirms the integrated speed, to half of that share."""
-_STANDING: Final = 0.5
-"""Time [s] over which the slip of a carried wheel counts as one error: longer than a supervisor leaves it released."""
-_PLAUSIBLE: Final = 3.0
-"""Standard deviations by which a carried wheel may differ from the integrated speed."""
 _EFFORT: Final = 0.7
 """Acceleration from which on the slip of rolling wheels hides what the road does to the offset [m/s^2]."""
 _STEP_AGO: Final = 0.3
@@ -59,10 +50,6 @@ _DOUBT_EVERY: Final = round(0.5 * NANOSECONDS)
 """Time that a doubt of the offset needs to be settled [ns]."""
 _FREE: Final = 0.3
 """Acceleration by drag and slope, for which tyres need no slip to speak of [m/s^2]."""
-_SPRING_BACK: Final = 0.1
-"""Time for which wheels must be beyond the bound [s]: released tyres spring back and turn them faster than the car."""
-_BOUND_LATENCY: Final = 0.03
-"""Time [s] by which wheel speeds may be older than the acceleration."""
 
 
 @dataclass(frozen=True)
@@ -84,6 +71,7 @@ class VehicleSpeedParameters:
     )
     speed_filter: SpeedFilterParameters = group(SpeedFilterParameters())
     slide: SlideParameters = group(SlideParameters())
+    bounds: BoundParameters = group(BoundParameters())
 
 
 class VehicleSpeed:
@@ -102,7 +90,13 @@ class VehicleSpeed:
         self._filter = SpeedFilter(parameters.speed_filter, _gain_stddev(vehicle))
         self._radius_share = _radius_share(vehicle)
         self._slide = SlideDetector(parameters.slide, [wheel.driven for wheel in vehicle.wheels])
-        self._carried = CarriedWheels(len(vehicle.wheels), self._rim_speed_variance)
+        self._bounds = WheelBounds(
+            parameters.bounds,
+            len(vehicle.wheels),
+            self._rim_speed_variance,
+            parameters.slip_per_acceleration,
+            _BLIND_SPEED,
+        )
         self._repetition = StuckSensor()
         self.reset()
 
@@ -110,15 +104,17 @@ class VehicleSpeed:
         """Forget everything."""
         self._filter.reset()
         self._slide.reset()
-        self._carried.reset()
+        self._bounds.reset()
         self._repetition.reset()
         self.accelerometer_is_stuck = False
         """Whether the accelerometer is left out because it repeats one value that every wheel contradicts."""
-        self.source = SpeedSource.NONE
-        """Where the speed comes from at the last sample."""
+        self.mode = Mode.WAITING
+        """Mode at the last sample."""
+        self.cause = Cause.STARTED
+        """Why it was entered."""
+        self._since: int | None = None
         self._sensor_stamp: int | None = None
         self._surprise = 0.0
-        self._beyond = 0.0
         self._doubted: int | None = None
         self._not_yet_believed: deque[tuple[int, float, float, float]] = deque()
         self._last: int | None = None
@@ -182,49 +178,89 @@ class VehicleSpeed:
         if self._last is not None and stamp - self._last > _LOST_AFTER:
             self.reset()
         dt = (stamp - self._last) / NANOSECONDS if self._last is not None else _SLIP_CORRELATION
-        started = self.source is not SpeedSource.NONE
+        self._last = stamp
+        if self._leave_out(stamp, acceleration):
+            acceleration = None
+        self._predict(stamp, acceleration, smooth_rim_speeds, rim_accelerations)
+        if measured:
+            self._sensor_stamp = measured[-1].stamp
+        starting = self.mode is Mode.WAITING
+        at_wheels = self._at_wheels(rim_speeds)
+        self._change_mode(stamp, smooth_rim_speeds, at_wheels is not None)
+        if self.mode is not Mode.WAITING:
+            for sample in measured:
+                self._use_sensor(sample, starting)
+                starting = False
+        # Without an accelerometer only a speed sensor can distinguish a slide from braking.
+        if self.mode is Mode.ROLLING or (self.mode is Mode.SENSOR_ROLLING and acceleration is not None):
+            self._use_wheels(stamp, dt, at_wheels, starting)
+        else:
+            self._not_yet_believed.clear()
+            self._surprise = 0.0
+            a = self._slide.acceleration
+            if self.mode is not Mode.WAITING and a is not None:
+                self._bounds.use(self._filter, dt, rim_speeds, a, _SLIP_CORRELATION)
+
+    def _leave_out(self, stamp: int, acceleration: float | None) -> bool:
+        """Whether the accelerometer repeats one value by which no wheel rolls; noted for diagnostics."""
         self.accelerometer_is_stuck = self._repetition.repeats(stamp, acceleration) and (
             self.accelerometer_is_stuck or not any(self._slide.rolling)
         )
-        if self.accelerometer_is_stuck:
-            acceleration = None
+        return self.accelerometer_is_stuck
+
+    def _predict(
+        self,
+        stamp: int,
+        acceleration: float | None,
+        smooth_rim_speeds: Sequence[float],
+        rim_accelerations: Sequence[float],
+    ) -> None:
+        """Go to the sample, and judge the wheels there."""
+        started = self.mode is not Mode.WAITING
         effort = abs(self._slide.acceleration or 0.0)
-        self._filter.predict(stamp, acceleration, observed=not (started and (self._slide.sliding or effort > _EFFORT)))
-        integrated = (self._filter.speed, sqrt(self._filter.speed_variance)) if started else None
-        slid = self._slide.sliding
-        corrected = None if acceleration is None else acceleration - self._filter.offset
-        offset_stddev = sqrt(self._filter.offset_variance)
+        self._filter.predict(stamp, acceleration, observed=not (started and (self._is_sliding or effort > _EFFORT)))
         self._slide.update(
-            stamp, smooth_rim_speeds, rim_accelerations, corrected, acceleration, offset_stddev, integrated
+            stamp,
+            smooth_rim_speeds,
+            rim_accelerations,
+            None if acceleration is None else acceleration - self._filter.offset,
+            acceleration,
+            sqrt(self._filter.offset_variance),
+            (self._filter.speed, sqrt(self._filter.speed_variance)) if started else None,
         )
+
+    def _change_mode(self, stamp: int, smooth_rim_speeds: Sequence[float], speed_at_wheels: bool) -> None:
+        """Make the transition of this sample, and what comes with it."""
+        before, slid = self.mode, self._is_sliding
+        evidence = self._slide.evidence(self._sensor_is_fresh(stamp), speed_at_wheels)
+        self.mode, cause = transition(before, evidence, self._p.slide)
         self._doubt_road(stamp)
-        if slid and not self._slide.sliding and started and not self._sensor_is_fresh(stamp):
-            self._return_to_wheels(smooth_rim_speeds)
-        for sample in measured:
-            self._use_sensor(sample)
-        # Without an accelerometer only a speed sensor can distinguish a slide from braking.
-        if self._slide.sliding or (acceleration is None and self._sensor_is_fresh(stamp)):
-            self._not_yet_believed.clear()
-            self._surprise = 0.0
-            if self.source is not SpeedSource.NONE:
-                self._bound(dt, rim_speeds)
-                self._believe_carried(dt, rim_speeds)
-        else:
-            self._carried.reset()
-            self._use_wheels(stamp, dt, rim_speeds)
-        self._last = stamp
-        if self.source is not SpeedSource.NONE:
-            without_sensor = SpeedSource.INTEGRATED if self._slide.sliding else SpeedSource.WHEELS
-            self.source = SpeedSource.SENSOR if self._sensor_is_fresh(stamp) else without_sensor
+        if cause is Cause.NONE:
+            return
+        self.cause, self._since = cause, stamp
+        if self._is_sliding and not slid:
+            self._slide.begin_slide()
+            self._bounds.begin_slide()
+        elif self.mode is Mode.ROLLING and before is Mode.SLIDING:
+            self._return_to_wheels(smooth_rim_speeds, cause)
+
+    @property
+    def source(self) -> SpeedSource:
+        """Where the speed comes from at the last sample."""
+        return SOURCES[self.mode]
+
+    @property
+    def _is_sliding(self) -> bool:
+        return self.mode in (Mode.WAITING, Mode.SLIDING, Mode.SENSOR_SLIDING)
 
     def health_values(self, stamp: int) -> dict[str, str]:
         """Texts for diagnostics at a stamp [ns], by name."""
         known, slide = self._filter, self._slide
-        since = slide.since
-        time_in_mode = (stamp - since) / NANOSECONDS if since is not None else 0.0
+        time_in_mode = (stamp - self._since) / NANOSECONDS if self._since is not None else 0.0
         return {
             "speed source": self.source.name.lower(),
-            "mode": "sliding" if slide.sliding else "rolling",
+            "mode": self.mode.name.lower(),
+            "cause of the mode": self.cause.value,
             "time in mode [s]": f"{time_in_mode:.1f}",
             "wheel disagreement [m/s]": f"{slide.spread:.3f}",
             "vehicle speed [m/s]": f"{known.speed:.3f}",
@@ -237,36 +273,42 @@ class VehicleSpeed:
         timeout = self._p.sensor_timeout * NANOSECONDS
         return self._sensor_stamp is not None and stamp - self._sensor_stamp <= timeout
 
-    def _use_sensor(self, sample: SpeedSample) -> None:
-        if self.source is SpeedSource.NONE:
+    def _use_sensor(self, sample: SpeedSample, starting: bool) -> None:
+        if starting:
             self._filter.start(sample.speed, sample.variance)
         else:
             self._filter.correct(sample.speed, sample.variance, sample.stamp)
-        self._sensor_stamp = sample.stamp
-        self.source = SpeedSource.SENSOR
 
-    def _use_wheels(self, stamp: int, dt: float, rim_speeds: Sequence[float]) -> None:
+    def _at_wheels(self, rim_speeds: Sequence[float]) -> tuple[float, int] | None:
+        """Return the mean of the wheels that are believed [m/s] and how many they are; None where they tell nothing."""
         believed = [rim_speeds[index] for index in self._slide.believed() if isfinite(rim_speeds[index])]
-        if believed:
-            speed = sum(believed) / len(believed)
-            a = self._slide.acceleration or 0.0
-            blind = abs(speed) < _BLIND_SPEED
-            if not blind or abs(a) < _AT_REST:
-                slip = self._p.slip_per_acceleration * speed * min(abs(a), _FREE)
-                many = max(_SLIP_CORRELATION / dt, 1.0)
-                noise = _BLIND_STDDEV**2 * many if blind else self._rim_speed_variance / len(believed)
-                variance = noise + slip**2 * many
-                self._not_yet_believed.append((stamp, speed, variance, self._effort()))
-        if self.source is SpeedSource.NONE and self._not_yet_believed:
-            _, speed, variance, effort = self._not_yet_believed.pop()
-            slip = self._p.speed_filter.compliance_stddev * effort
-            self._filter.start(speed * (1.0 + self._p.speed_filter.compliance * effort), variance + (slip * speed) ** 2)
-            self._not_yet_believed.clear()
-            self.source = SpeedSource.WHEELS
+        if not believed:
+            return None
+        speed = sum(believed) / len(believed)
+        blind = abs(speed) < _BLIND_SPEED and abs(self._slide.acceleration or 0.0) >= _AT_REST
+        return None if blind else (speed, len(believed))
+
+    def _use_wheels(self, stamp: int, dt: float, at_wheels: tuple[float, int] | None, starting: bool) -> None:
+        if at_wheels is not None:
+            speed, count = at_wheels
+            slip = self._p.slip_per_acceleration * speed * min(abs(self._slide.acceleration or 0.0), _FREE)
+            many = max(_SLIP_CORRELATION / dt, 1.0)
+            noise = _BLIND_STDDEV**2 * many if abs(speed) < _BLIND_SPEED else self._rim_speed_variance / count
+            variance, effort = noise + slip**2 * many, self._effort()
+            if starting:
+                self._start_at_wheels(speed, variance, effort)
+            else:
+                self._not_yet_believed.append((stamp, speed, variance, effort))
         while self._not_yet_believed and self._not_yet_believed[0][0] <= stamp - _BELIEF_LAG:
             when, speed, variance, effort = self._not_yet_believed.popleft()
             if self._filter.correct(speed, variance, when, effort):
                 self._watch_offset(dt)
+
+    def _start_at_wheels(self, speed: float, variance: float, effort: float) -> None:
+        """Take the speed from wheels that slip by an effort, as far as that is known."""
+        p = self._p.speed_filter
+        slip = p.compliance_stddev * effort
+        self._filter.start(speed * (1.0 + p.compliance * effort), variance + (slip * speed) ** 2)
 
     def _doubt_road(self, stamp: int) -> None:
         """Where wheels that turn alike and accelerometer differ for long, the road may have changed its slope."""
@@ -274,7 +316,7 @@ class VehicleSpeed:
         if not mismatch or (self._doubted is not None and stamp - self._doubted <= _DOUBT_EVERY):
             return
         self._doubted = stamp
-        if self._slide.sliding:
+        if self._is_sliding:
             self._filter.doubt_road(mismatch**2)
         else:
             self._filter.doubt_past_offset(mismatch**2, _STEP_AGO)
@@ -290,7 +332,7 @@ class VehicleSpeed:
             return 0.0
         return -copysign(max(min(abs(a), abs(force)) - _FREE, 0.0), a)
 
-    def _return_to_wheels(self, smooth_rim_speeds: Sequence[float]) -> None:
+    def _return_to_wheels(self, smooth_rim_speeds: Sequence[float], cause: Cause) -> None:
         """Take the speed from the wheels.
 
         The error of the integration is not attributed to the offset: lag and scale of the accelerometer may have caused
@@ -299,15 +341,12 @@ class VehicleSpeed:
         believed = [smooth_rim_speeds[index] for index in self._slide.believed()]
         if not believed:
             believed = [speed for speed in smooth_rim_speeds if isfinite(speed)]
-        speed = median(believed)
-        effort = self._effort()
-        if self._slide.agreed:
+        speed, effort = median(believed), self._effort()
+        if cause is Cause.AGREED:
             self._filter.correct(speed, self._rim_speed_variance, None, effort)
         else:
-            p = self._p.speed_filter
-            slip = p.compliance_stddev * effort
-            self._filter.start(speed * (1.0 + p.compliance * effort), self._rim_speed_variance + (slip * speed) ** 2)
-        if self._slide.contradicted:
+            self._start_at_wheels(speed, self._rim_speed_variance, effort)
+        if cause is Cause.AGAINST_ACCELEROMETER:
             self._filter.doubt_offset(self._p.speed_filter.offset_stddev**2)
 
     def _watch_offset(self, dt: float) -> None:
@@ -315,49 +354,6 @@ class VehicleSpeed:
         self._surprise += min(dt / _SURPRISE_TIME, 1.0) * (self._filter.surprise - self._surprise)
         if abs(self._surprise) > _SURPRISE:
             self._filter.doubt_offset(_DOUBT**2)
-
-    def _bound(self, dt: float, rim_speeds: Sequence[float]) -> None:
-        """Keep the speed above braked and below driven wheels; two of them must agree, for one may vibrate or fail."""
-        a = self._slide.acceleration
-        known = sorted(speed for speed in rim_speeds if abs(speed) > _BLIND_SPEED)
-        if a is None or not known:
-            return
-        noise = 3.0 * sqrt(self._rim_speed_variance)
-        margin = _BOUND_MARGIN * abs(self._filter.speed) + _BOUND_LATENCY * abs(a) + noise
-        second = min(1, len(known) - 1)
-        many = max(_SLIP_CORRELATION / dt, 1.0)
-        if len(known) == 1 < len(rim_speeds):
-            # Where the others are blind, it may be stuck at the speed of a car that has become slow with them.
-            likely = _PLAUSIBLE * sqrt(self._filter.speed_variance) + margin
-            if abs(known[0] - self._filter.speed) > likely:
-                return
-        beyond = 0.0
-        if a < -1.0:
-            beyond = known[-1 - second] - margin - self._filter.speed
-            if known[-1 - second] > (1.0 - _CLOSE) * self._filter.speed:
-                self._filter.limit((0.5 * _CLOSE * self._filter.speed) ** 2 + margin**2)
-        elif a > 1.0:
-            beyond = self._filter.speed - known[second] - margin
-        self._beyond = self._beyond + dt if beyond > 0.0 else 0.0
-        if self._beyond >= _SPRING_BACK:
-            self._filter.correct(self._filter.speed - copysign(beyond, a), margin**2 * many)
-
-    def _believe_carried(self, dt: float, rim_speeds: Sequence[float]) -> None:
-        """Correct the speed by the fastest wheel that the road carries, if it is where the speed may be.
-
-        That is judged, and corrected, as on a road that keeps its slope: wheels may also stand still in a slip, and the
-        more the road may have done meanwhile the more of that would pass for the speed.
-        """
-        car, a = self._filter, self._slide.acceleration
-        if a is None:
-            return
-        gaps = self._carried.update(dt, rim_speeds, car.speed)
-        if gaps:
-            gap = max(gaps)
-            slip = self._p.slip_per_acceleration * car.speed * a
-            variance = self._carried.gap_variance(dt) + slip**2
-            if gap**2 < _PLAUSIBLE**2 * (car.steady_road_variance + variance):
-                car.believe(car.speed + gap, variance * max(_STANDING / dt, 1.0))
 
 
 def _gain_stddev(vehicle: Vehicle) -> float | None:
