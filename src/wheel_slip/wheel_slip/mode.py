@@ -84,6 +84,20 @@ class SlideParameters:
     spread_at_rest: float = parameter(
         0.3, "what they may differ by besides: quantisation", unit="m/s", minimum=0.0, maximum=5.0
     )
+    blind_below: float = parameter(
+        0.6,
+        "rim speed below which an encoder reads zero, and a wheel may be locked",
+        unit="m/s",
+        minimum=0.0,
+        maximum=5.0,
+    )
+    strongest: float = parameter(
+        14.0,
+        "without an accelerometer: change of rim speed above which a wheel slides",
+        unit="m/s^2",
+        minimum=1.0,
+        maximum=100.0,
+    )
 
     def __post_init__(self) -> None:
         """Refuse thresholds in the wrong order."""

@@ -15,34 +15,30 @@ from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 from wheel_slip.mode import Evidence, SlideParameters
-from wheel_slip.slope_watch import STEEPEST, SlopeWatch
+from wheel_slip.slope_watch import SlopeParameters, SlopeWatch
 
 _NOT: Final = -1.0
 """Time [s] of what is not so."""
 _LAG: Final = 0.015
 """Time constant [s] that gives the acceleration the lag of the wheel filter."""
-_BLIND: Final = 0.6
-"""Rim speed [m/s] below which a wheel may as well be locked."""
-_FORCELESS: Final = 0.6
-"""Force of all tyres over the mass of the car [m/s^2] below which they have no slip to speak of."""
-_STRONGEST: Final = 14.0
-"""Without an accelerometer a wheel that changes faster [m/s^2] does not roll."""
 
 
 class SlideDetector:
     """The wheels of one car."""
 
-    def __init__(self, parameters: SlideParameters, driven: Sequence[bool]) -> None:
+    def __init__(self, parameters: SlideParameters, slope: SlopeParameters, driven: Sequence[bool]) -> None:
         """Start without samples.
 
         Args:
-            parameters: parameters of the detector.
+            parameters: when a wheel rolls.
+            slope: what a road may do.
             driven: which wheels the engine drives. All and none come to the same: no wheel is freer than another.
         """
         self._p = parameters
         self._free = [index for index, by_engine in enumerate(driven) if not by_engine]
         self._all = list(range(len(driven)))
-        self.slope = SlopeWatch()
+        self._road = slope
+        self.slope = SlopeWatch(slope)
         self.reset()
 
     def reset(self) -> None:
@@ -90,8 +86,8 @@ class SlideDetector:
         while len(history) > 2 and history[1][0] <= begin:
             history.popleft()
         self._allowed = self._p.threshold + 2.0 * offset_stddev * self._p.window
-        if specific_force is not None and abs(specific_force) < _FORCELESS:
-            self._allowed += STEEPEST * self._p.window
+        if specific_force is not None and abs(specific_force) < self._road.forceless:
+            self._allowed += self._road.steepest * self._p.window
         middle = 0.5 * (known[(len(known) - 1) // 2] + known[len(known) // 2]) if known else nan
         self._watch_slope(stamp, rim_speeds, middle)
         self.rolling = self._roll(rim_speeds, rim_accelerations, middle)
@@ -119,7 +115,7 @@ class SlideDetector:
         self._travelled += 0.5 * dt * (before + self.acceleration)
 
     def _watch_slope(self, stamp: int, rim_speeds: Sequence[float], middle: float) -> None:
-        known = self.acceleration is not None and abs(middle) > _BLIND
+        known = self.acceleration is not None and abs(middle) > self._p.blind_below
         alike = known and self.spread <= self._likeness(middle)
         begin, travelled, before = self._history[0]
         time = (stamp - begin) / NANOSECONDS
@@ -135,7 +131,7 @@ class SlideDetector:
         alike = self._likeness(middle)
         if self.acceleration is None:
             return [
-                abs(speed - middle) <= alike and abs(rate) < _STRONGEST
+                abs(speed - middle) <= alike and abs(rate) < self._p.strongest
                 for speed, rate in zip(rim_speeds, rim_accelerations, strict=True)
             ]
         _, travelled, before = self._history[0]
@@ -185,7 +181,7 @@ class SlideDetector:
         """Note since when the wheels turn alike and hardly change."""
         allowed = self._likeness(middle)
         alike = [index for index in judged if abs(rim_speeds[index] - middle) <= allowed]
-        if not judged or len(alike) < len(judged) or abs(middle) <= _BLIND:
+        if not judged or len(alike) < len(judged) or abs(middle) <= self._p.blind_below:
             self._steady_from = None
         elif self._steady_from is None:
             self._steady_from = (stamp, middle)

@@ -29,14 +29,8 @@ _HISTORY: Final = 1 * NANOSECONDS
 """How far back [ns] a measurement can be used."""
 _FIRST_SPEED_VARIANCE: Final = 1e6
 """Variance of an unknown speed [m^2/s^2]."""
-_ACCELERATION_WALK: Final = 30.0**2
-"""Density of the change of acceleration without an accelerometer [m^2/s^5]: 10 m/s^2 in 0.1 s."""
-_UNKNOWN_ACCELERATION_VARIANCE: Final = 25.0
-"""Variance of the acceleration when the accelerometer has just gone, or over a gap [m^2/s^4]."""
 _GAP: Final = 0.1
 """Longer steps between samples are gaps [s]."""
-_TELLING: Final = 0.7
-"""Acceleration from which on it tells of the gain [m/s^2]: wheels do not follow noise, which looks like a gain of 0."""
 _NOTHING = (0.0, 0.0, 0.0)
 _ALL: Final = range(4)
 
@@ -77,6 +71,27 @@ class SpeedFilterParameters:
     compliance_stddev: float = parameter(0.03, "its standard deviation", unit="s^2/m", minimum=1e-4, maximum=0.1)
     compliance_time: float = parameter(
         2.0, "time in which it changes: the road, and how near the peak is", unit="s", minimum=0.1, maximum=100.0
+    )
+    telling: float = parameter(
+        0.7,
+        "acceleration from which on it tells of gain and slip: less is noise, which looks like a gain of 0",
+        unit="m/s^2",
+        minimum=0.0,
+        maximum=10.0,
+    )
+    acceleration_walk: float = parameter(
+        30.0,
+        "without an accelerometer: change of the acceleration in the square root of a second, 10 m/s^2 in 0.1 s",
+        unit="m/s^2",
+        minimum=0.1,
+        maximum=1000.0,
+    )
+    unknown_acceleration: float = parameter(
+        5.0,
+        "deviation of the acceleration when the accelerometer has just gone, or over a gap",
+        unit="m/s^2",
+        minimum=0.1,
+        maximum=50.0,
     )
 
 
@@ -162,13 +177,13 @@ class SpeedFilter:
             p = self._parameters
             walk, noise = p.offset_walk**2, p.acceleration_stddev**2
             if measured is None:
-                walk, noise = _ACCELERATION_WALK, 0.0
+                walk, noise = p.acceleration_walk**2, 0.0
             change = dt * (measured or 0.0)
             driving = change - dt * self.offset
             self.speed += driving * (1.0 if measured is None else 1.0 - self.gain)
             self._predict_covariance(dt, walk)
             self._p[0][0] += dt * dt * noise
-            if measured is not None and abs(measured - self.offset) > _TELLING:
+            if measured is not None and abs(measured - self.offset) > p.telling:
                 self._unseen_gain -= driving
             if observed:
                 self._see()
@@ -176,7 +191,7 @@ class SpeedFilter:
                 self._unseen = _predicted(self._unseen, dt, p.blind_offset_walk**2)
             self._travelled += change
             if dt > _GAP:
-                self._p[0][0] += _UNKNOWN_ACCELERATION_VARIANCE * dt**2
+                self._p[0][0] += p.unknown_acceleration**2 * dt**2
         self._measured = measured
         self._history.append((stamp, self._travelled))
         while self._history[0][0] < stamp - _HISTORY:
@@ -246,7 +261,7 @@ class SpeedFilter:
         driving = travelled - age * self.offset
         then = self.speed - driving * self._scale
         rolling = 1.0 - self.compliance * effort
-        by_gain = rolling * driving if abs(driving) > _TELLING * age else 0.0
+        by_gain = rolling * driving if abs(driving) > self._parameters.telling * age else 0.0
         h = (rolling, rolling * age, by_gain, -then * effort)
         ph = [sum(p[i][j] * h[j] for j in _ALL) for i in _ALL]
         total = sum(h[i] * ph[i] for i in _ALL) + variance
@@ -326,7 +341,7 @@ class SpeedFilter:
         if measured is None:
             self._kept = (self.offset, self._p[1][1])
             self.offset -= self._measured or 0.0
-            self._forget(1, _UNKNOWN_ACCELERATION_VARIANCE)
+            self._forget(1, self._parameters.unknown_acceleration**2)
         else:
             self.offset, variance = self._kept
             self._forget(1, variance)

@@ -21,35 +21,52 @@ from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
 from wheel_slip.mode import Cause, SlideParameters, transition
 from wheel_slip.slide_detector import SlideDetector
+from wheel_slip.slope_watch import SlopeParameters
 from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.stuck_sensor import StuckSensor
 from wheel_slip.wheel_bounds import BoundParameters, WheelBounds
 
-_LOST_AFTER: Final = 1 * NANOSECONDS
-"""Time without any sample [ns] after which the estimate starts again."""
-_BELIEF_LAG: Final = round(0.1 * NANOSECONDS)
-_SLIP_CORRELATION: Final = 0.1
-"""Time [s] over which the slip of a rolling wheel counts as one error, not many."""
-_BLIND_SPEED: Final = 0.6
-_BLIND_STDDEV: Final = 0.1
-"""Standard deviation of the speed where encoders read zero, as they do below about this rim speed [m/s]."""
-_AT_REST: Final = 1.0
-"""Largest apparent acceleration of a car that stands [m/s^2]."""
-_SURPRISE: Final = 0.6
-"""Mean innovation over its standard deviation that noise does not reach in hours: the road has changed its slope."""
-_SURPRISE_TIME: Final = 0.2
-"""Time over which that innovation is averaged [s]."""
-_DOUBT: Final = 0.05
-"""Standard deviation of the offset after such a change [m/s^2]."""
-_EFFORT: Final = 0.7
-"""Acceleration from which on the slip of rolling wheels hides what the road does to the offset [m/s^2]."""
-_STEP_AGO: Final = 0.3
-"""Age of a step of the road's slope when wheels and accelerometer are seen to differ [s]."""
-_DOUBT_EVERY: Final = round(0.5 * NANOSECONDS)
-"""Time that a doubt of the offset needs to be settled [ns]."""
-_FREE: Final = 0.3
-"""Acceleration by drag and slope, for which tyres need no slip to speak of [m/s^2]."""
+_AT_REST: Final = 2.5
+"""Deviations of the offset that a car reads at most while it stands."""
+
+
+@dataclass(frozen=True)
+class RollingParameters:
+    """How the wheels are believed while the car rolls."""
+
+    lag: float = parameter(
+        0.1,
+        "a wheel sample is used this long after its stamp, where nothing has shown a slide",
+        unit="s",
+        minimum=0.0,
+        maximum=0.5,
+    )
+    correlation: float = parameter(
+        0.1, "time over which the slip of a rolling wheel is one error, not many", unit="s", minimum=0.001, maximum=10.0
+    )
+    forceless: float = parameter(
+        0.3,
+        "acceleration by drag and slope, for which tyres need no slip to speak of",
+        unit="m/s^2",
+        minimum=0.0,
+        maximum=2.0,
+    )
+    blind_stddev: float = parameter(
+        0.1, "standard deviation of the speed where encoders read zero", unit="m/s", minimum=0.001, maximum=5.0
+    )
+    surprise: float = parameter(
+        0.6,
+        "mean innovation over its deviation that noise does not reach in hours: the offset has changed",
+        minimum=0.1,
+        maximum=10.0,
+    )
+    surprise_time: float = parameter(
+        0.2, "time over which that innovation is averaged", unit="s", minimum=0.01, maximum=10.0
+    )
+    doubt: float = parameter(
+        0.05, "standard deviation of the offset after such a change", unit="m/s^2", minimum=0.0, maximum=5.0
+    )
 
 
 @dataclass(frozen=True)
@@ -69,8 +86,13 @@ class VehicleSpeedParameters:
     sensor_timeout: float = parameter(
         0.5, "silence of vehicle_velocity after which the wheels take over", unit="s", minimum=0.01, maximum=10.0
     )
+    forget_after: float = parameter(
+        1.0, "time without any sample after which the estimate starts again", unit="s", minimum=0.1, maximum=10.0
+    )
     speed_filter: SpeedFilterParameters = group(SpeedFilterParameters())
     slide: SlideParameters = group(SlideParameters())
+    slope: SlopeParameters = group(SlopeParameters())
+    rolling: RollingParameters = group(RollingParameters())
     bounds: BoundParameters = group(BoundParameters())
 
 
@@ -89,13 +111,13 @@ class VehicleSpeed:
         self._rim_speed_variance = (wheel_speed_stddev * max(vehicle.radii)) ** 2
         self._filter = SpeedFilter(parameters.speed_filter, _gain_stddev(vehicle))
         self._radius_share = _radius_share(vehicle)
-        self._slide = SlideDetector(parameters.slide, [wheel.driven for wheel in vehicle.wheels])
+        self._slide = SlideDetector(parameters.slide, parameters.slope, [wheel.driven for wheel in vehicle.wheels])
         self._bounds = WheelBounds(
             parameters.bounds,
             len(vehicle.wheels),
             self._rim_speed_variance,
             parameters.slip_per_acceleration,
-            _BLIND_SPEED,
+            self._p.slide.blind_below,
         )
         self._repetition = StuckSensor()
         self.reset()
@@ -175,9 +197,9 @@ class VehicleSpeed:
             acceleration: reading of the accelerometer [m/s^2], None if there is none.
             measured: samples of the speed sensor.
         """
-        if self._last is not None and stamp - self._last > _LOST_AFTER:
+        if self._last is not None and stamp - self._last > self._p.forget_after * NANOSECONDS:
             self.reset()
-        dt = (stamp - self._last) / NANOSECONDS if self._last is not None else _SLIP_CORRELATION
+        dt = (stamp - self._last) / NANOSECONDS if self._last is not None else self._p.rolling.correlation
         self._last = stamp
         if self._leave_out(stamp, acceleration):
             acceleration = None
@@ -199,7 +221,7 @@ class VehicleSpeed:
             self._surprise = 0.0
             a = self._slide.acceleration
             if self.mode is not Mode.WAITING and a is not None:
-                self._bounds.use(self._filter, dt, rim_speeds, a, _SLIP_CORRELATION)
+                self._bounds.use(self._filter, dt, rim_speeds, a, self._p.rolling.correlation)
 
     def _leave_out(self, stamp: int, acceleration: float | None) -> bool:
         """Whether the accelerometer repeats one value by which no wheel rolls; noted for diagnostics."""
@@ -218,7 +240,9 @@ class VehicleSpeed:
         """Go to the sample, and judge the wheels there."""
         started = self.mode is not Mode.WAITING
         effort = abs(self._slide.acceleration or 0.0)
-        self._filter.predict(stamp, acceleration, observed=not (started and (self._is_sliding or effort > _EFFORT)))
+        self._filter.predict(
+            stamp, acceleration, observed=not (started and (self._is_sliding or effort > self._p.speed_filter.telling))
+        )
         self._slide.update(
             stamp,
             smooth_rim_speeds,
@@ -285,21 +309,33 @@ class VehicleSpeed:
         if not believed:
             return None
         speed = sum(believed) / len(believed)
-        blind = abs(speed) < _BLIND_SPEED and abs(self._slide.acceleration or 0.0) >= _AT_REST
+        blind = (
+            abs(speed) < self._p.slide.blind_below
+            and abs(self._slide.acceleration or 0.0) >= _AT_REST * self._p.speed_filter.offset_stddev
+        )
         return None if blind else (speed, len(believed))
 
     def _use_wheels(self, stamp: int, dt: float, at_wheels: tuple[float, int] | None, starting: bool) -> None:
         if at_wheels is not None:
             speed, count = at_wheels
-            slip = self._p.slip_per_acceleration * speed * min(abs(self._slide.acceleration or 0.0), _FREE)
-            many = max(_SLIP_CORRELATION / dt, 1.0)
-            noise = _BLIND_STDDEV**2 * many if abs(speed) < _BLIND_SPEED else self._rim_speed_variance / count
+            slip = (
+                self._p.slip_per_acceleration
+                * speed
+                * min(abs(self._slide.acceleration or 0.0), self._p.rolling.forceless)
+            )
+            many = max(self._p.rolling.correlation / dt, 1.0)
+            noise = (
+                self._p.rolling.blind_stddev**2 * many
+                if abs(speed) < self._p.slide.blind_below
+                else self._rim_speed_variance / count
+            )
             variance, effort = noise + slip**2 * many, self._effort()
             if starting:
                 self._start_at_wheels(speed, variance, effort)
             else:
                 self._not_yet_believed.append((stamp, speed, variance, effort))
-        while self._not_yet_believed and self._not_yet_believed[0][0] <= stamp - _BELIEF_LAG:
+        late = self._p.rolling.lag * NANOSECONDS
+        while self._not_yet_believed and stamp - self._not_yet_believed[0][0] >= late:
             when, speed, variance, effort = self._not_yet_believed.popleft()
             if self._filter.correct(speed, variance, when, effort):
                 self._watch_offset(dt)
@@ -313,13 +349,17 @@ class VehicleSpeed:
     def _doubt_road(self, stamp: int) -> None:
         """Where wheels that turn alike and accelerometer differ for long, the road may have changed its slope."""
         mismatch = self._slide.slope.mismatch
-        if not mismatch or (self._doubted is not None and stamp - self._doubted <= _DOUBT_EVERY):
+        if not mismatch or (
+            self._doubted is not None and stamp - self._doubted <= self._p.slope.settle_time * NANOSECONDS
+        ):
             return
         self._doubted = stamp
         if self._is_sliding:
             self._filter.doubt_road(mismatch**2)
         else:
-            self._filter.doubt_past_offset(mismatch**2, _STEP_AGO)
+            # The difference is that over the window, and has lasted.
+            ago = 0.5 * self._p.slide.window + self._p.slope.lasting
+            self._filter.doubt_past_offset(mismatch**2, ago)
 
     def _effort(self) -> float:
         """Deceleration by which the tyres of the wheels that are believed slip [m/s^2]."""
@@ -330,7 +370,7 @@ class VehicleSpeed:
         force = a + self._filter.offset if self._slide.acceleration is not None else 0.0
         if a * force <= 0.0:
             return 0.0
-        return -copysign(max(min(abs(a), abs(force)) - _FREE, 0.0), a)
+        return -copysign(max(min(abs(a), abs(force)) - self._p.rolling.forceless, 0.0), a)
 
     def _return_to_wheels(self, smooth_rim_speeds: Sequence[float], cause: Cause) -> None:
         """Take the speed from the wheels.
@@ -351,9 +391,9 @@ class VehicleSpeed:
 
     def _watch_offset(self, dt: float) -> None:
         """Learn the offset again when the innovations of the wheels stay on one side."""
-        self._surprise += min(dt / _SURPRISE_TIME, 1.0) * (self._filter.surprise - self._surprise)
-        if abs(self._surprise) > _SURPRISE:
-            self._filter.doubt_offset(_DOUBT**2)
+        self._surprise += min(dt / self._p.rolling.surprise_time, 1.0) * (self._filter.surprise - self._surprise)
+        if abs(self._surprise) > self._p.rolling.surprise:
+            self._filter.doubt_offset(self._p.rolling.doubt**2)
 
 
 def _gain_stddev(vehicle: Vehicle) -> float | None:

@@ -8,16 +8,10 @@ integration alone has erred.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import copysign, sqrt
-from typing import Final
 
-from friction_parameters.parameter import parameter
-from wheel_slip.carried_wheels import CarriedWheels
+from friction_parameters.parameter import group, parameter
+from wheel_slip.carried_wheels import CarriedParameters, CarriedWheels
 from wheel_slip.speed_filter import SpeedFilter
-
-_EFFORT: Final = 1.0
-"""Acceleration from which on it is known whether wheels are braked or driven [m/s^2]."""
-_NOISE: Final = 3.0
-"""Standard deviations of the noise of a rim speed that no wheel exceeds."""
 
 
 @dataclass(frozen=True)
@@ -50,16 +44,14 @@ class BoundParameters:
         minimum=0.0,
         maximum=0.5,
     )
-    plausible: float = parameter(
-        3.0, "standard deviations by which a carried wheel may differ from the speed", minimum=1.0, maximum=10.0
-    )
-    released: float = parameter(
-        0.5,
-        "time over which the slip of a carried wheel is one error: longer than a supervisor leaves it released",
-        unit="s",
-        minimum=0.01,
+    effort_above: float = parameter(
+        1.0,
+        "acceleration from which on it is known whether wheels are braked or driven",
+        unit="m/s^2",
+        minimum=0.0,
         maximum=10.0,
     )
+    carried: CarriedParameters = group(CarriedParameters())
 
 
 class WheelBounds:
@@ -86,7 +78,7 @@ class WheelBounds:
         self._variance = rim_speed_variance
         self._slip_per_acceleration = slip_per_acceleration
         self._lowest = lowest_speed
-        self._carried = CarriedWheels(count, rim_speed_variance)
+        self._carried = CarriedWheels(parameters.carried, count, rim_speed_variance)
         self._beyond = 0.0
 
     def reset(self) -> None:
@@ -119,19 +111,19 @@ class WheelBounds:
         if not known:
             return
         p = self._p
-        margin = p.margin * abs(car.speed) + p.latency * abs(a) + _NOISE * sqrt(self._variance)
+        margin = p.margin * abs(car.speed) + p.latency * abs(a) + p.carried.plausible * sqrt(self._variance)
         second = min(1, len(known) - 1)
         if len(known) == 1 < len(rim_speeds):
             # Where the others are blind, it may be stuck at the speed of a car that has become slow with them.
-            likely = p.plausible * sqrt(car.speed_variance) + margin
+            likely = p.carried.plausible * sqrt(car.speed_variance) + margin
             if abs(known[0] - car.speed) > likely:
                 return
         beyond = 0.0
-        if a < -_EFFORT:
+        if a < -p.effort_above:
             beyond = known[-1 - second] - margin - car.speed
             if known[-1 - second] > (1.0 - p.close) * car.speed:
                 car.limit((0.5 * p.close * car.speed) ** 2 + margin**2)
-        elif a > _EFFORT:
+        elif a > p.effort_above:
             beyond = car.speed - known[second] - margin
         self._beyond = self._beyond + dt if beyond > 0.0 else 0.0
         if self._beyond >= p.spring_back:
@@ -148,5 +140,5 @@ class WheelBounds:
             gap = max(gaps)
             slip = self._slip_per_acceleration * car.speed * a
             variance = self._carried.gap_variance(dt) + slip**2
-            if gap**2 < self._p.plausible**2 * (car.steady_road_variance + variance):
-                car.believe(car.speed + gap, variance * max(self._p.released / dt, 1.0))
+            if gap**2 < self._p.carried.plausible**2 * (car.steady_road_variance + variance):
+                car.believe(car.speed + gap, variance * max(self._p.carried.released / dt, 1.0))
