@@ -99,7 +99,8 @@ class SlipEstimator:
             rim_accelerations.append(wheel.acceleration * radius)
         self.vehicle.update(stamp, rim_speeds, smooth_rim_speeds, rim_accelerations, acceleration, measured_speeds)
         newest = measured_speeds[-1].speed if measured_speeds else None
-        self._units.update(stamp, smooth_rim_speeds, rim_accelerations, acceleration, newest)
+        in_use = None if self.vehicle.accelerometer_text else acceleration
+        self._units.update(stamp, smooth_rim_speeds, rim_accelerations, in_use, newest)
         car = self._motion()
         self._learn_radii(stamp, smooth_rim_speeds, acceleration)
         return [

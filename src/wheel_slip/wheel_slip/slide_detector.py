@@ -102,6 +102,11 @@ class SlideDetector:
         """Whether the wheels that are believed are not driven, and some are."""
         return len(self._free) < len(self._all) and any(self.rolling[index] for index in self._free)
 
+    def turn_alike(self, rim_speeds: Sequence[float]) -> bool:
+        """Whether the wheels whose rim speeds [m/s] are known turn alike, as those that roll do."""
+        known = sorted([speed for speed in rim_speeds if isfinite(speed)])
+        return bool(known) and known[-1] - known[0] <= self._likeness(known[len(known) // 2])
+
     def _integrate(self, stamp: int, acceleration: float | None) -> None:
         if acceleration is None:
             self.acceleration = None

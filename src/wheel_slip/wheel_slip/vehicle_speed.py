@@ -18,6 +18,7 @@ from friction_parameters.parameter import group, parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.vehicle import Vehicle
+from wheel_slip.accelerometer_age import AccelerometerAge
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
 from wheel_slip.mode import Cause, SlideParameters, transition
 from wheel_slip.slide_detector import SlideDetector
@@ -120,6 +121,7 @@ class VehicleSpeed:
             self._p.slide.blind_below,
         )
         self._repetition = StuckSensor()
+        self._age = AccelerometerAge()
         self.reset()
 
     def reset(self) -> None:
@@ -128,8 +130,8 @@ class VehicleSpeed:
         self._slide.reset()
         self._bounds.reset()
         self._repetition.reset()
-        self.accelerometer_is_stuck = False
-        """Whether the accelerometer is left out because it repeats one value that every wheel contradicts."""
+        self._age.reset()
+        self._is_stuck = False
         self.mode = Mode.WAITING
         """Mode at the last sample."""
         self.cause = Cause.STARTED
@@ -201,7 +203,7 @@ class VehicleSpeed:
             self.reset()
         dt = (stamp - self._last) / NANOSECONDS if self._last is not None else self._p.rolling.correlation
         self._last = stamp
-        if self._leave_out(stamp, acceleration):
+        if self._leave_out(stamp, acceleration, smooth_rim_speeds):
             acceleration = None
         self._predict(stamp, acceleration, smooth_rim_speeds, rim_accelerations)
         if measured:
@@ -223,12 +225,21 @@ class VehicleSpeed:
             if self.mode is not Mode.WAITING and a is not None:
                 self._bounds.use(self._filter, dt, rim_speeds, a, self._p.rolling.correlation)
 
-    def _leave_out(self, stamp: int, acceleration: float | None) -> bool:
-        """Whether the accelerometer repeats one value by which no wheel rolls; noted for diagnostics."""
-        self.accelerometer_is_stuck = self._repetition.repeats(stamp, acceleration) and (
-            self.accelerometer_is_stuck or not any(self._slide.rolling)
+    def _leave_out(self, stamp: int, acceleration: float | None, smooth_rim_speeds: Sequence[float]) -> bool:
+        """Whether the accelerometer repeats one value by which no wheel rolls, or follows the wheels too late."""
+        self._is_stuck = self._repetition.repeats(stamp, acceleration) and (
+            self._is_stuck or not any(self._slide.rolling)
         )
-        return self.accelerometer_is_stuck
+        if acceleration is not None and not self._is_stuck:
+            self._age.update(stamp, smooth_rim_speeds, self._slide.turn_alike(smooth_rim_speeds), acceleration)
+        return self._is_stuck or self._age.late > 0.0
+
+    @property
+    def accelerometer_text(self) -> str:
+        """Why the accelerometer is left out, empty where it is used."""
+        if self._is_stuck:
+            return "repeats one value that the wheels contradict"
+        return f"follows the wheels {self._age.late:.1f} s late" if self._age.late else ""
 
     def _predict(
         self,
