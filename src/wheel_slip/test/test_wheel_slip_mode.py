@@ -2,6 +2,7 @@
 
 from itertools import product
 from math import inf, nan
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -27,7 +28,7 @@ EVIDENCE = st.builds(
 )
 
 
-def evidence(**changes: object) -> Evidence:
+def evidence(**changes: Any) -> Evidence:
     """Wheels that slide under a car of which nothing else is known, but for some changes."""
     nothing = Evidence(False, True, False, False, 2.0, False, -1.0, -1.0)
     return nothing._replace(**changes)

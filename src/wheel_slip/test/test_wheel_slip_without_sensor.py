@@ -11,6 +11,9 @@ from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
+from wheel_slip.mode import SlideParameters
+from wheel_slip.slide_detector import SlideDetector
+from wheel_slip.slope_watch import SlopeParameters
 from wheel_slip.speed_sample import SpeedSample
 
 STEP = 5_000_000
@@ -106,6 +109,20 @@ def test_slide_is_bridged_and_far_better_than_the_best_wheel(
     assert estimates[-1][0].source is SpeedSource.INTEGRATED
     slips = np.array([[each.slip for each in row] for row in estimates[700:]])
     assert np.sqrt(np.mean((slips - d.slip[sliding]) ** 2)) < 0.01
+
+
+@pytest.mark.parametrize(("acceleration", "agree"), [(-1.6, False), (-0.5, True)])
+def test_braked_wheels_do_not_agree_with_a_speed_the_more_the_less_it_is_known(
+    acceleration: float, agree: bool
+) -> None:
+    """6 % of steady slip on soft snow: what is not known of the slope lets the deviation grow past the gap."""
+    wheels = SlideDetector(SlideParameters(), SlopeParameters(), [False] * 4)
+    for k in range(1, 100):
+        rims = [14.0 + 0.94 * acceleration * k * 0.005] * 4
+        car = (15.0 + acceleration * k * 0.005, 0.9)
+        wheels.update(k * STEP, rims, [acceleration] * 4, acceleration, acceleration, 0.1, car)
+    assert wheels.evidence(False, True).wheels_roll
+    assert wheels.evidence(False, True).agree is agree
 
 
 def test_offset_is_learned_while_rolling_and_its_injection_does_not_matter() -> None:

@@ -12,11 +12,12 @@ from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimate import Mode, Reason, WheelEstimate
 from wheel_slip.free_rolling import FreeRolling
 from wheel_slip.online_radii import OnlineRadii
+from wheel_slip.radius_calibration import Radii
 from wheel_slip.relative_radii import RelativeRadii
 from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.unit_check import UnitCheck
-from wheel_slip.vehicle_speed import VehicleSpeed, VehicleSpeedParameters
+from wheel_slip.vehicle_speed import VehicleSpeed, VehicleSpeedParameters, radius_share
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
 
@@ -53,7 +54,7 @@ class SlipEstimator:
         """Forget everything."""
         p = self._p
         self._units.reset()
-        self._wheels = [WheelSpeedFilter(p.wheel_filter, p.max_gap) for _ in self._car.wheels]
+        self._wheels = [WheelSpeedFilter(p.wheel_filter, p.max_gap, each.encoder_teeth) for each in self._car.wheels]
         self.vehicle = VehicleSpeed(self._car, p.vehicle_speed, p.wheel_filter.speed_stddev)
         self._relative.reset()
         self._free.reset()
@@ -62,7 +63,7 @@ class SlipEstimator:
         self.radius_variances: Sequence[float] = self._relative.variances
         """Variances of the radii relative to their mean, as shares [-]."""
         self._online = OnlineRadii(self.radii) if p.learn_radii else None
-        self._calibrated = False
+        self._calibrated: Radii | None = None
 
     def update(
         self,
@@ -84,8 +85,8 @@ class SlipEstimator:
         """
         if self._online is not None:
             calibrated = self._online.update(stamp, wheel_speeds, measured_speeds)
-            if calibrated is not None:
-                self._calibrated, self.radii = True, calibrated
+            if calibrated is not None and calibrated is not self._calibrated:
+                self._use_calibrated(calibrated)
         radii = self.radii
         rim_speeds: list[float] = []
         smooth_rim_speeds: list[float] = []
@@ -112,7 +113,7 @@ class SlipEstimator:
 
     def _learn_radii(self, stamp: int, smooth_rim_speeds: Sequence[float], acceleration: float | None) -> None:
         """Learn from the next stretch without force; the radii are used from the next sample on."""
-        if self._calibrated:
+        if self._calibrated is not None:
             return
         stretch = self._free.update(stamp, smooth_rim_speeds, acceleration, self.vehicle.offset, self._p.max_gap)
         if stretch is None:
@@ -123,11 +124,20 @@ class SlipEstimator:
         ]
         self._relative.update(stretch._replace(rim_speeds=with_file))
         self.radii, self.radius_variances = self._relative.radii, self._relative.variances
+        self.vehicle.know_radii(radius_share(self._car), self._relative.covariance)
+
+    def _use_calibrated(self, found: Radii) -> None:
+        """Take radii and deviations of the calibration in place of what the vehicle file says."""
+        self._calibrated, self.radii = found, found.radii
+        shares = [stddev / radius for stddev, radius in zip(found.stddevs, found.radii, strict=True)]
+        self.radius_variances = [share**2 for share in shares]
+        # The speed sensor's own error of scale is in all of them alike, and not known.
+        self.vehicle.know_radii(max(shares), [[0.0] * len(shares)] * len(shares))
 
     @property
     def radius_text(self) -> str:
         """Names the wheels whose radius is far from the vehicle file's, empty where none is."""
-        return self._relative.text
+        return "" if self._calibrated is not None else self._relative.text
 
     def _unlike(self, rim_speeds: Sequence[float]) -> list[float]:
         """Return how far each wheel is from the mean of all [m/s] while they roll: by curves, radii or slip."""
@@ -162,7 +172,7 @@ class SlipEstimator:
         radius_variance: float,
     ) -> WheelEstimate:
         car_speed, car_acceleration, _, mode, reason, text = car
-        omega = (wheel.speed, wheel.speed_variance)
+        omega = (wheel.speed + wheel.age * wheel.acceleration, wheel.speed_variance + wheel.age_variance)
         slip_found = rate = variance = rate_variance = nan
         if not isfinite(measured):
             reason, text = Reason.BAD_INPUT, "wheel speed is missing or not finite"

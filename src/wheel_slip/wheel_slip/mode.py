@@ -60,6 +60,12 @@ class SlideParameters:
     settle_time: float = parameter(
         0.3, "time for which wheels must roll before they are trusted again", unit="s", minimum=0.0, maximum=10.0
     )
+    agreement: float = parameter(
+        0.02, "share by which wheels that agree with the speed may differ from it", minimum=0.0, maximum=0.5
+    )
+    agreement_at_rest: float = parameter(
+        0.1, "what they may differ by besides, and by the speed's deviation", unit="m/s", minimum=0.0, maximum=5.0
+    )
     calm_below: float = parameter(
         1.0,
         "acceleration below which wheels that roll are trusted over the integrated speed",

@@ -78,6 +78,8 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         bad = [f"{wheel}: {estimate.text}" for wheel, estimate in self._last.items() if estimate.reason not in _QUIET]
         if self._estimator.vehicle.accelerometer_text:
             bad.append(f"{IMU}: {self._estimator.vehicle.accelerometer_text}; left out")
+        if self._estimator.vehicle.sensor_text:
+            bad.append(f"{VEHICLE_VELOCITY}: {self._estimator.vehicle.sensor_text}")
         if self._estimator.radius_text:
             bad.append(self._estimator.radius_text)
         if self._missing:

@@ -93,6 +93,11 @@ class SlideDetector:
         self.rolling = self._roll(rim_speeds, rim_accelerations, middle)
         self._judge(stamp, rim_speeds, middle, integrated)
 
+    @property
+    def has_rolled(self) -> bool:
+        """Whether the wheels have rolled for a while, by what the accelerometer reads."""
+        return self._rolled >= self._p.settle_time
+
     def believed(self) -> list[int]:
         """Return the wheels to take the speed from: those that roll, without the driven ones if a free one is left."""
         free = [index for index in self._free if self.rolling[index]]
@@ -173,7 +178,7 @@ class SlideDetector:
         judged = [index for index in (self._free if self._pulled else self._all) if isfinite(rim_speeds[index])]
         allowed = 1 if len(judged) >= 3 else 0
         self._wheels_roll = bool(judged) and len([index for index in judged if not self.rolling[index]]) <= allowed
-        self._agree = integrated is None or abs(middle - integrated[0]) <= integrated[1] + 0.02 * abs(middle) + 0.1
+        self._agree = integrated is None or self._agrees(middle, *integrated)
         if not self._wheels_roll or not (self._pulled or abs(a) <= self._p.roll_below):
             self._rolled_since = None
         elif self._rolled_since is None:
@@ -181,6 +186,17 @@ class SlideDetector:
         self._rolled = _NOT if self._rolled_since is None else (stamp - self._rolled_since) / NANOSECONDS
         self._watch_steadiness(stamp, judged, rim_speeds, middle)
         self._steady = _NOT if self._steady_from is None else (stamp - self._steady_from[0]) / NANOSECONDS
+
+    def _agrees(self, middle: float, speed: float, stddev: float) -> bool:
+        """Whether wheels at a rim speed [m/s] agree with a speed of a standard deviation [m/s].
+
+        Wheels may keep a steady slip while they are braked: they do not become right because the speed has become
+        uncertain.
+        """
+        allowed = self._p.agreement * abs(middle)
+        if abs(self.acceleration or 0.0) > self._p.calm_below:
+            stddev = min(stddev, allowed)
+        return abs(middle - speed) <= stddev + allowed + self._p.agreement_at_rest
 
     def _watch_steadiness(self, stamp: int, judged: list[int], rim_speeds: Sequence[float], middle: float) -> None:
         """Note since when the wheels turn alike and hardly change."""

@@ -229,7 +229,7 @@ class SpeedFilter:
         """
         age, travelled = 0.0, 0.0
         if stamp is not None:
-            then = self._travelled_at(stamp)
+            then = self.travelled_at(stamp)
             if then is None:
                 return False
             age = (self._history[-1][0] - stamp) / NANOSECONDS
@@ -276,7 +276,18 @@ class SpeedFilter:
         for i in _ALL:
             for j in _ALL:
                 p[i][j] -= ph[i] * ph[j] / total
+        if self.compliance < 0.0:
+            self._keep_compliance()
         return True
+
+    def _keep_compliance(self) -> None:
+        """Move the state to a compliance of 0, the least there is: braked wheels do not turn faster than they roll."""
+        p = self._p
+        share = -self.compliance / p[3][3]
+        self.speed += p[0][3] * share
+        self.offset += p[1][3] * share
+        self.gain += p[2][3] * share
+        self.compliance = 0.0
 
     def _see(self) -> None:
         """Merge the unseen part into the covariance: it is observed from now on."""
@@ -321,8 +332,16 @@ class SpeedFilter:
             p[index][j] = p[j][index] = 0.0
         p[index][index] = variance
 
-    def _travelled_at(self, stamp: int) -> float | None:
-        """Return the integral of the measured acceleration up to `stamp` [m/s]."""
+    def change_since(self, stamp: int) -> float | None:
+        """Return by how much the speed has changed since `stamp` [m/s]; None where that is too long ago."""
+        then = self.travelled_at(stamp)
+        if then is None:
+            return None
+        age = (self._history[-1][0] - stamp) / NANOSECONDS
+        return (self._travelled - then - age * self.offset) * self._scale
+
+    def travelled_at(self, stamp: int) -> float | None:
+        """Return the integral of the measured acceleration up to `stamp` [m/s]; None where that is too long ago."""
         later: tuple[int, float] | None = None
         for known in reversed(self._history):
             if known[0] == stamp:

@@ -21,6 +21,7 @@ from vehicle_models.vehicle import Vehicle
 from wheel_slip.accelerometer_age import AccelerometerAge
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
 from wheel_slip.mode import Cause, SlideParameters, transition
+from wheel_slip.sensor_watch import SensorWatch, SensorWatchParameters
 from wheel_slip.slide_detector import SlideDetector
 from wheel_slip.slope_watch import SlopeParameters
 from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
@@ -92,6 +93,7 @@ class VehicleSpeedParameters:
     )
     speed_filter: SpeedFilterParameters = group(SpeedFilterParameters())
     slide: SlideParameters = group(SlideParameters())
+    sensor: SensorWatchParameters = group(SensorWatchParameters())
     slope: SlopeParameters = group(SlopeParameters())
     rolling: RollingParameters = group(RollingParameters())
     bounds: BoundParameters = group(BoundParameters())
@@ -111,7 +113,8 @@ class VehicleSpeed:
         self._p = parameters
         self._rim_speed_variance = (wheel_speed_stddev * max(vehicle.radii)) ** 2
         self._filter = SpeedFilter(parameters.speed_filter, _gain_stddev(vehicle))
-        self._radius_share = _radius_share(vehicle)
+        self._radius_share = radius_share(vehicle)
+        self._radius_covariance: Sequence[Sequence[float]] = [[0.0] * len(vehicle.wheels)] * len(vehicle.wheels)
         self._slide = SlideDetector(parameters.slide, parameters.slope, [wheel.driven for wheel in vehicle.wheels])
         self._bounds = WheelBounds(
             parameters.bounds,
@@ -122,6 +125,7 @@ class VehicleSpeed:
         )
         self._repetition = StuckSensor()
         self._age = AccelerometerAge()
+        self._sensor = SensorWatch(parameters.sensor)
         self.reset()
 
     def reset(self) -> None:
@@ -132,6 +136,7 @@ class VehicleSpeed:
         self._repetition.reset()
         self._age.reset()
         self._is_stuck = False
+        self._sensor.reset()
         self.mode = Mode.WAITING
         """Mode at the last sample."""
         self.cause = Cause.STARTED
@@ -140,6 +145,8 @@ class VehicleSpeed:
         self._sensor_stamp: int | None = None
         self._surprise = 0.0
         self._doubted: int | None = None
+        self._believed: list[int] = []
+        self._wheels_share = 0.0
         self._not_yet_believed: deque[tuple[int, float, float, float]] = deque()
         self._last: int | None = None
 
@@ -170,15 +177,17 @@ class VehicleSpeed:
 
     @property
     def variance(self) -> float:
-        """Variance of the speed [m^2/s^2], including that of the radii, which scale every speed learned from wheels."""
-        return self._filter.speed_variance + (self._p.radius_uncertainty * self._filter.speed) ** 2
+        """Variance of the speed [m^2/s^2], with what does not average out: radii, and what is known of the sensor."""
+        known = self._filter.speed_variance + (self._p.radius_uncertainty * self._filter.speed) ** 2
+        known += self._sensor.undecided**2
+        return known + self._skew_variance if self.source is SpeedSource.SENSOR else known
 
     @property
     def stated_variance(self) -> float:
         """The same with what the radii have in common [m^2/s^2], which the slip of a wheel does not contain."""
         if self.source is SpeedSource.SENSOR:
             return self.variance
-        return self.variance + (self._radius_share * self._filter.speed) ** 2
+        return self.variance + (self._radius_share**2 + self._wheels_share) * self._filter.speed**2
 
     def update(
         self,
@@ -206,10 +215,11 @@ class VehicleSpeed:
         if self._leave_out(stamp, acceleration, smooth_rim_speeds):
             acceleration = None
         self._predict(stamp, acceleration, smooth_rim_speeds, rim_accelerations)
-        if measured:
-            self._sensor_stamp = measured[-1].stamp
         starting = self.mode is Mode.WAITING
         at_wheels = self._at_wheels(rim_speeds)
+        measured = self._judge_sensor(measured, at_wheels, acceleration is not None)
+        if measured:
+            self._sensor_stamp = measured[-1].stamp
         self._change_mode(stamp, smooth_rim_speeds, at_wheels is not None)
         if self.mode is not Mode.WAITING:
             for sample in measured:
@@ -267,7 +277,8 @@ class VehicleSpeed:
     def _change_mode(self, stamp: int, smooth_rim_speeds: Sequence[float], speed_at_wheels: bool) -> None:
         """Make the transition of this sample, and what comes with it."""
         before, slid = self.mode, self._is_sliding
-        evidence = self._slide.evidence(self._sensor_is_fresh(stamp), speed_at_wheels)
+        sensor = self._sensor_is_fresh(stamp) and not self._sensor.contradicted
+        evidence = self._slide.evidence(sensor, speed_at_wheels)
         self.mode, cause = transition(before, evidence, self._p.slide)
         self._doubt_road(stamp)
         if cause is Cause.NONE:
@@ -283,6 +294,11 @@ class VehicleSpeed:
     def source(self) -> SpeedSource:
         """Where the speed comes from at the last sample."""
         return SOURCES[self.mode]
+
+    @property
+    def sensor_text(self) -> str:
+        """Names what is wrong with the speed sensor, empty where nothing is."""
+        return self._sensor.text
 
     @property
     def _is_sliding(self) -> bool:
@@ -308,27 +324,63 @@ class VehicleSpeed:
         timeout = self._p.sensor_timeout * NANOSECONDS
         return self._sensor_stamp is not None and stamp - self._sensor_stamp <= timeout
 
+    def _judge_sensor(
+        self, measured: Sequence[SpeedSample], at_wheels: tuple[float, list[int]] | None, gauged: bool
+    ) -> Sequence[SpeedSample]:
+        """Return the samples that may be used, beside `at_wheels`; `gauged`: there is an accelerometer."""
+        if not measured or self.mode is Mode.WAITING:
+            return measured
+        car, watch, effort = self._filter, self._sensor, self._effort()
+        usable: list[SpeedSample] = []
+        for sample in measured:
+            change = car.change_since(sample.stamp)
+            if watch.is_old(sample, car.travelled_at(sample.stamp) if gauged else None, car.offset) or change is None:
+                continue
+            noise = sample.variance + self._skew_variance
+            if at_wheels is not None and gauged and self._slide.has_rolled:
+                rolling = at_wheels[0] * (1.0 + self._p.speed_filter.compliance * effort)
+                shares = self._radius_share**2 + self._wheels_share + self._p.radius_uncertainty**2
+                deviation = sqrt(shares * rolling**2 + self._p.rolling.blind_stddev**2 + noise)
+                slip = abs(self._p.speed_filter.compliance_stddev * effort * rolling)
+                fits = watch.compare(sample.stamp, sample.speed + change - rolling, deviation, slip)
+            else:
+                of_both = sqrt(noise + self.stated_variance)
+                fits = watch.fits(sample.stamp, sample.speed + change - car.speed, of_both)
+            if fits:
+                usable.append(sample)
+        return usable
+
+    @property
+    def _skew_variance(self) -> float:
+        """Variance of a speed of the sensor by its age, which errs alike in all samples [m^2/s^2]."""
+        return (self._p.sensor.latency_stddev * (self._slide.acceleration or 0.0)) ** 2
+
     def _use_sensor(self, sample: SpeedSample, starting: bool) -> None:
         if starting:
             self._filter.start(sample.speed, sample.variance)
         else:
             self._filter.correct(sample.speed, sample.variance, sample.stamp)
 
-    def _at_wheels(self, rim_speeds: Sequence[float]) -> tuple[float, int] | None:
-        """Return the mean of the wheels that are believed [m/s] and how many they are; None where they tell nothing."""
-        believed = [rim_speeds[index] for index in self._slide.believed() if isfinite(rim_speeds[index])]
-        if not believed:
+    def _at_wheels(self, rim_speeds: Sequence[float]) -> tuple[float, list[int]] | None:
+        """Return the mean of the wheels that are believed [m/s] and which these are; None where they tell nothing."""
+        wheels = [index for index in self._slide.believed() if isfinite(rim_speeds[index])]
+        if not wheels:
             return None
+        believed = [rim_speeds[index] for index in wheels]
         speed = sum(believed) / len(believed)
         blind = (
             abs(speed) < self._p.slide.blind_below
             and abs(self._slide.acceleration or 0.0) >= _AT_REST * self._p.speed_filter.offset_stddev
         )
-        return None if blind else (speed, len(believed))
+        return None if blind else (speed, wheels)
 
-    def _use_wheels(self, stamp: int, dt: float, at_wheels: tuple[float, int] | None, starting: bool) -> None:
+    def _use_wheels(self, stamp: int, dt: float, at_wheels: tuple[float, list[int]] | None, starting: bool) -> None:
         if at_wheels is not None:
-            speed, count = at_wheels
+            speed, wheels = at_wheels
+            count = len(wheels)
+            if wheels != self._believed:
+                self._believed = wheels
+                self._weigh_radii()
             slip = (
                 self._p.slip_per_acceleration
                 * speed
@@ -350,6 +402,22 @@ class VehicleSpeed:
             when, speed, variance, effort = self._not_yet_believed.popleft()
             if self._filter.correct(speed, variance, when, effort):
                 self._watch_offset(dt)
+
+    def know_radii(self, common_share: float, covariance: Sequence[Sequence[float]]) -> None:
+        """Take how well the radii are known.
+
+        Args:
+            common_share: deviation that all of them have in common, as a share.
+            covariance: of each beside that, as shares, shape (wheels, wheels).
+        """
+        self._radius_share, self._radius_covariance = common_share, covariance
+        self._weigh_radii()
+
+    def _weigh_radii(self) -> None:
+        """Note the variance of the mean radius of the wheels that gave the speed last, as a share."""
+        wheels, covariance = self._believed, self._radius_covariance
+        total = sum([covariance[one][other] for one in wheels for other in wheels])
+        self._wheels_share = total / len(wheels) ** 2 if wheels else 0.0
 
     def _start_at_wheels(self, speed: float, variance: float, effort: float) -> None:
         """Take the speed from wheels that slip by an effort, as far as that is known."""
@@ -416,7 +484,7 @@ def _gain_stddev(vehicle: Vehicle) -> float | None:
     return hypot(known["scale"].stddev / vehicle.accelerometer.scale, GRAVITY * pitch)
 
 
-def _radius_share(vehicle: Vehicle) -> float:
+def radius_share(vehicle: Vehicle) -> float:
     """Deviation of the radii as a share, 0 where the vehicle file states none."""
     shares = [each.deviations["radius"].stddev / each.radius for each in vehicle.wheels if "radius" in each.deviations]
     return max(shares, default=0.0)
