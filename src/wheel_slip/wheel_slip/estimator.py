@@ -183,7 +183,8 @@ class SlipEstimator:
                 reason, text = Reason.NOT_READY, "too few samples since start"
         elif reason is Reason.OK:
             variance = slip_variance(car_speed[0], car_speed[1], omega[0], omega[1], radius)
-            variance += (unlike / car_speed[0]) ** 2 + (radius * omega[0] / car_speed[0]) ** 2 * radius_variance
+            of_radius = radius_variance + self.vehicle.radii_against_speed**2
+            variance += (unlike / car_speed[0]) ** 2 + (radius * omega[0] / car_speed[0]) ** 2 * of_radius
             if variance > self._largest_variance:
                 reason, text = Reason.UNCERTAIN, f"standard deviation of the slip is {sqrt(variance):.3f}"
                 variance = nan

@@ -117,6 +117,8 @@ class SpeedFilter:
         """Slip c of rolling wheels per deceleration [s^2/m]."""
         self.surprise = 0.0
         """Last innovation over its standard deviation [-]."""
+        self.by_wheels = 1.0
+        """Share of an error that all radii have in common which the speed has: 1 from wheels alone, 0 from a sensor."""
         self._p = _diagonal(_FIRST_SPEED_VARIANCE, p.offset_stddev**2, self._gain_variance, p.compliance_stddev**2)
         self._unseen = _NOTHING
         self._unseen_gain = 0.0
@@ -156,10 +158,10 @@ class SpeedFilter:
     def _scale(self) -> float:
         return 1.0 if self._measured is None else 1.0 - self.gain
 
-    def start(self, speed: float, variance: float) -> None:
+    def start(self, speed: float, variance: float, by_wheels: float = 1.0) -> None:
         """Start at the last stamp with a speed [m/s] and its variance [m^2/s^2]; what is known of the others stays."""
         self._see()
-        self.speed = speed
+        self.speed, self.by_wheels = speed, by_wheels
         self._forget(0, variance)
 
     def predict(self, stamp: int, measured: float | None, *, observed: bool = True) -> None:
@@ -215,7 +217,9 @@ class SpeedFilter:
             p[3][j] = p[j][3] = stay * p[3][j]
         p[3][3] = stay * stay * p[3][3] + (1.0 - stay * stay) * parameters.compliance_stddev**2
 
-    def correct(self, speed: float, variance: float, stamp: int | None = None, effort: float = 0.0) -> bool:
+    def correct(
+        self, speed: float, variance: float, stamp: int | None = None, effort: float = 0.0, by_wheels: float = 1.0
+    ) -> bool:
         """Use a measured speed [m/s] with its variance [m^2/s^2], taken at `stamp` [ns] (None: now).
 
         Args:
@@ -223,6 +227,7 @@ class SpeedFilter:
             variance: [m^2/s^2]
             stamp: when it was taken [ns].
             effort: deceleration by which the tyres of the wheels that measured it slip [m/s^2]; 0: they do not.
+            by_wheels: 1 where wheels measured it, 0 where a speed sensor did.
 
         Returns:
             False if the filter was not running at that time, or it is too long ago: nothing is changed.
@@ -235,11 +240,11 @@ class SpeedFilter:
             age = (self._history[-1][0] - stamp) / NANOSECONDS
             travelled = self._travelled - then
         self._see()
-        return self._update(speed, variance, age, travelled, effort)
+        return self._update(speed, variance, age, travelled, effort, by_wheels)
 
     def believe(self, speed: float, variance: float) -> None:
         """Use a speed [m/s] with its variance [m^2/s^2] as if the road had kept its slope."""
-        self._update(speed, variance, 0.0, 0.0, 0.0)
+        self._update(speed, variance, 0.0, 0.0, 0.0, 1.0)
 
     def limit(self, variance: float) -> None:
         """Limit the variance of the speed to `variance` [m^2/s^2] without moving it: as a measurement that agrees."""
@@ -254,9 +259,11 @@ class SpeedFilter:
             self._unseen_gain *= sqrt(1.0 - share)
         else:
             self._see()
-            self._update(self.speed, total * variance / (total - variance), 0.0, 0.0, 0.0)
+            self._update(self.speed, total * variance / (total - variance), 0.0, 0.0, 0.0, self.by_wheels)
 
-    def _update(self, speed: float, variance: float, age: float, travelled: float, effort: float) -> bool:
+    def _update(
+        self, speed: float, variance: float, age: float, travelled: float, effort: float, by_wheels: float
+    ) -> bool:
         p = self._p
         driving = travelled - age * self.offset
         then = self.speed - driving * self._scale
@@ -270,6 +277,7 @@ class SpeedFilter:
         innovation = speed - then * rolling
         self.surprise = innovation / sqrt(total)
         self.speed += ph[0] / total * innovation
+        self.by_wheels += ph[0] / total * (by_wheels - self.by_wheels)
         self.offset += ph[1] / total * innovation
         self.gain += ph[2] / total * innovation
         self.compliance += ph[3] / total * innovation

@@ -21,6 +21,7 @@ from vehicle_models.vehicle import Vehicle
 from wheel_slip.accelerometer_age import AccelerometerAge
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
 from wheel_slip.mode import Cause, SlideParameters, transition
+from wheel_slip.outvoted import Outvoted
 from wheel_slip.sensor_watch import SensorWatch, SensorWatchParameters
 from wheel_slip.slide_detector import SlideDetector
 from wheel_slip.slope_watch import SlopeParameters
@@ -125,6 +126,7 @@ class VehicleSpeed:
         )
         self._repetition = StuckSensor()
         self._age = AccelerometerAge()
+        self._outvoted = Outvoted()
         self._sensor = SensorWatch(parameters.sensor)
         self.reset()
 
@@ -135,6 +137,8 @@ class VehicleSpeed:
         self._bounds.reset()
         self._repetition.reset()
         self._age.reset()
+        self._outvoted.reset()
+        self._is_outvoted = False
         self._is_stuck = False
         self._sensor.reset()
         self.mode = Mode.WAITING
@@ -184,10 +188,14 @@ class VehicleSpeed:
 
     @property
     def stated_variance(self) -> float:
-        """The same with what the radii have in common [m^2/s^2], which the slip of a wheel does not contain."""
-        if self.source is SpeedSource.SENSOR:
-            return self.variance
-        return self.variance + (self._radius_share**2 + self._wheels_share) * self._filter.speed**2
+        """The same with what the radii have in common [m^2/s^2], which the slip of a wheel contains as far as not."""
+        by_radii = (self._radius_share**2 + self._wheels_share) * self._filter.by_wheels**2
+        return self.variance + by_radii * self._filter.speed**2
+
+    @property
+    def radii_against_speed(self) -> float:
+        """Deviation of what all radii have in common against the speed, as a share: that of every slip."""
+        return self._radius_share * (1.0 - self._filter.by_wheels)
 
     def update(
         self,
@@ -217,6 +225,8 @@ class VehicleSpeed:
         self._predict(stamp, acceleration, smooth_rim_speeds, rim_accelerations)
         starting = self.mode is Mode.WAITING
         at_wheels = self._at_wheels(rim_speeds)
+        if acceleration is not None:
+            self._count_votes(stamp, measured, smooth_rim_speeds, rim_accelerations)
         measured = self._judge_sensor(measured, at_wheels, acceleration is not None)
         if measured:
             self._sensor_stamp = measured[-1].stamp
@@ -236,20 +246,23 @@ class VehicleSpeed:
                 self._bounds.use(self._filter, dt, rim_speeds, a, self._p.rolling.correlation)
 
     def _leave_out(self, stamp: int, acceleration: float | None, smooth_rim_speeds: Sequence[float]) -> bool:
-        """Whether the accelerometer repeats one value by which no wheel rolls, or follows the wheels too late."""
+        """Whether the accelerometer repeats one value by which no wheel rolls, comes too late, or is outvoted."""
         self._is_stuck = self._repetition.repeats(stamp, acceleration) and (
             self._is_stuck or not any(self._slide.rolling)
         )
         if acceleration is not None and not self._is_stuck:
             self._age.update(stamp, smooth_rim_speeds, self._slide.turn_alike(smooth_rim_speeds), acceleration)
-        return self._is_stuck or self._age.late > 0.0
+        self._is_outvoted = self._outvoted.holds(stamp)
+        return self._is_stuck or self._is_outvoted or self._age.late > 0.0
 
     @property
     def accelerometer_text(self) -> str:
         """Why the accelerometer is left out, empty where it is used."""
         if self._is_stuck:
             return "repeats one value that the wheels contradict"
-        return f"follows the wheels {self._age.late:.1f} s late" if self._age.late else ""
+        if self._age.late:
+            return f"follows the wheels {self._age.late:.1f} s late"
+        return "contradicts both the speed sensor and the wheels" if self._is_outvoted else ""
 
     def _predict(
         self,
@@ -350,6 +363,31 @@ class VehicleSpeed:
                 usable.append(sample)
         return usable
 
+    def _count_votes(
+        self,
+        stamp: int,
+        measured: Sequence[SpeedSample],
+        smooth_rim_speeds: Sequence[float],
+        rim_accelerations: Sequence[float],
+    ) -> None:
+        """Compare the samples of the sensor with the speed and with wheels that turn alike."""
+        if not measured or self.mode is Mode.WAITING:
+            return
+        car, alike = self._filter, self._slide.turn_alike(smooth_rim_speeds)
+        known = [index for index, speed in enumerate(smooth_rim_speeds) if isfinite(speed)]
+        middle = median([smooth_rim_speeds[index] for index in known]) if alike else 0.0
+        rate = median([rim_accelerations[index] for index in known]) if alike else 0.0
+        of_age = (self._p.sensor.latency_stddev * rate) ** 2
+        of_radii = (self._radius_share**2 + self._p.radius_uncertainty**2) * middle**2
+        for sample in measured:
+            change = car.change_since(sample.stamp)
+            if change is None:
+                continue
+            then = middle - rate * (stamp - sample.stamp) / NANOSECONDS
+            at_wheels = (sample.speed - then, of_radii + of_age) if alike else None
+            at_speed = (sample.speed + change - car.speed, self.stated_variance + of_age)
+            self._outvoted.note(sample.stamp, sample.variance, at_speed, at_wheels)
+
     @property
     def _skew_variance(self) -> float:
         """Variance of a speed of the sensor by its age, which errs alike in all samples [m^2/s^2]."""
@@ -357,9 +395,9 @@ class VehicleSpeed:
 
     def _use_sensor(self, sample: SpeedSample, starting: bool) -> None:
         if starting:
-            self._filter.start(sample.speed, sample.variance)
+            self._filter.start(sample.speed, sample.variance, 0.0)
         else:
-            self._filter.correct(sample.speed, sample.variance, sample.stamp)
+            self._filter.correct(sample.speed, sample.variance, sample.stamp, by_wheels=0.0)
 
     def _at_wheels(self, rim_speeds: Sequence[float]) -> tuple[float, list[int]] | None:
         """Return the mean of the wheels that are believed [m/s] and which these are; None where they tell nothing."""
