@@ -275,3 +275,19 @@ def test_braked_wheels_are_never_taken_to_roll_faster_than_free_ones(samples: li
         car.correct(car.speed * (1.0 + error), 1e-4, None, effort)
         assert car.compliance >= 0.0
         assert car.speed_variance > 0.0
+
+
+def test_the_speed_has_as_much_of_the_radii_as_it_is_made_of_wheels() -> None:
+    made = SpeedFilter(SpeedFilterParameters())
+    made.predict(1_000_000, 0.0)
+    made.start(10.0, 0.01)
+    assert made.by_wheels == 1.0
+    made.correct(10.1, 0.01)
+    assert made.by_wheels == 1.0
+    made.correct(10.0, 0.005, by_wheels=0.0)
+    assert made.by_wheels == pytest.approx(0.5, abs=0.01)
+    for _ in range(50):
+        made.correct(10.0, 0.001, by_wheels=0.0)
+    assert made.by_wheels < 0.05
+    made.start(10.0, 0.01, by_wheels=0.0)
+    assert made.by_wheels == 0.0
