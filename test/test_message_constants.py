@@ -55,6 +55,7 @@ MIRRORED: list[tuple[type[IntEnum], Any, str]] = [
     (smart_tyre_forces.reasons.ForceReason, TyreForce, ""),
     (smart_tyre_forces.reasons.PatchReason, ContactPatch, ""),
     (wheel_slip.estimate.Reason, WheelSlip, ""),
+    (wheel_slip.estimate.Mode, WheelSlip, "MODE_"),
     (wheel_slip.estimate.SpeedSource, WheelSlip, "SPEED_"),
 ]
 """Enum, message, and which of its constants: those of a prefix, those named, or all but the ones with a prefix."""

@@ -1,4 +1,4 @@
-"""Write the files generated from the code: shipped parameter files, tables in the READMEs, Figure 8.1.
+"""Write the files generated from the code: shipped parameter files, tables and a diagram in the READMEs, Figure 8.1.
 
 Usage: tools/run.bash python tools/docs.py   (normally through `make docs`)
 """
@@ -12,6 +12,7 @@ from pathlib import Path
 
 from friction_bringup import graph
 from friction_evaluation.closed_loop import state_machine_figure
+from friction_evaluation.slip import mode_diagram
 from friction_parameters.generated import ShippedFile, parameter_file, parameter_table
 from vehicle_models.vehicle_table import vehicle_table
 
@@ -31,19 +32,22 @@ def generated_texts() -> Iterator[tuple[Path, str]]:
         for name, file in shipped.items():
             yield ROOT / "src" / node / "config" / f"{name}.yaml", parameter_file(node, file)
         readme = ROOT / "src" / node / "README.md"
-        yield readme, with_block(readme, "parameters", parameter_table(shipped[node]))
+        text = with_block(readme, "parameters", parameter_table(shipped[node]))
+        if node == "wheel_slip":
+            text = with_block(readme, "modes", mode_diagram.diagram(mode_diagram.find_transitions()), text)
+        yield readme, text
     readme = ROOT / "src" / "vehicle_models" / "README.md"
     yield readme, with_block(readme, "vehicle", vehicle_table())
 
 
-def with_block(file: Path, name: str, block: str) -> str:
-    """Return the text of a file with a block between `<!-- name -->` and `<!-- /name -->`.
+def with_block(file: Path, name: str, block: str, text: str | None = None) -> str:
+    """Return a file's text, or the one given for it, with a block between `<!-- name -->` and `<!-- /name -->`.
 
     Raises:
         ValueError: the file does not hold these two lines, once each and in this order.
     """
     begin, end = f"<!-- {name} -->\n", f"<!-- /{name} -->\n"
-    text = file.read_text(encoding="utf-8")
+    text = file.read_text(encoding="utf-8") if text is None else text
     before, found, rest = text.partition(begin)
     _, found_end, after = rest.partition(end)
     if not (found and found_end) or text.count(begin) != 1 or text.count(end) != 1:

@@ -167,6 +167,7 @@ def _slip(header: Header, wheel: str, sample: PlantSample, i: int) -> WheelSlip:
         slip_rate_variance=0.0,
         vehicle_speed_variance=0.0,
         speed_source=WheelSlip.SPEED_SENSOR,
+        mode=WheelSlip.MODE_SENSOR_ROLLING,
     )
     set_reason(message, wheel, WheelSlip.OK if moving else WheelSlip.LOW_SPEED, "" if moving else _STANDING)
     return message

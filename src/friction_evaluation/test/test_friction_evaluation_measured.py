@@ -11,6 +11,7 @@ from friction_evaluation import measured_data
 from friction_evaluation.measured import part as measured
 from friction_evaluation.measured.tyre_rig import tyre_rig_rows
 from friction_evaluation.rows import Row
+from friction_evaluation.slip.laps import laps_rows
 from friction_parameters.parameter import ParameterError
 
 DATA = measured_data.data_directory()
@@ -26,6 +27,14 @@ def test_the_bmw_stop_gives_a_peak_with_an_honest_interval() -> None:
     assert 1.1 <= row["mu_max"] <= 1.3
     assert row["lambda_low"] <= 0.066 <= row["lambda_high"]
     assert row["lambda_high"] - row["lambda_low"] < 0.06
+
+
+@needs_data
+def test_the_speed_of_a_race_car_with_a_late_accelerometer_is_covered_with_and_without_its_speed_sensor() -> None:
+    rows = laps_rows(DATA / measured_data.IAC)
+    assert len(rows) == 4
+    assert all(row["passed"] for row in rows)
+    assert min(row["valid"] for row in rows) > 0.8
 
 
 @needs_data

@@ -4,14 +4,16 @@ import numpy as np
 import pytest
 
 from corner_sim.car.recording import Recording
+from friction_bringup.graph import plant_calibration
 from friction_evaluation.smart_tyre.gains import LIMITS, MINUTE, drive, judge
-from friction_evaluation.smart_tyre.runs import NOISY, RING, calibration_runs
+from friction_evaluation.smart_tyre.runs import RING
 from smart_tyre_forces.calibration import Calibration
 
 
 @pytest.fixture(scope="module")
 def known() -> Calibration:
-    return calibration_runs(NOISY, {"front_left": 0, "rear_left": 2}).calibrate()
+    """The shipped file: what the evaluation calibrates itself, without the time it takes."""
+    return Calibration.load(plant_calibration())
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ QUIET = SpeedFilterParameters(acceleration_stddev=1e-3, offset_stddev=0.4, offse
 
 
 def wheel_filter() -> WheelSpeedFilter:
-    return WheelSpeedFilter(WheelFilterParameters(speed_stddev=0.005**0.5, jerk_density=3e3), max_gap=0.1)
+    return WheelSpeedFilter(WheelFilterParameters(speed_stddev=0.005**0.5, jerk_density=3e3), max_gap=0.1, teeth=48)
 
 
 @given(st.lists(st.floats(0.001, 0.08), min_size=60, max_size=60), st.floats(-100.0, 100.0))
@@ -232,3 +232,62 @@ def test_queue_refuses_repeats_and_zero_and_starts_again_after_a_jump_back() -> 
     assert list(queue.due(1010 * MS, False)) == []
     assert queue.offer(100 * MS, "new") is None
     assert list(queue.due(130 * MS, True)) == [(100 * MS, "new")]
+
+
+def edge_speeds(teeth: int, rate: int) -> tuple[np.ndarray, np.ndarray]:
+    """A wheel that swings by 25 rad/s about 60 rad/s at 3 Hz: what it does, and the mean speeds between its edges."""
+    fine = np.arange(0.0, 4.0, 1e-5)
+    omega = 60.0 + 25.0 * np.sin(2.0 * np.pi * 3.0 * fine)
+    angle = np.cumsum(omega) * 1e-5
+    pitch = 2.0 * np.pi / teeth
+    stamps = np.arange(1, 4 * rate) / rate
+    counts = np.floor(np.interp(stamps, fine, angle) / pitch)
+    edges = np.interp(counts * pitch, angle, fine)
+    return np.interp(stamps, fine, omega)[1:], np.diff(counts) * pitch / np.diff(edges)
+
+
+@pytest.mark.parametrize(("teeth", "rate"), [(48, 200), (48, 100), (24, 100)])
+def test_speeds_between_edges_are_brought_to_their_stamp_and_cover_what_is_left(teeth: int, rate: int) -> None:
+    true, read = edge_speeds(teeth, rate)
+    told, plain = (
+        WheelSpeedFilter(WheelFilterParameters(edges=edges), max_gap=0.1, teeth=teeth) for edges in (True, False)
+    )
+    errors, late, deviations = [], [], []
+    for k, (speed, measured) in enumerate(zip(true, read, strict=True)):
+        for wheel in (told, plain):
+            wheel.update(round(k * 1e9 / rate), measured)
+        errors.append(told.speed + told.age * told.acceleration - speed)
+        late.append(plain.speed - speed)
+        deviations.append((told.speed_variance + told.age_variance) ** 0.5)
+    z = np.array(errors[rate:]) / np.array(deviations[rate:])
+    assert np.mean(np.abs(z) < 1.96) > 0.9
+    assert np.std(errors[rate:]) < 0.6 * np.std(late[rate:])
+    assert plain.age == plain.age_variance == 0.0
+
+
+@given(st.lists(st.tuples(st.floats(-0.2, 0.2), st.floats(-3.0, 3.0)), min_size=1, max_size=30))
+def test_braked_wheels_are_never_taken_to_roll_faster_than_free_ones(samples: list[tuple[float, float]]) -> None:
+    car = SpeedFilter(SpeedFilterParameters())
+    car.predict(MS, 0.0)
+    car.start(20.0, 0.04)
+    for k, (error, effort) in enumerate(samples, start=2):
+        car.predict(k * 10 * MS, -effort)
+        car.correct(car.speed * (1.0 + error), 1e-4, None, effort)
+        assert car.compliance >= 0.0
+        assert car.speed_variance > 0.0
+
+
+def test_the_speed_has_as_much_of_the_radii_as_it_is_made_of_wheels() -> None:
+    made = SpeedFilter(SpeedFilterParameters())
+    made.predict(1_000_000, 0.0)
+    made.start(10.0, 0.01)
+    assert made.by_wheels == 1.0
+    made.correct(10.1, 0.01)
+    assert made.by_wheels == 1.0
+    made.correct(10.0, 0.005, by_wheels=0.0)
+    assert made.by_wheels == pytest.approx(0.5, abs=0.01)
+    for _ in range(50):
+        made.correct(10.0, 0.001, by_wheels=0.0)
+    assert made.by_wheels < 0.05
+    made.start(10.0, 0.01, by_wheels=0.0)
+    assert made.by_wheels == 0.0

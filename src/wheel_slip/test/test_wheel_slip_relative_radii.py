@@ -54,12 +54,16 @@ def test_one_wheel_far_off_its_file_is_found_within_100_metres_named_and_correct
 
 
 @pytest.mark.parametrize("wheel", range(4))
-def test_at_low_speed_a_curve_may_hide_which_wheel_it_is_and_the_deviation_of_its_slip_says_so(wheel: int) -> None:
+@pytest.mark.parametrize("speed", [8.0, 12.0])
+def test_at_low_speed_a_curve_may_hide_which_wheel_it_is_and_the_deviations_of_slip_and_speed_say_so(
+    wheel: int, speed: float
+) -> None:
     estimator = SlipEstimator(CAR)
     shares = [0.0] * 4
     shares[wheel] = -0.05
-    for each in drive(estimator, shares, metres=100.0, speed=12.0):
+    for each in drive(estimator, shares, metres=100.0, speed=speed):
         assert abs(each.slip) < 2.0 * each.slip_variance**0.5
+        assert abs(each.vehicle_speed - speed) < 2.0 * each.vehicle_speed_variance**0.5
 
 
 def test_small_deviations_are_corrected_within_what_is_stated_and_no_wheel_is_named() -> None:

@@ -4,14 +4,14 @@ from collections.abc import Callable
 
 import pytest
 
-from wheel_slip.slope_watch import SlopeWatch
+from wheel_slip.slope_watch import SlopeParameters, SlopeWatch
 
 MS = 1_000_000
 
 
 def followed(difference: Callable[[int], float], acceleration: float = 0.0, alike: bool = True) -> list[float]:
     """Mismatch over two seconds at 200 Hz; `difference` is that of all four wheels after a number of samples."""
-    watch = SlopeWatch()
+    watch = SlopeWatch(SlopeParameters())
     found = []
     for k in range(400):
         watch.update((k + 1) * 5 * MS, alike, [difference(k)] * 4, acceleration)
@@ -42,7 +42,7 @@ def test_dives_steady_slip_and_noise_are_no_slope(difference: Callable[[int], fl
 
 def test_wheels_that_do_not_turn_alike_say_nothing_for_half_a_second() -> None:
     assert not any(followed(lambda k: 1.0, alike=False))
-    watch = SlopeWatch()
+    watch = SlopeWatch(SlopeParameters())
     watch.update(5 * MS, False, [1.0], 0.0)
     found = []
     for k in range(1, 300):
@@ -52,6 +52,6 @@ def test_wheels_that_do_not_turn_alike_say_nothing_for_half_a_second() -> None:
 
 
 def test_a_wheel_without_speed_is_no_sample() -> None:
-    watch = SlopeWatch()
+    watch = SlopeWatch(SlopeParameters())
     watch.update(5 * MS, True, [], 0.0)
     assert watch.mismatch == 0.0

@@ -11,6 +11,9 @@ from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
+from wheel_slip.mode import SlideParameters
+from wheel_slip.slide_detector import SlideDetector
+from wheel_slip.slope_watch import SlopeParameters
 from wheel_slip.speed_sample import SpeedSample
 
 STEP = 5_000_000
@@ -106,6 +109,20 @@ def test_slide_is_bridged_and_far_better_than_the_best_wheel(
     assert estimates[-1][0].source is SpeedSource.INTEGRATED
     slips = np.array([[each.slip for each in row] for row in estimates[700:]])
     assert np.sqrt(np.mean((slips - d.slip[sliding]) ** 2)) < 0.01
+
+
+@pytest.mark.parametrize(("acceleration", "agree"), [(-1.6, False), (-0.5, True)])
+def test_braked_wheels_do_not_agree_with_a_speed_the_more_the_less_it_is_known(
+    acceleration: float, agree: bool
+) -> None:
+    """6 % of steady slip on soft snow: what is not known of the slope lets the deviation grow past the gap."""
+    wheels = SlideDetector(SlideParameters(), SlopeParameters(), [False] * 4)
+    for k in range(1, 100):
+        rims = [14.0 + 0.94 * acceleration * k * 0.005] * 4
+        car = (15.0 + acceleration * k * 0.005, 0.9)
+        wheels.update(k * STEP, rims, [acceleration] * 4, acceleration, acceleration, 0.1, car)
+    assert wheels.evidence(False, True).wheels_roll
+    assert wheels.evidence(False, True).agree is agree
 
 
 def test_offset_is_learned_while_rolling_and_its_injection_does_not_matter() -> None:
@@ -282,7 +299,7 @@ def test_stuck_imu_is_left_out_and_said(estimator: SlipEstimator) -> None:
     d = drive(lambda t: -2.0 if t > 3.0 else 0.0, lambda _t: 0.0, 6.0, 25.0)
     stuck = np.where(np.arange(d.speed.size) > 500, d.acceleration[500], d.acceleration)
     _, speed = follow(replace(d, acceleration=stuck), estimator)
-    assert estimator.vehicle.accelerometer_is_stuck
+    assert "repeats" in estimator.vehicle.accelerometer_text
     assert np.max(np.abs(speed - d.speed)[1000:]) < 0.2
 
 
@@ -290,7 +307,7 @@ def test_accelerometer_without_noise_is_not_taken_for_stuck_while_the_wheels_agr
     d = drive(lambda _t: 0.0, lambda _t: 0.0, 3.0, 25.0)
     for k, omega in enumerate(d.wheel_speed):
         estimator.update((k + 1) * STEP, omega.tolist(), 0.0)
-        assert not estimator.vehicle.accelerometer_is_stuck
+        assert not estimator.vehicle.accelerometer_text
 
 
 def test_all_wheels_locked_from_the_start_give_no_speed(estimator: SlipEstimator) -> None:

@@ -10,22 +10,55 @@ the same: whether its gap may be that of a rolling wheel is judged elsewhere (ve
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import isfinite
-from typing import Final
 
-_TIME_CONSTANT: Final = 0.03
-"""Time constant T [s]: below the time a supervisor leaves a wheel released, above the half period of its swing."""
-_QUIET: Final = 2.0
-"""Largest variance of a carried wheel's gap, in units of the noise: T at 200 Hz averages twelve samples."""
-_SWINGING: Final = 0.1
-"""Variance of the gap when a slide begins [m^2/s^2]: no wheel counts as carried in the first 0.14 s."""
+from friction_parameters.parameter import parameter
+
+
+@dataclass(frozen=True)
+class CarriedParameters:
+    """When a wheel is carried by the road."""
+
+    time: float = parameter(
+        0.03,
+        "T: below the time a supervisor leaves a wheel released, above the half period of its swing",
+        unit="s",
+        minimum=0.001,
+        maximum=1.0,
+    )
+    quiet: float = parameter(
+        2.0,
+        "largest variance of a carried wheel's gap, over the noise: T at 200 Hz averages twelve samples",
+        minimum=0.1,
+        maximum=100.0,
+    )
+    swinging: float = parameter(
+        0.32,
+        "deviation of the gap when a slide begins: no wheel counts as carried in the first 0.14 s",
+        unit="m/s",
+        minimum=0.0,
+        maximum=10.0,
+    )
+    plausible: float = parameter(
+        3.0, "standard deviations by which a carried wheel may differ from the speed", minimum=1.0, maximum=10.0
+    )
+    released: float = parameter(
+        0.5,
+        "time over which the slip of a carried wheel is one error: longer than a supervisor leaves it released",
+        unit="s",
+        minimum=0.01,
+        maximum=10.0,
+    )
 
 
 class CarriedWheels:
     """Mean and variance of every wheel's gap during one slide."""
 
-    def __init__(self, count: int, rim_speed_variance: float) -> None:
+    def __init__(self, parameters: CarriedParameters, count: int, rim_speed_variance: float) -> None:
         """Start empty; `rim_speed_variance`: noise of a rim speed [m^2/s^2]."""
+        self._p = parameters
+        self._swinging = parameters.swinging**2
         self._count = count
         self._noise = rim_speed_variance
         self.reset()
@@ -33,7 +66,7 @@ class CarriedWheels:
     def reset(self) -> None:
         """Forget everything before the next slide."""
         self._means = [0.0] * self._count
-        self._variances = [_SWINGING] * self._count
+        self._variances = [self._swinging] * self._count
 
     def update(self, dt: float, rim_speeds: Sequence[float], speed: float) -> list[float]:
         """Take one sample.
@@ -46,12 +79,12 @@ class CarriedWheels:
         Returns:
             Mean gaps of the wheels that are carried [m/s].
         """
-        gain, quiet = dt / (_TIME_CONSTANT + dt), _QUIET * self._noise
+        gain, quiet = dt / (self._p.time + dt), self._p.quiet * self._noise
         means, variances = self._means, self._variances
         carried: list[float] = []
         for index, rim_speed in enumerate(rim_speeds):
             if not isfinite(rim_speed):
-                variances[index] = _SWINGING
+                variances[index] = self._swinging
                 continue
             gap, mean, variance = rim_speed - speed, means[index], variances[index]
             moved = mean + gain * (gap - mean)
@@ -63,4 +96,4 @@ class CarriedWheels:
 
     def gap_variance(self, dt: float) -> float:
         """Noise of a mean gap [m^2/s^2] at sample time `dt` [s]."""
-        return self._noise * dt / (2.0 * _TIME_CONSTANT + dt)
+        return self._noise * dt / (2.0 * self._p.time + dt)

@@ -1,6 +1,8 @@
 """Output of the slip estimator: one estimate per wheel and sample, with the reason where there is none."""
 
+from collections.abc import Mapping
 from enum import IntEnum
+from typing import Final
 
 
 class SpeedSource(IntEnum):
@@ -10,6 +12,26 @@ class SpeedSource(IntEnum):
     SENSOR = 1
     WHEELS = 2
     INTEGRATED = 3
+
+
+class Mode(IntEnum):
+    """Which inputs the vehicle speed is made of; the values are those of friction_msgs/WheelSlip."""
+
+    WAITING = 0
+    ROLLING = 1
+    SLIDING = 2
+    SENSOR_ROLLING = 3
+    SENSOR_SLIDING = 4
+
+
+SOURCES: Final[Mapping[Mode, SpeedSource]] = {
+    Mode.WAITING: SpeedSource.NONE,
+    Mode.ROLLING: SpeedSource.WHEELS,
+    Mode.SLIDING: SpeedSource.INTEGRATED,
+    Mode.SENSOR_ROLLING: SpeedSource.SENSOR,
+    Mode.SENSOR_SLIDING: SpeedSource.SENSOR,
+}
+"""Where the speed comes from in each mode."""
 
 
 class Reason(IntEnum):
@@ -36,7 +58,7 @@ class WheelEstimate:
         slip_variance: float,
         slip_rate_variance: float,
         vehicle_speed_variance: float,
-        source: SpeedSource,
+        mode: Mode,
         reason: Reason,
         text: str,
     ) -> None:
@@ -50,7 +72,7 @@ class WheelEstimate:
             slip_variance: [-].
             slip_rate_variance: [1/s^2].
             vehicle_speed_variance: [m^2/s^2].
-            source: where the vehicle speed comes from.
+            mode: which inputs the vehicle speed is made of.
             reason: why the slip is not valid.
             text: the reason in words, empty where it is OK.
         """
@@ -61,6 +83,7 @@ class WheelEstimate:
         self.slip_variance = slip_variance
         self.slip_rate_variance = slip_rate_variance
         self.vehicle_speed_variance = vehicle_speed_variance
-        self.source = source
+        self.mode = mode
+        self.source = SOURCES[mode]
         self.reason = reason
         self.text = text

@@ -9,14 +9,15 @@ from friction_parameters import shared
 from friction_parameters.parameter import group, parameter
 from vehicle_models.plausible import HIGHEST_SLIP
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
+from wheel_slip.estimate import Mode, Reason, WheelEstimate
 from wheel_slip.free_rolling import FreeRolling
 from wheel_slip.online_radii import OnlineRadii
+from wheel_slip.radius_calibration import Radii
 from wheel_slip.relative_radii import RelativeRadii
 from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.unit_check import UnitCheck
-from wheel_slip.vehicle_speed import VehicleSpeed, VehicleSpeedParameters
+from wheel_slip.vehicle_speed import VehicleSpeed, VehicleSpeedParameters, radius_share
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
 
@@ -53,7 +54,7 @@ class SlipEstimator:
         """Forget everything."""
         p = self._p
         self._units.reset()
-        self._wheels = [WheelSpeedFilter(p.wheel_filter, p.max_gap) for _ in self._car.wheels]
+        self._wheels = [WheelSpeedFilter(p.wheel_filter, p.max_gap, each.encoder_teeth) for each in self._car.wheels]
         self.vehicle = VehicleSpeed(self._car, p.vehicle_speed, p.wheel_filter.speed_stddev)
         self._relative.reset()
         self._free.reset()
@@ -62,7 +63,7 @@ class SlipEstimator:
         self.radius_variances: Sequence[float] = self._relative.variances
         """Variances of the radii relative to their mean, as shares [-]."""
         self._online = OnlineRadii(self.radii) if p.learn_radii else None
-        self._calibrated = False
+        self._calibrated: Radii | None = None
 
     def update(
         self,
@@ -84,8 +85,8 @@ class SlipEstimator:
         """
         if self._online is not None:
             calibrated = self._online.update(stamp, wheel_speeds, measured_speeds)
-            if calibrated is not None:
-                self._calibrated, self.radii = True, calibrated
+            if calibrated is not None and calibrated is not self._calibrated:
+                self._use_calibrated(calibrated)
         radii = self.radii
         rim_speeds: list[float] = []
         smooth_rim_speeds: list[float] = []
@@ -99,7 +100,8 @@ class SlipEstimator:
             rim_accelerations.append(wheel.acceleration * radius)
         self.vehicle.update(stamp, rim_speeds, smooth_rim_speeds, rim_accelerations, acceleration, measured_speeds)
         newest = measured_speeds[-1].speed if measured_speeds else None
-        self._units.update(stamp, smooth_rim_speeds, rim_accelerations, acceleration, newest)
+        in_use = None if self.vehicle.accelerometer_text else acceleration
+        self._units.update(stamp, smooth_rim_speeds, rim_accelerations, in_use, newest)
         car = self._motion()
         self._learn_radii(stamp, smooth_rim_speeds, acceleration)
         return [
@@ -111,7 +113,7 @@ class SlipEstimator:
 
     def _learn_radii(self, stamp: int, smooth_rim_speeds: Sequence[float], acceleration: float | None) -> None:
         """Learn from the next stretch without force; the radii are used from the next sample on."""
-        if self._calibrated:
+        if self._calibrated is not None:
             return
         stretch = self._free.update(stamp, smooth_rim_speeds, acceleration, self.vehicle.offset, self._p.max_gap)
         if stretch is None:
@@ -122,16 +124,25 @@ class SlipEstimator:
         ]
         self._relative.update(stretch._replace(rim_speeds=with_file))
         self.radii, self.radius_variances = self._relative.radii, self._relative.variances
+        self.vehicle.know_radii(radius_share(self._car), self._relative.covariance)
+
+    def _use_calibrated(self, found: Radii) -> None:
+        """Take radii and deviations of the calibration in place of what the vehicle file says."""
+        self._calibrated, self.radii = found, found.radii
+        shares = [stddev / radius for stddev, radius in zip(found.stddevs, found.radii, strict=True)]
+        self.radius_variances = [share**2 for share in shares]
+        # The speed sensor's own error of scale is in all of them alike, and not known.
+        self.vehicle.know_radii(max(shares), [[0.0] * len(shares)] * len(shares))
 
     @property
     def radius_text(self) -> str:
         """Names the wheels whose radius is far from the vehicle file's, empty where none is."""
-        return self._relative.text
+        return "" if self._calibrated is not None else self._relative.text
 
     def _unlike(self, rim_speeds: Sequence[float]) -> list[float]:
         """Return how far each wheel is from the mean of all [m/s] while they roll: by curves, radii or slip."""
         known = [speed for speed in rim_speeds if isfinite(speed)]
-        if self.vehicle.source is not SpeedSource.WHEELS or not known:
+        if self.vehicle.mode is not Mode.ROLLING or not known:
             return [0.0] * len(rim_speeds)
         mean = sum(known) / len(known)
         return [speed - mean if isfinite(speed) else 0.0 for speed in rim_speeds]
@@ -139,17 +150,17 @@ class SlipEstimator:
     def _motion(self) -> "_Motion":
         """Return the motion of the car, with the reason if no wheel can have a slip."""
         vehicle, lowest = self.vehicle, self._p.minimum_speed
-        source = vehicle.source
+        mode = vehicle.mode
         if self._units.text:
-            return _Motion((nan, nan), (nan, nan), nan, SpeedSource.NONE, Reason.BAD_INPUT, self._units.text)
-        if source is SpeedSource.NONE:
+            return _Motion((nan, nan), (nan, nan), nan, Mode.WAITING, Reason.BAD_INPUT, self._units.text)
+        if mode is Mode.WAITING:
             text = "no vehicle speed: no sensor, and the wheels have not shown to roll yet"
-            return _Motion((nan, nan), (nan, nan), nan, source, Reason.NO_SPEED, text)
+            return _Motion((nan, nan), (nan, nan), nan, mode, Reason.NO_SPEED, text)
         speed, acceleration = (vehicle.speed, vehicle.variance), (vehicle.acceleration, vehicle.acceleration_variance)
         if vehicle.speed < lowest:
             text = f"vehicle speed is below {lowest} m/s"
-            return _Motion(speed, acceleration, vehicle.stated_variance, source, Reason.LOW_SPEED, text)
-        return _Motion(speed, acceleration, vehicle.stated_variance, source, Reason.OK, "")
+            return _Motion(speed, acceleration, vehicle.stated_variance, mode, Reason.LOW_SPEED, text)
+        return _Motion(speed, acceleration, vehicle.stated_variance, mode, Reason.OK, "")
 
     def _estimate(
         self,
@@ -160,8 +171,8 @@ class SlipEstimator:
         unlike: float,
         radius_variance: float,
     ) -> WheelEstimate:
-        car_speed, car_acceleration, _, source, reason, text = car
-        omega = (wheel.speed, wheel.speed_variance)
+        car_speed, car_acceleration, _, mode, reason, text = car
+        omega = (wheel.speed + wheel.age * wheel.acceleration, wheel.speed_variance + wheel.age_variance)
         slip_found = rate = variance = rate_variance = nan
         if not isfinite(measured):
             reason, text = Reason.BAD_INPUT, "wheel speed is missing or not finite"
@@ -172,7 +183,8 @@ class SlipEstimator:
                 reason, text = Reason.NOT_READY, "too few samples since start"
         elif reason is Reason.OK:
             variance = slip_variance(car_speed[0], car_speed[1], omega[0], omega[1], radius)
-            variance += (unlike / car_speed[0]) ** 2 + (radius * omega[0] / car_speed[0]) ** 2 * radius_variance
+            of_radius = radius_variance + self.vehicle.radii_against_speed**2
+            variance += (unlike / car_speed[0]) ** 2 + (radius * omega[0] / car_speed[0]) ** 2 * of_radius
             if variance > self._largest_variance:
                 reason, text = Reason.UNCERTAIN, f"standard deviation of the slip is {sqrt(variance):.3f}"
                 variance = nan
@@ -185,7 +197,7 @@ class SlipEstimator:
                 rate = slip_rate(car_speed[0], car_acceleration[0], omega[0], omega_dot[0], radius)
                 rate_variance = slip_rate_variance(car_speed, car_acceleration, omega, omega_dot, radius)
         return WheelEstimate(
-            slip_found, rate, car_speed[0], omega[0], variance, rate_variance, car.stated, source, reason, text
+            slip_found, rate, car_speed[0], omega[0], variance, rate_variance, car.stated, mode, reason, text
         )
 
 
@@ -196,6 +208,6 @@ class _Motion(NamedTuple):
     acceleration: tuple[float, float]
     stated: float
     """Variance of the speed with that of the radii [m^2/s^2]."""
-    source: SpeedSource
+    mode: Mode
     reason: Reason
     text: str

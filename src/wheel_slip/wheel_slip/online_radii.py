@@ -24,13 +24,11 @@ class OnlineRadii:
     def __init__(self, nominal: tuple[float, ...]) -> None:
         """Start with the nominal radii [m]."""
         self._calibration = RadiusCalibration(nominal, CalibrationParameters(needed=_NEEDED))
-        self._radii: tuple[float, ...] | None = None
+        self._radii: Radii | None = None
         self._recent: deque[tuple[int, Sequence[float]]] = deque()
 
-    def update(
-        self, stamp: int, wheel_speeds: Sequence[float], measured: Sequence[SpeedSample]
-    ) -> tuple[float, ...] | None:
-        """Take a sample as SlipEstimator.update does; return the radii to use [m], None until they are certain."""
+    def update(self, stamp: int, wheel_speeds: Sequence[float], measured: Sequence[SpeedSample]) -> Radii | None:
+        """Take a sample as SlipEstimator.update does; return the radii to use, None until they are certain."""
         counted = False
         self._recent.append((stamp, wheel_speeds))
         while self._recent[0][0] < stamp - _MEMORY:
@@ -45,5 +43,5 @@ class OnlineRadii:
                 isinstance(found, Radii)
                 and max(s / r for s, r in zip(found.stddevs, found.radii, strict=True)) < _CERTAIN
             ):
-                self._radii = found.radii
+                self._radii = found
         return self._radii

@@ -19,7 +19,7 @@ from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import HIGHEST_ACCELERATION, HIGHEST_SPEED
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
+from wheel_slip.estimate import Mode, Reason, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.speed_queue import SpeedQueue
@@ -73,11 +73,13 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         self._estimator.reset()
 
     def _state(self) -> tuple[Level, str]:
-        if self._estimator.vehicle.source is SpeedSource.NONE:
+        if self._estimator.vehicle.mode is Mode.WAITING:
             return Level.ERROR, "no vehicle speed"
         bad = [f"{wheel}: {estimate.text}" for wheel, estimate in self._last.items() if estimate.reason not in _QUIET]
-        if self._estimator.vehicle.accelerometer_is_stuck:
-            bad.append(f"{IMU}: repeats one value that the wheels contradict; left out")
+        if self._estimator.vehicle.accelerometer_text:
+            bad.append(f"{IMU}: {self._estimator.vehicle.accelerometer_text}; left out")
+        if self._estimator.vehicle.sensor_text:
+            bad.append(f"{VEHICLE_VELOCITY}: {self._estimator.vehicle.sensor_text}")
         if self._estimator.radius_text:
             bad.append(self._estimator.radius_text)
         if self._missing:
@@ -145,5 +147,6 @@ def _message(stamp: int, wheel: str, estimate: WheelEstimate) -> WheelSlip:
     message.slip_rate_variance = estimate.slip_rate_variance
     message.vehicle_speed_variance = estimate.vehicle_speed_variance
     message.speed_source = int(estimate.source)
+    message.mode = int(estimate.mode)
     set_reason(message, wheel, estimate.reason, estimate.text)
     return message

@@ -1,9 +1,8 @@
-"""Effective rolling radii while the car coasts: against a speed sensor, or the wheels against each other.
+"""Effective rolling radii while the car coasts, against a speed sensor.
 
     r_i = sum(v omega_i) / sum(omega_i^2)
 
-with v of the speed sensor, or, without one, the mean rim speed of all wheels with nominal radii: that equalises the
-wheels and keeps their mean. A sample counts while every wheel changes its speed slowly (no braking, no spin), rolls
+with v of the speed sensor. A sample counts while every wheel changes its speed slowly (no braking, no spin), rolls
 faster than `minimum_speed` and is near the others (no curve). The standard deviation is that of the residual, of which
 one every `_CORRELATION` counts as independent.
 """
@@ -53,7 +52,7 @@ class RadiusCalibration:
     """Accumulates coasting samples of one car."""
 
     def __init__(self, nominal: Sequence[float], parameters: CalibrationParameters) -> None:
-        """Start with the nominal radii [m], which decide what counts as rolling and the scale without a sensor."""
+        """Start with the nominal radii [m], which decide what counts as rolling."""
         self._nominal = tuple(nominal)
         self._p = parameters
         self.reset()
@@ -69,8 +68,8 @@ class RadiusCalibration:
         self._anchor: tuple[int, list[float]] | None = None
         self._calm = False
 
-    def update(self, stamp: int, wheel_speeds: Sequence[float], speed: float | None = None) -> bool:
-        """Take the wheel speeds [rad/s] at a stamp [ns] and the measured speed [m/s] there; None: no sensor.
+    def update(self, stamp: int, wheel_speeds: Sequence[float], speed: float) -> bool:
+        """Take the wheel speeds [rad/s] at a stamp [ns] and the measured speed [m/s] there.
 
         Returns:
             Whether the sample counted.
@@ -79,15 +78,14 @@ class RadiusCalibration:
             return False
         rims = [omega * radius for omega, radius in zip(wheel_speeds, self._nominal, strict=True)]
         mean = sum(rims) / len(rims)
-        reference = mean if speed is None else speed
         dt = (stamp - self._last) / NANOSECONDS if self._last is not None else float("inf")
         self._last = stamp
-        if not self._coasts(stamp, rims, mean, dt) or not isfinite(reference):
+        if not self._coasts(stamp, rims, mean, dt) or not isfinite(speed):
             return False
         for index, omega in enumerate(wheel_speeds):
-            self._cross[index] += reference * omega
+            self._cross[index] += speed * omega
             self._square[index] += omega * omega
-        self._reference_square += reference * reference
+        self._reference_square += speed * speed
         self._samples += 1
         self._seconds += dt
         return True

@@ -135,13 +135,16 @@ class RelativeRadii:
         weights = np.exp(weights - weights.max())
         weights /= weights.sum()
         found = weights @ means
-        variances = np.zeros(count)
+        variances, between = np.zeros(count), np.zeros((count, count))
         for weight, mean, covariance in zip(weights, means, covariances, strict=True):
             variances += weight * (np.diag(covariance) + (relative @ (mean - found)) ** 2)
+            between += weight * (covariance + np.outer(mean - found, mean - found))
         self.radii = tuple([float(each) for each in np.array(self._nominal) * np.exp(found)])
         """Most likely radii [m]."""
         self.variances: Sequence[float] = [float(each) for each in variances]
         """Variances of the radii relative to their mean, as shares [-]."""
+        self.covariance: Sequence[Sequence[float]] = between.tolist()
+        """Covariance of the radii as shares [-], without what the vehicle file leaves open for all of them alike."""
         self.text = self._describe(found, weights)
         """Names the wheel that is far from what the vehicle file says, empty where none is."""
 

@@ -1,109 +1,59 @@
-"""Whether the wheels roll, or the accelerometer has to bridge a slide.
+"""Which wheels roll, and for how long they have: the evidence on which the mode is changed (mode.py).
 
 Over a short window each wheel's change of rim speed r omega is compared with the integrated corrected acceleration:
 
     D_i = [r_i omega_i](t) - [r_i omega_i](t - T) - integral of a over T
 
 A wheel rolls while |D_i| is small (for what is known of the offset) and its rim speed is that of the others. This sees
-a slide on snow, where the car hardly decelerates, and does not use the integrated speed. The car slides when more than
-one wheel does not roll, or if it accelerates so strongly that every wheel must have slip. It rolls again when the
-wheels have rolled for a while and either agree with the integrated speed, or the car hardly accelerates: then they are
-right, whatever that speed is. Wheels that turn alike and hardly change for 2 s are right, whatever the accelerometer
-reads: its offset is then learned again.
+a slide on snow, where the car hardly decelerates, and does not use the integrated speed.
 """
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import exp, isfinite, nan
 from typing import Final
 
-from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
-from wheel_slip.slope_watch import STEEPEST, SlopeWatch
+from wheel_slip.mode import Evidence, SlideParameters
+from wheel_slip.slope_watch import SlopeParameters, SlopeWatch
 
+_NOT: Final = -1.0
+"""Time [s] of what is not so."""
 _LAG: Final = 0.015
 """Time constant [s] that gives the acceleration the lag of the wheel filter."""
-_SPREAD: Final = 0.03
-_SPREAD_AT_REST: Final = 0.3
-"""Rim speeds may differ by this share, and this speed [m/s]: radii, curves, quantisation."""
-_CALM: Final = 1.0
-"""Below this acceleration [m/s^2] wheels that agree are trusted over the integrated speed, after `_PATIENCE`."""
-_PATIENCE: Final = 1.0
-"""Time for which wheels must agree before they are trusted over the integrated speed [s]."""
-_STEADY: Final = 0.5
-"""Change of rim speed below which a wheel counts as steady [m/s^2]."""
-_STEADY_TIME: Final = 2.0
-"""Wheels that are steady and turn alike for this long [s] are right, whatever the accelerometer reads."""
-_BLIND: Final = 0.6
-"""Rim speed [m/s] below which a wheel may as well be locked."""
-_FORCELESS: Final = 0.6
-"""Force of all tyres over the mass of the car [m/s^2] below which they have no slip to speak of."""
-_STRONGEST: Final = 14.0
-"""Without an accelerometer a wheel that changes faster [m/s^2] does not roll."""
-_SETTLE: Final = 0.3
-"""Time [s] the wheels have to roll before they are trusted again."""
-
-
-@dataclass(frozen=True)
-class SlideParameters:
-    """When a wheel, and the car, count as rolling."""
-
-    window: float = parameter(
-        0.2, "window T over which wheels are compared with the accelerometer", unit="s", minimum=0.02, maximum=1.0
-    )
-    threshold: float = parameter(
-        0.15, "difference |D| over that window above which a wheel slides", unit="m/s", minimum=0.01, maximum=5.0
-    )
-    slide_above: float = parameter(
-        3.0, "acceleration above which wheels are not trusted", unit="m/s^2", minimum=0.1, maximum=20.0
-    )
-    roll_below: float = parameter(
-        2.5, "acceleration below which they may be trusted again", unit="m/s^2", minimum=0.1, maximum=20.0
-    )
-
-    def __post_init__(self) -> None:
-        """Refuse thresholds in the wrong order."""
-        if self.roll_below > self.slide_above:
-            raise ValueError(f"parameter 'roll_below' = {self.roll_below} must not exceed 'slide_above'")
 
 
 class SlideDetector:
-    """Mode of the car, and the wheels that roll."""
+    """The wheels of one car."""
 
-    def __init__(self, parameters: SlideParameters, driven: Sequence[bool]) -> None:
-        """Start in the sliding mode: no wheel is trusted before it has been seen to roll.
+    def __init__(self, parameters: SlideParameters, slope: SlopeParameters, driven: Sequence[bool]) -> None:
+        """Start without samples.
 
         Args:
-            parameters: parameters of the detector.
+            parameters: when a wheel rolls.
+            slope: what a road may do.
             driven: which wheels the engine drives. All and none come to the same: no wheel is freer than another.
         """
         self._p = parameters
         self._free = [index for index, by_engine in enumerate(driven) if not by_engine]
         self._all = list(range(len(driven)))
-        self.slope = SlopeWatch()
+        self._road = slope
+        self.slope = SlopeWatch(slope)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
         self.slope.reset()
-        self.sliding = True
-        """Whether the car slides, so that the wheels are not trusted."""
         self.rolling = [False] * len(self._all)
         """Which wheels roll."""
-        self.since: int | None = None
-        """Stamp [ns] of the last change of mode."""
         self.acceleration: float | None = None
         """Acceleration [m/s^2] with the lag of the wheel filters."""
         self.spread = nan
         """Largest difference between rim speeds [m/s]."""
         self._history: deque[tuple[int, float, Sequence[float]]] = deque()
-        self.contradicted = False
-        """Whether the wheels were trusted again because they turned alike, against the accelerometer."""
-        self.agreed = False
-        """Whether the wheels were trusted again because they agreed with the integrated speed."""
-        self._rolled_since: int | None = None
-        self._steady_from: tuple[int, float] | None = None
+        self._wheels_roll = self._pulled = self._agree = False
+        self._rolled = self._steady = _NOT
+        self.begin_slide()
         self._travelled = 0.0
         self._allowed = self._p.threshold
 
@@ -136,12 +86,17 @@ class SlideDetector:
         while len(history) > 2 and history[1][0] <= begin:
             history.popleft()
         self._allowed = self._p.threshold + 2.0 * offset_stddev * self._p.window
-        if specific_force is not None and abs(specific_force) < _FORCELESS:
-            self._allowed += STEEPEST * self._p.window
+        if specific_force is not None and abs(specific_force) < self._road.forceless:
+            self._allowed += self._road.steepest * self._p.window
         middle = 0.5 * (known[(len(known) - 1) // 2] + known[len(known) // 2]) if known else nan
         self._watch_slope(stamp, rim_speeds, middle)
         self.rolling = self._roll(rim_speeds, rim_accelerations, middle)
-        self._change_mode(stamp, rim_speeds, middle, integrated)
+        self._judge(stamp, rim_speeds, middle, integrated)
+
+    @property
+    def has_rolled(self) -> bool:
+        """Whether the wheels have rolled for a while, by what the accelerometer reads."""
+        return self._rolled >= self._p.settle_time
 
     def believed(self) -> list[int]:
         """Return the wheels to take the speed from: those that roll, without the driven ones if a free one is left."""
@@ -151,6 +106,11 @@ class SlideDetector:
     def free_believed(self) -> bool:
         """Whether the wheels that are believed are not driven, and some are."""
         return len(self._free) < len(self._all) and any(self.rolling[index] for index in self._free)
+
+    def turn_alike(self, rim_speeds: Sequence[float]) -> bool:
+        """Whether the wheels whose rim speeds [m/s] are known turn alike, as those that roll do."""
+        known = sorted([speed for speed in rim_speeds if isfinite(speed)])
+        return bool(known) and known[-1] - known[0] <= self._likeness(known[len(known) // 2])
 
     def _integrate(self, stamp: int, acceleration: float | None) -> None:
         if acceleration is None:
@@ -165,8 +125,8 @@ class SlideDetector:
         self._travelled += 0.5 * dt * (before + self.acceleration)
 
     def _watch_slope(self, stamp: int, rim_speeds: Sequence[float], middle: float) -> None:
-        known = self.acceleration is not None and abs(middle) > _BLIND
-        alike = known and self.spread <= _SPREAD_AT_REST + _SPREAD * abs(middle)
+        known = self.acceleration is not None and abs(middle) > self._p.blind_below
+        alike = known and self.spread <= self._likeness(middle)
         begin, travelled, before = self._history[0]
         time = (stamp - begin) / NANOSECONDS
         differences: list[float] = []
@@ -178,10 +138,10 @@ class SlideDetector:
 
     def _roll(self, rim_speeds: Sequence[float], rim_accelerations: Sequence[float], middle: float) -> list[bool]:
         """Return which wheels roll; `middle`: the median of the rim speeds [m/s]."""
-        alike = _SPREAD_AT_REST + _SPREAD * abs(middle)
+        alike = self._likeness(middle)
         if self.acceleration is None:
             return [
-                abs(speed - middle) <= alike and abs(rate) < _STRONGEST
+                abs(speed - middle) <= alike and abs(rate) < self._p.strongest
                 for speed, rate in zip(rim_speeds, rim_accelerations, strict=True)
             ]
         _, travelled, before = self._history[0]
@@ -191,46 +151,66 @@ class SlideDetector:
             for speed, earlier in zip(rim_speeds, before, strict=True)
         ]
 
-    def _change_mode(
+    def begin_slide(self) -> None:
+        """Count the times of rolling from the next sample on."""
+        self._rolled_since: int | None = None
+        self._steady_from: tuple[int, float] | None = None
+
+    def evidence(self, sensor: bool, speed_at_wheels: bool) -> Evidence:
+        """Return what the last sample says of the mode, beside the other two things that are asked for."""
+        return Evidence(
+            sensor=sensor,
+            speed_at_wheels=speed_at_wheels,
+            wheels_roll=self._wheels_roll,
+            pulled=self._pulled,
+            acceleration=abs(self.acceleration or 0.0),
+            agree=self._agree,
+            rolled=self._rolled,
+            steady=self._steady,
+        )
+
+    def _judge(
         self, stamp: int, rim_speeds: Sequence[float], middle: float, integrated: tuple[float, float] | None
     ) -> None:
         a = self.acceleration or 0.0
         # Free wheels roll while the engine pulls, however strongly.
-        pulled = len(self._free) < len(self._all) and bool(self._free) and a > -0.5
-        judged = [index for index in (self._free if pulled else self._all) if isfinite(rim_speeds[index])]
+        self._pulled = len(self._free) < len(self._all) and bool(self._free) and a > -0.5
+        judged = [index for index in (self._free if self._pulled else self._all) if isfinite(rim_speeds[index])]
         allowed = 1 if len(judged) >= 3 else 0
-        wheels_roll = bool(judged) and len([index for index in judged if not self.rolling[index]]) <= allowed
-        strength = 0.0 if pulled else abs(a)
-        if not self.sliding:
-            if strength > self._p.slide_above or not wheels_roll:
-                self.sliding, self.since = True, stamp
-                self._rolled_since = self._steady_from = None
-            return
-        self._watch_steadiness(stamp, judged, rim_speeds, middle)
-        if self._steady_from is not None and stamp - self._steady_from[0] >= _STEADY_TIME * NANOSECONDS:
-            self.sliding, self.since, self.contradicted, self.agreed = False, stamp, not wheels_roll, False
-            return
-        if strength > self._p.roll_below or not wheels_roll:
+        self._wheels_roll = bool(judged) and len([index for index in judged if not self.rolling[index]]) <= allowed
+        self._agree = integrated is None or self._agrees(middle, *integrated)
+        if not self._wheels_roll or not (self._pulled or abs(a) <= self._p.roll_below):
             self._rolled_since = None
-            return
-        if self._rolled_since is None:
+        elif self._rolled_since is None:
             self._rolled_since = stamp
-        rolled = (stamp - self._rolled_since) / NANOSECONDS
-        agree = integrated is None or abs(middle - integrated[0]) <= integrated[1] + 0.02 * abs(middle) + 0.1
-        calm = abs(a) < _CALM and rolled >= _PATIENCE
-        if rolled >= _SETTLE and (agree or calm or pulled):
-            self.agreed = agree
-            self.sliding, self.since, self.contradicted = False, stamp, False
+        self._rolled = _NOT if self._rolled_since is None else (stamp - self._rolled_since) / NANOSECONDS
+        self._watch_steadiness(stamp, judged, rim_speeds, middle)
+        self._steady = _NOT if self._steady_from is None else (stamp - self._steady_from[0]) / NANOSECONDS
+
+    def _agrees(self, middle: float, speed: float, stddev: float) -> bool:
+        """Whether wheels at a rim speed [m/s] agree with a speed of a standard deviation [m/s].
+
+        Wheels may keep a steady slip while they are braked: they do not become right because the speed has become
+        uncertain.
+        """
+        allowed = self._p.agreement * abs(middle)
+        if abs(self.acceleration or 0.0) > self._p.calm_below:
+            stddev = min(stddev, allowed)
+        return abs(middle - speed) <= stddev + allowed + self._p.agreement_at_rest
 
     def _watch_steadiness(self, stamp: int, judged: list[int], rim_speeds: Sequence[float], middle: float) -> None:
-        """Note since when the wheels turn alike and hardly change. Then they roll, whatever the accelerometer reads."""
-        allowed = _SPREAD_AT_REST + _SPREAD * abs(middle)
+        """Note since when the wheels turn alike and hardly change."""
+        allowed = self._likeness(middle)
         alike = [index for index in judged if abs(rim_speeds[index] - middle) <= allowed]
-        if not judged or len(alike) < len(judged) or abs(middle) <= _BLIND:
+        if not judged or len(alike) < len(judged) or abs(middle) <= self._p.blind_below:
             self._steady_from = None
         elif self._steady_from is None:
             self._steady_from = (stamp, middle)
         else:
             elapsed = (stamp - self._steady_from[0]) / NANOSECONDS
-            if abs(middle - self._steady_from[1]) > _STEADY * elapsed + self._p.threshold:
+            if abs(middle - self._steady_from[1]) > self._p.steady_below * elapsed + self._p.threshold:
                 self._steady_from = (stamp, middle)
+
+    def _likeness(self, middle: float) -> float:
+        """Return how far rim speeds of rolling wheels may be from their median [m/s]."""
+        return self._p.spread_at_rest + self._p.spread * abs(middle)

@@ -7,27 +7,45 @@ decelerate by their slip less than the car.
 """
 
 from collections.abc import Sequence
-from typing import Final
+from dataclasses import dataclass
 
+from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 
-STEEPEST: Final = 1.5
-"""What a road does at most [m/s^2]: a slope of 15 %."""
-_LEAST: Final = 0.4
-"""Difference between accelerations that noise does not make [m/s^2]."""
-_STEADY_SLIP: Final = 0.08
-"""Slip that may stay."""
-_LASTING: Final = round(0.2 * NANOSECONDS)
-"""Time for which the difference must last [ns]: a dive passes through all differences."""
-_ALIKE: Final = round(0.5 * NANOSECONDS)
-"""Time for which wheels have turned alike when none of them has dived lately [ns]."""
+
+@dataclass(frozen=True)
+class SlopeParameters:
+    """When wheels and accelerometer differ by a slope of the road."""
+
+    steepest: float = parameter(
+        1.5, "difference that a road makes at most: a slope of 15 %", unit="m/s^2", minimum=0.1, maximum=5.0
+    )
+    least: float = parameter(0.4, "difference that noise does not make", unit="m/s^2", minimum=0.01, maximum=5.0)
+    steady_slip: float = parameter(0.08, "slip that may stay and looks like a slope", minimum=0.0, maximum=0.5)
+    lasting: float = parameter(
+        0.2, "time for which the difference must last: a dive passes through all", unit="s", minimum=0.0, maximum=5.0
+    )
+    alike: float = parameter(
+        0.5, "time for which wheels turn alike when none has dived lately", unit="s", minimum=0.0, maximum=5.0
+    )
+    forceless: float = parameter(
+        0.6,
+        "force of all tyres over the mass of the car, below which they have no slip to speak of",
+        unit="m/s^2",
+        minimum=0.0,
+        maximum=2.0,
+    )
+    settle_time: float = parameter(
+        0.5, "time that a doubt of the offset needs to be settled", unit="s", minimum=0.0, maximum=10.0
+    )
 
 
 class SlopeWatch:
     """Follows the wheels of one car."""
 
-    def __init__(self) -> None:
+    def __init__(self, parameters: SlopeParameters) -> None:
         """Start without samples."""
+        self._p = parameters
         self.reset()
 
     def reset(self) -> None:
@@ -49,14 +67,14 @@ class SlopeWatch:
         self.mismatch = 0.0
         if not alike:
             self._unlike = stamp
-        if not differences or (self._unlike is not None and stamp - self._unlike < _ALIKE):
+        if not differences or (self._unlike is not None and stamp - self._unlike < self._p.alike * NANOSECONDS):
             self._since = None
             return
         difference = sorted(differences)[len(differences) // 2]
-        if not _LEAST + _STEADY_SLIP * abs(acceleration) < abs(difference) < STEEPEST:
+        if not self._p.least + self._p.steady_slip * abs(acceleration) < abs(difference) < self._p.steepest:
             self._since = None
             return
         if self._since is None:
             self._since = stamp
-        if stamp - self._since >= _LASTING:
+        if stamp - self._since >= self._p.lasting * NANOSECONDS:
             self.mismatch = difference

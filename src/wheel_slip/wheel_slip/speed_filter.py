@@ -29,14 +29,8 @@ _HISTORY: Final = 1 * NANOSECONDS
 """How far back [ns] a measurement can be used."""
 _FIRST_SPEED_VARIANCE: Final = 1e6
 """Variance of an unknown speed [m^2/s^2]."""
-_ACCELERATION_WALK: Final = 30.0**2
-"""Density of the change of acceleration without an accelerometer [m^2/s^5]: 10 m/s^2 in 0.1 s."""
-_UNKNOWN_ACCELERATION_VARIANCE: Final = 25.0
-"""Variance of the acceleration when the accelerometer has just gone, or over a gap [m^2/s^4]."""
 _GAP: Final = 0.1
 """Longer steps between samples are gaps [s]."""
-_TELLING: Final = 0.7
-"""Acceleration from which on it tells of the gain [m/s^2]: wheels do not follow noise, which looks like a gain of 0."""
 _NOTHING = (0.0, 0.0, 0.0)
 _ALL: Final = range(4)
 
@@ -78,6 +72,27 @@ class SpeedFilterParameters:
     compliance_time: float = parameter(
         2.0, "time in which it changes: the road, and how near the peak is", unit="s", minimum=0.1, maximum=100.0
     )
+    telling: float = parameter(
+        0.7,
+        "acceleration from which on it tells of gain and slip: less is noise, which looks like a gain of 0",
+        unit="m/s^2",
+        minimum=0.0,
+        maximum=10.0,
+    )
+    acceleration_walk: float = parameter(
+        30.0,
+        "without an accelerometer: change of the acceleration in the square root of a second, 10 m/s^2 in 0.1 s",
+        unit="m/s^2",
+        minimum=0.1,
+        maximum=1000.0,
+    )
+    unknown_acceleration: float = parameter(
+        5.0,
+        "deviation of the acceleration when the accelerometer has just gone, or over a gap",
+        unit="m/s^2",
+        minimum=0.1,
+        maximum=50.0,
+    )
 
 
 class SpeedFilter:
@@ -102,6 +117,8 @@ class SpeedFilter:
         """Slip c of rolling wheels per deceleration [s^2/m]."""
         self.surprise = 0.0
         """Last innovation over its standard deviation [-]."""
+        self.by_wheels = 1.0
+        """Share of an error that all radii have in common which the speed has: 1 from wheels alone, 0 from a sensor."""
         self._p = _diagonal(_FIRST_SPEED_VARIANCE, p.offset_stddev**2, self._gain_variance, p.compliance_stddev**2)
         self._unseen = _NOTHING
         self._unseen_gain = 0.0
@@ -141,10 +158,10 @@ class SpeedFilter:
     def _scale(self) -> float:
         return 1.0 if self._measured is None else 1.0 - self.gain
 
-    def start(self, speed: float, variance: float) -> None:
+    def start(self, speed: float, variance: float, by_wheels: float = 1.0) -> None:
         """Start at the last stamp with a speed [m/s] and its variance [m^2/s^2]; what is known of the others stays."""
         self._see()
-        self.speed = speed
+        self.speed, self.by_wheels = speed, by_wheels
         self._forget(0, variance)
 
     def predict(self, stamp: int, measured: float | None, *, observed: bool = True) -> None:
@@ -162,13 +179,13 @@ class SpeedFilter:
             p = self._parameters
             walk, noise = p.offset_walk**2, p.acceleration_stddev**2
             if measured is None:
-                walk, noise = _ACCELERATION_WALK, 0.0
+                walk, noise = p.acceleration_walk**2, 0.0
             change = dt * (measured or 0.0)
             driving = change - dt * self.offset
             self.speed += driving * (1.0 if measured is None else 1.0 - self.gain)
             self._predict_covariance(dt, walk)
             self._p[0][0] += dt * dt * noise
-            if measured is not None and abs(measured - self.offset) > _TELLING:
+            if measured is not None and abs(measured - self.offset) > p.telling:
                 self._unseen_gain -= driving
             if observed:
                 self._see()
@@ -176,7 +193,7 @@ class SpeedFilter:
                 self._unseen = _predicted(self._unseen, dt, p.blind_offset_walk**2)
             self._travelled += change
             if dt > _GAP:
-                self._p[0][0] += _UNKNOWN_ACCELERATION_VARIANCE * dt**2
+                self._p[0][0] += p.unknown_acceleration**2 * dt**2
         self._measured = measured
         self._history.append((stamp, self._travelled))
         while self._history[0][0] < stamp - _HISTORY:
@@ -200,7 +217,9 @@ class SpeedFilter:
             p[3][j] = p[j][3] = stay * p[3][j]
         p[3][3] = stay * stay * p[3][3] + (1.0 - stay * stay) * parameters.compliance_stddev**2
 
-    def correct(self, speed: float, variance: float, stamp: int | None = None, effort: float = 0.0) -> bool:
+    def correct(
+        self, speed: float, variance: float, stamp: int | None = None, effort: float = 0.0, by_wheels: float = 1.0
+    ) -> bool:
         """Use a measured speed [m/s] with its variance [m^2/s^2], taken at `stamp` [ns] (None: now).
 
         Args:
@@ -208,23 +227,24 @@ class SpeedFilter:
             variance: [m^2/s^2]
             stamp: when it was taken [ns].
             effort: deceleration by which the tyres of the wheels that measured it slip [m/s^2]; 0: they do not.
+            by_wheels: 1 where wheels measured it, 0 where a speed sensor did.
 
         Returns:
             False if the filter was not running at that time, or it is too long ago: nothing is changed.
         """
         age, travelled = 0.0, 0.0
         if stamp is not None:
-            then = self._travelled_at(stamp)
+            then = self.travelled_at(stamp)
             if then is None:
                 return False
             age = (self._history[-1][0] - stamp) / NANOSECONDS
             travelled = self._travelled - then
         self._see()
-        return self._update(speed, variance, age, travelled, effort)
+        return self._update(speed, variance, age, travelled, effort, by_wheels)
 
     def believe(self, speed: float, variance: float) -> None:
         """Use a speed [m/s] with its variance [m^2/s^2] as if the road had kept its slope."""
-        self._update(speed, variance, 0.0, 0.0, 0.0)
+        self._update(speed, variance, 0.0, 0.0, 0.0, 1.0)
 
     def limit(self, variance: float) -> None:
         """Limit the variance of the speed to `variance` [m^2/s^2] without moving it: as a measurement that agrees."""
@@ -239,14 +259,16 @@ class SpeedFilter:
             self._unseen_gain *= sqrt(1.0 - share)
         else:
             self._see()
-            self._update(self.speed, total * variance / (total - variance), 0.0, 0.0, 0.0)
+            self._update(self.speed, total * variance / (total - variance), 0.0, 0.0, 0.0, self.by_wheels)
 
-    def _update(self, speed: float, variance: float, age: float, travelled: float, effort: float) -> bool:
+    def _update(
+        self, speed: float, variance: float, age: float, travelled: float, effort: float, by_wheels: float
+    ) -> bool:
         p = self._p
         driving = travelled - age * self.offset
         then = self.speed - driving * self._scale
         rolling = 1.0 - self.compliance * effort
-        by_gain = rolling * driving if abs(driving) > _TELLING * age else 0.0
+        by_gain = rolling * driving if abs(driving) > self._parameters.telling * age else 0.0
         h = (rolling, rolling * age, by_gain, -then * effort)
         ph = [sum(p[i][j] * h[j] for j in _ALL) for i in _ALL]
         total = sum(h[i] * ph[i] for i in _ALL) + variance
@@ -255,13 +277,25 @@ class SpeedFilter:
         innovation = speed - then * rolling
         self.surprise = innovation / sqrt(total)
         self.speed += ph[0] / total * innovation
+        self.by_wheels += ph[0] / total * (by_wheels - self.by_wheels)
         self.offset += ph[1] / total * innovation
         self.gain += ph[2] / total * innovation
         self.compliance += ph[3] / total * innovation
         for i in _ALL:
             for j in _ALL:
                 p[i][j] -= ph[i] * ph[j] / total
+        if self.compliance < 0.0:
+            self._keep_compliance()
         return True
+
+    def _keep_compliance(self) -> None:
+        """Move the state to a compliance of 0, the least there is: braked wheels do not turn faster than they roll."""
+        p = self._p
+        share = -self.compliance / p[3][3]
+        self.speed += p[0][3] * share
+        self.offset += p[1][3] * share
+        self.gain += p[2][3] * share
+        self.compliance = 0.0
 
     def _see(self) -> None:
         """Merge the unseen part into the covariance: it is observed from now on."""
@@ -306,8 +340,16 @@ class SpeedFilter:
             p[index][j] = p[j][index] = 0.0
         p[index][index] = variance
 
-    def _travelled_at(self, stamp: int) -> float | None:
-        """Return the integral of the measured acceleration up to `stamp` [m/s]."""
+    def change_since(self, stamp: int) -> float | None:
+        """Return by how much the speed has changed since `stamp` [m/s]; None where that is too long ago."""
+        then = self.travelled_at(stamp)
+        if then is None:
+            return None
+        age = (self._history[-1][0] - stamp) / NANOSECONDS
+        return (self._travelled - then - age * self.offset) * self._scale
+
+    def travelled_at(self, stamp: int) -> float | None:
+        """Return the integral of the measured acceleration up to `stamp` [m/s]; None where that is too long ago."""
         later: tuple[int, float] | None = None
         for known in reversed(self._history):
             if known[0] == stamp:
@@ -326,7 +368,7 @@ class SpeedFilter:
         if measured is None:
             self._kept = (self.offset, self._p[1][1])
             self.offset -= self._measured or 0.0
-            self._forget(1, _UNKNOWN_ACCELERATION_VARIANCE)
+            self._forget(1, self._parameters.unknown_acceleration**2)
         else:
             self.offset, variance = self._kept
             self._forget(1, variance)

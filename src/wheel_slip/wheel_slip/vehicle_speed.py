@@ -1,11 +1,9 @@
-"""Vehicle speed from wheels, accelerometer and speed sensor: which of them is trusted when.
+"""Vehicle speed from wheels, accelerometer and speed sensor: what is done in each mode (mode.py).
 
 - While the car rolls, the wheels correct the speed and the accelerometer's offset is learned. A wheel sample is used
-  only `_BELIEF_LAG` after its stamp, at its own time, when nothing has shown that a slide had begun.
-- While it slides, the corrected acceleration is integrated; the wheels are bounds: braked wheels are no faster than the
-  car, driven ones no slower. The offset is no longer observed, so its uncertainty, and the speed's, grow with the road.
-  A braked wheel that comes close to the integrated speed confirms it, and limits that uncertainty without moving it.
-  One that the road carries for a moment, released by the brake, corrects it as far as integration alone has erred.
+  only `belief_lag` after its stamp, at its own time, when nothing has shown that a slide had begun.
+- While it slides, the corrected acceleration is integrated and the wheels are bounds (wheel_bounds.py). The offset is
+  no longer observed, so its uncertainty, and the speed's, grow with the road.
 - A speed sensor corrects in either mode, at its own time, and starts the estimate at once.
 """
 
@@ -20,49 +18,58 @@ from friction_parameters.parameter import group, parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.carried_wheels import CarriedWheels
-from wheel_slip.estimate import SpeedSource
-from wheel_slip.slide_detector import SlideDetector, SlideParameters
+from wheel_slip.accelerometer_age import AccelerometerAge
+from wheel_slip.estimate import SOURCES, Mode, SpeedSource
+from wheel_slip.mode import Cause, SlideParameters, transition
+from wheel_slip.outvoted import Outvoted
+from wheel_slip.sensor_watch import SensorWatch, SensorWatchParameters
+from wheel_slip.slide_detector import SlideDetector
+from wheel_slip.slope_watch import SlopeParameters
 from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.stuck_sensor import StuckSensor
+from wheel_slip.wheel_bounds import BoundParameters, WheelBounds
 
-_LOST_AFTER: Final = 1 * NANOSECONDS
-"""Time without any sample [ns] after which the estimate starts again."""
-_BELIEF_LAG: Final = round(0.1 * NANOSECONDS)
-_SLIP_CORRELATION: Final = 0.1
-"""Time [s] over which the slip of a rolling wheel counts as one error, not many."""
-_BLIND_SPEED: Final = 0.6
-_BLIND_STDDEV: Final = 0.1
-"""Standard deviation of the speed where encoders read zero, as they do below about this rim speed [m/s]."""
-_AT_REST: Final = 1.0
-"""Largest apparent acceleration of a car that stands [m/s^2]."""
-_BOUND_MARGIN: Final = 0.02
-"""Share of the speed by which wheels may pass the bound: radii and torsional vibration."""
-_SURPRISE: Final = 0.6
-"""Mean innovation over its standard deviation that noise does not reach in hours: the road has changed its slope."""
-_SURPRISE_TIME: Final = 0.2
-"""Time over which that innovation is averaged [s]."""
-_DOUBT: Final = 0.05
-"""Standard deviation of the offset after such a change [m/s^2]."""
-_CLOSE: Final = 0.1
-"""Slip below which a wheel confirms the integrated speed, to half of that share."""
-_STANDING: Final = 0.5
-"""Time [s] over which the slip of a carried wheel counts as one error: longer than a supervisor leaves it released."""
-_PLAUSIBLE: Final = 3.0
-"""Standard deviations by which a carried wheel may differ from the integrated speed."""
-_EFFORT: Final = 0.7
-"""Acceleration from which on the slip of rolling wheels hides what the road does to the offset [m/s^2]."""
-_STEP_AGO: Final = 0.3
-"""Age of a step of the road's slope when wheels and accelerometer are seen to differ [s]."""
-_DOUBT_EVERY: Final = round(0.5 * NANOSECONDS)
-"""Time that a doubt of the offset needs to be settled [ns]."""
-_FREE: Final = 0.3
-"""Acceleration by drag and slope, for which tyres need no slip to speak of [m/s^2]."""
-_SPRING_BACK: Final = 0.1
-"""Time for which wheels must be beyond the bound [s]: released tyres spring back and turn them faster than the car."""
-_BOUND_LATENCY: Final = 0.03
-"""Time [s] by which wheel speeds may be older than the acceleration."""
+_AT_REST: Final = 2.5
+"""Deviations of the offset that a car reads at most while it stands."""
+
+
+@dataclass(frozen=True)
+class RollingParameters:
+    """How the wheels are believed while the car rolls."""
+
+    lag: float = parameter(
+        0.1,
+        "a wheel sample is used this long after its stamp, where nothing has shown a slide",
+        unit="s",
+        minimum=0.0,
+        maximum=0.5,
+    )
+    correlation: float = parameter(
+        0.1, "time over which the slip of a rolling wheel is one error, not many", unit="s", minimum=0.001, maximum=10.0
+    )
+    forceless: float = parameter(
+        0.3,
+        "acceleration by drag and slope, for which tyres need no slip to speak of",
+        unit="m/s^2",
+        minimum=0.0,
+        maximum=2.0,
+    )
+    blind_stddev: float = parameter(
+        0.1, "standard deviation of the speed where encoders read zero", unit="m/s", minimum=0.001, maximum=5.0
+    )
+    surprise: float = parameter(
+        0.6,
+        "mean innovation over its deviation that noise does not reach in hours: the offset has changed",
+        minimum=0.1,
+        maximum=10.0,
+    )
+    surprise_time: float = parameter(
+        0.2, "time over which that innovation is averaged", unit="s", minimum=0.01, maximum=10.0
+    )
+    doubt: float = parameter(
+        0.05, "standard deviation of the offset after such a change", unit="m/s^2", minimum=0.0, maximum=5.0
+    )
 
 
 @dataclass(frozen=True)
@@ -82,8 +89,15 @@ class VehicleSpeedParameters:
     sensor_timeout: float = parameter(
         0.5, "silence of vehicle_velocity after which the wheels take over", unit="s", minimum=0.01, maximum=10.0
     )
+    forget_after: float = parameter(
+        1.0, "time without any sample after which the estimate starts again", unit="s", minimum=0.1, maximum=10.0
+    )
     speed_filter: SpeedFilterParameters = group(SpeedFilterParameters())
     slide: SlideParameters = group(SlideParameters())
+    sensor: SensorWatchParameters = group(SensorWatchParameters())
+    slope: SlopeParameters = group(SlopeParameters())
+    rolling: RollingParameters = group(RollingParameters())
+    bounds: BoundParameters = group(BoundParameters())
 
 
 class VehicleSpeed:
@@ -100,26 +114,43 @@ class VehicleSpeed:
         self._p = parameters
         self._rim_speed_variance = (wheel_speed_stddev * max(vehicle.radii)) ** 2
         self._filter = SpeedFilter(parameters.speed_filter, _gain_stddev(vehicle))
-        self._radius_share = _radius_share(vehicle)
-        self._slide = SlideDetector(parameters.slide, [wheel.driven for wheel in vehicle.wheels])
-        self._carried = CarriedWheels(len(vehicle.wheels), self._rim_speed_variance)
+        self._radius_share = radius_share(vehicle)
+        self._radius_covariance: Sequence[Sequence[float]] = [[0.0] * len(vehicle.wheels)] * len(vehicle.wheels)
+        self._slide = SlideDetector(parameters.slide, parameters.slope, [wheel.driven for wheel in vehicle.wheels])
+        self._bounds = WheelBounds(
+            parameters.bounds,
+            len(vehicle.wheels),
+            self._rim_speed_variance,
+            parameters.slip_per_acceleration,
+            self._p.slide.blind_below,
+        )
         self._repetition = StuckSensor()
+        self._age = AccelerometerAge()
+        self._outvoted = Outvoted()
+        self._sensor = SensorWatch(parameters.sensor)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
         self._filter.reset()
         self._slide.reset()
-        self._carried.reset()
+        self._bounds.reset()
         self._repetition.reset()
-        self.accelerometer_is_stuck = False
-        """Whether the accelerometer is left out because it repeats one value that every wheel contradicts."""
-        self.source = SpeedSource.NONE
-        """Where the speed comes from at the last sample."""
+        self._age.reset()
+        self._outvoted.reset()
+        self._is_outvoted = False
+        self._is_stuck = False
+        self._sensor.reset()
+        self.mode = Mode.WAITING
+        """Mode at the last sample."""
+        self.cause = Cause.STARTED
+        """Why it was entered."""
+        self._since: int | None = None
         self._sensor_stamp: int | None = None
         self._surprise = 0.0
-        self._beyond = 0.0
         self._doubted: int | None = None
+        self._believed: list[int] = []
+        self._wheels_share = 0.0
         self._not_yet_believed: deque[tuple[int, float, float, float]] = deque()
         self._last: int | None = None
 
@@ -150,15 +181,21 @@ class VehicleSpeed:
 
     @property
     def variance(self) -> float:
-        """Variance of the speed [m^2/s^2], including that of the radii, which scale every speed learned from wheels."""
-        return self._filter.speed_variance + (self._p.radius_uncertainty * self._filter.speed) ** 2
+        """Variance of the speed [m^2/s^2], with what does not average out: radii, and what is known of the sensor."""
+        known = self._filter.speed_variance + (self._p.radius_uncertainty * self._filter.speed) ** 2
+        known += self._sensor.undecided**2
+        return known + self._skew_variance if self.source is SpeedSource.SENSOR else known
 
     @property
     def stated_variance(self) -> float:
-        """The same with what the radii have in common [m^2/s^2], which the slip of a wheel does not contain."""
-        if self.source is SpeedSource.SENSOR:
-            return self.variance
-        return self.variance + (self._radius_share * self._filter.speed) ** 2
+        """The same with what the radii have in common [m^2/s^2], which the slip of a wheel contains as far as not."""
+        by_radii = (self._radius_share**2 + self._wheels_share) * self._filter.by_wheels**2
+        return self.variance + by_radii * self._filter.speed**2
+
+    @property
+    def radii_against_speed(self) -> float:
+        """Deviation of what all radii have in common against the speed, as a share: that of every slip."""
+        return self._radius_share * (1.0 - self._filter.by_wheels)
 
     def update(
         self,
@@ -179,52 +216,115 @@ class VehicleSpeed:
             acceleration: reading of the accelerometer [m/s^2], None if there is none.
             measured: samples of the speed sensor.
         """
-        if self._last is not None and stamp - self._last > _LOST_AFTER:
+        if self._last is not None and stamp - self._last > self._p.forget_after * NANOSECONDS:
             self.reset()
-        dt = (stamp - self._last) / NANOSECONDS if self._last is not None else _SLIP_CORRELATION
-        started = self.source is not SpeedSource.NONE
-        self.accelerometer_is_stuck = self._repetition.repeats(stamp, acceleration) and (
-            self.accelerometer_is_stuck or not any(self._slide.rolling)
-        )
-        if self.accelerometer_is_stuck:
+        dt = (stamp - self._last) / NANOSECONDS if self._last is not None else self._p.rolling.correlation
+        self._last = stamp
+        if self._leave_out(stamp, acceleration, smooth_rim_speeds):
             acceleration = None
-        effort = abs(self._slide.acceleration or 0.0)
-        self._filter.predict(stamp, acceleration, observed=not (started and (self._slide.sliding or effort > _EFFORT)))
-        integrated = (self._filter.speed, sqrt(self._filter.speed_variance)) if started else None
-        slid = self._slide.sliding
-        corrected = None if acceleration is None else acceleration - self._filter.offset
-        offset_stddev = sqrt(self._filter.offset_variance)
-        self._slide.update(
-            stamp, smooth_rim_speeds, rim_accelerations, corrected, acceleration, offset_stddev, integrated
-        )
-        self._doubt_road(stamp)
-        if slid and not self._slide.sliding and started and not self._sensor_is_fresh(stamp):
-            self._return_to_wheels(smooth_rim_speeds)
-        for sample in measured:
-            self._use_sensor(sample)
+        self._predict(stamp, acceleration, smooth_rim_speeds, rim_accelerations)
+        starting = self.mode is Mode.WAITING
+        at_wheels = self._at_wheels(rim_speeds)
+        if acceleration is not None:
+            self._count_votes(stamp, measured, smooth_rim_speeds, rim_accelerations)
+        measured = self._judge_sensor(measured, at_wheels, acceleration is not None)
+        if measured:
+            self._sensor_stamp = measured[-1].stamp
+        self._change_mode(stamp, smooth_rim_speeds, at_wheels is not None)
+        if self.mode is not Mode.WAITING:
+            for sample in measured:
+                self._use_sensor(sample, starting)
+                starting = False
         # Without an accelerometer only a speed sensor can distinguish a slide from braking.
-        if self._slide.sliding or (acceleration is None and self._sensor_is_fresh(stamp)):
+        if self.mode is Mode.ROLLING or (self.mode is Mode.SENSOR_ROLLING and acceleration is not None):
+            self._use_wheels(stamp, dt, at_wheels, starting)
+        else:
             self._not_yet_believed.clear()
             self._surprise = 0.0
-            if self.source is not SpeedSource.NONE:
-                self._bound(dt, rim_speeds)
-                self._believe_carried(dt, rim_speeds)
-        else:
-            self._carried.reset()
-            self._use_wheels(stamp, dt, rim_speeds)
-        self._last = stamp
-        if self.source is not SpeedSource.NONE:
-            without_sensor = SpeedSource.INTEGRATED if self._slide.sliding else SpeedSource.WHEELS
-            self.source = SpeedSource.SENSOR if self._sensor_is_fresh(stamp) else without_sensor
+            a = self._slide.acceleration
+            if self.mode is not Mode.WAITING and a is not None:
+                self._bounds.use(self._filter, dt, rim_speeds, a, self._p.rolling.correlation)
+
+    def _leave_out(self, stamp: int, acceleration: float | None, smooth_rim_speeds: Sequence[float]) -> bool:
+        """Whether the accelerometer repeats one value by which no wheel rolls, comes too late, or is outvoted."""
+        self._is_stuck = self._repetition.repeats(stamp, acceleration) and (
+            self._is_stuck or not any(self._slide.rolling)
+        )
+        if acceleration is not None and not self._is_stuck:
+            self._age.update(stamp, smooth_rim_speeds, self._slide.turn_alike(smooth_rim_speeds), acceleration)
+        self._is_outvoted = self._outvoted.holds(stamp)
+        return self._is_stuck or self._is_outvoted or self._age.late > 0.0
+
+    @property
+    def accelerometer_text(self) -> str:
+        """Why the accelerometer is left out, empty where it is used."""
+        if self._is_stuck:
+            return "repeats one value that the wheels contradict"
+        if self._age.late:
+            return f"follows the wheels {self._age.late:.1f} s late"
+        return "contradicts both the speed sensor and the wheels" if self._is_outvoted else ""
+
+    def _predict(
+        self,
+        stamp: int,
+        acceleration: float | None,
+        smooth_rim_speeds: Sequence[float],
+        rim_accelerations: Sequence[float],
+    ) -> None:
+        """Go to the sample, and judge the wheels there."""
+        started = self.mode is not Mode.WAITING
+        effort = abs(self._slide.acceleration or 0.0)
+        self._filter.predict(
+            stamp, acceleration, observed=not (started and (self._is_sliding or effort > self._p.speed_filter.telling))
+        )
+        self._slide.update(
+            stamp,
+            smooth_rim_speeds,
+            rim_accelerations,
+            None if acceleration is None else acceleration - self._filter.offset,
+            acceleration,
+            sqrt(self._filter.offset_variance),
+            (self._filter.speed, sqrt(self._filter.speed_variance)) if started else None,
+        )
+
+    def _change_mode(self, stamp: int, smooth_rim_speeds: Sequence[float], speed_at_wheels: bool) -> None:
+        """Make the transition of this sample, and what comes with it."""
+        before, slid = self.mode, self._is_sliding
+        sensor = self._sensor_is_fresh(stamp) and not self._sensor.contradicted
+        evidence = self._slide.evidence(sensor, speed_at_wheels)
+        self.mode, cause = transition(before, evidence, self._p.slide)
+        self._doubt_road(stamp)
+        if cause is Cause.NONE:
+            return
+        self.cause, self._since = cause, stamp
+        if self._is_sliding and not slid:
+            self._slide.begin_slide()
+            self._bounds.begin_slide()
+        elif self.mode is Mode.ROLLING and before is Mode.SLIDING:
+            self._return_to_wheels(smooth_rim_speeds, cause)
+
+    @property
+    def source(self) -> SpeedSource:
+        """Where the speed comes from at the last sample."""
+        return SOURCES[self.mode]
+
+    @property
+    def sensor_text(self) -> str:
+        """Names what is wrong with the speed sensor, empty where nothing is."""
+        return self._sensor.text
+
+    @property
+    def _is_sliding(self) -> bool:
+        return self.mode in (Mode.WAITING, Mode.SLIDING, Mode.SENSOR_SLIDING)
 
     def health_values(self, stamp: int) -> dict[str, str]:
         """Texts for diagnostics at a stamp [ns], by name."""
         known, slide = self._filter, self._slide
-        since = slide.since
-        time_in_mode = (stamp - since) / NANOSECONDS if since is not None else 0.0
+        time_in_mode = (stamp - self._since) / NANOSECONDS if self._since is not None else 0.0
         return {
             "speed source": self.source.name.lower(),
-            "mode": "sliding" if slide.sliding else "rolling",
+            "mode": self.mode.name.lower(),
+            "cause of the mode": self.cause.value,
             "time in mode [s]": f"{time_in_mode:.1f}",
             "wheel disagreement [m/s]": f"{slide.spread:.3f}",
             "vehicle speed [m/s]": f"{known.speed:.3f}",
@@ -237,47 +337,146 @@ class VehicleSpeed:
         timeout = self._p.sensor_timeout * NANOSECONDS
         return self._sensor_stamp is not None and stamp - self._sensor_stamp <= timeout
 
-    def _use_sensor(self, sample: SpeedSample) -> None:
-        if self.source is SpeedSource.NONE:
-            self._filter.start(sample.speed, sample.variance)
-        else:
-            self._filter.correct(sample.speed, sample.variance, sample.stamp)
-        self._sensor_stamp = sample.stamp
-        self.source = SpeedSource.SENSOR
+    def _judge_sensor(
+        self, measured: Sequence[SpeedSample], at_wheels: tuple[float, list[int]] | None, gauged: bool
+    ) -> Sequence[SpeedSample]:
+        """Return the samples that may be used, beside `at_wheels`; `gauged`: there is an accelerometer."""
+        if not measured or self.mode is Mode.WAITING:
+            return measured
+        car, watch, effort = self._filter, self._sensor, self._effort()
+        usable: list[SpeedSample] = []
+        for sample in measured:
+            change = car.change_since(sample.stamp)
+            if watch.is_old(sample, car.travelled_at(sample.stamp) if gauged else None, car.offset) or change is None:
+                continue
+            noise = sample.variance + self._skew_variance
+            if at_wheels is not None and gauged and self._slide.has_rolled:
+                rolling = at_wheels[0] * (1.0 + self._p.speed_filter.compliance * effort)
+                shares = self._radius_share**2 + self._wheels_share + self._p.radius_uncertainty**2
+                deviation = sqrt(shares * rolling**2 + self._p.rolling.blind_stddev**2 + noise)
+                slip = abs(self._p.speed_filter.compliance_stddev * effort * rolling)
+                fits = watch.compare(sample.stamp, sample.speed + change - rolling, deviation, slip)
+            else:
+                of_both = sqrt(noise + self.stated_variance)
+                fits = watch.fits(sample.stamp, sample.speed + change - car.speed, of_both)
+            if fits:
+                usable.append(sample)
+        return usable
 
-    def _use_wheels(self, stamp: int, dt: float, rim_speeds: Sequence[float]) -> None:
-        believed = [rim_speeds[index] for index in self._slide.believed() if isfinite(rim_speeds[index])]
-        if believed:
-            speed = sum(believed) / len(believed)
-            a = self._slide.acceleration or 0.0
-            blind = abs(speed) < _BLIND_SPEED
-            if not blind or abs(a) < _AT_REST:
-                slip = self._p.slip_per_acceleration * speed * min(abs(a), _FREE)
-                many = max(_SLIP_CORRELATION / dt, 1.0)
-                noise = _BLIND_STDDEV**2 * many if blind else self._rim_speed_variance / len(believed)
-                variance = noise + slip**2 * many
-                self._not_yet_believed.append((stamp, speed, variance, self._effort()))
-        if self.source is SpeedSource.NONE and self._not_yet_believed:
-            _, speed, variance, effort = self._not_yet_believed.pop()
-            slip = self._p.speed_filter.compliance_stddev * effort
-            self._filter.start(speed * (1.0 + self._p.speed_filter.compliance * effort), variance + (slip * speed) ** 2)
-            self._not_yet_believed.clear()
-            self.source = SpeedSource.WHEELS
-        while self._not_yet_believed and self._not_yet_believed[0][0] <= stamp - _BELIEF_LAG:
+    def _count_votes(
+        self,
+        stamp: int,
+        measured: Sequence[SpeedSample],
+        smooth_rim_speeds: Sequence[float],
+        rim_accelerations: Sequence[float],
+    ) -> None:
+        """Compare the samples of the sensor with the speed and with wheels that turn alike."""
+        if not measured or self.mode is Mode.WAITING:
+            return
+        car, alike = self._filter, self._slide.turn_alike(smooth_rim_speeds)
+        known = [index for index, speed in enumerate(smooth_rim_speeds) if isfinite(speed)]
+        middle = median([smooth_rim_speeds[index] for index in known]) if alike else 0.0
+        rate = median([rim_accelerations[index] for index in known]) if alike else 0.0
+        of_age = (self._p.sensor.latency_stddev * rate) ** 2
+        of_radii = (self._radius_share**2 + self._p.radius_uncertainty**2) * middle**2
+        for sample in measured:
+            change = car.change_since(sample.stamp)
+            if change is None:
+                continue
+            then = middle - rate * (stamp - sample.stamp) / NANOSECONDS
+            at_wheels = (sample.speed - then, of_radii + of_age) if alike else None
+            at_speed = (sample.speed + change - car.speed, self.stated_variance + of_age)
+            self._outvoted.note(sample.stamp, sample.variance, at_speed, at_wheels)
+
+    @property
+    def _skew_variance(self) -> float:
+        """Variance of a speed of the sensor by its age, which errs alike in all samples [m^2/s^2]."""
+        return (self._p.sensor.latency_stddev * (self._slide.acceleration or 0.0)) ** 2
+
+    def _use_sensor(self, sample: SpeedSample, starting: bool) -> None:
+        if starting:
+            self._filter.start(sample.speed, sample.variance, 0.0)
+        else:
+            self._filter.correct(sample.speed, sample.variance, sample.stamp, by_wheels=0.0)
+
+    def _at_wheels(self, rim_speeds: Sequence[float]) -> tuple[float, list[int]] | None:
+        """Return the mean of the wheels that are believed [m/s] and which these are; None where they tell nothing."""
+        wheels = [index for index in self._slide.believed() if isfinite(rim_speeds[index])]
+        if not wheels:
+            return None
+        believed = [rim_speeds[index] for index in wheels]
+        speed = sum(believed) / len(believed)
+        blind = (
+            abs(speed) < self._p.slide.blind_below
+            and abs(self._slide.acceleration or 0.0) >= _AT_REST * self._p.speed_filter.offset_stddev
+        )
+        return None if blind else (speed, wheels)
+
+    def _use_wheels(self, stamp: int, dt: float, at_wheels: tuple[float, list[int]] | None, starting: bool) -> None:
+        if at_wheels is not None:
+            speed, wheels = at_wheels
+            count = len(wheels)
+            if wheels != self._believed:
+                self._believed = wheels
+                self._weigh_radii()
+            slip = (
+                self._p.slip_per_acceleration
+                * speed
+                * min(abs(self._slide.acceleration or 0.0), self._p.rolling.forceless)
+            )
+            many = max(self._p.rolling.correlation / dt, 1.0)
+            noise = (
+                self._p.rolling.blind_stddev**2 * many
+                if abs(speed) < self._p.slide.blind_below
+                else self._rim_speed_variance / count
+            )
+            variance, effort = noise + slip**2 * many, self._effort()
+            if starting:
+                self._start_at_wheels(speed, variance, effort)
+            else:
+                self._not_yet_believed.append((stamp, speed, variance, effort))
+        late = self._p.rolling.lag * NANOSECONDS
+        while self._not_yet_believed and stamp - self._not_yet_believed[0][0] >= late:
             when, speed, variance, effort = self._not_yet_believed.popleft()
             if self._filter.correct(speed, variance, when, effort):
                 self._watch_offset(dt)
 
+    def know_radii(self, common_share: float, covariance: Sequence[Sequence[float]]) -> None:
+        """Take how well the radii are known.
+
+        Args:
+            common_share: deviation that all of them have in common, as a share.
+            covariance: of each beside that, as shares, shape (wheels, wheels).
+        """
+        self._radius_share, self._radius_covariance = common_share, covariance
+        self._weigh_radii()
+
+    def _weigh_radii(self) -> None:
+        """Note the variance of the mean radius of the wheels that gave the speed last, as a share."""
+        wheels, covariance = self._believed, self._radius_covariance
+        total = sum([covariance[one][other] for one in wheels for other in wheels])
+        self._wheels_share = total / len(wheels) ** 2 if wheels else 0.0
+
+    def _start_at_wheels(self, speed: float, variance: float, effort: float) -> None:
+        """Take the speed from wheels that slip by an effort, as far as that is known."""
+        p = self._p.speed_filter
+        slip = p.compliance_stddev * effort
+        self._filter.start(speed * (1.0 + p.compliance * effort), variance + (slip * speed) ** 2)
+
     def _doubt_road(self, stamp: int) -> None:
         """Where wheels that turn alike and accelerometer differ for long, the road may have changed its slope."""
         mismatch = self._slide.slope.mismatch
-        if not mismatch or (self._doubted is not None and stamp - self._doubted <= _DOUBT_EVERY):
+        if not mismatch or (
+            self._doubted is not None and stamp - self._doubted <= self._p.slope.settle_time * NANOSECONDS
+        ):
             return
         self._doubted = stamp
-        if self._slide.sliding:
+        if self._is_sliding:
             self._filter.doubt_road(mismatch**2)
         else:
-            self._filter.doubt_past_offset(mismatch**2, _STEP_AGO)
+            # The difference is that over the window, and has lasted.
+            ago = 0.5 * self._p.slide.window + self._p.slope.lasting
+            self._filter.doubt_past_offset(mismatch**2, ago)
 
     def _effort(self) -> float:
         """Deceleration by which the tyres of the wheels that are believed slip [m/s^2]."""
@@ -288,9 +487,9 @@ class VehicleSpeed:
         force = a + self._filter.offset if self._slide.acceleration is not None else 0.0
         if a * force <= 0.0:
             return 0.0
-        return -copysign(max(min(abs(a), abs(force)) - _FREE, 0.0), a)
+        return -copysign(max(min(abs(a), abs(force)) - self._p.rolling.forceless, 0.0), a)
 
-    def _return_to_wheels(self, smooth_rim_speeds: Sequence[float]) -> None:
+    def _return_to_wheels(self, smooth_rim_speeds: Sequence[float], cause: Cause) -> None:
         """Take the speed from the wheels.
 
         The error of the integration is not attributed to the offset: lag and scale of the accelerometer may have caused
@@ -299,65 +498,19 @@ class VehicleSpeed:
         believed = [smooth_rim_speeds[index] for index in self._slide.believed()]
         if not believed:
             believed = [speed for speed in smooth_rim_speeds if isfinite(speed)]
-        speed = median(believed)
-        effort = self._effort()
-        if self._slide.agreed:
+        speed, effort = median(believed), self._effort()
+        if cause is Cause.AGREED:
             self._filter.correct(speed, self._rim_speed_variance, None, effort)
         else:
-            p = self._p.speed_filter
-            slip = p.compliance_stddev * effort
-            self._filter.start(speed * (1.0 + p.compliance * effort), self._rim_speed_variance + (slip * speed) ** 2)
-        if self._slide.contradicted:
+            self._start_at_wheels(speed, self._rim_speed_variance, effort)
+        if cause is Cause.AGAINST_ACCELEROMETER:
             self._filter.doubt_offset(self._p.speed_filter.offset_stddev**2)
 
     def _watch_offset(self, dt: float) -> None:
         """Learn the offset again when the innovations of the wheels stay on one side."""
-        self._surprise += min(dt / _SURPRISE_TIME, 1.0) * (self._filter.surprise - self._surprise)
-        if abs(self._surprise) > _SURPRISE:
-            self._filter.doubt_offset(_DOUBT**2)
-
-    def _bound(self, dt: float, rim_speeds: Sequence[float]) -> None:
-        """Keep the speed above braked and below driven wheels; two of them must agree, for one may vibrate or fail."""
-        a = self._slide.acceleration
-        known = sorted(speed for speed in rim_speeds if abs(speed) > _BLIND_SPEED)
-        if a is None or not known:
-            return
-        noise = 3.0 * sqrt(self._rim_speed_variance)
-        margin = _BOUND_MARGIN * abs(self._filter.speed) + _BOUND_LATENCY * abs(a) + noise
-        second = min(1, len(known) - 1)
-        many = max(_SLIP_CORRELATION / dt, 1.0)
-        if len(known) == 1 < len(rim_speeds):
-            # Where the others are blind, it may be stuck at the speed of a car that has become slow with them.
-            likely = _PLAUSIBLE * sqrt(self._filter.speed_variance) + margin
-            if abs(known[0] - self._filter.speed) > likely:
-                return
-        beyond = 0.0
-        if a < -1.0:
-            beyond = known[-1 - second] - margin - self._filter.speed
-            if known[-1 - second] > (1.0 - _CLOSE) * self._filter.speed:
-                self._filter.limit((0.5 * _CLOSE * self._filter.speed) ** 2 + margin**2)
-        elif a > 1.0:
-            beyond = self._filter.speed - known[second] - margin
-        self._beyond = self._beyond + dt if beyond > 0.0 else 0.0
-        if self._beyond >= _SPRING_BACK:
-            self._filter.correct(self._filter.speed - copysign(beyond, a), margin**2 * many)
-
-    def _believe_carried(self, dt: float, rim_speeds: Sequence[float]) -> None:
-        """Correct the speed by the fastest wheel that the road carries, if it is where the speed may be.
-
-        That is judged, and corrected, as on a road that keeps its slope: wheels may also stand still in a slip, and the
-        more the road may have done meanwhile the more of that would pass for the speed.
-        """
-        car, a = self._filter, self._slide.acceleration
-        if a is None:
-            return
-        gaps = self._carried.update(dt, rim_speeds, car.speed)
-        if gaps:
-            gap = max(gaps)
-            slip = self._p.slip_per_acceleration * car.speed * a
-            variance = self._carried.gap_variance(dt) + slip**2
-            if gap**2 < _PLAUSIBLE**2 * (car.steady_road_variance + variance):
-                car.believe(car.speed + gap, variance * max(_STANDING / dt, 1.0))
+        self._surprise += min(dt / self._p.rolling.surprise_time, 1.0) * (self._filter.surprise - self._surprise)
+        if abs(self._surprise) > self._p.rolling.surprise:
+            self._filter.doubt_offset(self._p.rolling.doubt**2)
 
 
 def _gain_stddev(vehicle: Vehicle) -> float | None:
@@ -369,7 +522,7 @@ def _gain_stddev(vehicle: Vehicle) -> float | None:
     return hypot(known["scale"].stddev / vehicle.accelerometer.scale, GRAVITY * pitch)
 
 
-def _radius_share(vehicle: Vehicle) -> float:
+def radius_share(vehicle: Vehicle) -> float:
     """Deviation of the radii as a share, 0 where the vehicle file states none."""
     shares = [each.deviations["radius"].stddev / each.radius for each in vehicle.wheels if "radius" in each.deviations]
     return max(shares, default=0.0)

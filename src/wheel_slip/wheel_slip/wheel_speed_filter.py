@@ -11,10 +11,13 @@ innovation over the last samples, in units of what it is for a quiet wheel,
     q = q_0 max(1, m / 2)^2
 
 Noise alone hardly reaches m = 2, so that the smoothing of a quiet wheel stays what q_0 makes it.
+
+A speed from the times of edges is that of a time before its stamp: by half a sample, or half a tooth where there are
+fewer, and half a tooth more. What the wheel has done since is not seen, and is in the variance.
 """
 
 from dataclasses import dataclass
-from math import nan
+from math import nan, pi
 from typing import Final
 
 from friction_parameters.parameter import parameter
@@ -28,6 +31,10 @@ _KNEE: Final = 2.0
 """Mean squared innovation above which the wheel is no longer quiet."""
 _LARGEST_GAIN: Final = 1e4
 """Largest factor on the density q."""
+_SLOWEST: Final = 1e-3
+"""Speed of a wheel that stands [rad/s]."""
+_AGE_SHARE: Final = 0.35
+"""Deviation of the age as a share of it: the last edge is anywhere within a tooth."""
 _SAMPLES_TO_SETTLE: Final = 5
 """Samples after which the acceleration is measured, not assumed."""
 
@@ -44,18 +51,24 @@ class WheelFilterParameters:
         minimum=1.0,
         maximum=1e9,
     )
+    edges: bool = parameter(
+        False,
+        "wheel speeds are means between two edges of the encoder, up to a sample and a tooth old at their stamp",
+    )
 
 
 class WheelSpeedFilter:
     """Filter of one wheel. `speed` and `acceleration` mean something after the first update."""
 
-    def __init__(self, parameters: WheelFilterParameters, max_gap: float) -> None:
+    def __init__(self, parameters: WheelFilterParameters, max_gap: float, teeth: int) -> None:
         """Start empty.
 
         Args:
             parameters: parameters of the filter.
             max_gap: gap [s] beyond which the filter starts again.
+            teeth: teeth of the encoder.
         """
+        self._pitch = 2.0 * pi / teeth if parameters.edges else 0.0
         self._variance = parameters.speed_stddev**2
         self._jerk_density = parameters.jerk_density
         self._max_gap = max_gap
@@ -69,6 +82,10 @@ class WheelSpeedFilter:
         """Wheel acceleration [rad/s^2]."""
         self.speed_variance = self._variance
         """[rad^2/s^2]"""
+        self.age = 0.0
+        """Age of a speed at its stamp [s]."""
+        self.age_variance = 0.0
+        """Of what the wheel has done since [rad^2/s^2]."""
         self.acceleration_variance = _FIRST_ACCELERATION_VARIANCE
         """[rad^2/s^4]"""
         self.restarted_by_gap = False
@@ -112,3 +129,8 @@ class WheelSpeedFilter:
         self.speed_variance = gain * r
         self._covariance = acceleration_gain * r
         self.acceleration_variance = p22 - acceleration_gain * p12
+        if self._pitch:
+            tooth = min(self._pitch / max(abs(self.speed), _SLOWEST), self._max_gap)
+            self.age = 0.5 * (max(dt, tooth) + tooth)
+            moved = self.acceleration_variance + (_AGE_SHARE * self.acceleration) ** 2
+            self.age_variance = self.age**2 * (moved + q * self.age / 3.0)

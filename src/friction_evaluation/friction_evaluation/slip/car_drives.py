@@ -66,6 +66,11 @@ class Case:
     until: float = np.inf
     """End of braking [s]."""
 
+    @property
+    def edges(self) -> bool:
+        """Whether the wheel speeds are from the edges of an encoder, and the estimator knows it."""
+        return "encoder_teeth" in (self.trouble or {})
+
 
 def _hill(time: float, car: Car) -> Surroundings:
     return Surroundings(slope=_HILL * min(max(time - BEGIN - _RISE, 0.0), 1.0))

@@ -1,7 +1,7 @@
 """Whether the stated deviations of speed and slip hold without a speed sensor, on a plant of its own."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from geometry_msgs.msg import Vector3
@@ -43,7 +43,8 @@ def honesty_rows(vehicle: Vehicle, parameters: EstimatorParameters, seeds: Seque
     """Return the rows of all drives, each with one car for each seed."""
     rows: list[Row] = []
     for name, case in track(cases().items(), description="drives"):
-        rows += _rows(name, [judge(drive(case, vehicle, seed), vehicle, parameters) for seed in seeds])
+        told = replace(parameters, wheel_filter=replace(parameters.wheel_filter, edges=case.edges))
+        rows += _rows(name, [judge(drive(case, vehicle, seed), vehicle, told) for seed in seeds])
     ordinary = [ordinary_drive(seed) for seed in range(seeds[0], seeds[0] + 8 * len(seeds))]
     return rows + _rows("ordinary driving", [judge(each, vehicle, parameters) for each in ordinary])
 

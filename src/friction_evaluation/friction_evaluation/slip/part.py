@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.progress import Progress
 
-from friction_evaluation.measured_data import BMW, data_directory
+from friction_evaluation.measured_data import BMW, IAC, data_directory
 from friction_evaluation.rows import Row, at_most
 from friction_evaluation.slip.following import Followed, follow, follow_bmw, shipped
 from friction_evaluation.slip.honesty import honesty_rows
+from friction_evaluation.slip.laps import laps_rows
 from friction_evaluation.slip.stops import cruise_torque, stops
 from friction_evaluation.slip.tables import tables
 from friction_parameters.command_line import count
@@ -65,6 +66,7 @@ def run(options: argparse.Namespace) -> list[Row]:
     if "measured" in options.cases:
         measured = _measured(options.data / BMW)
         rows += measured + _judged(measured)
+        rows += _laps(options.data / IAC)
     if "tables" in options.cases:
         rows += tables(seeds, shipped())
     if "drives" in options.cases:
@@ -106,6 +108,13 @@ def _measured(path: Path) -> list[Row]:
         return []
     shifted = _rows("bmw, accelerometer +0.35 m/s^2", [follow_bmw(path, INJECTED_OFFSET)])
     return _rows("bmw", [follow_bmw(path)]) + shifted
+
+
+def _laps(path: Path) -> list[Row]:
+    if not path.is_file():
+        print(f"laps left out, measured data are absent: {path} (give --data, or set FRICTION_DATA)")
+        return []
+    return laps_rows(path)
 
 
 def _rows(case: str, runs: Sequence[Followed]) -> list[Row]:

@@ -1,0 +1,143 @@
+"""Whether the speed sensor may be used: it is judged by wheels that roll by the accelerometer's reading.
+
+Such wheels and the accelerometer agree with each other. A sensor that differs from them for a while contradicts both
+and is left out. Had it agreed with them before, it is the one that has changed. Had it never, the radii of the vehicle
+file may be wrong as well: nothing decides, and what they differ by is in the variance of the speed.
+
+A sample that does not fit is not used at once: it may be a glitch, and would move the speed by which the next one is
+judged. A sample that repeats the one before to the last bit, while the accelerometer says that the speed has changed,
+is an old one and says nothing.
+"""
+
+from dataclasses import dataclass
+from math import hypot
+from typing import Final
+
+from friction_parameters.parameter import parameter
+from vehicle_models.nanoseconds import NANOSECONDS
+from wheel_slip.speed_sample import SpeedSample
+
+_AGREE: Final = 2.0
+"""Standard deviations within which it agrees with the wheels."""
+
+
+@dataclass(frozen=True)
+class SensorWatchParameters:
+    """When a speed sensor is not believed, and how well its age is known."""
+
+    sure: float = parameter(
+        5.0, "standard deviations beyond which it contradicts the wheels", minimum=1.0, maximum=100.0
+    )
+    time: float = parameter(
+        0.5, "time for which it must, and must not before it is used again", unit="s", minimum=0.0, maximum=100.0
+    )
+    frozen: float = parameter(
+        0.3,
+        "change of speed by the accelerometer, beyond which a sample that repeats the last is an old one",
+        unit="m/s",
+        minimum=0.0,
+        maximum=10.0,
+    )
+    latency_stddev: float = parameter(
+        0.02,
+        "deviation of the age of its samples beside the wheels, the same for all of them",
+        unit="s",
+        minimum=0.0,
+        maximum=0.5,
+    )
+
+
+class SensorWatch:
+    """The speed sensor of one car."""
+
+    def __init__(self, parameters: SensorWatchParameters) -> None:
+        """Start without samples."""
+        self._p = parameters
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.contradicted = False
+        """Whether wheels and accelerometer contradict it."""
+        self.undecided = 0.0
+        """What it differs by from wheels with which it never agreed [m/s], else 0."""
+        self._difference = 0.0
+        self._agreed = False
+        self._same: bool | None = None
+        self._since = 0
+        self._last = 0
+        self._value: float | None = None
+        self._travelled = 0.0
+        self._first = 0
+        self._is_old = False
+        self._off_since: int | None = None
+
+    @property
+    def text(self) -> str:
+        """Names what is wrong, empty where nothing is."""
+        if self.contradicted:
+            told = "" if self._agreed else ", or the radii are wrong"
+            return f"{self._difference:.1f} m/s from wheels and accelerometer; left out{told}"
+        return "repeats one value that the accelerometer contradicts; left out" if self._is_old else ""
+
+    def is_old(self, sample: SpeedSample, travelled: float | None, offset: float) -> bool:
+        """Whether a sample repeats the last one though the speed has changed.
+
+        Args:
+            sample: the sample.
+            travelled: integral of the accelerometer's readings up to it [m/s]; None where there is none.
+            offset: of the accelerometer [m/s^2].
+        """
+        if travelled is None or sample.speed != self._value:
+            self._value = sample.speed if travelled is not None else None
+            self._first, self._travelled = sample.stamp, travelled or 0.0
+            self._is_old = False
+            return False
+        change = travelled - self._travelled - offset * (sample.stamp - self._first) / NANOSECONDS
+        self._is_old = abs(change) > self._p.frozen + 3.0 * sample.variance**0.5
+        return self._is_old
+
+    def compare(self, stamp: int, difference: float, deviation: float, of_slip: float) -> bool:
+        """Compare a sample with wheels that roll.
+
+        Args:
+            stamp: of the sample [ns].
+            difference: sensor minus wheels [m/s].
+            deviation: that is known of it, but for the slip of the wheels [m/s].
+            of_slip: that of their slip [m/s].
+
+        Returns:
+            Whether the sample may be used.
+        """
+        self._difference = abs(difference)
+        known = None
+        if self._difference > self._p.sure * hypot(deviation, of_slip):
+            known = False
+        elif self._difference < _AGREE * deviation:
+            known = True
+        lasting = self._p.time * NANOSECONDS
+        if known is not self._same or stamp - self._last > lasting:
+            self._same, self._since = known, stamp
+        self._last = stamp
+        if known is not None and stamp - self._since >= lasting:
+            self.contradicted = not known
+            self._agreed = self._agreed or known
+        self.undecided = self._difference if self.contradicted and not self._agreed else 0.0
+        return known is not False and not self.contradicted
+
+    def fits(self, stamp: int, innovation: float, deviation: float) -> bool:
+        """Whether a sample may be used where no wheel tells: it fits the speed, or none has for a while.
+
+        Args:
+            stamp: of the sample [ns].
+            innovation: what it differs by from the speed that is known [m/s].
+            deviation: of that difference [m/s].
+        """
+        if self.contradicted:
+            return False
+        if abs(innovation) <= self._p.sure * deviation:
+            self._off_since = None
+            return True
+        if self._off_since is None:
+            self._off_since = stamp
+        return stamp - self._off_since >= self._p.time * NANOSECONDS

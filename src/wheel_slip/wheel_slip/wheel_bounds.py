@@ -1,0 +1,144 @@
+"""What the wheels say of the speed while they slide: bounds, and the ones that the road carries for a moment.
+
+Braked wheels are no faster than the car, driven ones no slower. A braked wheel that comes close to the integrated speed
+confirms it, and limits its uncertainty without moving it. One that is released rolls, and corrects it as far as
+integration alone has erred.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import copysign, sqrt
+
+from friction_parameters.parameter import group, parameter
+from wheel_slip.carried_wheels import CarriedParameters, CarriedWheels
+from wheel_slip.speed_filter import SpeedFilter
+
+
+@dataclass(frozen=True)
+class BoundParameters:
+    """How closely the wheels bound the speed in a slide."""
+
+    margin: float = parameter(
+        0.02,
+        "share of the speed by which wheels may pass the bound: radii, torsional vibration",
+        minimum=0.0,
+        maximum=0.5,
+    )
+    latency: float = parameter(
+        0.03,
+        "time by which wheel speeds may be older or younger than the acceleration",
+        unit="s",
+        minimum=0.0,
+        maximum=0.5,
+    )
+    spring_back: float = parameter(
+        0.1,
+        "time for which wheels must be beyond the bound: released tyres spring back and turn them faster than the car",
+        unit="s",
+        minimum=0.0,
+        maximum=1.0,
+    )
+    close: float = parameter(
+        0.1,
+        "slip below which a braked wheel confirms the speed, to half of that share",
+        minimum=0.0,
+        maximum=0.5,
+    )
+    effort_above: float = parameter(
+        1.0,
+        "acceleration from which on it is known whether wheels are braked or driven",
+        unit="m/s^2",
+        minimum=0.0,
+        maximum=10.0,
+    )
+    carried: CarriedParameters = group(CarriedParameters())
+
+
+class WheelBounds:
+    """The wheels of one car."""
+
+    def __init__(
+        self,
+        parameters: BoundParameters,
+        count: int,
+        rim_speed_variance: float,
+        slip_per_acceleration: float,
+        lowest_speed: float,
+    ) -> None:
+        """Start without samples.
+
+        Args:
+            parameters: parameters of the bounds.
+            count: number of wheels.
+            rim_speed_variance: noise of a rim speed [m^2/s^2].
+            slip_per_acceleration: uncertainty of a rolling wheel's slip per acceleration of the car [s^2/m].
+            lowest_speed: rim speed below which encoders read zero [m/s].
+        """
+        self._p = parameters
+        self._variance = rim_speed_variance
+        self._slip_per_acceleration = slip_per_acceleration
+        self._lowest = lowest_speed
+        self._carried = CarriedWheels(parameters.carried, count, rim_speed_variance)
+        self._beyond = 0.0
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._carried.reset()
+        self._beyond = 0.0
+
+    def begin_slide(self) -> None:
+        """Know of no wheel that it is carried."""
+        self._carried.reset()
+
+    def use(
+        self, car: SpeedFilter, dt: float, rim_speeds: Sequence[float], acceleration: float, correlation: float
+    ) -> None:
+        """Correct the speed by one sample.
+
+        Args:
+            car: the speed, which is corrected.
+            dt: time since the last sample [s].
+            rim_speeds: r omega of each wheel as measured [m/s], NaN where missing.
+            acceleration: of the car, with the lag of the wheels [m/s^2].
+            correlation: time over which the slip of a wheel counts as one error [s].
+        """
+        self._bound(car, dt, rim_speeds, acceleration, max(correlation / dt, 1.0))
+        self._believe_carried(car, dt, rim_speeds, acceleration)
+
+    def _bound(self, car: SpeedFilter, dt: float, rim_speeds: Sequence[float], a: float, many: float) -> None:
+        """Keep the speed above braked and below driven wheels; two of them must agree, for one may vibrate or fail."""
+        known = sorted(speed for speed in rim_speeds if abs(speed) > self._lowest)
+        if not known:
+            return
+        p = self._p
+        margin = p.margin * abs(car.speed) + p.latency * abs(a) + p.carried.plausible * sqrt(self._variance)
+        second = min(1, len(known) - 1)
+        if len(known) == 1 < len(rim_speeds):
+            # Where the others are blind, it may be stuck at the speed of a car that has become slow with them.
+            likely = p.carried.plausible * sqrt(car.speed_variance) + margin
+            if abs(known[0] - car.speed) > likely:
+                return
+        beyond = 0.0
+        if a < -p.effort_above:
+            beyond = known[-1 - second] - margin - car.speed
+            if known[-1 - second] > (1.0 - p.close) * car.speed:
+                car.limit((0.5 * p.close * car.speed) ** 2 + margin**2)
+        elif a > p.effort_above:
+            beyond = car.speed - known[second] - margin
+        self._beyond = self._beyond + dt if beyond > 0.0 else 0.0
+        if self._beyond >= p.spring_back:
+            car.correct(car.speed - copysign(beyond, a), margin**2 * many)
+
+    def _believe_carried(self, car: SpeedFilter, dt: float, rim_speeds: Sequence[float], a: float) -> None:
+        """Correct the speed by the fastest wheel that the road carries, if it is where the speed may be.
+
+        That is judged, and corrected, as on a road that keeps its slope: wheels may also stand still in a slip, and the
+        more the road may have done meanwhile the more of that would pass for the speed.
+        """
+        gaps = self._carried.update(dt, rim_speeds, car.speed)
+        if gaps:
+            gap = max(gaps)
+            slip = self._slip_per_acceleration * car.speed * a
+            variance = self._carried.gap_variance(dt) + slip**2
+            if gap**2 < self._p.carried.plausible**2 * (car.steady_road_variance + variance):
+                car.believe(car.speed + gap, variance * max(self._p.carried.released / dt, 1.0))
