@@ -34,3 +34,12 @@ def test_a_tyre_that_is_off_is_covered_from_the_first_force_on_and_learned_withi
         assert 100.0 * np.sqrt(np.mean(error[late] ** 2)) / RING.static_load < limit
     # A deviation that covers everything would pass the first; what was learned must make it small.
     assert judged.stddev["Fz"][-1] < 0.5 * judged.stddev["Fz"][0]
+
+
+@pytest.mark.parametrize("delay", [0, 2])
+def test_a_changed_delay_is_reported_with_its_size_and_covered_and_none_where_it_has_not_changed(
+    known: Calibration, recording: Recording, delay: int
+) -> None:
+    judged = judge(recording, "rear_left", 1.0, known, 1, delay)
+    assert judged.delay == pytest.approx(1e-4 * delay, rel=0.25)
+    assert np.mean(np.abs(judged.error["Fx"]) < 1.96 * judged.stddev["Fx"]) > 0.9

@@ -44,8 +44,10 @@ _MEMORY = 400
 """Revolutions over which the length is averaged: about a minute of driving."""
 _LENGTH_FLOOR = 0.003
 """Least relative deviation of the mean length."""
-_SCATTER_MEMORY, _SCATTER_PRIOR = 60, 15
+_SCATTER_MEMORY, _SCATTER_PRIOR = 60, 5
 """Revolutions over which the scatter of the shift is averaged, and those that the calibration counts for."""
+_LEVEL_MEMORY = 20
+"""Revolutions of steady rolling over which the shift is averaged, about which it scatters."""
 _GAIN_DRIFT = 0.02 / np.sqrt(600.0)
 """Growth of the gain's deviation with time [1/sqrt(s)]: 2 % in ten minutes."""
 _ZERO_DRIFT = 10.0 / np.sqrt(60.0)
@@ -81,7 +83,7 @@ class GainWatch:
         )
         self._p[1, 2] = self._p[2, 1] = common
         self._excess, self._weight = 0.0, 0.0
-        self._last_shift: float | None = None
+        self._level, self._levels = 0.0, 0
 
     @property
     def gain(self) -> TyreGain:
@@ -129,7 +131,7 @@ class GainWatch:
             self._see_length(patch)
             self._see_scatter(patch)
         else:
-            self._last_shift = None
+            self._levels = 0
         if share is not None and (rolling or acceleration > _DRIVING or _HARDEST < acceleration < _BRAKING):
             self._see_force(patch, acceleration, share, steady, zero_speed, dt, rolling)
 
@@ -142,14 +144,21 @@ class GainWatch:
         self._variance += (step**2 - self._variance) / self._lengths
 
     def _see_scatter(self, patch: Patch) -> None:
-        if self._last_shift is not None:
+        """Take the scatter about the mean shift.
+
+        That between neighbouring revolutions would be less: where a revolution takes as long as some swings of a wheel
+        on its tyre, the road's load comes in the same phase again.
+        """
+        step = patch.shift - self._level
+        if self._levels:
             time = patch.length_raw / patch.passage.wheel_speed
-            excess = 0.5 * (patch.shift - self._last_shift) ** 2 - shift_stddev(self._tyre, patch) ** 2
+            excess = step**2 * self._levels / (self._levels + 1.0) - shift_stddev(self._tyre, patch) ** 2
             kept = 1.0 - 1.0 / _SCATTER_MEMORY
             # Least squares of the excess over the square of the time: fast revolutions say little of it.
             self._excess = kept * self._excess + excess * time**2
             self._weight = kept * (self._weight or _SCATTER_PRIOR * time**4) + time**4
-        self._last_shift = patch.shift
+        self._levels = min(self._levels + 1, _LEVEL_MEMORY)
+        self._level += step / self._levels
 
     def _see_force(
         self,

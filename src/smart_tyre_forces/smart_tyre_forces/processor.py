@@ -198,6 +198,11 @@ class TyreProcessor:
             outputs.append((f"{wheel}/tyre_wrench", messages.tyre_wrench(header, self._forces)))
         return outputs
 
+    @property
+    def delay_change(self) -> float:
+        """By how much the delay of the acceleration in the tyre has changed [s], 0 where that is not sure."""
+        return 0.0 if self._gains is None else self._gains.delay_change
+
     def _learn(self, stamp: int, patch: Patch, gains: GainWatch) -> None:
         """Learn from the revolutions DELAY ago: what comes out does not depend on which input arrived first."""
         zero_speed = self._correction.zero_speed
@@ -249,7 +254,7 @@ class TyreProcessor:
             return Level.OK, "no revolution seen yet"
         if verdict := self._comparison.verdict(self._wheel.name):
             return Level.WARN, verdict
-        if self._gains is not None and (change := self._gains.delay_change):
+        if change := self.delay_change:
             return Level.WARN, f"delay of the acceleration in the tyre changed by {1e3 * change:+.2f} ms"
         level, text = level_of(self._patch.reason, _QUIET, broken=()), self._patch.text
         if level is Level.OK and self._correction.pressure_changed:

@@ -40,17 +40,23 @@ _ACCELERATIONS = (0.0, 0.0, 2.8, 2.8, 0.0, 0.0, -5.0, -5.0, 0.0, 0.0)
 _START = 1_000_000_000
 """Stamp of the first sample [ns]."""
 _BLOCK = 1000
+_NOMINAL_VARIATION = 0.03
+"""RMS of the variation of the load by the road, as in the calibration."""
 ONE, ALL = "one tyre", "all tyres"
 CASES: dict[str, tuple[float, str, float]] = {
-    "as calibrated": (1.0, ALL, 0.03),
+    "as calibrated": (1.0, ALL, _NOMINAL_VARIATION),
     **{
-        f"stiffness {100.0 * (stiffness - 1.0):+.0f} %, {which}": (stiffness, which, 0.03)
+        f"stiffness {100.0 * (stiffness - 1.0):+.0f} %, {which}": (stiffness, which, _NOMINAL_VARIATION)
         for stiffness in (0.8, 0.9, 1.1, 1.2)
         for which in (ONE, ALL)
     },
     "load varying by 10 %": (1.0, ALL, 0.1),
 }
 """Stiffness over that of the calibration, of which tyres, RMS of the load's variation by the road."""
+DELAYS = (1, 2)
+"""Samples by which the acceleration in the tyre is later than in the calibration."""
+_DELAY_ERROR = 0.25
+"""Largest error of a change of the delay that is reported, as a share of it."""
 LIMITS = {"Fz": 1.3 * 1.1, "Fx": 1.3 * 4.2}
 """RMSE in % of the static load."""
 _COVERAGE = 90.0
@@ -98,10 +104,21 @@ class Judged:
     error: dict[str, Array]
     """Of Fz and Fx [N]."""
     stddev: dict[str, Array]
+    delay: float
+    """Change of the delay of the acceleration that is reported at the end [s], 0 where none is."""
 
 
-def judge(recording: Recording, wheel: str, stiffness: float, known: Calibration, seed: int) -> Judged:
-    """Run the processor of a wheel over a recording, with a tyre that is stiffer than calibrated by a factor."""
+def judge(recording: Recording, wheel: str, stiffness: float, known: Calibration, seed: int, delay: int = 0) -> Judged:
+    """Run the processor of a wheel over a recording, with a tyre that is not as calibrated.
+
+    Args:
+        recording: of the car.
+        wheel: name of the wheel.
+        stiffness: of the tyre over that of the calibration.
+        known: the calibration.
+        seed: of the signals' noise.
+        delay: by how many samples the acceleration in the tyre is later than in the calibration.
+    """
     number = CAR.wheel_names.index(wheel)
     ring = replace(
         RING, torsional_stiffness=RING.torsional_stiffness * stiffness, static_load=RING.static_load * stiffness
@@ -113,7 +130,7 @@ def judge(recording: Recording, wheel: str, stiffness: float, known: Calibration
     processor = TyreProcessor(wheel, CAR, SmartTyreParameters(), known)
     found: list[tuple[float, TyreForce]] = []
     half = 0.0  # of the time that the last patch took [s]: its force is that of its middle
-    for message in _messages(recording, wheel, source, turning, truth):
+    for message in _messages(recording, wheel, source, turning, truth, delay):
         for topic, answer in processor.process("", message):
             if topic.endswith("contact_patch") and answer.valid:
                 half = 0.5 * answer.length_raw / answer.wheel_speed
@@ -123,15 +140,16 @@ def judge(recording: Recording, wheel: str, stiffness: float, known: Calibration
     values = {"Fz": [m.fz for _, m in found], "Fx": [m.fx for _, m in found]}
     stddev = {"Fz": np.array([m.fz_stddev for _, m in found]), "Fx": np.array([m.fx_stddev for _, m in found])}
     error = {name: np.array(values[name]) - np.interp(time, recording.time, truth[name]) for name in truth}
-    return Judged(time, error, stddev)
+    return Judged(time, error, stddev, processor.delay_change)
 
 
 def _messages(
-    recording: Recording, wheel: str, source: TyreSignalSource, turning: Array, truth: dict[str, Array]
+    recording: Recording, wheel: str, source: TyreSignalSource, turning: Array, truth: dict[str, Array], delay: int
 ) -> Iterator[TyreSignals | Imu]:
     """The blocks of a wheel, each after the accelerations up to its end."""
     rate = TRACKER.sample_rate
     sensed = 0
+    late = np.zeros(delay)
     for first in range(0, int(recording.time[-1] * rate) - _BLOCK, _BLOCK):
         time = (first + np.arange(_BLOCK)) / rate
         while recording.time[sensed] < time[-1]:
@@ -140,13 +158,15 @@ def _messages(
             yield Imu(header=Header(stamp=stamp), linear_acceleration=felt)
             sensed += 1
         block = source.advance(*(np.interp(time, recording.time, each) for each in (turning, truth["Fx"], truth["Fz"])))
+        radial = np.concatenate([late, block.radial_acceleration])
+        late = radial[_BLOCK:]
         yield TyreSignals(
             header=Header(stamp=from_nanoseconds(_START + round(first / rate * NANOSECONDS)), frame_id=wheel),
             wheel=wheel,
             sample_rate=rate,
             first_sample=first,
             encoder_voltage=array("f", block.encoder_voltage.tobytes()),
-            radial_acceleration=array("f", block.radial_acceleration.tobytes()),
+            radial_acceleration=array("f", radial[:_BLOCK].astype(np.float32).tobytes()),
         )
 
 
@@ -167,6 +187,16 @@ def rows(known: Calibration, seeds: range, progress: Progress) -> Iterator[Row]:
         for axle, of_axle in judged.items():
             if of_axle:
                 yield from _rows(case, axle, of_axle, with_error=variation < 0.1)
+    for delay in DELAYS:
+        late = [
+            judge(recording, "front_left", 1.0, known, seed, delay)
+            for seed, recording in zip(seeds, recordings[_NOMINAL_VARIATION], strict=True)
+        ]
+        case, change = f"acceleration {1e3 * delay / TRACKER.sample_rate:.1f} ms later", delay / TRACKER.sample_rate
+        yield from _rows(case, "front", late, with_error=True)
+        error = max(abs(each.delay / change - 1.0) for each in late)
+        quantity = {"case": case, "axle": "front", "quantity": "error of the reported change of delay [%]"}
+        yield quantity | at_most(100.0 * error, 100.0 * _DELAY_ERROR)
 
 
 def _rows(case: str, axle: str, judged: list[Judged], *, with_error: bool) -> Iterator[Row]:
