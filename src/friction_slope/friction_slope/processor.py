@@ -15,9 +15,9 @@ from friction_runtime.processor import Level, Output, Report, level_of, silent
 from friction_runtime.slip_fault import slip_fault, slip_is_known, speed_is_known
 from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
-from friction_slope.answers import estimate_message, vote_message
 from friction_slope.detector import SlopeDetector
 from friction_slope.estimate import METHODS, Method, Reason, SlopeEstimate, SlopeSample
+from friction_slope.messages import estimate_message, vote_message
 from friction_slope.parameters import FrictionSlopeParameters
 from vehicle_models.plausible import HIGHEST_ACCELERATION
 from vehicle_models.vehicle import Vehicle
