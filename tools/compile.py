@@ -23,7 +23,8 @@ COMPILED = {
     "wheel_slip": "carried_wheels estimate estimator free_rolling online_radii processor radius_calibration "
     "slide_detector slip slope_watch speed_filter speed_queue speed_sample stuck_sensor unit_check vehicle_speed "
     "wheel_speed_filter",
-    "friction_slope": "crossing detector estimate indicator messages processor signals tyre_relaxation vote",
+    "friction_slope": "crossing detector doubt estimate indicator messages processor signals told_slips "
+    "tyre_relaxation vote",
     "abs_supervisor": "braking braking_log curve_control curve_queue curve_report end_of_stop envelope fsm guard "
     "input_watch known_curve law/brake_line law/disturbance law/explained law/released_wheel law/road_curve "
     "law/set_point law/three_commands law/torque_set_point law/usable_curve law/wheel_observer law/wheel_step "

@@ -16,6 +16,7 @@ from friction_runtime.slip_fault import slip_fault, slip_is_known, speed_is_know
 from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from friction_slope.detector import SlopeDetector
+from friction_slope.doubt import doubt_of
 from friction_slope.estimate import METHODS, Method, Reason, SlopeEstimate, SlopeSample
 from friction_slope.messages import estimate_message, vote_message
 from friction_slope.parameters import FrictionSlopeParameters
@@ -86,7 +87,8 @@ class WheelProcessor(AlignedProcessor[float]):
         self._estimate: SlopeDetector | None = None
         if estimates:
             method = METHODS[parameters.method]
-            self._estimate = SlopeDetector(corner, method, detector, parameters.no_slip, load, length)
+            doubt = doubt_of(vehicle, wheel)
+            self._estimate = SlopeDetector(corner, method, detector, parameters.no_slip, load, length, doubt)
         self._brake_torque = BrakeTorque(vehicle, wheel)
         self._pressure, self._slip = self._brake_torque.topic, f"{wheel}/slip"
         self._vote_topic, self._estimate_topic = f"{wheel}/slope_vote", f"{wheel}/friction_slope"
