@@ -24,7 +24,7 @@ AROUND = {
     "__main__": "starts the node",
     "node": "layer 3",
     "processor": "layer 2",
-    "messages": "smart_tyre_forces and friction_adapter: values as messages",
+    "messages": "friction_slope, smart_tyre_forces and friction_adapter: values as messages",
     "record_mapper": "friction_adapter: records of any source as messages",
     "message_fields": "friction_adapter: fields of installed message types",
     "curve_messages": "friction_curve_id: estimates as messages",

@@ -20,10 +20,11 @@ COMPILED = {
     "friction_runtime": "aligned_processor aligner brake_torque cdr_codec cdr_layout new_message pressure_watch "
     "primary processor_graph reason_text slip_fault stamp_progress stamps wheel_speeds wire",
     "vehicle_models": "acceleration_unit derivatives pressure_unit slowest_car wheel_load",
-    "wheel_slip": "carried_wheels estimate estimator free_rolling mode online_radii processor radius_calibration "
-    "sensor_watch slide_detector slip slope_watch speed_filter speed_queue speed_sample stuck_sensor unit_check "
-    "vehicle_speed wheel_bounds wheel_speed_filter",
-    "friction_slope": "crossing detector estimate indicator processor signals tyre_relaxation vote",
+    "wheel_slip": "accelerometer_age carried_wheels estimate estimator free_rolling mode online_radii outvoted "
+    "processor radius_calibration sensor_watch slide_detector slip slope_watch speed_filter speed_queue speed_sample "
+    "stuck_sensor unit_check vehicle_speed wheel_bounds wheel_speed_filter",
+    "friction_slope": "crossing detector doubt estimate indicator messages processor signals told_slips "
+    "tyre_relaxation vote",
     "abs_supervisor": "braking braking_log curve_control curve_queue curve_report end_of_stop envelope fsm guard "
     "input_watch known_curve law/brake_line law/disturbance law/explained law/released_wheel law/road_curve "
     "law/set_point law/three_commands law/torque_set_point law/usable_curve law/wheel_observer law/wheel_step "

@@ -195,6 +195,26 @@ def judge_crossings(
     ]
 
 
+def right_signs(
+    time: Array, sign: Array, valid: NDArray[np.bool_], delay: Array, truth_time: Array, truth: Array
+) -> tuple[int, int]:
+    """Count the valid slope signs, and those of them that are the true one `delay` before their stamp.
+
+    Args:
+        time: stamps of the estimates [s], shape (n,).
+        sign: +1 or -1 where valid, shape (n,).
+        valid: whether the sign may be used, shape (n,).
+        delay: age of the sign at the stamp [s], shape (n,); finite where valid.
+        truth_time: stamps of the true signs [s], shape (m,), increasing.
+        truth: true signs, shape (m,); each holds until the next.
+
+    Returns:
+        Valid signs, and right ones among them.
+    """
+    at = np.searchsorted(truth_time, (time - delay)[valid], side="right") - 1
+    return int(np.count_nonzero(valid)), int(np.count_nonzero(truth[np.maximum(at, 0)] == sign[valid]))
+
+
 def release_times(time: Array, released: NDArray[np.bool_]) -> Array:
     """Return the duration [s] of each release, to the first sample after it.
 

@@ -15,6 +15,7 @@ from friction_bringup.braking_metrics import (
     judge_crossings,
     measure_braking,
     release_times,
+    right_signs,
 )
 from friction_bringup.graph import VEHICLE
 from friction_bringup.recorded_run import RecordedRun
@@ -31,6 +32,7 @@ def print_summary(console: Console, run: RecordedRun) -> None:
             found = run.crossings(f"{wheel}/friction_slope")
             judged = judge_crossings(found, truth, curve.time, curve["lambda_max"])
             console.print(crossing_table(wheel, judged, truth))
+            console.print(sign_text(run, wheel))
     console.print(curve_table(run))
     braking = braking_of(run)
     if isinstance(braking, Braking):
@@ -87,6 +89,17 @@ def _told(crossings: list[JudgedCrossing], truth: list[CrossingEvent], sign: int
     delay = f"median delay {1e3 * np.median(near):.0f} ms" if near.size else "no delay"
     total = sum(event.sign == sign for event in truth)
     return f"{word}: {near.size} of {total} true ones found ({delay}), {found.size - near.size} without a true one"
+
+
+def sign_text(run: RecordedRun, wheel: str) -> str:
+    """Return how many of the valid slope signs of a wheel are the true ones `delay` before their stamps."""
+    found, truth = run.get(f"{wheel}/friction_slope"), run.get(f"truth/{wheel}/friction_slope")
+    if found is None or truth is None:
+        return ""
+    valid, right = right_signs(
+        found.time, found["sign"], found["valid"] > 0.0, found["delay"], truth.time, truth["sign"]
+    )
+    return f"{wheel}: {right} of {valid} valid slope signs are the true ones" if valid else f"{wheel}: no valid sign"
 
 
 def curve_table(run: RecordedRun) -> Table:

@@ -8,14 +8,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+from friction_msgs.msg import BrakeCommand, FrictionSlope
 
 from corner_sim.models import CAR, in_order
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
+from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
+from friction_bringup.braking_metrics import right_signs
 from friction_bringup.demo_drive import CARS, ROADS, plant_of_demo
 from friction_bringup.graph import PLANT
 from friction_parameters.parameter import ParameterError
 from friction_parameters.values import from_mapping
+from friction_runtime.processor import silent
+from friction_runtime.processor_graph import ProcessorGraph
+from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle
 
 
@@ -51,6 +57,39 @@ def test_second_road_begins_while_the_car_brakes() -> None:
     while simulation.time < given.demand_start:
         simulation.advance()
     assert 5.0 < given.surface_distances[1] - simulation.distance < 20.0
+
+
+def test_valid_slope_signs_of_the_sign_law_are_the_true_ones() -> None:
+    """Two seconds of ABS from 22 m/s, dry on the left, snow on the right: 90 % right, 30 % valid."""
+    onset = 1.0
+    given = dict(plant("split")) | {"initial_speed": 22.0, "tyre_signals": False, "demand_start": onset}
+    given |= {"car.drive_times": [0.0], "car.drive_speeds": [22.0], "lock_step": True}
+    vehicle = in_order(CAR, load_vehicle(CARS["car"]))
+    simulation = Simulation(from_mapping(SimParameters, given), vehicle, 10**12)
+    processors = make_processors(closed_loop_parameters(WHEEL_ESTIMATORS, "slope_sign", 4), vehicle, silent)
+    graph = ProcessorGraph(processors)
+    signs: dict[str, list[tuple[float, ...]]] = {wheel: [] for wheel in vehicle.wheel_names}
+    truth: list[tuple[float, ...]] = []
+    while simulation.time < onset + 2.0:
+        truth.append((simulation.stamp, *np.where(simulation.sample.slope < 0.0, -1, 1)))
+        for topic, message in simulation.messages():
+            if topic.startswith("truth/"):
+                continue
+            for _, answer in graph.feed(topic, message):
+                if isinstance(answer, BrakeCommand):
+                    simulation.take_command(answer.wheel, answer)
+                if isinstance(answer, FrictionSlope):
+                    stamp = to_nanoseconds(answer.header.stamp)
+                    signs[answer.wheel].append((stamp, answer.sign, answer.valid, 1e9 * answer.delay))
+        simulation.advance()
+    times, *of_wheels = np.array(truth, dtype=float).T
+    counts = []
+    for found, true in zip(signs.values(), of_wheels, strict=True):
+        time, sign, valid, delay = np.array(found, dtype=float).T
+        counts.append(right_signs(time, sign, valid > 0.0, delay, times, true))
+    valid_signs, right = np.sum(counts, axis=0)
+    assert right >= 0.9 * valid_signs
+    assert valid_signs >= 0.3 * 4 * 2.0 / 0.005
 
 
 def test_corner_has_no_sides_and_is_told_so() -> None:

@@ -8,7 +8,7 @@ from friction_msgs.msg import BrakeCommand
 from rich.console import Console
 
 from friction_bringup.recorded_run import RecordedRun, Series
-from friction_bringup.summary import release_table
+from friction_bringup.summary import release_table, sign_text
 
 TIME = np.arange(0.0, 2.0, 0.01)
 
@@ -33,3 +33,20 @@ def test_releases_are_added_up_and_those_of_shadow_mode_are_called_so(shadow: bo
     assert ("shadow mode" in text) is shadow
     (row,) = (line for line in text.splitlines() if "front_left" in line)
     assert row.replace("│", " ").split() == ["front_left", "0.50", "0.30", "5", "1"]
+
+
+def test_valid_signs_are_compared_with_the_truth_at_their_own_time() -> None:
+    """The truth turns at 1 s; an estimate that says so 0.1 s later, with that delay, is right all along."""
+    truth = np.where(TIME < 0.995, 1.0, -1.0)
+    late = np.where(TIME < 1.095, 1.0, -1.0)
+    delay, valid = np.full(TIME.shape, 0.1), (TIME > 0.495).astype(float)
+
+    def said(age: np.ndarray) -> str:
+        series = {
+            "front_left/friction_slope": Series(TIME, {"sign": late, "valid": valid, "delay": age}),
+            "truth/front_left/friction_slope": Series(TIME, {"sign": truth}),
+        }
+        return sign_text(RecordedRun(("front_left",), 0, series, TIME), "front_left")
+
+    assert "150 of 150 valid" in said(delay)
+    assert "140 of 150 valid" in said(0.0 * delay)

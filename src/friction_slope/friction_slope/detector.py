@@ -11,9 +11,11 @@ from typing import Final
 from friction_parameters import shared
 from friction_parameters.parameter import parameter
 from friction_slope.crossing import CrossingDetector
+from friction_slope.doubt import Doubt
 from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
 from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign, slope_indicator
 from friction_slope.signals import SignalWindow
+from friction_slope.told_slips import ToldSlips
 from friction_slope.tyre_relaxation import TyreRelaxation
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY, CornerParameters
@@ -22,6 +24,14 @@ from vehicle_models.wheel_load import WheelLoad
 
 LOCKED_SLIP: Final = 0.8
 """Beyond the peak of any road [-]. A wheel that stands does so by constraint: (8.3) does not hold for it."""
+LOCKED_TYRE_SLIP: Final = 0.6
+"""Slip that the tyre of such a wheel must have built up [-]: above any peak, twice the relaxation length included."""
+CERTAINTY: Final = 3.0
+"""Deviations by which H must be above 0 for a wheel to be surely on the stable side."""
+FAR: Final = 0.5
+"""Share of its slip by which a wheel may have come nearer to the peak since a sign was told."""
+LEAST_FAR: Final = 0.03
+"""The same for small slips [-]."""
 HIGHEST_FRICTION: Final = 1.5
 """Largest friction coefficient of any road [-]."""
 LEAST_PEAK: Final = 0.02
@@ -115,6 +125,7 @@ class SlopeDetector:
         no_slip: NoSlipParameters = NoSlipParameters(),
         load: WheelLoad | None = None,
         relaxation_length: float = NO_RELAXATION,
+        doubt: Doubt | None = None,
     ) -> None:
         """Build for a wheel.
 
@@ -126,8 +137,11 @@ class SlopeDetector:
             load: its vertical load, from the acceleration; None, as where there is no acceleration: at rest, and (8.3)
                 as printed.
             relaxation_length: of its tyre [m], > 0.
+            doubt: of H, above which a sign must be to count; None for a vote, which is not sure anyway.
         """
         self._method = method
+        self._doubt = doubt
+        self._told = ToldSlips()
         self._load = load
         self._relaxation = TyreRelaxation(relaxation_length)
         self._p = p = parameters
@@ -170,8 +184,8 @@ class SlopeDetector:
             elif not possible:
                 return self._estimate(Reason.BAD_INPUT, f"wheel speed jumps to {sample.wheel_speed:.1f} rad/s")
         self._last = sample
-        built_up = self._relaxation.update(sample.stamp, sample.slip, sample.vehicle_speed)
-        self._signals.update(sample, built_up, self._load_at(sample))
+        self._built_up = self._relaxation.update(sample.stamp, sample.slip, sample.vehicle_speed)
+        self._signals.update(sample, self._built_up, self._load_at(sample))
         self._reference.update(sample.stamp, sample.wheel_speed * self._radius)
         if sample.brake_torque >= self._p.minimum_torque:
             self._braked = sample.stamp
@@ -202,7 +216,10 @@ class SlopeDetector:
         read_at = sample.stamp - round(delay * NANOSECONDS)
         if sample.wheel_speed * self._radius < (1.0 - LOCKED_SLIP) * speed:
             self._crossing.update(LOCKED_INDICATOR, 1, signals.slip, read_at)
-            return self._estimate(Reason.OK, "", nan, 0.0, LOCKED_INDICATOR)  # by the slip at the stamp, not by H
+            # by the slip at the stamp, not by H
+            if self._doubt is not None and self._built_up < LOCKED_TYRE_SLIP:
+                return self._estimate(Reason.NOT_LASTING, "tyre has not built its slip up", nan, 0.0, LOCKED_INDICATOR)
+            return self._estimate(Reason.OK, "", nan, 0.0, LOCKED_INDICATOR)
         growing, growth = self._growing(slip_rate, speed)
         swings = growing > 0 and h <= p.h_instability and not self._may_be_beyond(growth)
         if swings:
@@ -212,12 +229,21 @@ class SlopeDetector:
         if growing == 0:
             rate = "slip rate" if self._by is Method.SLIP else "eta"
             why = "slip may only swing" if swings else f"{rate} in its dead zone"
-            return self._estimate(Reason.NO_EXCITATION, f"{why}, sign is held", h, delay, indicator)
-        if self._crossing.sign == 0:
-            return self._estimate(Reason.NOT_READY, "indicator has not passed a threshold yet", h, delay, indicator)
-        if (read_at - self._crossing.since) / NANOSECONDS < delay - SAME_TIME:
-            return self._estimate(Reason.NOT_LASTING, "sign is younger than its delay", h, delay, indicator)
-        return self._estimate(Reason.OK, "", h, delay, indicator)
+            reason, text = Reason.NO_EXCITATION, f"{why}, sign is held"
+        elif self._crossing.sign == 0:
+            reason, text = Reason.NOT_READY, "indicator has not passed a threshold yet"
+        elif (read_at - self._crossing.since) / NANOSECONDS < delay - SAME_TIME:
+            reason, text = Reason.NOT_LASTING, "sign is younger than its delay"
+        else:
+            text = self._open_question(growth / speed)
+            reason = Reason.NOT_LASTING if text else Reason.OK
+        if self._doubt is not None:
+            sign, slip = self._crossing.sign, signals.slip()
+            if reason is Reason.OK:
+                self._told.tell(sign, slip, read_at)
+            elif self._told.cover(sign, slip, read_at):
+                reason, text = Reason.OK, ""
+        return self._estimate(reason, text, h, delay, indicator)
 
     def _answer_by(self, method: Method) -> None:
         """Choose the equation; a sign that another one has told is not held."""
@@ -233,12 +259,52 @@ class SlopeDetector:
         p = self._p
         if self._by is Method.SLIP:
             return slip_rate_sign(slip_rate, p.slip_rate_dead_zone), slip_rate * speed / self._radius
+        return self._growing_by_eta(self._signals.wheel_acceleration(), self._signals.friction_moment())
+
+    def _growing_by_eta(self, wheel_acceleration: float, friction_moment: float) -> tuple[int, float]:
         braking = -self._signals.acceleration() / GRAVITY
         if isnan(braking):
-            braking = self._signals.friction_moment() / (self._radius * self._vertical_load)
-        eta = normalised_deceleration(self._signals.wheel_acceleration(), self._radius)
-        sign = eta_sign(eta, braking, self._eta_margin, p.slip_rate_dead_zone, self._reference.speed)
+            braking = friction_moment / (self._radius * self._vertical_load)
+        eta = normalised_deceleration(wheel_acceleration, self._radius)
+        sign = eta_sign(eta, braking, self._eta_margin, self._p.slip_rate_dead_zone, self._reference.speed)
         return sign, (eta - braking) * GRAVITY / self._radius
+
+    def _open_question(self, growth: float) -> str:
+        """Return why a sign that has lasted is not sure all the same; empty where it is, and of a vote.
+
+        Slip that is not known grows by `growth` [rad/s^2 / (m/s)].
+        """
+        if self._doubt is None:
+            return ""
+        if self._crossing.sign > 0 and not self._surely_stable(self._doubt):
+            return "stable side is not sure up to the time of h"
+        return "slip has come much nearer to the peak" if self._has_come_near(growth) else ""
+
+    def _surely_stable(self, doubt: Doubt) -> bool:
+        """Whether the samples before the time for which h holds tell the stable side by themselves.
+
+        Those after it may be of another part of a cycle: a release from beyond the peak looks as the rise before it.
+        """
+        signals = self._signals
+        if self._by is Method.SLIP:
+            growing = slip_rate_sign(signals.earlier_slip_rate(), 0.0)
+        else:
+            moment = signals.earlier_friction_moment()
+            growing, _ = self._growing_by_eta(signals.earlier_wheel_acceleration(), moment)
+        stddev = doubt.of_h(signals.torque_rate(), signals.torque_jerk())
+        return slope_indicator(signals.earlier_h(self._load_taken), growing) > CERTAINTY * stddev
+
+    def _has_come_near(self, growth: float) -> bool:
+        """Whether slip has since moved by much towards the peak and may have passed it: H is mostly of the time before.
+
+        Where it is not known, it grows by `growth` [rad/s^2 / (m/s)], and from nothing.
+        """
+        signals = self._signals
+        before = signals.earlier_slip()
+        change = signals.slip() - before
+        if isnan(change):
+            before, change = 0.0, 0.25 * growth * self._radius * signals.span
+        return change * self._crossing.sign > max(FAR * before, LEAST_FAR)
 
     def _may_be_beyond(self, growth: float) -> bool:
         """Whether slip that grows by `growth` [rad/s^2] of wheel speed may be running away, and not only swing."""
@@ -271,6 +337,8 @@ class SlopeDetector:
         self._signals.reset()
         self._relaxation.reset()
         self._load_taken = False
+        self._built_up = nan
+        self._told.reset()
         if self._load is not None:
             self._load.reset()
         self._crossing.forget_sign()

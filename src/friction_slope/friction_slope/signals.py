@@ -23,6 +23,8 @@ _SLIP: Final = 2
 _SLIP_RATE: Final = 3
 _ACCELERATION: Final = 4
 _LOG_LOAD: Final = 5
+_TORQUE: Final = 6
+_SIGNALS: Final = 7
 
 
 class SignalWindow:
@@ -40,8 +42,8 @@ class SignalWindow:
         """
         self._inertia = inertia
         self._lead = lead
-        self._window = LocalPolynomial(window, degree=2 if lead == 0.0 else 3, signals=6)
-        self._rates = LocalPolynomial(rate_window, degree=1, signals=6)
+        self._window = LocalPolynomial(window, degree=2 if lead == 0.0 else 3, signals=_SIGNALS)
+        self._rates = LocalPolynomial(rate_window, degree=1, signals=_SIGNALS)
         self.reset()
 
     def reset(self) -> None:
@@ -72,7 +74,8 @@ class SignalWindow:
             self._impulse += 0.5 * dt * (self._last.brake_torque + sample.brake_torque)
         self._last = sample
         z = sample.wheel_speed + self._impulse / self._inertia
-        values = [sample.wheel_speed, z, slip, sample.slip_rate, sample.acceleration, log(load)]
+        torque = sample.brake_torque
+        values = [sample.wheel_speed, z, slip, sample.slip_rate, sample.acceleration, log(load), torque]
         self._window.update(sample.stamp, values)
         self._rates.update(sample.stamp, values)
         self.delay = 0.5 * self._window.span * (1.0 - self._lead)
@@ -86,6 +89,14 @@ class SignalWindow:
         """Part of H that a changing load has caused, z_dot Fz_dot / Fz [rad/s^3]; NaN if the load was unknown."""
         load_rate = self._window.derivative(1, self.delay, _LOG_LOAD)
         return self._window.derivative(1, self.delay, _Z) * load_rate
+
+    def torque_rate(self) -> float:
+        """T_b_dot / J [rad/s^3], where h is read."""
+        return self.h() - self._window.derivative(2, self.delay, _OMEGA)
+
+    def torque_jerk(self) -> float:
+        """T_b_ddot / J [rad/s^4], where h is read."""
+        return self._window.derivative(2, self.delay, _TORQUE) / self._inertia
 
     def slip(self) -> float:
         """Slip that the tyre has built up [-]; NaN if it was unknown anywhere in the window."""
@@ -102,6 +113,27 @@ class SignalWindow:
     def acceleration(self) -> float:
         """Acceleration of the car [m/s^2], mean over the rate window; NaN if it was unknown anywhere in it."""
         return self._rates.derivative(0, self._rate_delay, _ACCELERATION)
+
+    def earlier_h(self, load_known: bool) -> float:
+        """H [rad/s^3] in the older half of its window; where the load is known, without the part of its change."""
+        h = self._window.earlier(2, _Z)
+        return h - self._window.earlier(1, _Z) * self._window.earlier(1, _LOG_LOAD) if load_known else h
+
+    def earlier_slip(self) -> float:
+        """Slip that the tyre had built up in the older half of the window of h; NaN if unknown anywhere in it."""
+        return self._window.earlier(0, _SLIP)
+
+    def earlier_slip_rate(self) -> float:
+        """Slip rate [1/s] in the older half of the window of h; NaN if it was unknown anywhere in it."""
+        return self._window.earlier(0, _SLIP_RATE)
+
+    def earlier_wheel_acceleration(self) -> float:
+        """omega_dot [rad/s^2] in the older half of the window of h."""
+        return self._window.earlier(1, _OMEGA)
+
+    def earlier_friction_moment(self) -> float:
+        """r Fx [N m], braking positive, in the older half of the window of h."""
+        return self._inertia * self._window.earlier(1, _Z)
 
     @property
     def span(self) -> float:

@@ -1,6 +1,6 @@
 """The detector behind its messages: alignment, reasons with names, shipped files, hostile streams."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from math import inf, nan
 from pathlib import Path
@@ -19,7 +19,7 @@ from std_msgs.msg import Header
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from friction_parameters.values import changed, from_mapping, ignored
-from friction_runtime.processor import Level
+from friction_runtime.processor import Level, Output
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from friction_slope.detector import DetectorParameters, NoSlipParameters
 from friction_slope.estimate import METHODS, Method, Reason
@@ -73,7 +73,11 @@ def stream(count: int, first: int = 1) -> list[Fed]:
 
 
 def run(processor: WheelProcessor, fed: list[Fed]) -> list[FrictionSlope]:
-    return [message for topic, given in fed for _, message in processor.process(topic, given)]
+    return [message for topic, given in fed for message in slopes(processor.process(topic, given))]
+
+
+def slopes(outputs: Iterable[Output]) -> list[FrictionSlope]:
+    return [message for _, message in outputs if isinstance(message, FrictionSlope)]
 
 
 def test_stable_side_is_told_with_h_of_the_equation() -> None:
@@ -152,7 +156,7 @@ def test_a_dead_wheel_slip_costs_its_method_but_no_answer_and_no_time_for_ever()
         stamp = to_nanoseconds(fed.header.stamp)
         if topic == SLIP and stamp > 40 * STEP:
             continue
-        for _, message in processor.process(topic, fed):
+        for message in slopes(processor.process(topic, fed)):
             delays.append((stamp - to_nanoseconds(message.header.stamp)) / STEP)
     assert len(delays) == 100
     assert max(delays) == round(P.deadline / 0.005)
@@ -301,7 +305,7 @@ def test_acceleration_that_dies_costs_the_load_but_no_answer_and_no_time_for_eve
         stamp = to_nanoseconds(fed.header.stamp)
         if topic == IMU and stamp > 40 * STEP:
             continue
-        for _, message in processor.process(topic, fed):
+        for message in slopes(processor.process(topic, fed)):
             delays.append((stamp - to_nanoseconds(message.header.stamp)) / STEP)
     assert len(delays) == 100
     assert max(delays) <= round(P.deadline / 0.005)
@@ -362,7 +366,7 @@ def test_hostile_streams_give_consistent_messages_and_no_exception(fed: list[Any
             _, hostile = slip(stamp, a, b, valid)
         else:
             _, hostile = speed(stamp, a) if topic == "wheel_states" else pressure(stamp, a)
-        for _, message in processor.process(topic, hostile):
+        for message in slopes(processor.process(topic, hostile)):
             assert message.valid == (message.reason == FrictionSlope.OK)
             assert message.valid == (message.reason_text == "")
             assert not message.valid or (np.isfinite(message.indicator) and message.sign in (-1, 1))
@@ -372,10 +376,9 @@ def test_shipped_parameter_file_holds_the_defaults_and_makes_a_vote_and_an_estim
     parameters = load(FrictionSlopeParameters, CONFIG / "friction_slope.yaml", "friction_slope")
     assert parameters == SHIPPED["friction_slope"].parameters == FrictionSlopeParameters()
     assert ignored(parameters) == []
-    vote, estimate = build(parameters, VEHICLE)
-    assert vote.outputs == {"front_left/slope_vote": SlopeVote}
-    assert run(estimate, stream(40))[-1].method == FrictionSlope.METHOD_SLIP
-    assert len(run(vote, stream(40))) == 40
+    (processor,) = build(parameters, VEHICLE)
+    assert processor.outputs == {"front_left/slope_vote": SlopeVote, "front_left/friction_slope": FrictionSlope}
+    assert run(processor, stream(40))[-1].method == FrictionSlope.METHOD_SLIP
 
 
 def test_vote_is_predicted_by_the_method_without_slip_and_the_estimate_is_not() -> None:
@@ -405,7 +408,27 @@ def test_vote_without_pressure_says_why_it_does_not_count() -> None:
 
 
 def votes(parameters: FrictionSlopeParameters, fed: list[Fed]) -> list[Any]:
-    return run(WheelProcessor("front_left", VEHICLE, parameters, votes=True), fed)
+    return voted(WheelProcessor("front_left", VEHICLE, parameters), fed)
+
+
+def voted(processor: WheelProcessor, fed: list[Fed]) -> list[SlopeVote]:
+    outputs = [output for topic, given in fed for output in processor.process(topic, given)]
+    return [message for _, message in outputs if isinstance(message, SlopeVote)]
+
+
+def test_vote_alone_is_the_same_and_takes_no_acceleration() -> None:
+    alone = WheelProcessor("front_left", CAR, P, estimates=False)
+    assert IMU not in alone.sensors
+    assert list(alone.outputs) == ["front_left/slope_vote"]
+    assert repr(voted(alone, braked(40, None))) == repr(voted(WheelProcessor("front_left", CAR, P), braked(40, harder)))
+
+
+def test_vote_does_not_wait_for_a_late_acceleration_and_comes_before_the_estimate() -> None:
+    processor = WheelProcessor("front_left", CAR, P)
+    run(processor, braked(40, harder))
+    names = [name for item in stream(2, first=41)[:3] for name, _ in processor.process(*item)]
+    assert names == ["front_left/slope_vote"]
+    assert [name for name, _ in processor.process(*imu(41 * STEP, harder(41)))] == ["front_left/friction_slope"]
 
 
 @pytest.mark.parametrize(
@@ -452,12 +475,12 @@ def test_every_wheel_of_the_car_has_a_processor_that_reads_its_joint() -> None:
     renamed = replace(car, wheels=tuple(replace(wheel, joint=f"car::{wheel.name}") for wheel in car.wheels))
     processors = build(P, renamed)
     assert [topic for processor in processors for topic in processor.outputs] == [
-        f"{name}/{topic}" for topic in ("slope_vote", "friction_slope") for name in car.wheel_names
+        f"{name}/{topic}" for name in car.wheel_names for topic in ("slope_vote", "friction_slope")
     ]
     fed = [(topic, given) for topic, given in stream(30) if topic != "wheel_states"]
     fed += [speed(k * STEP, 90.0 + 30.0 * (0.005 * (k - 1)) ** 2, name="car::front_left") for k in range(1, 31)]
     straight = run(WheelProcessor("front_left", VEHICLE, P), stream(30))
-    assert repr(run(processors[len(car.wheels)], fed)) == repr(straight)
+    assert repr(run(processors[0], fed)) == repr(straight)
 
 
 def test_pressure_is_taken_for_the_time_at_which_it_acted() -> None:
@@ -483,17 +506,17 @@ def test_numbers_are_those_of_the_messages() -> None:
 @pytest.mark.parametrize(("factor", "named"), [(1.0, ""), (1e-5, "in bar"), (1e5, "converted from bar")])
 def test_a_pressure_in_another_unit_is_named_and_gives_no_sign(factor: float, named: str) -> None:
     processor = WheelProcessor("front_left", VEHICLE, ALONE)
-    slopes = []
+    found: list[FrictionSlope] = []
     for k in range(1, 400):
         torque = 300.0 * min(max(0.01 * (k - 100), 0.0), 1.0)  # brakes the car by 4.4 m/s^2
         rolled = 100.0 - max(k - 100, 0) * 0.005 * 300.0 / (0.3 * 225.0) / 0.3
         for topic, message in (pressure(k * STEP, factor * torque), speed(k * STEP, rolled)):
-            slopes += [slope for _, slope in processor.process(topic, message)]
-    assert len(slopes) > 380
+            found += slopes(processor.process(topic, message))
+    assert len(found) > 380
     if named:
-        assert not any(slope.valid for slope in slopes)
-        assert slopes[-1].reason == FrictionSlope.BAD_INPUT
-        assert slopes[-1].reason_text.startswith(PRESSURE)
-        assert named in slopes[-1].reason_text
+        assert not any(slope.valid for slope in found)
+        assert found[-1].reason == FrictionSlope.BAD_INPUT
+        assert found[-1].reason_text.startswith(PRESSURE)
+        assert named in found[-1].reason_text
     else:
-        assert not any(slope.reason == FrictionSlope.BAD_INPUT for slope in slopes)
+        assert not any(slope.reason == FrictionSlope.BAD_INPUT for slope in found)

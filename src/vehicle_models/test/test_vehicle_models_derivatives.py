@@ -145,3 +145,18 @@ def test_samples_that_the_polynomial_goes_through_show_no_scatter_and_an_unknown
     stamps = STEP * np.arange(1, 4)
     assert fed(LocalPolynomial(3, 2, signals=2), stamps, values).scatter(0) == 0.0
     assert np.isnan(fed(LocalPolynomial(3, 1, signals=2), stamps, values).scatter(1))
+
+
+@given(COEFFICIENTS, INTERVALS, st.integers(0, 2))
+def test_older_half_is_read_at_its_centre_and_by_its_own_samples(
+    coefficients: list[float], intervals: list[int], order: int
+) -> None:
+    parabola = np.polynomial.Polynomial(coefficients[:3])
+    stamps = np.cumsum(intervals)
+    time = (stamps - stamps[-1]) * 1e-7
+    half = max(len(intervals) // 2, 3)
+    values = np.where(np.arange(len(time)) < half, parabola(time), 1e9)
+    estimator = fed(LocalPolynomial(len(intervals), 2), stamps, values[:, np.newaxis])
+    exact = parabola.deriv(order)(0.5 * (time[0] + time[half - 1])) * 100.0**order
+    size = np.abs(parabola(time)).max() + 1.0
+    assert estimator.earlier(order) == pytest.approx(exact, abs=1e-6 * size * 1e3**order, rel=1e-6)

@@ -82,6 +82,7 @@ class LocalPolynomial:
         self._interval = 0
         self._equal_intervals = 0
         self._weights: dict[tuple[int, float], list[float]] = {}
+        self._earlier_weights: dict[int, list[float]] = {}
         self.ready = False
         """Whether the window is full."""
         self.span = 0.0
@@ -108,6 +109,7 @@ class LocalPolynomial:
         if self._equal_intervals < self._window or not self.ready:
             self._count += 1
             self._weights.clear()
+            self._earlier_weights.clear()
             self.ready = self._count >= self._window
             self.span = (stamp - self._stamps[self._next]) * NANOSECOND if self.ready else 0.0
 
@@ -124,6 +126,28 @@ class LocalPolynomial:
             stamps = np.array(self._stamps[self._next :] + self._stamps[: self._next])
             offsets = (stamps - stamps[-1]) * NANOSECOND
             weights = self._weights[order, delay] = polynomial_weights(offsets, self._degree, order, delay).tolist()
+        return self._weighted(weights, signal)
+
+    def earlier(self, order: int, signal: int = 0) -> float:
+        """Derivative of a signal at the centre of the older half of the window, by the samples of that half alone.
+
+        The half has one sample more than the degree at least, so that of a short window it is more than half.
+
+        Raises:
+            ValueError: the window is not full, or order is not in 0..degree.
+        """
+        if not self.ready:
+            raise ValueError(f"window is not full: {self._count} of {self._window} samples")
+        weights = self._earlier_weights.get(order)
+        if weights is None:
+            stamps = np.array(self._stamps[self._next :] + self._stamps[: self._next])
+            stamps = stamps[: max(self._window // 2, self._degree + 1)]
+            offsets = (stamps - stamps[-1]) * NANOSECOND
+            weights = polynomial_weights(offsets, self._degree, order, -0.5 * float(offsets[0])).tolist()
+            self._earlier_weights[order] = weights
+        return self._weighted(weights, signal)
+
+    def _weighted(self, weights: list[float], signal: int) -> float:
         values = self._values[signal]
         place = self._next
         total = 0.0

@@ -43,7 +43,7 @@ def processors(alone: Vehicle, parameters: Parameters) -> list[Processor]:
     wheel = alone.wheels[0].name
     return [
         CarProcessor(alone, SHIPPED_SLIP["wheel_slip"].parameters),
-        SlopeProcessor(wheel, alone, slope, votes=True),
+        SlopeProcessor(wheel, alone, slope, estimates=False),
         *curve_processors(SHIPPED_CURVE["friction_curve_id"].parameters, alone),
         SupervisorProcessor(wheel, alone, supervisor),
     ]

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from friction_msgs.msg import FrictionSlope
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from corner_sim.car.ordinary_driving import OrdinaryDriver
@@ -51,7 +52,8 @@ def make_slope_drive(drive: Drive) -> SlopeDrive:
                     for name, each in given:
                         if name in slope.sensors or name in slope.estimates:
                             for _, answer in slope.process(name, each):
-                                signs[method][wheel].append((answer.sign < 0, answer.sign < 0 and answer.valid))
+                                if isinstance(answer, FrictionSlope):
+                                    signs[method][wheel].append((answer.sign < 0, answer.sign < 0 and answer.valid))
     lasting: dict[str, int] = {}
     lasting_valid: dict[str, int] = {}
     beyond: dict[str, float] = {}

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from friction_msgs.msg import FrictionSlope
 from numpy.typing import NDArray
 
 from friction_evaluation.protocol import ACCELERATION_STDDEV, CAR, WHEEL
@@ -95,7 +96,8 @@ def detections(
                 for name, given in inputs:
                     if name in slope.sensors or name in slope.estimates:
                         for _, answer in slope.process(name, given):
-                            answers[method].append((answer.sign, answer.slip_at_crossing, answer.delay))
+                            if isinstance(answer, FrictionSlope):
+                                answers[method].append((answer.sign, answer.slip_at_crossing, answer.delay))
     return {method: _detection(np.array(each), time) for method, each in answers.items()}
 
 
