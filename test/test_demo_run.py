@@ -21,8 +21,8 @@ from std_msgs.msg import Header
 from dds_client import PATIENCE
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.message_bag import write_bag
+from friction_bags.drive_page.recorded_run import RecordedRun, read_run
 from friction_bringup.__main__ import main
-from friction_bringup.recorded_run import RecordedRun, read_run
 from friction_runtime.shipped_files import shipped_file
 from friction_runtime.stamps import from_nanoseconds
 

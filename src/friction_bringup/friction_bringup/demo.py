@@ -15,12 +15,12 @@ from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.live import Live
 
+from friction_bags.drive_page.recorded_run import read_run
 from friction_bringup import graph
 from friction_bringup.demo_graph import DemoError, DemoGraph, DemoOptions
 from friction_bringup.live_view import LiveView
 from friction_bringup.plots import write_plots
 from friction_bringup.processes import AT_ONCE
-from friction_bringup.recorded_run import read_run
 from friction_bringup.summary import print_summary
 from friction_runtime.machine_load import slowdown
 from friction_runtime.spin import stop_on_signals, take_down

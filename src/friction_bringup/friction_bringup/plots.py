@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from friction_bags.drive_page.recorded_run import Array, RecordedRun, Series
 from friction_bringup.braking_metrics import best_speed
 from friction_bringup.graph import VEHICLE
-from friction_bringup.recorded_run import Array, RecordedRun, Series
 from friction_bringup.summary import braking_of
 
 ESTIMATE, TRUTH, PEAK, DEMAND, IDENTIFIED = "tab:blue", "black", "tab:red", "tab:orange", "tab:purple"

@@ -8,16 +8,15 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from friction_bags.drive_page.recorded_run import CrossingEvent, RecordedRun
 from friction_bringup.braking_metrics import (
     Braking,
-    CrossingEvent,
     JudgedCrossing,
     judge_crossings,
     measure_braking,
     release_times,
 )
 from friction_bringup.graph import VEHICLE
-from friction_bringup.recorded_run import RecordedRun
 
 _SHOWN_CROSSINGS = 16
 _SHOWN_REASONS = 3
