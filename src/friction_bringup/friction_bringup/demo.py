@@ -15,6 +15,7 @@ from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.live import Live
 
+from friction_bags.drive_page.page import write_page
 from friction_bags.drive_page.recorded_run import read_run
 from friction_bringup import graph
 from friction_bringup.demo_graph import DemoError, DemoGraph, DemoOptions
@@ -151,4 +152,7 @@ def _report(console: Console, demo: DemoGraph, directory: Path, what: str) -> No
     print_summary(console, run)
     for path in write_plots(run, directory, what):
         console.print(f"plot  {path}", soft_wrap=True)
+    page = directory / "page.html"
+    write_page(run, page, directory.name)
+    console.print(f"page  {page}", soft_wrap=True)
     console.print(f"bag   {demo.bag}", soft_wrap=True)

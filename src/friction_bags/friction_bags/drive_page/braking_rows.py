@@ -7,8 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_bags.drive_page.brakings import all_brakings
-from friction_bags.drive_page.drive_series import vehicle_speed
-from friction_bags.drive_page.recorded_run import VEHICLE, RecordedRun
+from friction_bags.drive_page.drive_series import fits_of, vehicle_speed
+from friction_bags.drive_page.recorded_run import RecordedRun
+
+SLIP_COUNTS_ABOVE = 5.0
+"""Speed [m/s] above which slips count for the largest one: below it, every wheel that stops locks."""
 
 
 @dataclass(frozen=True)
@@ -16,7 +19,7 @@ class Peak:
     """An identified slip at the peak."""
 
     of: str
-    """Wheel or VEHICLE."""
+    """Wheel, wheels or vehicle."""
     lambda_max: float
     """[-]"""
     stddev: float
@@ -32,7 +35,7 @@ class BrakingRow:
     from_speed: float
     to_speed: float
     largest_slip: float
-    """Largest valid slip of any wheel [-]; NaN where none was valid."""
+    """Largest valid slip of any wheel above 5 m/s [-]; NaN where none was valid."""
     slip_of: str
     """Wheel with the largest slip."""
     peaks: tuple[Peak, ...]
@@ -62,18 +65,18 @@ def _largest_slip(run: RecordedRun, start: float, end: float) -> tuple[float, st
     for wheel in run.wheels:
         if (slip := run.get(f"{wheel}/slip")) is not None:
             inside = slice(*np.searchsorted(slip.time, (start, end), side="left"))
-            valid = slip["slip"][inside][slip["valid"][inside] > 0.0]
-            found += [(float(np.max(valid)), wheel)] if valid.size else []
+            counts = (slip["valid"][inside] > 0.0) & (slip["vehicle_speed"][inside] > SLIP_COUNTS_ABOVE)
+            values = slip["slip"][inside][counts]
+            found += [(float(np.max(values)), wheel)] if values.size else []
     return max(found[1:], default=found[0])
 
 
 def _peaks(run: RecordedRun, start: float, end: float) -> tuple[Peak, ...]:
     found = []
-    for of in (*run.wheels, VEHICLE):
-        if (curve := run.get(f"{of}/friction_curve")) is not None:
-            begin, stop = np.searchsorted(curve.time, (start, end), side="left")
-            valid = begin + np.flatnonzero(curve["valid"][begin:stop] > 0.0)
-            if valid.size:
-                last = valid[-1]
-                found.append(Peak(of, float(curve["lambda_max"][last]), float(curve["lambda_max_stddev"][last])))
+    for fit in fits_of(run, ""):
+        begin, stop = np.searchsorted(fit.curve.time, (start, end), side="left")
+        valid = begin + np.flatnonzero(fit.curve["valid"][begin:stop] > 0.0)
+        if valid.size:
+            values = (float(fit.curve[name][valid[-1]]) for name in ("lambda_max", "lambda_max_stddev"))
+            found.append(Peak(fit.label, *values))
     return tuple(found)

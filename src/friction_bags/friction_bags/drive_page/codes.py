@@ -30,7 +30,7 @@ def signs(slope: Series) -> Array:
 
 
 def verdicts(supervisor: Series) -> Array:
-    """Return the key of ENVELOPE at every sample of an abs_supervisor: the cap in force, else what the evidence says."""
+    """Return the key of ENVELOPE at every sample of an abs_supervisor: the cap in force, else the evidence."""
     release = supervisor["release"]
     asked = np.where(release == SupervisorState.RELEASE_REFUSED, 2.0, 1.0)
     judged = np.where(release == SupervisorState.RELEASE_NOT_WANTED, 0.0, asked)

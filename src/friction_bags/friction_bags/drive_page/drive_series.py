@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_bags.drive_page.codes import COMMANDS, ENVELOPE, LAWS, SIGNS, STATES, signs, verdicts
 from friction_bags.drive_page.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
@@ -55,7 +56,9 @@ class Strip:
 class Curves:
     """Friction curves of a wheel or the vehicle, each in force from its time on."""
 
+    label: str
     of: str
+    """Wheel or VEHICLE."""
     kind: str
     """estimate or truth."""
     time: Array
@@ -71,8 +74,7 @@ def lines_of(run: RecordedRun) -> Iterator[Line]:
         yield from _slips(run, wheel)
         yield from _brake(run, wheel)
         yield from _forces(run, wheel)
-    for of in (*run.wheels, VEHICLE):
-        yield from _peaks(run, of)
+    yield from _peaks(run)
     yield from _demands(run)
 
 
@@ -99,14 +101,42 @@ def strips_of(run: RecordedRun) -> Iterator[Strip]:
 
 def curves_of(run: RecordedRun) -> Iterator[Curves]:
     """Yield the valid friction curves of each wheel and the vehicle, then the true ones where they change."""
-    for of in (*run.wheels, VEHICLE):
-        if (curve := run.get(f"{of}/friction_curve")) is not None and np.any(valid := curve["valid"] > 0.0):
-            yield _curves(of, "estimate", curve, valid)
-    for wheel in run.wheels:
-        if (curve := run.get(f"truth/{wheel}/friction_curve")) is not None:
-            theta = np.stack([curve[f"theta_{i}"] for i in (1, 2, 3)], axis=1)
-            changed = np.any(np.diff(theta, axis=0, prepend=np.nan) != 0.0, axis=1)
-            yield _curves(wheel, "truth", curve, changed)
+    for fit in fits_of(run, ""):
+        if np.any(valid := fit.curve["valid"] > 0.0):
+            yield _curves(fit, "estimate", valid)
+    for fit in fits_of(run, "truth/"):
+        theta = np.stack([fit.curve[f"theta_{i}"] for i in (1, 2, 3)], axis=1)
+        yield _curves(fit, "truth", np.any(np.diff(theta, axis=0, prepend=np.nan) != 0.0, axis=1))
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Friction curves of a wheel or the vehicle over time."""
+
+    label: str
+    of: str
+    """Wheel or VEHICLE."""
+    topic: str
+    curve: Series
+
+
+def fits_of(run: RecordedRun, start: str) -> list[Fit]:
+    """Return the friction curves of topics that begin with `start`; of wheels that have the same ones, a single one."""
+    topics = {of: f"{start}{of}/friction_curve" for of in (*run.wheels, VEHICLE)}
+    fits = [Fit(of, of, topic, curve) for of, topic in topics.items() if (curve := run.get(topic)) is not None]
+    wheels = [fit for fit in fits if fit.of != VEHICLE]
+    if len(wheels) > 1 and all(_same(wheels[0].curve, fit.curve) for fit in wheels[1:]):
+        return [Fit("all wheels", VEHICLE, wheels[0].topic, wheels[0].curve), *fits[len(wheels) :]]
+    return fits
+
+
+def _same(one: Series, other: Series) -> bool:
+    """Whether two friction curves, where valid, are equal at all times."""
+    if not np.array_equal(one.time, other.time) or not np.array_equal(one["valid"], other["valid"]):
+        return False
+    valid = one["valid"] > 0.0
+    names = ("lambda_max", "mu_max", "lambda_max_stddev", "mu_max_stddev")
+    return all(np.array_equal(one[name][valid], other[name][valid], equal_nan=True) for name in names)
 
 
 def vehicle_speed(run: RecordedRun) -> tuple[Array, Array] | None:
@@ -145,7 +175,7 @@ def _speeds(run: RecordedRun) -> Iterator[Line]:
 
 def _circumference(slip: Series) -> Array:
     """Return the speed of a wheel's circumference [m/s], by the radius that the valid slips were made with."""
-    rolling = (slip["valid"] > 0.0) & (slip["wheel_speed"] > 0.0)
+    rolling = (slip["valid"] > 0.0) & (slip["wheel_speed"] > 0.0) & np.isfinite(slip["slip"])
     if not np.any(rolling):
         return np.full(slip.time.shape, np.nan)
     circumference = slip["vehicle_speed"][rolling] * (1.0 - slip["slip"][rolling])
@@ -163,13 +193,12 @@ def _slips(run: RecordedRun, wheel: str) -> Iterator[Line]:
         yield Line("slip", f"{wheel}, true", wheel, "truth", f"truth/{wheel}/slip", truth.time, truth["slip"])
 
 
-def _peaks(run: RecordedRun, of: str) -> Iterator[Line]:
+def _peaks(run: RecordedRun) -> Iterator[Line]:
     for panel in ("lambda_max", "mu_max"):
-        if (curve := run.get(f"{of}/friction_curve")) is not None:
-            yield _banded(panel, of, of, "estimate", f"{of}/friction_curve", curve, panel, 1.0)
-        if (truth := run.get(f"truth/{of}/friction_curve")) is not None:
-            topic = f"truth/{of}/friction_curve"
-            yield Line(panel, f"{of}, true", of, "truth", topic, truth.time, truth[panel])
+        for fit in fits_of(run, ""):
+            yield _banded(panel, fit.label, fit.of, "estimate", fit.topic, fit.curve, panel, 1.0)
+        for fit in fits_of(run, "truth/"):
+            yield Line(panel, f"{fit.label}, true", fit.of, "truth", fit.topic, fit.curve.time, fit.curve[panel])
 
 
 def _brake(run: RecordedRun, wheel: str) -> Iterator[Line]:
@@ -214,6 +243,6 @@ def _validities(run: RecordedRun) -> Iterator[Strip]:
         yield Strip("validity", name, of or VEHICLE, series.time, series[WHY], meanings)
 
 
-def _curves(of: str, kind: str, curve: Series, rows: np.ndarray) -> Curves:
+def _curves(fit: Fit, kind: str, rows: NDArray[np.bool_]) -> Curves:
     names = ("theta_1", "theta_2", "theta_3", "lambda_max", "mu_max", "lambda_max_stddev", "mu_max_stddev")
-    return Curves(of, kind, curve.time[rows], {name: curve[name][rows] for name in names})
+    return Curves(fit.label, fit.of, kind, fit.curve.time[rows], {name: fit.curve[name][rows] for name in names})

@@ -29,6 +29,7 @@ def write_page(run: RecordedRun, out: Path, title: str, remarks: Sequence[str] =
         OSError: it cannot be written.
     """
     refuse_existing(out)
+    out.parent.mkdir(parents=True, exist_ok=True)
     # A name of a file may hold bytes that are no text.
     out.write_text(html_page(page_data(run, title, remarks)), encoding="utf-8", errors="replace")
 

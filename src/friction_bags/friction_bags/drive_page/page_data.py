@@ -65,7 +65,7 @@ class Panel:
     axis: str
     """Quantity with its unit, for lines."""
     holds: str
-    """Topics that it shows."""
+    """What it shows, by its topics."""
     digits: int = 0
     """Decimals of the values, for lines."""
 
@@ -82,11 +82,12 @@ PANELS = (
     Panel("torque", "Brake torque", "torque [N m]", "abs_supervisor", 1),
     Panel("fx", "Longitudinal force of each tyre", "Fx, forward [kN]", "tyre_force", 3),
     Panel("fz", "Vertical force of each tyre", "Fz [kN]", "tyre_force", 3),
-    Panel("validity", "Validity of the estimates, and the reasons", "", "friction_msgs with `valid`"),
+    Panel("validity", "Validity of the estimates, and the reasons", "", "estimate"),
 )
 """In the order of the page."""
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what is no number, or absurd, becomes a gap
 def page_data(run: RecordedRun, title: str, remarks: Sequence[str] = ()) -> dict[str, Any]:
     """Return what the page shows of a run, as JSON holds it.
 
@@ -97,7 +98,7 @@ def page_data(run: RecordedRun, title: str, remarks: Sequence[str] = ()) -> dict
     """
     brakings = braking_rows(run)
     lines, strips, curves = list(lines_of(run)), list(strips_of(run)), list(curves_of(run))
-    times = [each.time for each in (*lines, *strips, *curves) if each.time.size]
+    times = [series.time for series in run.series.values()]
     start, end = (min(t[0] for t in times), max(t[-1] for t in times)) if times else (0.0, 0.0)
     thin = _Thinning(bucket_edges(start, end, [(row.start, row.end) for row in brakings], _COARSE, _FINE))
     drawn = [line for line in lines if np.any(np.isfinite(line.values))]
@@ -169,7 +170,12 @@ class _Thinning:
         rows = np.arange(curves.time.size)
         if rows.size > _COARSE + _FINE:
             rows = last_of_buckets(curves.time, self._edges)
-        made: dict[str, Any] = {"of": curves.of, "kind": curves.kind, "t": self._time(curves.time[rows])}
+        made: dict[str, Any] = {
+            "label": _short(curves.label),
+            "of": curves.of,
+            "kind": curves.kind,
+            "t": self._time(curves.time[rows]),
+        }
         for name, digits in _CURVE_DIGITS.items():
             made[name] = {"unit": 10**digits, "v": _whole(_scaled(curves.columns[name][rows], digits))}
         return made
@@ -188,16 +194,19 @@ class _Meanings:
     """What the codes of strips stand for, each with a tone of the page's colours."""
 
     def __init__(self, strips: Sequence[Strip]) -> None:
-        """Give the most frequent reasons tones of their own."""
-        frequency: Counter[str] = Counter()
+        """Give the most frequent reasons of each estimate tones of their own."""
         self._text_of_kind: dict[str, str] = {}
+        counted: dict[str, Counter[str]] = {}
         for strip in strips:
             if strip.panel == "validity":
                 codes, counts = np.unique(strip.codes, return_counts=True)
-                for code, count in zip(codes, counts, strict=True):
-                    frequency[self._reason(strip, int(code))] += int(count)
-        del frequency["valid"]
-        self._rank = {text: number for number, (text, _) in enumerate(frequency.most_common())}
+                for code, count in zip(codes[codes > 0.0], counts[codes > 0.0], strict=True):
+                    counted.setdefault(strip.group, Counter())[self._text(strip, int(code))] += int(count)
+        self._rank = {
+            (group, text): rank
+            for group, frequency in counted.items()
+            for rank, (text, _) in enumerate(frequency.most_common())
+        }
         self._numbers: dict[tuple[str, str], int] = {}
         self.listed: list[dict[str, str]] = []
 
@@ -205,22 +214,23 @@ class _Meanings:
         """Return the number of a code's meaning in `listed`; None for a code that means nothing."""
         if not isfinite(code) or int(code) not in strip.meanings:
             return None
-        text = strip.meanings[int(code)] if strip.panel != "validity" else self._reason(strip, int(code))
-        key = (strip.panel if strip.panel == "validity" else strip.group, text)
+        key = strip.group, self._text(strip, int(code))
         if key not in self._numbers:
             self._numbers[key] = len(self.listed)
-            self.listed.append({"text": _short(text), "tone": self._tone(strip, text)})
+            self.listed.append(
+                {"group": _short(strip.group), "text": _short(key[1]), "tone": self._tone(strip, key[1])}
+            )
         return self._numbers[key]
 
-    def _reason(self, strip: Strip, code: int) -> str:
-        """Return a reason; one text for all that differ in numbers only."""
+    def _text(self, strip: Strip, code: int) -> str:
+        """Return a meaning; of reasons one text for all that differ in numbers only."""
         text = strip.meanings[code]
-        return self._text_of_kind.setdefault(report_kind(text), text)
+        return self._text_of_kind.setdefault(report_kind(text), text) if strip.panel == "validity" else text
 
     def _tone(self, strip: Strip, text: str) -> str:
         if strip.panel != "validity":
             return _STATE_TONES.get(text.partition(",")[0]) or _TONES.get(text, "none")
-        rank = self._rank.get(text, -1)
+        rank = self._rank.get((strip.group, text), -1)
         return "good" if rank < 0 else f"reason{rank}" if rank < _REASON_TONES else "none"
 
 
@@ -230,6 +240,8 @@ def _broken_at_gaps(time: Array, columns: Array) -> tuple[Array, Array]:
     if steps.size == 0:
         return time, columns
     gaps = np.flatnonzero(steps > max(_LONGEST_STEP, _USUAL_STEPS * float(np.median(steps)))) + 1
+    if gaps.size == 0:
+        return time, columns
     after = np.nextafter(time[gaps - 1], np.inf)
     return np.insert(time, gaps, after), np.insert(columns, gaps, np.nan, axis=0)
 
@@ -267,8 +279,8 @@ def _panel(panel: Panel, run: RecordedRun, lines: Sequence[Line], drawn: Sequenc
 def _absent(panel: Panel, run: RecordedRun, lines: Sequence[Line]) -> str:
     for line in lines:
         if line.panel == panel.key:
-            return _short(f"{panel.title}: {_why_empty(run, line)}")
-    return f"{panel.title}: the bag holds no message of {panel.holds}"
+            return _short(f"{panel.title} ({_why_empty(run, line)})")
+    return f"{panel.title} (no {panel.holds})"
 
 
 def _why_empty(run: RecordedRun, line: Line) -> str:

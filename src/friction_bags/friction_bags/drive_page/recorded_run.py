@@ -84,7 +84,7 @@ class Series:
     """Time since the start of the run [s]."""
     columns: Mapping[str, Array]
     reasons: Counter[str] = field(default_factory=Counter)
-    """How often each reason was given where the message was not valid, in the order of WHY: the first text of its kind."""
+    """How often each reason was given where a message was not valid: the first text of its kind, in WHY's order."""
 
     def __getitem__(self, column: str) -> Array:
         """Return a field over time."""
@@ -108,7 +108,7 @@ class RecordedRun:
     problems: tuple[str, ...] = ()
     """What could not be read."""
     not_read: tuple[str, ...] = ()
-    """Topics of the bag that are not among the series."""
+    """Topics of the bag that are not among the series; those without a message say so."""
 
     def get(self, topic: str) -> Series | None:
         """Return the series of a topic, None where the bag has no message of it."""
@@ -217,9 +217,14 @@ def read_run(
         refused = [
             f"{named[t]}: {rows.refused} messages cannot be decoded" for t, rows in wanted.items() if rows.refused
         ]
-        not_read = tuple(sorted(topic.name for topic in reader.counts if topic not in wanted))
+        silent = {topic for topic, rows in wanted.items() if not rows.stamps().size}
+        not_read = tuple(
+            f"{topic.name} (no message)" if topic in silent else topic.name
+            for topic in sorted(reader.counts, key=attrgetter("name"))
+            if topic in silent or topic not in wanted
+        )
         problems = (*reader.problems, *refused)
-        notes = reader.custom_data
+        notes, counts = reader.custom_data, reader.counts
     latest = max(int(rows.stamps().max()) for rows in read.values())
     kept = {name: (rows.stamps() != 0) | (latest < _UNSET) for name, rows in read.items()}
     unset = tuple(
@@ -231,7 +236,7 @@ def read_run(
     series = {name: rows.series(start, kept[name]) for name, rows in read.items() if kept[name].any()}
     samples = series.pop(_SAMPLES).time if _SAMPLES in series else np.empty(0)
     if wheels is None:
-        wheels = sorted(_wheels_of(named))
+        wheels = sorted(_wheels_of({topic: name for topic, name in named.items() if counts[topic]}))
     return RecordedRun(tuple(wheels), start, series, samples, notes, (*problems, *unset), not_read)
 
 

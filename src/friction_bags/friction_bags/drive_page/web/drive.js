@@ -4,7 +4,8 @@
   const drive = JSON.parse(document.getElementById("drive").textContent);
   const [begin, end] = drive.span;
   const full = end > begin ? [begin, end] : [begin - 0.5, begin + 0.5];
-  const state = { shown: full, picked: full[1], hidden: new Set(), truth: true };
+  const last = drive.brakings[drive.brakings.length - 1];
+  const state = { shown: full, picked: last ? (last.start + last.end) / 2 : full[1], hidden: new Set(), truth: true };
   const plots = [];
   let theme = {};
 
@@ -34,6 +35,11 @@
     let ticks = 0;
     return steps.map((step) => (ticks += step) / 1e4);
   });
+  const KINDS = ["sensor", "estimate", "points", "aim", "demand", "truth"];
+  const MOST_DOTS = 3000;  // more of them hide each other and take seconds to draw
+  const DASHES = { truth: [6, 3], aim: [2, 3], demand: [9, 3, 2, 3] };
+  const DASH_TEXTS = { truth: "dashed: true", aim: "dotted: set-point of the law", demand: "dash-dotted: driver's demand" };
+
   const decoded = (values, unit) => values.map((value) => (value === null ? null : value / unit));
   const number = (value, digits) => (value === null || value === undefined ? "–" : value.toFixed(digits));
   const colour = (name) => theme[name];
@@ -80,7 +86,9 @@
 
   // --- plots over time -------------------------------------------------------------------------------------------------
 
-  const gutter = () => (innerWidth < 600 ? 56 : 84);
+  const onPaper = () => document.documentElement.classList.contains("paper");
+  const plotHeight = () => (onPaper() ? 200 : innerWidth < 600 ? 220 : 250);
+  const gutter = () => (innerWidth < 600 && !onPaper() ? 70 : 84);
 
   function axis(more) {
     const grid = { stroke: colour("rule"), width: 1 };
@@ -125,52 +133,61 @@
     show(from, to);
   };
 
-  function seriesOf(line, digits) {
-    const dashes = { truth: [6, 3], aim: [2, 3], demand: [9, 3, 2, 3], sensor: [] };
-    const stroke = colour(line.kind === "truth" && line.of === "vehicle" ? "ink" : colourName(line.of));
-    const points = line.kind === "points";
+  /** How a line is drawn; on paper and small screens the legend leaves out what is dashed beside `main` lines. */
+  function seriesOf(line, digits, main) {
+    const points = line.kind === "points", noisy = line.kind === "sensor" && line.of === "vehicle";
+    const stroke = colour(noisy ? "soft" : colourName(line.of));
     return {
-      label: line.label, stroke, show: visible(line), dash: dashes[line.kind],
-      width: points ? 0 : line.kind === "truth" ? 1 : 1.5,
-      points: points ? { show: true, size: 5, fill: stroke } : { show: false },
+      label: line.label, stroke, show: visible(line), dash: DASHES[line.kind], class: DASHES[line.kind] && line.kind !== main ? "more" : undefined,
+      width: points || noisy ? 0.5 : line.kind === "truth" ? 1 : 1.5,
+      points: points ? { show: (_, __, from, to) => to - from < MOST_DOTS, size: 5, fill: stroke } : { show: false },
       value: (_, value) => number(value, digits),
     };
   }
 
-  function linePanel(panel, box, width) {
-    const lines = drive.lines.filter((line) => line.panel === panel.key);
-    const digits = Math.round(Math.log10(lines[0].unit));
-    const tables = new Map(), series = [{ label: "t [s]", value: (_, t) => number(t, 3) }], bands = [], shownBy = [null];
+  /** The lines of a panel with their values on one time axis, bands behind the line they belong to. */
+  function joinedColumns(lines) {
+    const tables = new Map();
     for (const line of lines) {
-      if (!tables.has(line.t)) tables.set(line.t, { columns: [times[line.t]], lines: [] });
-      tables.get(line.t).lines.push(line);
-    }
-    for (const table of tables.values()) {
-      for (const line of table.lines) {
-        table.columns.push(decoded(line.v, line.unit));
-        series.push(seriesOf(line, digits));
-        shownBy.push(line);
-        if (!line.band) continue;
-        for (const edge of line.band) {
-          table.columns.push(decoded(edge, line.unit));
-          series.push({ ...seriesOf(line, digits), width: 0, points: { show: false }, class: "edge", label: "" });
-          shownBy.push(line);
-        }
-        bands.push({ series: [series.length - 1, series.length - 2], fill: `${colour(colourName(line.of))}38` });
+      if (!tables.has(line.t)) tables.set(line.t, { columns: [times[line.t]], owners: [] });
+      const table = tables.get(line.t);
+      for (const values of [line.v, ...(line.band ?? [])]) {
+        table.columns.push(decoded(values, line.unit));
+        table.owners.push(line);
       }
     }
-    const joined = [...tables.values()].map((table) => table.columns);
-    const data = joined.length > 1 ? uPlot.join(joined) : joined[0];
+    const parts = [...tables.values()];
+    const data = parts.length > 1 ? uPlot.join(parts.map((part) => part.columns)) : parts[0].columns;
+    const columns = parts.flatMap((part) => part.owners).map((line, i) => ({ line, values: data[i + 1] }));
+    columns.sort((a, b) => lines.indexOf(a.line) - lines.indexOf(b.line));
+    return { time: data[0], columns };
+  }
+
+  function linePanel(panel, box, width) {
+    const lines = drive.lines.filter((line) => line.panel === panel.key)
+      .sort((a, b) => KINDS.indexOf(a.kind) - KINDS.indexOf(b.kind));
+    const digits = Math.round(Math.log10(lines[0].unit));
+    const { time, columns } = joinedColumns(lines);
+    const series = [{ label: "t [s]", value: (_, t) => number(t, 3) }], bands = [];
+    columns.forEach(({ line }, i) => {
+      const edge = i > 0 && columns[i - 1].line === line;
+      series.push(edge
+        ? { ...seriesOf(line, digits, null), width: 0, points: { show: false }, class: "edge", label: "" } : seriesOf(line, digits, lines[0].kind));
+      if (edge && columns[i - 2]?.line === line)
+        bands.push({ series: [i + 1, i], fill: `${colour(colourName(line.of))}30` });
+    });
     const axes = [
-      axis({ size: 40, label: "time since the first sample [s]", gap: 2, labelGap: 0 }),
+      axis({ size: 26, label: "time since the first sample [s]", gap: 2, labelGap: 0 }),
       axis({ size: gutter() - 16, label: panel.axis, gap: 2 }),
     ];
-    const y = { range: (_, low, high) => (low === null ? [0, 1] : uPlot.rangeNum(low, high, 0.08, true)) };
-    const options = timeOptions(width, innerWidth < 600 ? 210 : 250, { series, bands, axes, hooks: { setSelect: [zoomBySelection] } });
-    options.scales.y = y;
-    const plot = overTime(new uPlot(options, data, box));
-    plot.onVisible = () => shownBy.forEach((line, i) => {
-      if (line && plot.series[i].show !== visible(line)) plot.setSeries(i, { show: visible(line) });
+    const options = timeOptions(width, plotHeight(), { series, bands, axes, hooks: { setSelect: [zoomBySelection] } });
+    options.scales.y = { range: (_, low, high) => (low === null ? [0, 1] : uPlot.rangeNum(low, high, 0.08, true)) };
+    const plot = overTime(new uPlot(options, [time, ...columns.map((column) => column.values)], box));
+    const dashed = KINDS.filter((kind) => DASH_TEXTS[kind] && lines.some((line) => line.kind === kind));
+    const told = [...dashed.map((kind) => DASH_TEXTS[kind]), ...(bands.length ? ["bands: ± 2 standard deviations"] : [])];
+    if (told.length) add(box, "p", told.join("; "), { class: "remark" });
+    plot.onVisible = () => columns.forEach(({ line }, i) => {
+      if (plot.series[i + 1].show !== visible(line)) plot.setSeries(i + 1, { show: visible(line) });
     });
     return plot;
   }
@@ -192,7 +209,7 @@
       }
     };
     layOut();
-    const height = () => Math.max(rows.length, 1) * ROW + 40;
+    const height = () => Math.max(rows.length, 1) * ROW + 26 + 16;
     const draw = (plot) => drawRows(plot, rows);
     const readout = document.createElement("p");
     readout.className = "readout";
@@ -203,7 +220,7 @@
       readout.textContent = `${time.toFixed(3)} s, ${row.strip.group}, ${row.strip.of}: ${meaningAt(row.strip, time)?.text ?? "no message"}`;
     };
     const axes = [
-      axis({ size: 40, label: "time since the first sample [s]", gap: 2, labelGap: 0 }),
+      axis({ size: 26, label: "time since the first sample [s]", gap: 2, labelGap: 0 }),
       axis({ size: gutter(), values: () => [], grid: { show: false }, ticks: { show: false } }),
     ];
     const options = timeOptions(width, height(), {
@@ -213,16 +230,29 @@
     options.scales.y = { range: () => [0, 1] };
     const plot = overTime(new uPlot(options, [full, [0, 0]], box));
     box.append(readout);
-    const key = add(box, "div", undefined, { class: "key" });
-    const used = new Set(all.flatMap((strip) => strip.c));
-    drive.meanings.forEach((meaning, i) => {
-      if (!used.has(i)) return;
-      const entry = add(key, "span");
-      add(entry, "i").style.background = `var(--${meaning.tone})`;
-      entry.append(meaning.text);
-    });
+    addKeys(box, all);
     plot.onVisible = () => { layOut(); plot.setSize({ width: plot.width, height: height() }); };
     return plot;
+  }
+
+  /** What the colours of each group stand for; groups with the same colours share a line. */
+  function addKeys(box, strips) {
+    const used = new Set(strips.flatMap((strip) => strip.c)), keys = new Map();
+    for (const group of new Set(strips.map((strip) => strip.group))) {
+      const meanings = drive.meanings.filter((meaning, i) => used.has(i) && meaning.group === group)
+        .sort((a, b) => (b.tone === "good") - (a.tone === "good"));
+      const same = meanings.map((meaning) => meaning.text).sort().join();
+      keys.set(same, { groups: [...(keys.get(same)?.groups ?? []), group], meanings });
+    }
+    for (const { groups, meanings } of keys.values()) {
+      const key = add(box, "div", undefined, { class: "key" });
+      add(key, "b", groups.join(", "));
+      for (const meaning of meanings) {
+        const entry = add(key, "span");
+        add(entry, "i").style.background = `var(--${meaning.tone})`;
+        entry.append(meaning.text);
+      }
+    }
   }
 
   function meaningAt(strip, time) {
@@ -235,11 +265,12 @@
     ctx.save();
     ctx.font = theme.font.replace("11px", `${11 * ratio}px`);
     ctx.textBaseline = "middle";
+    ctx.textAlign = "left";
     rows.forEach(({ heading, strip }, i) => {
       const top = bbox.top + i * row, middle = top + row / 2;
       if (heading !== undefined) {
         ctx.fillStyle = colour("ink");
-        ctx.fillText(heading, bbox.left, middle + ratio);
+        ctx.fillText(heading, 2 * ratio, middle + ratio);
         return;
       }
       ctx.fillStyle = colour(colourName(strip.of));
@@ -259,11 +290,14 @@
   function drawStrip(plot, strip, top, height) {
     const { ctx, bbox } = plot, at = times[strip.t], right = bbox.left + bbox.width;
     const first = Math.max(lastNotAfter(at, state.shown[0]), 0);
+    let painted = -1;
     for (let i = first; i < strip.c.length && at[i] <= state.shown[1]; i++) {
       const meaning = drive.meanings[strip.c[i]];
       if (!meaning) continue;
       const from = Math.max(plot.valToPos(at[i], "x", true), bbox.left);
       const to = Math.min(plot.valToPos(at[i + 1], "x", true), right);
+      if (to < painted) continue;  // all of it lies in a pixel that has its colour
+      painted = Math.max(to, from + 1);
       ctx.fillStyle = colour(meaning.tone);
       ctx.fillRect(from, top, Math.max(to - from, 1), height);  // what is shorter than a pixel is still seen
     }
@@ -280,7 +314,7 @@
   function curveAt(curve, time) {
     const i = lastNotAfter(times[curve.t], time);
     if (i < 0) return null;
-    const values = { of: curve.of, kind: curve.kind, age: time - times[curve.t][i] };
+    const values = { label: curve.label, of: curve.of, kind: curve.kind, age: time - times[curve.t][i] };
     for (const name of ["theta_1", "theta_2", "theta_3", "lambda_max", "mu_max", "lambda_max_stddev", "mu_max_stddev"])
       values[name] = valueAt(curve, name, i);
     return values;
@@ -307,6 +341,10 @@
     return i < 0 || line.v[i] === null || time - times[line.t][i] > 0.2 ? null : line.v[i] / line.unit;
   }
 
+  /** Present slips of the wheels that a curve speaks of. */
+  const slipsOn = (c) => (c.of === "vehicle" ? drive.wheels.filter((of) => !state.hidden.has(of)) : [c.of])
+    .map((of) => [of, slipAt(of, state.picked)]).filter(([, slip]) => slip !== null && slip >= 0);
+
   function curvePanel(panel, box, width) {
     const told = add(box, "div", undefined, { class: "key" });
     const slips = Array.from({ length: 201 }, (_, i) => i / 200);
@@ -328,37 +366,38 @@
         ctx.moveTo(x(c.lambda_max), y(c.mu_max - dy)); ctx.lineTo(x(c.lambda_max), y(c.mu_max + dy));
         ctx.stroke();
         ctx.fillRect(x(c.lambda_max) - 3 * ratio, y(c.mu_max) - 3 * ratio, 6 * ratio, 6 * ratio);
-        const slip = slipAt(c.of, state.picked);
-        if (slip === null || c.theta_1 === null || slip < 0) continue;
-        ctx.beginPath();
-        ctx.arc(x(slip), y(burckhardt(c, slip)), 5 * ratio, 0, 7);
-        ctx.fillStyle = colour("page");
-        ctx.fill();
-        ctx.stroke();
+        for (const [of, slip] of c.theta_1 === null ? [] : slipsOn(c)) {
+          ctx.beginPath();
+          ctx.arc(x(slip), y(burckhardt(c, slip)), 5 * ratio, 0, 7);
+          ctx.strokeStyle = colour(colourName(of));
+          ctx.fillStyle = colour("page");
+          ctx.fill();
+          ctx.stroke();
+        }
       }
       ctx.restore();
     };
     const make = () => {
       const series = [{ label: "slip", value: (_, v) => number(v, 3) }], bands = [], data = [];
       const peak = Math.max(0.05, ...found.map((c) => c.lambda_max ?? 0));
-      const reach = Math.min(1, Math.max(3 * peak, ...found.map((c) => slipAt(c.of, state.picked) ?? 0)));
+      const reach = Math.min(1, Math.max(3 * peak, ...found.flatMap(slipsOn).map(([, slip]) => slip)));
       data.push(slips.map((s) => s * reach));
       for (const c of found) {
-        const stroke = colour(c.kind === "truth" ? "ink" : colourName(c.of)), whole = c.theta_1 !== null;
-        const shared = { stroke: c.kind === "truth" ? colour(colourName(c.of)) : stroke, points: { show: false }, value: (_, v) => number(v, 3) };
+        const whole = c.theta_1 !== null;
+        const shared = { stroke: colour(colourName(c.of)), points: { show: false }, value: (_, v) => number(v, 3) };
         data.push(data[0].map((s) => (whole ? burckhardt(c, s) : null)));
-        series.push({ ...shared, label: c.kind === "truth" ? `${c.of}, true` : c.of, dash: c.kind === "truth" ? [6, 3] : [], width: c.kind === "truth" ? 1 : 2 });
+        series.push({ ...shared, label: c.kind === "truth" ? `${c.label}, true` : c.label, dash: c.kind === "truth" ? [6, 3] : [], width: c.kind === "truth" ? 1 : 2 });
         if (c.kind === "truth" || !whole) continue;
         const band = data[0].map((s) => bandAt(c, s));
         data.push(band.map((each) => each[0]), band.map((each) => each[1]));
         for (let i = 0; i < 2; i++) series.push({ ...shared, width: 0, class: "edge", label: "" });
-        bands.push({ series: [series.length - 1, series.length - 2], fill: `${colour(colourName(c.of))}38` });
+        bands.push({ series: [series.length - 1, series.length - 2], fill: `${colour(colourName(c.of))}30` });
       }
       plot?.destroy();
       plot = new uPlot({
-        width: Math.min(box.clientWidth || width, 720), height: innerWidth < 600 ? 240 : 320, series, bands,
+        width: Math.min(box.clientWidth || width, 720), height: plotHeight() + 40, series, bands,
         scales: { x: { time: false, range: (_, low, high) => [low, high] }, y: { range: (_, low, high) => [Math.min(0, low), (high || 1) * 1.06] } },
-        axes: [axis({ size: 40, label: "slip λ [-]", gap: 2, labelGap: 0 }), axis({ size: gutter() - 16, label: "friction µ [-]", gap: 2 })],
+        axes: [axis({ size: 26, label: "slip λ [-]", gap: 2, labelGap: 0 }), axis({ size: gutter() - 16, label: "friction µ [-]", gap: 2 })],
         cursor: { drag: { x: false, y: false } }, hooks: { draw: [crosses] },
       }, data, box);
     };
@@ -377,7 +416,7 @@
     const value = (name, digits) => `${number(c[name], digits)}${c[`${name}_stddev`] === null ? "" : ` ± ${number(2 * c[`${name}_stddev`], digits)}`}`;
     const age = c.age > 0.05 ? `, valid until ${c.age.toFixed(1)} s before` : "";
     const shape = c.theta_1 === null ? "; the method fits no curve of Burckhardt's form" : "";
-    return `${c.of}: λ_max ${value("lambda_max", 3)}, µ_max ${value("mu_max", 2)} (± 2 σ)${age}${shape}`;
+    return `${c.label}: λ_max ${value("lambda_max", 3)}, µ_max ${value("mu_max", 2)} (± 2 σ)${age}${shape}`;
   }
 
   // --- the page --------------------------------------------------------------------------------------------------------
@@ -405,7 +444,8 @@
 
   function headings(table, texts) {
     const row = add(add(table, "thead"), "tr");
-    for (const [text, kind] of texts) add(row, "th", text, kind ? { class: kind, scope: "col" } : { scope: "col" });
+    for (const [text, unit, kind] of texts)
+      add(add(row, "th", text, kind ? { class: kind, scope: "col" } : { scope: "col" }), "small", unit);
     return add(table, "tbody");
   }
 
@@ -415,14 +455,14 @@
       find("#brakings .hint").textContent = "No braking: the car's speed is not known, or it never decelerates by more than 1 m/s².";
       return;
     }
-    const body = headings(table, [["start [s]"], ["duration [s]"], ["from [m/s]"], ["to [m/s]"],
-      ["mean deceleration [m/s²]"], ["largest slip [-]"], ["λ_max at its end ± σ [-]", "text"]]);
+    const body = headings(table, [["start", "[s]"], ["duration", "[s]"], ["from", "[m/s]"], ["to", "[m/s]"],
+      ["mean deceleration", "[m/s²]"], ["largest slip", "above 5 m/s [-]"], ["λ_max at its end", "± σ [-]", "long"]]);
     for (const b of drive.brakings) {
       const row = add(body, "tr", undefined, { tabindex: "0" });
       for (const [value, digits] of [[b.start, 2], [b.end - b.start, 2], [b.from, 1], [b.to, 1], [b.deceleration, 1]])
         add(row, "td", number(value, digits));
       add(row, "td", b.slip === null ? "–" : `${number(b.slip, 3)} ${b.slip_of}`);
-      add(row, "td", peaksOf(b.peaks), { class: "text" });
+      add(row, "td", peaksOf(b.peaks), { class: "long" });
       const choose = () => {
         chooseRow(row);
         const margin = Math.max(0.3, 0.1 * (b.end - b.start));
@@ -434,24 +474,17 @@
     }
   }
 
-  /** Wheels with the same peak, as of one fit for the whole car, share an entry. */
-  function peaksOf(peaks) {
-    const named = new Map();
-    for (const [of, peak, deviation] of peaks) {
-      const text = `${number(peak, 3)}${deviation === null ? "" : ` ± ${number(deviation, 3)}`}`;
-      named.set(text, [...(named.get(text) ?? []), of]);
-    }
-    return [...named].map(([text, of]) => `${text} ${of.join(", ")}`).join("; ") || "not identified";
-  }
+  const peaksOf = (peaks) => peaks.map(([of, peak, deviation]) =>
+    `${number(peak, 3)}${deviation === null ? "" : ` ± ${number(deviation, 3)}`} ${of}`).join("; ") || "not identified";
 
   function fillTopics() {
-    const body = headings(find("#topics table"), [["topic", "text"], ["messages"], ["valid"], ["why not (most frequent first)", "text"]]);
+    const body = headings(find("#topics table"), [["topic", "", "text"], ["messages", ""], ["valid", ""], ["why not", "most frequent first", "long"]]);
     for (const topic of drive.topics) {
       const row = add(body, "tr");
       add(row, "td", topic.name, { class: "text" });
       add(row, "td", String(topic.messages));
       add(row, "td", topic.valid === null ? "" : `${(100 * topic.valid).toFixed(1)} %`);
-      add(row, "td", topic.reasons.join("; "), { class: "text" });
+      add(row, "td", topic.reasons.join("; "), { class: "long" });
     }
     if (drive.not_drawn.length) find("#not_drawn").textContent = `Not drawn: ${drive.not_drawn.join(", ")}`;
   }
@@ -468,7 +501,7 @@
       });
     };
     for (const of of drive.wheels)
-      toggle(of, colourName(of), () => (state.hidden.delete(of) ? true : (state.hidden.add(of), false)));
+      toggle(of === "vehicle" ? "car" : of, colourName(of), () => (state.hidden.delete(of) ? true : (state.hidden.add(of), false)));
     if (drive.lines.some((line) => line.kind === "truth")) toggle("true values", null, () => (state.truth = !state.truth));
     for (const button of document.querySelectorAll("[data-zoom]"))
       button.addEventListener("click", () => zoom(button.dataset.zoom));
@@ -480,7 +513,7 @@
       if (text) { add(find("#facts"), "dt", name); add(find("#facts"), "dd", text); }
       else add(find("#remarks"), "li", name);
     }
-    for (const text of drive.absent) add(find("#remarks"), "li", text);
+    if (drive.absent.length) add(find("#remarks"), "li", `Not shown: ${drive.absent.join("; ")}`);
     for (const text of drive.problems) add(find("#remarks"), "li", `damaged: ${text}`);
   }
 
@@ -492,11 +525,11 @@
   let width = innerWidth;
   addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; build(); } });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", build);
-  const onPaper = (paper) => {
+  const setPaper = (paper) => {
     document.documentElement.classList.toggle("paper", paper);
     find("#panels").style.width = paper ? "700px" : "";
     build();
   };
-  addEventListener("beforeprint", () => onPaper(true));
-  addEventListener("afterprint", () => onPaper(false));
+  addEventListener("beforeprint", () => setPaper(true));
+  addEventListener("afterprint", () => setPaper(false));
 })();
