@@ -148,8 +148,12 @@ class _Rows:
         self._texts: dict[str, str] = {}
         self._numbers: dict[str, float] = {}
         self._reasons: Counter[str] = Counter()
+        self._without_unset = False
         self.refused = 0
         """Messages that could not be decoded."""
+
+    def __len__(self) -> int:
+        return len(self._stamps)
 
     def take(self, data: bytes) -> None:
         try:
@@ -162,18 +166,34 @@ class _Rows:
         if self._judged:
             self._why.append(0.0 if message.valid else self._number(message.reason_text))
 
+    @property
     def stamps(self) -> NDArray[np.int64]:
-        return np.array(self._stamps, dtype=np.int64)
+        """Stamps [ns] in the order of recording, without those that are left out."""
+        stamps = np.array(self._stamps, dtype=np.int64)
+        return stamps[self._kept(stamps)]
 
-    def series(self, start: int, kept: NDArray[np.bool_]) -> Series:
-        """Return the rows that are kept, in the order of their stamps."""
-        order = np.flatnonzero(kept)
-        order = order[np.argsort(self.stamps()[order], kind="stable")]
-        table = np.array(self._values).reshape(len(self._stamps), len(self._columns))[order]
+    @property
+    def unset(self) -> int:
+        """Messages that are left out, as their stamp was never set."""
+        return len(self._stamps) - self.stamps.size
+
+    def leave_unset_out(self) -> None:
+        """Leave messages with a stamp of zero out."""
+        self._without_unset = True
+
+    def series(self, start: int) -> Series:
+        """Return the rows in the order of their stamps."""
+        stamps = np.array(self._stamps, dtype=np.int64)
+        order = np.flatnonzero(self._kept(stamps))
+        order = order[np.argsort(stamps[order], kind="stable")]
+        table = np.array(self._values).reshape(stamps.size, len(self._columns))[order]
         columns = {column: table[:, i] for i, column in enumerate(self._columns)}
         if self._judged:
             columns[WHY] = np.array(self._why)[order]
-        return Series((self.stamps()[order] - start) / NANOSECONDS, columns, self._reasons)
+        return Series((stamps[order] - start) / NANOSECONDS, columns, self._reasons)
+
+    def _kept(self, stamps: NDArray[np.int64]) -> NDArray[np.bool_]:
+        return (stamps != 0) | (not self._without_unset)
 
     def _number(self, text: str) -> float:
         kind = report_kind(text)
@@ -203,41 +223,40 @@ def read_run(
     """
     with BagReader(bag) as reader:
         named = {topic: topic.name.removeprefix(prefix) for topic in reader.counts if topic.name.startswith(prefix)}
-        wanted = {
-            topic: _Rows(topic) for topic, name in named.items() if topic.type in _COLUMNS or _is_samples(topic, name)
-        }
-        total = max(reader.message_count, 1)
-        for number, (topic, _, data) in enumerate(reader.messages(wanted)):
-            wanted[topic].take(data)
-            if number % _PROGRESS_EVERY == 0:
-                progress(number / total)
-        read = {named[topic]: rows for topic, rows in wanted.items() if rows.stamps().size}
-        if not read:
-            raise BagError(f"{bag} holds no message below {prefix} that can be shown")
-        refused = [
-            f"{named[t]}: {rows.refused} messages cannot be decoded" for t, rows in wanted.items() if rows.refused
-        ]
-        silent = {topic for topic, rows in wanted.items() if not rows.stamps().size}
-        not_read = tuple(
-            f"{topic.name} (no message)" if topic in silent else topic.name
-            for topic in sorted(reader.counts, key=attrgetter("name"))
-            if topic in silent or topic not in wanted
-        )
-        problems = (*reader.problems, *refused)
-        notes, counts = reader.custom_data, reader.counts
-    latest = max(int(rows.stamps().max()) for rows in read.values())
-    kept = {name: (rows.stamps() != 0) | (latest < _UNSET) for name, rows in read.items()}
-    unset = tuple(
-        f"{name}: {np.sum(~each)} messages without a stamp are left out"
-        for name, each in kept.items()
-        if not each.all()
-    )
-    start = _start({name: rows.stamps()[kept[name]] for name, rows in read.items()})
-    series = {name: rows.series(start, kept[name]) for name, rows in read.items() if kept[name].any()}
-    samples = series.pop(_SAMPLES).time if _SAMPLES in series else np.empty(0)
+        rows = _rows_of(reader, named, progress)
+        notes, problems = reader.custom_data, list(reader.problems)
+        others = [_named_other(topic, topic in rows) for topic in reader.counts if topic not in rows or not rows[topic]]
+    if max((int(each.stamps.max(initial=0)) for each in rows.values()), default=0) > _UNSET:
+        for each in rows.values():
+            each.leave_unset_out()
+    for topic, each in rows.items():
+        problems += [f"{named[topic]}: {each.refused} messages cannot be decoded"] if each.refused else []
+        problems += [f"{named[topic]}: {each.unset} messages without a stamp are left out"] if each.unset else []
+    read = {named[topic]: each for topic, each in rows.items() if each.stamps.size}
+    if not read:
+        raise BagError(f"{bag} holds no message below {prefix} that can be shown")
+    start = _start(read)
     if wheels is None:
-        wheels = sorted(_wheels_of({topic: name for topic, name in named.items() if counts[topic]}))
-    return RecordedRun(tuple(wheels), start, series, samples, notes, (*problems, *unset), not_read)
+        wheels = sorted(_wheels_of([topic for topic, each in rows.items() if each], named))
+    rows.clear()
+    series = {name: read.pop(name).series(start) for name in list(read)}  # frees each: an hour of them is gigabytes
+    samples = series.pop(_SAMPLES).time if _SAMPLES in series else np.empty(0)
+    return RecordedRun(tuple(wheels), start, series, samples, notes, tuple(problems), tuple(sorted(others)))
+
+
+def _rows_of(reader: BagReader, named: Mapping[Topic, str], progress: Callable[[float], None]) -> dict[Topic, _Rows]:
+    """Read the topics of which something is shown."""
+    rows = {topic: _Rows(topic) for topic, name in named.items() if topic.type in _COLUMNS or _is_samples(topic, name)}
+    total = max(reader.message_count, 1)
+    for number, (topic, _, data) in enumerate(reader.messages(rows)):
+        rows[topic].take(data)
+        if number % _PROGRESS_EVERY == 0:
+            progress(number / total)
+    return rows
+
+
+def _named_other(topic: Topic, known: bool) -> str:
+    return f"{topic.name} (no message)" if known else topic.name
 
 
 def require_samples(reader: BagReader) -> None:
@@ -259,19 +278,18 @@ def _is_samples(topic: Topic, name: str) -> bool:
     return name == _SAMPLES and topic.type == _SAMPLES_TYPE
 
 
-def _start(stamps: Mapping[str, NDArray[np.int64]]) -> int:
+def _start(read: Mapping[str, _Rows]) -> int:
     """Return the first stamp of wheel_states, in the order of recording, or the least of all where there is none."""
-    samples = stamps.get(_SAMPLES)
-    if samples is not None and samples.size:
-        return int(samples[0])
-    return min(int(each.min()) for each in stamps.values() if each.size)
+    if _SAMPLES in read:
+        return int(read[_SAMPLES].stamps[0])
+    return min(int(rows.stamps.min()) for rows in read.values())
 
 
-def _wheels_of(named: Mapping[Topic, str]) -> set[str]:
+def _wheels_of(topics: Sequence[Topic], named: Mapping[Topic, str]) -> set[str]:
     """Return the wheels that topics name: what stands before the last part of a name."""
     of_wheels = [
-        name.removeprefix("truth/")
-        for topic, name in named.items()
-        if topic.type.startswith("friction_msgs/") or name.endswith("/brake_pressure")
+        named[topic].removeprefix("truth/")
+        for topic in topics
+        if topic.type.startswith("friction_msgs/") or named[topic].endswith("/brake_pressure")
     ]
     return {name.rpartition("/")[0] for name in of_wheels} - {"", VEHICLE}
