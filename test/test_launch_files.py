@@ -11,9 +11,17 @@ import pytest
 import yaml
 from ament_index_python.packages import get_package_share_directory
 
-from friction_bags.offline.estimators import ESTIMATORS, make_processors, read_parameters
+from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, make_processors, read_parameters
 from friction_bringup import graph
-from friction_bringup.node_start import WATCHING, commanding, composed_arguments, node_starts, with_adapter
+from friction_bringup.demo_drive import CALIBRATION, plant_of_demo
+from friction_bringup.node_start import (
+    WATCHING,
+    commanding,
+    composed_arguments,
+    left_to_file,
+    node_starts,
+    with_adapter,
+)
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import NodeName, file_values
 from friction_runtime.processor import silent
@@ -57,6 +65,19 @@ def test_a_signal_map_puts_the_adapter_before_the_estimators(tmp_path: Path) -> 
 def test_shipped_parameter_file_starts_every_node(name: str) -> None:
     starts = node_starts(graph.NODES, WATCHING, str(shipped_file("friction_bringup", name)), CAR)
     assert [start.node for start in starts] == list(graph.NODES)
+
+
+@pytest.mark.parametrize(("section", "theirs"), [("/**/smart_tyre_forces", True), ("/**/wheel_slip", False)])
+def test_calibration_in_the_users_file_is_not_overridden_by_that_of_the_demo(
+    section: str, theirs: bool, tmp_path: Path
+) -> None:
+    calibration = str(graph.plant_calibration())
+    file = write(tmp_path, {section: {"calibration_file": calibration} if theirs else {"deadline": 0.1}})
+    of_demo = plant_of_demo("dry", CAR)
+    decided = left_to_file(of_demo, SMART_TYRE, CALIBRATION, file, "my_car")
+    assert (CALIBRATION in decided[SMART_TYRE]) is not theirs
+    assert decided[graph.PLANT] == of_demo[graph.PLANT]
+    assert left_to_file(of_demo, SMART_TYRE, CALIBRATION, "") == of_demo
 
 
 def test_no_shipped_file_lets_the_supervisor_command() -> None:

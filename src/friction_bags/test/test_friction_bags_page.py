@@ -134,6 +134,17 @@ def test_bag_without_estimates_is_processed_on_the_way(bag: str, tmp_path: Path)
     assert "fz" in held
 
 
+def test_damage_is_said_on_the_page_and_by_the_exit_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "bag").mkdir()
+    (tmp_path / "bag" / "bag.mcap").write_bytes(next((BAGS / "abs_stop").glob("*.mcap")).read_bytes())
+    out = tmp_path / "new" / "page.html"
+    assert main(["report", str(tmp_path / "bag"), "--out", str(out)]) == 1
+    assert "damaged: " in capsys.readouterr().err
+    data = shown(out.read_text())
+    assert any("metadata.yaml" in text for text in data["problems"])
+    assert data["lines"]
+
+
 def test_page_that_exists_is_not_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "page.html"
     out.write_text("mine")
