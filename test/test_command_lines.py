@@ -72,6 +72,18 @@ def bag_lines(directory: Path, given: dict[str, str]) -> Iterator[list[str]]:
             yield ["process", DRY, "--out", out, "--params-file", given[file]]
         yield ["process", DRY, "--out", out, "--vehicle", given[file]]
         yield ["record", "--out", out, "--vehicle", given[file]]
+    for bag in ("not_there", "empty", "not_utf8", "directory", "no_bag"):
+        yield ["report", given[bag], "--out", out]
+    for file in ("not_there", "empty", "not_utf8", "not_yaml", "list", "directory"):
+        yield ["report", DRY, "--out", out, "--vehicle", given[file]]
+        yield ["report", DRY, "--out", out, "--map", given[file]]
+    yield ["report", DRY, "--out", out, "--params-file", given["list"]]
+    yield ["report", DRY, "--out", out, "--namespace", "/nobody"]
+    yield ["report", DRY, "--out", given["list"]]
+    yield ["report", DRY, "--out", given["directory"]]
+    yield ["report", DRY, "--out", given["no_bag"] + "/under_a_file"]
+    yield ["report", DRY]
+    yield ["report"]
     yield ["process", DRY]
     yield ["process", DRY, DRY, "--out", out]
     yield ["process", DRY, "--out", given["no_bag"] + "/under_a_file"]
@@ -175,6 +187,7 @@ def test_a_bag_of_an_odd_type_is_described_and_refused_by_what_needs_it(
     assert bags(["info", bag]) == 0
     for main, line in (
         (bags, ["process", bag, "--out", str(tmp_path / "out"), "--vehicle", "compact_car"]),
+        (bags, ["report", bag, "--out", str(tmp_path / "page.html"), "--vehicle", "compact_car"]),
         (bringup, ["doctor", bag, "--vehicle", "compact_car"]),
         (bringup, ["demo", "--bag", bag, "--out", str(tmp_path / "demo")]),
     ):
@@ -187,6 +200,7 @@ def test_a_message_that_is_cut_off_is_one_line(tmp_path: Path, capsys: pytest.Ca
     bag = odd_bag(tmp_path, "short", "sensor_msgs/msg/JointState", b"\0\1\0\0\1\2")
     out = str(tmp_path / "out")
     assert bags(["process", bag, "--out", out, "--vehicle", "compact_car"]) in (1, 2)
+    assert bags(["report", bag, "--out", str(tmp_path / "page.html"), "--vehicle", "compact_car"]) in (1, 2)
     assert bringup(["doctor", bag, "--vehicle", "compact_car"]) in (1, 2)
     assert "Traceback" not in capsys.readouterr().err
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +11,22 @@ import pytest
 import yaml
 from ament_index_python.packages import get_package_share_directory
 
-from friction_bags.offline.estimators import ESTIMATORS
+from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, make_processors, read_parameters
 from friction_bringup import graph
-from friction_bringup.node_start import WATCHING, commanding, composed_arguments, node_starts, with_adapter
+from friction_bringup.demo_drive import CALIBRATION, plant_of_demo
+from friction_bringup.node_start import (
+    WATCHING,
+    commanding,
+    composed_arguments,
+    left_to_file,
+    node_starts,
+    with_adapter,
+)
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import NodeName, file_values
+from friction_runtime.processor import silent
 from friction_runtime.shipped_files import shipped_file
-from vehicle_models.vehicle_file import shipped_vehicles
+from vehicle_models.vehicle_file import load_vehicle, shipped_vehicles
 
 ROOT = Path(__file__).resolve().parents[1]
 FILES = sorted(ROOT.glob("src/*/config/*.yaml"))
@@ -56,6 +65,19 @@ def test_a_signal_map_puts_the_adapter_before_the_estimators(tmp_path: Path) -> 
 def test_shipped_parameter_file_starts_every_node(name: str) -> None:
     starts = node_starts(graph.NODES, WATCHING, str(shipped_file("friction_bringup", name)), CAR)
     assert [start.node for start in starts] == list(graph.NODES)
+
+
+@pytest.mark.parametrize(("section", "theirs"), [("/**/smart_tyre_forces", True), ("/**/wheel_slip", False)])
+def test_calibration_in_the_users_file_is_not_overridden_by_that_of_the_demo(
+    section: str, theirs: bool, tmp_path: Path
+) -> None:
+    calibration = str(graph.plant_calibration())
+    file = write(tmp_path, {section: {"calibration_file": calibration} if theirs else {"deadline": 0.1}})
+    of_demo = plant_of_demo("dry", CAR)
+    decided = left_to_file(of_demo, SMART_TYRE, CALIBRATION, file, "my_car")
+    assert (CALIBRATION in decided[SMART_TYRE]) is not theirs
+    assert decided[graph.PLANT] == of_demo[graph.PLANT]
+    assert left_to_file(of_demo, SMART_TYRE, CALIBRATION, "") == of_demo
 
 
 def test_no_shipped_file_lets_the_supervisor_command() -> None:
@@ -244,3 +266,36 @@ def test_launch_file_without_a_car_starts_nothing(name: str) -> None:
 def test_launch_file_with_a_parameter_file_that_does_not_exist_starts_nothing(name: str) -> None:
     with pytest.raises(ParameterError, match=r"my_cra\.yaml"):
         launched(name, node="wheel_slip", vehicle_file=CAR, params_file="my_cra.yaml")
+
+
+def executed(entity: Any, context: Any) -> Iterator[Any]:
+    """Yield what an entity leads to, in the order in which launch executes it."""
+    from launch_ros.actions import Node
+
+    yield entity
+    if not isinstance(entity, Node):
+        for made in entity.visit(context) or []:
+            yield from executed(made, context)
+
+
+@needs_launch
+def test_example_with_other_names_starts_the_estimators_with_every_input_remapped() -> None:
+    from launch import LaunchContext, LaunchService
+    from launch.launch_description_sources import get_launch_description_from_python_launch_file
+    from launch_ros.actions import Node
+
+    file = str(LAUNCH_FILES / "other_names.launch.py")
+    context: LaunchContext = LaunchService().context
+    context.launch_configurations["vehicle_file"] = CAR
+    remapped: dict[str, dict[str, str]] = {}
+    for entity in get_launch_description_from_python_launch_file(file).entities:
+        for made in executed(entity, context):
+            if isinstance(made, Node):
+                remapped[str(made.node_package)] = dict(context.launch_configurations["ros_remaps"])
+    assert tuple(remapped) == ESTIMATORS
+    processors = make_processors(read_parameters(ESTIMATORS, (), silent), load_vehicle(CAR), silent)
+    made_here = {topic for each in processors for topic in each.outputs}
+    inputs = {topic for each in processors for topics in (each.sensors, each.estimates) for topic in topics} - made_here
+    for names in remapped.values():
+        assert names.keys() == {topic for topic in inputs if not topic.endswith("/tyre_signals")}
+        assert all(name.startswith("/") for name in names.values())

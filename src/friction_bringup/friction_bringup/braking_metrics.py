@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_bags.drive_page.recorded_run import CrossingEvent
+
 Array = NDArray[np.float64]
 
 GRAVITY = 9.81
@@ -17,10 +19,6 @@ BUILD_UP = 0.4
 
 _CROSSING_REACH = 0.2
 """Time [s] between an estimated crossing and the true one it may belong to; ABS cycles last 0.1 to 0.3 s."""
-_BRAKING_STEP = 0.1
-"""Time [s] over which the deceleration of hardest_braking is taken."""
-_HARD_BRAKING = 3.0
-"""Deceleration above which a braking counts as hard [m/s^2]."""
 
 
 @dataclass(frozen=True)
@@ -105,43 +103,6 @@ def best_speed(time: Array, speed: Array, slip: Array, lambda_max: Array, mu_max
         lost = GRAVITY * np.concatenate([[0.0], np.cumsum(mu_max[first:-1] * np.diff(time[first:]))])
         best[first:] = np.maximum(speed[first] - lost, 0.0)
     return best
-
-
-def hardest_braking(time: Array, speed: Array) -> tuple[float, float] | None:
-    """Find the braking with the hardest deceleration.
-
-    Args:
-        time: time of the samples [s], shape (n,), increasing; gaps are bridged.
-        speed: vehicle speed [m/s], shape (n,); NaN where unknown.
-
-    Returns:
-        Begin and end [s] of the time around it in which the deceleration is above 3 m/s^2, or None where it never is.
-    """
-    known = np.isfinite(speed)
-    if np.count_nonzero(known) < 2 or time[-1] - time[0] <= 2.0 * _BRAKING_STEP:
-        return None
-    grid = np.arange(time[0], time[-1], _BRAKING_STEP)
-    deceleration = -np.gradient(np.interp(grid, time[known], speed[known]), _BRAKING_STEP)
-    hard = deceleration > _HARD_BRAKING
-    peak = int(np.argmax(deceleration))
-    if not hard[peak]:
-        return None
-    before, after = np.flatnonzero(~hard[:peak]), np.flatnonzero(~hard[peak:])
-    begin = grid[before[-1]] if before.size else grid[0]
-    end = grid[peak + after[0]] if after.size else grid[-1]
-    return float(begin), float(end)
-
-
-@dataclass(frozen=True)
-class CrossingEvent:
-    """A change of the slope's sign, estimated or true."""
-
-    time: float
-    """When an estimated crossing was known, the stamp of the first message with it, or when a true one was [s]."""
-    sign: int
-    """Sign after the crossing: -1 the peak was passed, +1 the stable side was regained."""
-    slip: float
-    """Slip at the crossing [-], compensated for delay: an estimate of lambda_max."""
 
 
 @dataclass(frozen=True)

@@ -15,12 +15,13 @@ from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.live import Live
 
+from friction_bags.drive_page.page import write_page
+from friction_bags.drive_page.recorded_run import read_run
 from friction_bringup import graph
 from friction_bringup.demo_graph import DemoError, DemoGraph, DemoOptions
 from friction_bringup.live_view import LiveView
 from friction_bringup.plots import write_plots
 from friction_bringup.processes import AT_ONCE
-from friction_bringup.recorded_run import read_run
 from friction_bringup.summary import print_summary
 from friction_runtime.machine_load import slowdown
 from friction_runtime.spin import stop_on_signals, take_down
@@ -151,4 +152,7 @@ def _report(console: Console, demo: DemoGraph, directory: Path, what: str) -> No
     print_summary(console, run)
     for path in write_plots(run, directory, what):
         console.print(f"plot  {path}", soft_wrap=True)
+    page = directory / "page.html"
+    write_page(run, page, directory.name)
+    console.print(f"page  {page}", soft_wrap=True)
     console.print(f"bag   {demo.bag}", soft_wrap=True)

@@ -19,6 +19,8 @@ from vehicle_models.vehicle_file import load_vehicle
 
 CARS = {"car": "compact_car", "corner": "chapter_corner"}
 """Vehicle files of the cars to choose from by one word."""
+CALIBRATION = "calibration_file"
+"""Parameter of smart_tyre_forces that a user's file decides, where it does; else the tyres are those of the plant."""
 _ROLLING_SPEED = 8.0
 """Speed [m/s] at which the smart tyres find their zero."""
 _ROLLING_TIME = 5.0
@@ -70,7 +72,7 @@ def plant_of_demo(road: str, vehicle_file: str) -> Mapping[str, Mapping[str, Par
         if road not in TABLE_8_1:
             raise ParameterError(f"surface '{road}' needs a car with four wheels, which '{vehicle.name}' has not")
         return {PLANT: {"surfaces": [road]}}
-    return {PLANT: _drive(_ROADS[road], vehicle), SMART_TYRE: {"calibration_file": str(plant_calibration())}}
+    return {PLANT: _drive(_ROADS[road], vehicle), SMART_TYRE: {CALIBRATION: str(plant_calibration())}}
 
 
 def _has_four_wheels(vehicle: Vehicle) -> bool:

@@ -11,13 +11,13 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_bags.offline.estimators import ESTIMATORS
+from friction_bags.drive_page.recorded_run import has_wheel_states
+from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE
 from friction_bringup import graph
-from friction_bringup.demo_drive import plant_of_demo
+from friction_bringup.demo_drive import CALIBRATION, plant_of_demo
 from friction_bringup.discovery import local_discovery
-from friction_bringup.node_start import WATCHING, Decided, commanding, composed_arguments, node_starts
+from friction_bringup.node_start import WATCHING, Decided, commanding, composed_arguments, left_to_file, node_starts
 from friction_bringup.processes import ProcessGroup
-from friction_bringup.recorded_run import has_wheel_states
 from friction_runtime.domain import free_domain_id
 from friction_runtime.machine_load import slowdown
 from vehicle_models.vehicle_file import load_vehicle
@@ -154,12 +154,17 @@ class DemoGraph:
 
 
 def _decided(options: DemoOptions) -> Decided:
-    """Return the parameters of the demo that override the parameter files, by node."""
+    """Return the parameters of the demo that override the parameter files, by node.
+
+    Raises:
+        ParameterError: the parameter file or the vehicle file does not exist, or is bad.
+    """
     if options.bag:
         return WATCHING
     of_demo = plant_of_demo(options.surface, options.vehicle)
     plant = {**of_demo[graph.PLANT], "exit_when_done": True, "autostart": False}
-    return {**commanding(options.law, options.vehicle), **of_demo, graph.PLANT: plant}
+    decided = {**commanding(options.law, options.vehicle), **of_demo, graph.PLANT: plant}
+    return left_to_file(decided, SMART_TYRE, CALIBRATION, str(options.params_file))
 
 
 def _hears(observer: Node, name: str, topic: str) -> bool:

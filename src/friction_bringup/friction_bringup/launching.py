@@ -61,6 +61,11 @@ def uses_sim_time(context: LaunchContext) -> bool:
     return _is_true(context, "use_sim_time")
 
 
+def full_namespace(context: LaunchContext) -> str:
+    """Return the namespace of the nodes, that of the group they are launched in included."""
+    return prefix_namespace(context.launch_configurations.get("ros_namespace"), argument(context, "namespace")) or ""
+
+
 def _is_true(context: LaunchContext, name: str) -> bool:
     return argument(context, name).lower() == "true"
 
@@ -101,8 +106,7 @@ def node_actions(
     Raises:
         ParameterError: a file is bad; nothing has been started.
     """
-    namespace = argument(context, "namespace")
-    full = prefix_namespace(context.launch_configurations.get("ros_namespace"), namespace) or ""
+    namespace, full = argument(context, "namespace"), full_namespace(context)
     starts = node_starts(nodes, decided, argument(context, "params_file"), argument(context, "vehicle_file"), full)
     alone = [start for start in starts if not (composed and start.node in graph.COMPOSED)]
     sim_time = ["-p", f"use_sim_time:={str(uses_sim_time(context)).lower()}"]

@@ -20,6 +20,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from friction_bags.drive_page.drive_series import plain_reason
 from friction_bringup.live_view import LiveView, WheelView
 from friction_runtime.spin import stop_on_signals, take_down
 
@@ -132,7 +133,7 @@ def wheels_view(wheels: dict[str, WheelView], now: float, width: int) -> Group:
             Text(f"{youngest:.2f}", style="bold red" if youngest > _STALE else ""),
             style="dim" if youngest > _STALE else "",
         )
-        reasons = (reason.removeprefix(f"{wheel}: ") for reason in view.reasons)
+        reasons = (plain_reason(reason, wheel) for reason in view.reasons)
         said += [Text(f"{wheel}: {text}") for text in dict.fromkeys((*silent, *reasons, *_refused(view)))]
     if not wheels:
         table.caption = "no wheel yet: waiting for a topic such as front_left/slip on this ROS_DOMAIN_ID"

@@ -29,6 +29,27 @@ def commanding(law: str, vehicle_file: str) -> Decided:
     return decided
 
 
+def left_to_file(decided: Decided, node: str, name: str, params_file: str, namespace: str = "") -> Decided:
+    """Leave a decided parameter to a parameter file that sets it.
+
+    Args:
+        decided: parameters that override every file, by node.
+        node: the node.
+        name: the parameter.
+        params_file: parameter file; empty for none.
+        namespace: namespace of the nodes.
+
+    Raises:
+        ParameterError: the file does not exist, or is bad for the node.
+    """
+    if not params_file or name not in decided.get(node, {}):
+        return decided
+    file = Path(params_file).absolute()
+    if name not in file_values(graph.parameter_class(node), file, _full_name(node, namespace)):
+        return decided
+    return {**decided, node: {key: value for key, value in decided[node].items() if key != name}}
+
+
 def with_adapter(nodes: Sequence[str], decided: Decided, map_file: str) -> tuple[Sequence[str], Decided]:
     """Put the adapter before some nodes where a signal map is given; return nodes and parameters.
 
@@ -87,7 +108,7 @@ def _checked(
     node: str, decided: Mapping[str, graph.ParameterValue], params_file: Path | None, namespace: str
 ) -> NodeStart:
     files = graph.parameter_files(node, params_file)
-    cls, name = graph.parameter_class(node), NodeName(node, f"/{namespace.strip('/')}")
+    cls, name = graph.parameter_class(node), _full_name(node, namespace)
     found = [file_values(cls, file, name) for file in files]
     values = {key: value for each in (*found, decided) for key, value in each.items() if not is_ros_own(key)}
     try:
@@ -97,6 +118,10 @@ def _checked(
     load_vehicle(parameters.vehicle_file)
     users = found[1] if params_file else {}
     return NodeStart(node, tuple(files), decided, tuple(_notes(node, decided, users, params_file)))
+
+
+def _full_name(node: str, namespace: str) -> NodeName:
+    return NodeName(node, f"/{namespace.strip('/')}")
 
 
 def _notes(

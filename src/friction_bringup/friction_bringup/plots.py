@@ -7,14 +7,15 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from friction_msgs.msg import BrakeCommand, SupervisorState
+from friction_msgs.msg import BrakeCommand
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from friction_bags.drive_page.codes import COMMANDS, ENVELOPE, SIGNS, STATES, signs, verdicts
+from friction_bags.drive_page.recorded_run import Array, RecordedRun, Series
 from friction_bringup.braking_metrics import best_speed
 from friction_bringup.graph import VEHICLE
-from friction_bringup.recorded_run import Array, RecordedRun, Series
 from friction_bringup.summary import braking_of
 
 ESTIMATE, TRUTH, PEAK, DEMAND, IDENTIFIED = "tab:blue", "black", "tab:red", "tab:orange", "tab:purple"
@@ -24,26 +25,14 @@ _MARGIN = 0.3
 """Time [s] shown before and after a braking."""
 _SLIP_SHOWN_FROM = 5.0
 """Speed [m/s] above which the axis covers every slip; locked wheels below it matter little."""
-STATES = {
-    SupervisorState.S0: "S0",
-    SupervisorState.S1: "S1",
-    SupervisorState.S21: "S21",
-    SupervisorState.S22: "S22",
+COMMAND_COLOURS = {
+    BrakeCommand.NONE: UNKNOWN_BAND,
+    BrakeCommand.INCREASE: "#9ecae1",
+    BrakeCommand.HOLD: "#fdd49e",
+    BrakeCommand.DECREASE: "#c994c7",
 }
-COMMANDS = {
-    BrakeCommand.NONE: ("none", UNKNOWN_BAND),
-    BrakeCommand.INCREASE: ("increase", "#9ecae1"),
-    BrakeCommand.HOLD: ("hold", "#fdd49e"),
-    BrakeCommand.DECREASE: ("decrease", "#c994c7"),
-}
-ENVELOPE = {
-    0: ("no release asked for", UNKNOWN_BAND),
-    1: ("release allowed", STABLE_BAND),
-    2: ("release refused", UNSTABLE_BAND),
-    3: ("cap", "#c49c94"),
-}
-"""Verdict of the envelope on what the law asks for."""
-SIGNS = {-1: ("beyond the peak", UNSTABLE_BAND), 0: ("not known", UNKNOWN_BAND), 1: ("stable side", STABLE_BAND)}
+ENVELOPE_COLOURS = {0: UNKNOWN_BAND, 1: STABLE_BAND, 2: UNSTABLE_BAND, 3: "#c49c94"}
+SIGN_COLOURS = {-1: UNSTABLE_BAND, 0: UNKNOWN_BAND, 1: STABLE_BAND}
 
 
 def write_plots(run: RecordedRun, directory: Path, title: str) -> list[Path]:
@@ -104,15 +93,14 @@ def all_wheels_figure(run: RecordedRun, title: str, span: tuple[float, float] | 
         slope = run.get(f"{wheel}/friction_slope")
         labels.append(wheel)
         if slope is not None:
-            sign = np.where(slope["valid"] > 0.0, slope["sign"], 0.0)
-            _strip(axes[2], slope.time, sign, {k: c for k, (_, c) in SIGNS.items()}, (row - 0.4, row + 0.4))
+            _strip(axes[2], slope.time, signs(slope), SIGN_COLOURS, (row - 0.4, row + 0.4))
             if not np.any(slope["valid"] > 0.0):
                 why = f"never valid: {slope.reasons.most_common(1)[0][0]}"
                 axes[2].text(0.5, row, why, transform=axes[2].get_yaxis_transform(), ha="center", va="center")
     axes[2].set_yticks(range(len(labels)), labels)
     axes[2].set_ylim(len(labels) - 0.5, -0.5)
     axes[2].set_ylabel("slope sign")
-    _legend_of_bands(axes[2], dict(SIGNS.values()))
+    _legend_of_bands(axes[2], SIGNS, SIGN_COLOURS)
     if forces:
         _draw_force(axes[3], run, "fx")
         _draw_force(axes[4], run, "fz")
@@ -237,13 +225,11 @@ def _draw_indicator(axes: Axes, run: RecordedRun, wheel: str) -> None:
     axes.plot(slope.time, 1e-3 * slope["h"], color="0.7", lw=0.7, label="H")
     axes.plot(slope.time, used, color=ESTIMATE, lw=0.9, label="indicator H sign(·), where valid")
     axes.axhline(0.0, color=TRUTH, lw=0.6)
-    sign = np.where(slope["valid"] > 0.0, slope["sign"], 0.0)
     known = used[np.isfinite(used)]
     reach = float(np.percentile(np.abs(known), 99.0)) * 1.3 if known.size else 1.0
     axes.set_ylim(-1.35 * reach, reach)
-    _strip(axes, slope.time, sign, {k: c for k, (_, c) in SIGNS.items()}, (-1.33 * reach, -1.12 * reach))
-    for text, colour in SIGNS.values():
-        axes.fill_between([], [], color=colour, label=f"sign: {text}")
+    _strip(axes, slope.time, signs(slope), SIGN_COLOURS, (-1.33 * reach, -1.12 * reach))
+    _legend_of_bands(axes, {sign: f"sign: {text}" for sign, text in SIGNS.items()}, SIGN_COLOURS)
     axes.set_ylabel("H, indicator [10³ rad/s³]")
 
 
@@ -252,22 +238,16 @@ def _draw_supervisor(axes: Axes, run: RecordedRun, wheel: str) -> None:
     if (supervisor := run.get(f"{wheel}/abs_supervisor")) is not None:
         rows = np.array([levels[int(state)] for state in supervisor["state"]], dtype=np.float64)
         axes.step(supervisor.time, rows, where="post", color=TRUTH, lw=1.0)
-        verdict = _verdicts(supervisor)
-        _strip(axes, supervisor.time, verdict, {k: c for k, (_, c) in ENVELOPE.items()}, (-1.9, -1.3))
+        _strip(axes, supervisor.time, verdicts(supervisor), ENVELOPE_COLOURS, (-1.9, -1.3))
     if (command := run.get(f"{wheel}/brake_command")) is not None:
-        _strip(axes, command.time, command["command"], {k: c for k, (_, c) in COMMANDS.items()}, (-1.1, -0.5))
-    axes.set_yticks([-1.6, -0.8, *levels.values()], ["envelope", "command", *STATES.values()])
+        _strip(axes, command.time, command["command"], COMMAND_COLOURS, (-1.1, -0.5))
+    axes.set_yticks(
+        [-1.6, -0.8, *levels.values()], ["envelope", "command", *(text.partition(",")[0] for text in STATES.values())]
+    )
     axes.set_ylim(-2.0, len(levels) - 0.7)
     axes.set_ylabel("supervisor")
-    _legend_of_bands(axes, dict([*COMMANDS.values(), *ENVELOPE.values()]))
-
-
-def _verdicts(supervisor: Series) -> Array:
-    """Return the key of ENVELOPE at every sample: the cap in force, else what the evidence says."""
-    release = supervisor["release"]
-    asked = np.where(release == SupervisorState.RELEASE_REFUSED, 2.0, 1.0)
-    judged = np.where(release == SupervisorState.RELEASE_NOT_WANTED, 0.0, asked)
-    return np.where(supervisor["cap"] == SupervisorState.CAP_NONE, judged, 3.0)
+    _legend_of_bands(axes, COMMANDS, COMMAND_COLOURS)
+    _legend_of_bands(axes, ENVELOPE, ENVELOPE_COLOURS)
 
 
 def _draw_brake(axes: Axes, run: RecordedRun, wheel: str) -> None:
@@ -304,9 +284,9 @@ def _strip(axes: Axes, time: Array, values: Array, colours: dict[int, str], span
         axes.fill_between([time[begin], time[end]], *span, color=colour, lw=0.0)
 
 
-def _legend_of_bands(axes: Axes, colours: dict[str, str]) -> None:
-    for text, colour in colours.items():
-        axes.fill_between([], [], color=colour, label=text)
+def _legend_of_bands(axes: Axes, texts: dict[int, str], colours: dict[int, str]) -> None:
+    for code, text in texts.items():
+        axes.fill_between([], [], color=colours[code], label=text)
 
 
 def _finish(axes: list[Axes]) -> None:

@@ -8,9 +8,10 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from friction_bags.drive_page.drive_series import plain_reason
+from friction_bags.drive_page.recorded_run import CrossingEvent, RecordedRun
 from friction_bringup.braking_metrics import (
     Braking,
-    CrossingEvent,
     JudgedCrossing,
     judge_crossings,
     measure_braking,
@@ -18,7 +19,6 @@ from friction_bringup.braking_metrics import (
     right_signs,
 )
 from friction_bringup.graph import VEHICLE
-from friction_bringup.recorded_run import RecordedRun
 
 _SHOWN_CROSSINGS = 16
 _SHOWN_REASONS = 3
@@ -191,8 +191,6 @@ def validity_table(run: RecordedRun) -> Table:
         if topic.startswith("truth/") or "valid" not in series.columns:
             continue
         wheel = topic.split("/")[0]
-        reasons = [
-            f"{text.removeprefix(f'{wheel}: ')} ({count})" for text, count in series.reasons.most_common(_SHOWN_REASONS)
-        ]
+        reasons = [f"{plain_reason(text, wheel)} ({n})" for text, n in series.reasons.most_common(_SHOWN_REASONS)]
         table.add_row(topic, str(series.time.size), f"{np.mean(series['valid']):.1%}", escape("\n".join(reasons)))
     return table

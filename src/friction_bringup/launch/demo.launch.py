@@ -9,25 +9,30 @@ Time comes from message stamps; use_sim_time makes the plant publish /clock for 
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 
+from friction_bags.offline.estimators import SMART_TYRE
 from friction_bringup import graph
-from friction_bringup.demo_drive import CARS, ROADS, plant_of_demo
+from friction_bringup.demo_drive import CALIBRATION, CARS, ROADS, plant_of_demo
 from friction_bringup.launching import (
     argument,
     common_arguments,
     composed_argument,
+    full_namespace,
     is_composed,
     node_actions,
     uses_sim_time,
 )
-from friction_bringup.node_start import commanding
+from friction_bringup.node_start import commanding, left_to_file
 from friction_runtime.shipped_files import shipped_file
 
 
 def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     of_demo = plant_of_demo(argument(context, "surface"), argument(context, "vehicle_file"))
     plant = {**of_demo[graph.PLANT], "publish_clock": uses_sim_time(context), "use_sim_time": False}
-    decided = commanding(argument(context, "law"), argument(context, "vehicle_file"))
-    return node_actions(context, graph.NODES, {**decided, **of_demo, graph.PLANT: plant}, is_composed(context))
+    decided = {**commanding(argument(context, "law"), argument(context, "vehicle_file")), **of_demo, graph.PLANT: plant}
+    files = argument(context, "params_file"), full_namespace(context)
+    return node_actions(
+        context, graph.NODES, left_to_file(decided, SMART_TYRE, CALIBRATION, *files), is_composed(context)
+    )
 
 
 def generate_launch_description() -> LaunchDescription:

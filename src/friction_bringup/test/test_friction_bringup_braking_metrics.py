@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from friction_bags.drive_page.recorded_run import CrossingEvent
 from friction_bringup.braking_metrics import (
     GRAVITY,
-    CrossingEvent,
-    hardest_braking,
     judge_crossings,
     measure_braking,
     release_times,
@@ -91,16 +90,3 @@ def test_crossing_of_the_other_sign_or_far_away_is_not_the_true_one() -> None:
     truth = [CrossingEvent(1.0, 1, 0.17), CrossingEvent(1.25, -1, 0.17)]
     judged = judge_crossings([CrossingEvent(1.0, -1, 0.1)], truth, TIME, np.full_like(TIME, 0.17))
     assert np.isnan(judged[0].delay)
-
-
-def test_hardest_braking_is_found_among_gentle_ones_and_through_gaps() -> None:
-    speed = np.interp(TIME, [0.0, 2.0, 3.0, 5.0, 6.0, 8.0, 12.0], [20.0, 20.0, 18.0, 18.0, 8.0, 8.0, 0.0])
-    speed[(TIME > 5.2) & (TIME < 5.4)] = np.nan
-    begin, end = hardest_braking(TIME, speed) or (np.nan, np.nan)
-    assert begin == pytest.approx(5.0, abs=0.2)
-    assert end == pytest.approx(6.0, abs=0.2)
-
-
-def test_gentle_drive_has_no_hardest_braking() -> None:
-    assert hardest_braking(TIME, 20.0 - TIME) is None
-    assert hardest_braking(TIME, np.full_like(TIME, np.nan)) is None

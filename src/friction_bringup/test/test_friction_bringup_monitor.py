@@ -55,6 +55,13 @@ def test_reason_has_a_line_of_its_own(view: WheelView) -> None:
     assert "rear_left: too slow" in [line.strip() for line in shown(view, 10.1, 80).splitlines()]
 
 
+def test_reason_does_not_repeat_the_name_of_the_wheel_where_it_names_a_topic(view: WheelView) -> None:
+    view.messages["abs_supervisor"] = SupervisorState(
+        valid=False, reason_text="rear_left/slope_vote: filling the window"
+    )
+    assert "rear_left: slope_vote: filling the window" in shown(view, now=10.0)
+
+
 def test_forces_have_columns_only_where_there_are_any(view: WheelView) -> None:
     del view.messages["tyre_force"]
     assert "Fz" not in shown(view, 10.1)

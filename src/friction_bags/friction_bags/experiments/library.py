@@ -39,8 +39,9 @@ that vehicle_models ships; its name is a note in the bag, where `python -m frict
 """
 _README_END = """
 
-The smart-tyre bags in the repository are short cuts: `python -m friction_bags library --full --out DIR` makes whole
-runs. The measured bags are not in the repository: `python -m friction_bags import bmw|iac FILE.csv --out DIR`.
+The smart-tyre bags in the repository are short cuts, in which smart_tyre_forces does not yet know the teeth of the
+encoder (that takes 32 revolutions): `python -m friction_bags library --full --out DIR` makes whole runs. The measured
+bags are not in the repository: `python -m friction_bags import bmw|iac FILE.csv --out DIR`.
 
 Made again on the same machine, every file is the same, byte for byte. On another kind of processor messages differ in
 their last bits: numpy sums in another order and uses other instructions for exponentials there.

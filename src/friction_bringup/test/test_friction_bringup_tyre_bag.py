@@ -10,8 +10,8 @@ from friction_msgs.msg import FrictionSlope
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.message_bag import write_bag
+from friction_bags.drive_page.recorded_run import read_run, require_samples
 from friction_bringup.plots import all_wheels_figure
-from friction_bringup.recorded_run import read_run, require_samples
 
 TYRES = Path(__file__).parents[3] / "bags" / "tyre_dynamic_2_0_bar"
 

@@ -1,0 +1,248 @@
+"""What a page shows of a recorded run: lines over time, strips of codes, friction curves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_bags.drive_page.codes import COMMANDS, ENVELOPE, LAWS, SIGNS, STATES, signs, verdicts
+from friction_bags.drive_page.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
+
+_DEVIATIONS = 2.0
+"""Half width of a band in standard deviations."""
+DRIVER = "driver"
+"""Stands for the name of a wheel in what the driver asks for."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A quantity over time, or a band around it."""
+
+    panel: str
+    label: str
+    of: str
+    """Wheel, VEHICLE or DRIVER."""
+    kind: str
+    """estimate, points (an estimate once a revolution), truth, sensor, aim (of the supervisor's law) or demand."""
+    topic: str
+    time: Array
+    """[s], shape (n,)."""
+    values: Array
+    """Shape (n,); NaN where there is none."""
+    band: tuple[Array, Array] | None = None
+    """Lower and upper end at two standard deviations, each of shape (n,)."""
+
+
+@dataclass(frozen=True)
+class Strip:
+    """Codes over time, such as states."""
+
+    panel: str
+    group: str
+    """Heading above the strips of one kind."""
+    of: str
+    """Wheel or VEHICLE."""
+    time: Array
+    """[s], shape (n,)."""
+    codes: Array
+    """Shape (n,)."""
+    meanings: Mapping[int, str]
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Friction curves of a wheel or the vehicle, each in force from its time on."""
+
+    label: str
+    of: str
+    """Wheel or VEHICLE."""
+    kind: str
+    """estimate or truth."""
+    time: Array
+    """[s], shape (n,)."""
+    columns: Mapping[str, Array]
+    """theta_1 to theta_3, lambda_max, mu_max and their standard deviations, each of shape (n,)."""
+
+
+def lines_of(run: RecordedRun) -> Iterator[Line]:
+    """Yield every line that a run can hold, also those without any value."""
+    yield from _speeds(run)
+    for wheel in run.wheels:
+        yield from _slips(run, wheel)
+        yield from _brake(run, wheel)
+        yield from _forces(run, wheel)
+    yield from _peaks(run)
+    yield from _demands(run)
+
+
+def strips_of(run: RecordedRun) -> Iterator[Strip]:
+    """Yield every strip of a run."""
+    for wheel in run.wheels:
+        if (slope := run.get(f"{wheel}/friction_slope")) is not None:
+            yield Strip("sign", "estimated", wheel, slope.time, signs(slope), SIGNS)
+    for wheel in run.wheels:
+        if (truth := run.get(f"truth/{wheel}/friction_slope")) is not None:
+            yield Strip("sign", "true", wheel, truth.time, truth["sign"], SIGNS)
+    for group, column, meanings in (("state", "state", STATES), ("law", "law", LAWS)):
+        for wheel in run.wheels:
+            if (supervisor := run.get(f"{wheel}/abs_supervisor")) is not None:
+                yield Strip("supervisor", group, wheel, supervisor.time, supervisor[column], meanings)
+    for wheel in run.wheels:
+        if (supervisor := run.get(f"{wheel}/abs_supervisor")) is not None:
+            yield Strip("supervisor", "release", wheel, supervisor.time, verdicts(supervisor), ENVELOPE)
+    for wheel in run.wheels:
+        if (command := run.get(f"{wheel}/brake_command")) is not None:
+            yield Strip("supervisor", "command", wheel, command.time, command["command"], COMMANDS)
+    yield from _validities(run)
+
+
+def curves_of(run: RecordedRun) -> Iterator[Curves]:
+    """Yield the valid friction curves of each wheel and the vehicle, then the true ones where they change."""
+    for fit in fits_of(run, ""):
+        if np.any(valid := fit.curve["valid"] > 0.0):
+            yield _curves(fit, "estimate", valid)
+    for fit in fits_of(run, "truth/"):
+        theta = np.stack([fit.curve[f"theta_{i}"] for i in (1, 2, 3)], axis=1)
+        yield _curves(fit, "truth", np.any(np.diff(theta, axis=0, prepend=np.nan) != 0.0, axis=1))
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Friction curves of a wheel or the vehicle over time."""
+
+    label: str
+    of: str
+    """Wheel or VEHICLE."""
+    topic: str
+    curve: Series
+
+
+def fits_of(run: RecordedRun, start: str) -> list[Fit]:
+    """Return the friction curves of topics that begin with `start`; of wheels that have the same ones, a single one."""
+    topics = {of: f"{start}{of}/friction_curve" for of in (*run.wheels, VEHICLE)}
+    fits = [Fit(of, of, topic, curve) for of, topic in topics.items() if (curve := run.get(topic)) is not None]
+    wheels = [fit for fit in fits if fit.of != VEHICLE]
+    if len(wheels) > 1 and all(_same(wheels[0].curve, fit.curve) for fit in wheels[1:]):
+        return [Fit("all wheels", VEHICLE, wheels[0].topic, wheels[0].curve), *fits[len(wheels) :]]
+    return fits
+
+
+def _same(one: Series, other: Series) -> bool:
+    """Whether two friction curves, where valid, are equal at all times."""
+    if not np.array_equal(one.time, other.time) or not np.array_equal(one["valid"], other["valid"]):
+        return False
+    valid = one["valid"] > 0.0
+    names = ("lambda_max", "mu_max", "lambda_max_stddev", "mu_max_stddev")
+    return all(np.array_equal(one[name][valid], other[name][valid], equal_nan=True) for name in names)
+
+
+def vehicle_speed(run: RecordedRun) -> tuple[Array, Array] | None:
+    """Return time [s] and speed [m/s] of the vehicle: as estimated, else as measured, else true; None where unknown."""
+    for wheel in run.wheels:
+        if (slip := run.get(f"{wheel}/slip")) is not None and np.any(np.isfinite(slip["vehicle_speed"])):
+            return slip.time, slip["vehicle_speed"]
+    for topic in ("vehicle_velocity", "truth/vehicle_velocity"):
+        if (velocity := run.get(topic)) is not None:
+            return velocity.time, velocity["twist.twist.linear.x"]
+    return None
+
+
+def plain_reason(text: str, of: str) -> str:
+    """Return a reason without the name of the wheel that it speaks of."""
+    return text.removeprefix(f"{of}: ").removeprefix(f"{of}/")
+
+
+def _speeds(run: RecordedRun) -> Iterator[Line]:
+    for wheel in run.wheels:
+        if (slip := run.get(f"{wheel}/slip")) is not None:
+            label = f"{wheel}, ω r"
+            yield Line("speed", label, wheel, "estimate", f"{wheel}/slip", slip.time, _circumference(slip))
+    for wheel in run.wheels:
+        if (slip := run.get(f"{wheel}/slip")) is not None and np.any(np.isfinite(slip["vehicle_speed"])):
+            values = slip["vehicle_speed"]
+            yield Line("speed", "car, estimated", VEHICLE, "estimate", f"{wheel}/slip", slip.time, values)
+            break
+    for topic, label, kind in (
+        ("vehicle_velocity", "car, speed sensor", "sensor"),
+        ("truth/vehicle_velocity", "car, true", "truth"),
+    ):
+        if (velocity := run.get(topic)) is not None:
+            yield Line("speed", label, VEHICLE, kind, topic, velocity.time, velocity["twist.twist.linear.x"])
+
+
+def _circumference(slip: Series) -> Array:
+    """Return the speed of a wheel's circumference [m/s], by the radius that the valid slips were made with."""
+    rolling = (slip["valid"] > 0.0) & (slip["wheel_speed"] > 0.0) & np.isfinite(slip["slip"])
+    if not np.any(rolling):
+        return np.full(slip.time.shape, np.nan)
+    circumference = slip["vehicle_speed"][rolling] * (1.0 - slip["slip"][rolling])
+    return slip["wheel_speed"] * float(np.median(circumference / slip["wheel_speed"][rolling]))
+
+
+def _slips(run: RecordedRun, wheel: str) -> Iterator[Line]:
+    if (slip := run.get(f"{wheel}/slip")) is not None:
+        values = np.where(slip["valid"] > 0.0, slip["slip"], np.nan)
+        yield Line("slip", wheel, wheel, "estimate", f"{wheel}/slip", slip.time, values)
+    if (supervisor := run.get(f"{wheel}/abs_supervisor")) is not None:
+        values = supervisor["slip_set_point"]
+        yield Line("slip", f"{wheel}, set-point", wheel, "aim", f"{wheel}/abs_supervisor", supervisor.time, values)
+    if (truth := run.get(f"truth/{wheel}/slip")) is not None:
+        yield Line("slip", f"{wheel}, true", wheel, "truth", f"truth/{wheel}/slip", truth.time, truth["slip"])
+
+
+def _peaks(run: RecordedRun) -> Iterator[Line]:
+    for panel in ("lambda_max", "mu_max"):
+        for fit in fits_of(run, ""):
+            yield _banded(panel, fit.label, fit.of, "estimate", fit.topic, fit.curve, panel, 1.0)
+        for fit in fits_of(run, "truth/"):
+            yield Line(panel, f"{fit.label}, true", fit.of, "truth", fit.topic, fit.curve.time, fit.curve[panel])
+
+
+def _brake(run: RecordedRun, wheel: str) -> Iterator[Line]:
+    if (pressure := run.get(f"{wheel}/brake_pressure")) is not None:
+        values = 1e-6 * pressure["fluid_pressure"]
+        yield Line("pressure", wheel, wheel, "sensor", f"{wheel}/brake_pressure", pressure.time, values)
+    if (supervisor := run.get(topic := f"{wheel}/abs_supervisor")) is not None:
+        values = supervisor["torque_set_point"]
+        yield Line("torque", f"{wheel}, set-point", wheel, "aim", topic, supervisor.time, values)
+        values = supervisor["demand_torque"]
+        yield Line("torque", f"{wheel}, driver's demand", wheel, "demand", topic, supervisor.time, values)
+
+
+def _demands(run: RecordedRun) -> Iterator[Line]:
+    if (demand := run.get("brake_demand")) is not None:
+        values = 1e-6 * demand["pressure"]
+        yield Line("pressure", "driver's demand", DRIVER, "demand", "brake_demand", demand.time, values)
+
+
+def _forces(run: RecordedRun, wheel: str) -> Iterator[Line]:
+    for panel in ("fx", "fz"):
+        if (force := run.get(topic := f"{wheel}/tyre_force")) is not None:
+            yield _banded(panel, wheel, wheel, "points", topic, force, panel, 1e-3)
+        if (truth := run.get(topic := f"truth/{wheel}/tyre_force")) is not None:
+            yield Line(panel, f"{wheel}, true", wheel, "truth", topic, truth.time, 1e-3 * truth[panel])
+
+
+def _banded(panel: str, label: str, of: str, kind: str, topic: str, series: Series, column: str, unit: float) -> Line:
+    """Return a line of valid values with a band of two standard deviations."""
+    values = unit * np.where(series["valid"] > 0.0, series[column], np.nan)
+    reach = _DEVIATIONS * unit * series[f"{column}_stddev"]
+    return Line(panel, label, of, kind, topic, series.time, values, (values - reach, values + reach))
+
+
+def _validities(run: RecordedRun) -> Iterator[Strip]:
+    judged = [(topic, series) for topic, series in run.series.items() if WHY in series.columns]
+    for topic, series in sorted(judged, key=lambda item: (item[0].rpartition("/")[2], item[0])):
+        if topic.startswith("truth/"):
+            continue
+        of, _, name = topic.rpartition("/")
+        meanings = {0: "valid", **{k + 1: plain_reason(text, of) for k, text in enumerate(series.reasons)}}
+        yield Strip("validity", name, of or VEHICLE, series.time, series[WHY], meanings)
+
+
+def _curves(fit: Fit, kind: str, rows: NDArray[np.bool_]) -> Curves:
+    names = ("theta_1", "theta_2", "theta_3", "lambda_max", "mu_max", "lambda_max_stddev", "mu_max_stddev")
+    return Curves(fit.label, fit.of, kind, fit.curve.time[rows], {name: fit.curve[name][rows] for name in names})
