@@ -10,7 +10,7 @@ from math import hypot, isfinite, log
 
 import numpy as np
 
-from friction_bringup.doctor.checks.accelerometer import WHEEL_LAG, age_of_teeth, without_pitch
+from friction_bringup.doctor.checks.accelerometer import age_of_teeth, wheel_lag, without_pitch
 from friction_bringup.doctor.drive import Array, Drive, pressure_topic
 from friction_bringup.doctor.finding import Finding, Verdict, against_file, failure
 from friction_bringup.doctor.motion import Motion, NDArrayBool, pressure_threshold
@@ -118,7 +118,7 @@ def _ages(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
     vehicle = drive.vehicle
     stated = stated_deviation(vehicle.deviations, "brake_pressure_delay")
     found = []
-    of_wheels = age_of_teeth(drive, motion)
+    of_wheels, lag = age_of_teeth(drive, motion), wheel_lag(drive, motion)
     for i in sound:
         topic = pressure_topic(vehicle.wheel_names[i])
         # how much later the accelerometer is than this pressure, and than the wheels
@@ -127,7 +127,7 @@ def _ages(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
             text = f"age cannot be told from {len(where)} brakings"
             found.append(Finding("skew", topic, Verdict.NOTE, text, remedy="brake more often, with a quick foot"))
             continue
-        age = accelerometer.late - (compared.late - WHEEL_LAG)
+        age = accelerometer.late - (compared.late - lag)
         doubt = hypot(hypot(accelerometer.late_stddev, compared.late_stddev), _AGE_FLOOR)
         delay = vehicle.brake_pressure_delay
         verdict = against_file(age, hypot(doubt, of_wheels), delay, stated, 6e-3)
