@@ -23,6 +23,8 @@ _ROLLS = 3.0
 """Speed above which the wheels are judged [m/s]."""
 _SLIDES = 0.06
 """Share by which a wheel that slides, and hardly one that grips in a curve, leaves its usual ratio to the others."""
+_LASTS = 0.15
+"""Time over which that is looked at [s]."""
 _SELDOM = 0.2
 """Share of the time beyond which a wheel that does so has a bad signal."""
 
@@ -65,7 +67,8 @@ class Motion:
         rolls = np.nan_to_num(speed) > _ROLLS
         if not rolls.any():
             return rolls
-        ratios = self.rims[rolls] / speed[rolls, None]
+        # a tooth that is missing is no slide, which lasts
+        ratios = (self.smooth(self.rims, _LASTS) / self.smooth(speed, _LASTS)[:, None])[rolls]
         far = np.abs(ratios - median_known(ratios.T)[None, :]) > _SLIDES
         slides = np.zeros_like(rolls)
         slides[rolls] = far[:, far.mean(axis=0) < _SELDOM].any(axis=1)
