@@ -95,4 +95,4 @@ def as_drive(recording: Recording, yaw_rate: Array, vehicle: Vehicle, seed: int)
     }
     for i, name in enumerate(vehicle.wheel_names):
         topics[pressure_topic(name)] = topic(recording.brake_pressure[:, i])
-    return Drive(vehicle, topics, {})
+    return Drive(vehicle, topics, ())
