@@ -1,6 +1,7 @@
 """The doctor's command: what it says of a bag, its exit code, JSON, and the vehicle file with what it learned."""
 
 import json
+import os
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.vehicle import Deviation, SharedBy
 from vehicle_models.vehicle_file import load_vehicle
 
+DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[4] / "shared" / "data"))
 TRUE = np.array([0.301, 0.299, 0.304, 0.3035])
 FOUR = ["front_left", "front_right", "rear_left", "rear_right"]
 CAR = """\
@@ -125,6 +127,25 @@ def test_live_topics_are_examined_as_a_bag_of_them_is(tmp_path: Path, car: Path)
     said = {(each["check"], each["subject"]): each for each in json.loads(file.read_text())["findings"]}
     assert said[("unit", "imu/data")]["sentence"].startswith("is in g")
     assert said[("estimator", "wheel_slip")]["verdict"] == "OK"
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason=f"{DATA} is absent (set FRICTION_DATA)")
+@pytest.mark.parametrize(
+    ("name", "file", "alarms"),
+    [
+        ("bmw", "bmw_m8_abs_stop_100hz.csv", set()),
+        # its speed is 29 ms ahead of its wheels
+        ("iac", "iac_av21_putnam_25hz.csv", {("skew", "vehicle_velocity")}),
+    ],
+)
+def test_the_measured_drives_are_sound(tmp_path: Path, name: str, file: str, alarms: set[tuple[str, str]]) -> None:
+    findings = tmp_path / "findings.json"
+    assert main(["doctor", str(DATA / file), "--map", name, "--json", str(findings)]) == int(bool(alarms))
+    said = json.loads(findings.read_text())["findings"]
+    assert {(each["check"], each["subject"]) for each in said if each["verdict"] in ("WARN", "FAIL")} == alarms
+    radii = {each["subject"]: each["value"] for each in said if each["check"] == "radius" and each["value"]}
+    for axle in ("front", "rear") if radii else ():
+        assert radii[f"{axle}_left"] == pytest.approx(radii[f"{axle}_right"], rel=3e-3)
 
 
 @pytest.mark.parametrize("given", [(), ("bag", "--live", "3"), ("--live", "0"), ("--live", "3", "--map", "bmw")])

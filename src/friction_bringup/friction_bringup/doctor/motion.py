@@ -68,7 +68,7 @@ class Motion:
         if not rolls.any():
             return rolls
         # a tooth that is missing is no slide, which lasts
-        ratios = (self.smooth(self.rims, _LASTS) / self.smooth(speed, _LASTS)[:, None])[rolls]
+        ratios = self.smooth(self.rims, _LASTS)[rolls] / self.smooth(speed, _LASTS)[rolls, None]
         far = np.abs(ratios - median_known(ratios.T)[None, :]) > _SLIDES
         slides = np.zeros_like(rolls)
         slides[rolls] = far[:, far.mean(axis=0) < _SELDOM].any(axis=1)
