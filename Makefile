@@ -10,7 +10,7 @@ options_real_car ?= --method car --seeds 2 --hours 0.1
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build ready test lint demo bench results report mdf bags docs clean
+.PHONY: help setup build ready test lint demo bench results report mdf parquet bags docs clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
@@ -50,6 +50,10 @@ report: build ## every table and figure of the chapter as one page; EFFORT=0.1 f
 mdf: ready ## install asammdf (209 MB), which reads MDF logs, and test it
 	@$(run) python -m pip install --quiet asammdf
 	@$(run) pytest src/friction_bags/test/test_friction_bags_mdf.py
+
+parquet: ready ## install pyarrow (170 MB), which reads Parquet tables, and test it
+	@$(run) python -m pip install --quiet pyarrow
+	@$(run) pytest src/friction_bags/test/test_friction_bags_parquet.py
 
 bags: build ## make the recorded experiments of bags/ again, from fixed seeds
 	@$(run) python -m friction_bags library

@@ -12,7 +12,7 @@ from friction_adapter.instants import Instants
 from friction_adapter.quantities import BRAKE_PRESSURE, QUANTITIES, WHEEL_STATES
 from friction_adapter.signal_map import ARRIVAL, Kind, Signal, SignalMap
 from friction_adapter.sources import TABLE, Found, Read, Sources
-from friction_adapter.unit_table import UNITS, Conversion, conversion, unit_named
+from friction_adapter.unit_table import UNITS, Conversion, conversion, is_rim_speed, unit_named
 from friction_parameters.parameter import ParameterError
 from vehicle_models.nanoseconds import NANOSECONDS
 
@@ -176,14 +176,18 @@ class Adapter:
         return names[0]
 
     def _conversion(self, signal: Signal, found: Sequence[Found]) -> Conversion:
+        dimension, unit = signal.quantity.dimension, self._unit(signal, found)
+        if signal.radius == signal.radius and not is_rim_speed(dimension, unit):
+            raise self._error(signal, f"'radius' belongs to speeds of a rim, such as km/h, not to {unit}")
         return conversion(
-            signal.quantity.dimension,
-            self._unit(signal, found),
+            dimension,
+            unit,
             self._map.vehicle.wheel(signal.wheel) if signal.wheel else None,
             scale=signal.scale / len(signal.fields) if signal.mean else signal.scale,
             offset=signal.offset,
             sign=signal.sign,
             full_scale=signal.full_scale,
+            radius=signal.radius,
         )
 
     def _reader(self, signal: Signal, reads: Sequence[Read], conversion: Conversion) -> Callable[[Any], float]:

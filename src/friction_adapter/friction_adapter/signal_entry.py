@@ -1,30 +1,23 @@
-"""One entry of `signals` in a signal map: a quantity, of the car or of its wheels."""
+"""One entry of `signals` in a signal map: where a quantity of the car or of its wheels is found."""
 
 import re
 from collections.abc import Mapping
-from math import inf, nan
-from typing import Any, Final
+from typing import Final
 
-from friction_adapter.field_path import FieldPath
+from friction_adapter.entry_numbers import NUMBER_KEYS, EntryNumbers, check_paths
 from friction_adapter.map_entries import MapEntries
 from friction_adapter.quantities import Quantity
-from friction_adapter.signal_map import ARRIVAL, Flag, Kind, Origin, Signal
-from friction_adapter.unit_table import EDGES, PERCENT, UNITS, unit_named
+from friction_adapter.signal_map import Flag, Kind, Origin, Signal
 from friction_parameters.yaml_source import Entry, plain
-from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle, Wheel
 
-_KEYS = (
-    *("from", "field", "fields", "combine", "unit", "scale", "offset", "sign", "full_scale", "counter", "latency"),
-    *("stddev", "invalid", "valid", "stamp"),
-)
+_KEYS = ("from", "field", "fields", "valid", *NUMBER_KEYS)
 _ORIGINS = "{topic: NAME, type: TYPE}, {can: SIGNAL}, {column: NAME}, can or table"
 _WHEEL: Final = "{wheel}"
 _JOINT: Final = "{joint}"
 """What stands for the name of each wheel, and for its name in wheel_states."""
 _ALL: Final = "all"
 _TYPE = re.compile(r"[a-zA-Z]\w*/msg/[A-Z]\w*", re.ASCII)
-_LONGEST_LATENCY = 1.0
 
 
 class SignalEntry:
@@ -57,7 +50,7 @@ class SignalEntry:
         kind, topics, name = self._origin()
         fields = self._fields(kind, name)
         flags = self._flags(kind)
-        common = self._common(kind, stamp)
+        numbers = EntryNumbers(self._file, self._quantity, self._entry).values(kind, stamp)
         wheels = [wheel for wheel in self._targets() if wheel in fields and wheel in topics]
         if self._quantity.name == "wheel_speed" and len(wheels) < len(self._vehicle.wheels):
             missing = ", ".join(wheel for wheel in self._vehicle.wheel_names if wheel not in wheels)
@@ -70,7 +63,7 @@ class SignalEntry:
                 fields[wheel],
                 self._entry.line,
                 flag=flags[wheel],
-                **common,
+                **numbers,
             )
             for wheel in wheels
         ]
@@ -114,15 +107,8 @@ class SignalEntry:
         entry = Entry(self._entry.line, name) if name else self._given[given[0]]
         found = self._of_targets(given[0] if given else "from", entry)
         if kind is Kind.TOPIC:
-            self._check_paths(entry, *(field for fields in found.values() for field in fields))
+            check_paths(self._file, entry, *(field for fields in found.values() for field in fields))
         return found
-
-    def _check_paths(self, entry: Entry, *paths: str) -> None:
-        for path in paths:
-            try:
-                FieldPath(path)
-            except ValueError as error:
-                raise self._file.error(entry, str(error)) from error
 
     def _of_targets(self, key: str, entry: Entry) -> dict[str, tuple[str, ...]]:
         """Return texts by wheel: from a text with {wheel}, a list, or a mapping of wheels and axles."""
@@ -186,78 +172,8 @@ class SignalEntry:
             else self._of_targets("valid", place)
         )
         if kind is Kind.TOPIC:
-            self._check_paths(place, *(each for texts in fields.values() for each in texts))
+            check_paths(self._file, place, *(each for texts in fields.values() for each in texts))
         return {name: Flag(fields[name][0], value) if name in fields else None for name in self._targets()}
-
-    def _common(self, kind: Kind, stamp: str) -> dict[str, Any]:
-        """Return what holds for all wheels, by the name of the field in Signal."""
-        unit = self._unit()
-        found: dict[str, Any] = {"unit": unit, "stamp": stamp}
-        if "stamp" in self._given:
-            found["stamp"] = self._file.text("stamp", self._given["stamp"])
-        if kind is Kind.TOPIC and found["stamp"] != ARRIVAL:
-            self._check_paths(self._given.get("stamp", self._entry), found["stamp"])
-        for key, default in (("scale", 1.0), ("offset", 0.0), ("stddev", nan), ("full_scale", 1.0)):
-            entry = self._given.get(key)
-            least = -inf if key in ("scale", "offset") else 0.0
-            found[key] = default if entry is None else self._file.number(key, entry, least, 1e12)
-        if "scale" in self._given and found["scale"] == 0.0:
-            raise self._file.error(self._given["scale"], "'scale' = 0 makes every value the same")
-        if (unit == PERCENT) != ("full_scale" in self._given):
-            at = self._given.get("full_scale", self._entry)
-            raise self._file.error(at, f"'full_scale' belongs to the unit %: 100 % in {self._si_unit}")
-        counter = self._given.get("counter")
-        if (unit == EDGES) != (counter is not None):
-            at = self._entry if counter is None else counter
-            raise self._file.error(at, "'counter' belongs to the unit edges: the number at which it wraps, as 65536")
-        found["counter"] = nan if counter is None else self._file.number("counter", counter, 2.0, 2.0**64)
-        if "stddev" in self._given and not self._quantity.has_stddev:
-            raise self._file.error(self._given["stddev"], f"the message of '{self._quantity.name}' carries no stddev")
-        latency = self._given.get("latency")
-        seconds = 0.0 if latency is None else self._file.number("latency", latency, 0.0, _LONGEST_LATENCY)
-        found["latency"] = round(seconds * NANOSECONDS)
-        found["sign"] = self._sign()
-        found["mean"] = self._combine() == "mean"
-        found["invalid"] = self._invalid()
-        return found
-
-    @property
-    def _si_unit(self) -> str:
-        return next(iter(UNITS[self._quantity.dimension]))
-
-    def _unit(self) -> str:
-        if "unit" not in self._given:
-            return ""
-        entry = self._given["unit"]
-        text = self._file.text("unit", entry)
-        unit = unit_named(text, self._quantity.dimension)
-        if unit is None:
-            known = ", ".join(UNITS[self._quantity.dimension])
-            raise self._file.error(entry, f"'{text}' is no unit of '{self._quantity.name}': known are {known}")
-        return unit
-
-    def _sign(self) -> int:
-        entry = self._given.get("sign")
-        if entry is None:
-            return 1
-        if isinstance(entry.value, bool) or entry.value not in (1, -1):
-            raise self._file.error(entry, f"'sign' = {plain(entry.value)!r} must be 1 or -1")
-        return int(entry.value)
-
-    def _combine(self) -> str:
-        entry = self._given.get("combine")
-        if entry is not None and entry.value not in ("sum", "mean"):
-            raise self._file.error(entry, f"'combine' = {plain(entry.value)!r} must be sum or mean")
-        return "" if entry is None else str(entry.value)
-
-    def _invalid(self) -> tuple[float, ...]:
-        entry = self._given.get("invalid")
-        if entry is None:
-            return ()
-        values = entry.value if isinstance(entry.value, list) else [entry.value]
-        if not all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in values):
-            raise self._file.error(entry, f"'invalid' = {plain(entry.value)!r} must be a number or a list of numbers")
-        return tuple(float(each) for each in values)
 
 
 def _differs(text: str) -> bool:

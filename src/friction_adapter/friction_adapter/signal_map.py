@@ -63,6 +63,8 @@ class Signal:
     sign: int = 1
     full_scale: float = 1.0
     """100 % [SI unit]."""
+    radius: float = nan
+    """By which the sender makes the speed of a rim [m]; NaN: that of the vehicle file."""
     latency: int = 0
     """Age of the value at its stamp [ns]."""
     stddev: float = nan

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import pi
+from math import nan, pi
 from typing import Final
 
 from vehicle_models.vehicle import Wheel
@@ -104,24 +104,26 @@ def conversion(
     offset: float = 0.0,
     sign: int = 1,
     full_scale: float = 1.0,
+    radius: float = nan,
 ) -> Conversion:
     """Return how a raw value becomes one in SI units.
 
     Args:
         dimension: key of UNITS.
         unit: name of a unit there.
-        wheel: wheel of the signal; its radius [m] is used for speeds at the rim, its teeth for edges.
+        wheel: wheel of the signal; its teeth are used for edges, its radius [m] for speeds at the rim.
         scale: the raw value times this, plus `offset`, is in `unit`.
         offset: see `scale`.
         sign: 1, or -1 where the signal counts the other way round.
         full_scale: 100 % in SI units.
+        radius: by which the sender makes the speed of a rim [m]; NaN: that of the wheel.
     """
     factor = sign * UNITS[dimension][unit]
     if unit == PERCENT:
         factor *= full_scale
     divisor = 1.0
     if wheel is not None and is_rim_speed(dimension, unit):
-        divisor = wheel.radius
+        divisor = radius if radius == radius else wheel.radius
     elif wheel is not None and unit in _EDGES:
         divisor = float(wheel.encoder_teeth)
     return Conversion(factor, divisor, scale, offset)

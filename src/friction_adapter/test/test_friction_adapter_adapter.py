@@ -53,6 +53,15 @@ def test_a_row_becomes_the_values_of_one_stamp(tmp_path: Path) -> None:
     assert speed.values[0] == pytest.approx(10.0, rel=1e-14)
 
 
+def test_a_radius_of_the_map_holds_in_place_of_those_of_the_car(tmp_path: Path) -> None:
+    # the car's wheels have 0.3 and 0.32 m: a file that learns them must not change what the wheels turn
+    columns = ("t", "FL", "FR", "RL", "RR")
+    entry = "wheel_speed: {from: table, field: '{wheel}', unit: km/h, radius: 0.25}"
+    of_map = adapter(tmp_path, entry, columns=columns)
+    (wheels,) = of_map.take(TABLE, {"t": 1.0, "FL": 9.0, "FR": 9.0, "RL": 9.0, "RR": 18.0}, 0)
+    assert list(wheels.values) == pytest.approx([10.0, 10.0, 10.0, 20.0], rel=1e-14)
+
+
 def test_an_axles_pressure_goes_to_its_wheels(tmp_path: Path) -> None:
     of_map = adapter(
         tmp_path,
@@ -134,6 +143,14 @@ def test_a_standard_deviation_is_in_the_unit_of_the_signal(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("signal", "said"),
     [
+        (
+            "speed: {from: {can: V}, radius: 0.3}",
+            "line 4: 'speed': 'radius' belongs to speeds of a rim, such as km/h, not to",
+        ),
+        (
+            "wheel_speed: {from: table, fields: {all: V}, radius: 0.3}",
+            "'radius' belongs to speeds of a rim, such as km/h, not to",
+        ),
         ("speed: {from: {can: V}, unit: m/s}", "line 4: 'speed': its unit is m/s here, and km/h where it comes from"),
         (
             "speed: {from: {can: X}}",

@@ -103,6 +103,10 @@ def test_the_car_is_looked_for_beside_the_map_and_can_be_another(tmp_path: Path)
         ("speed: {from: {column: v}, scale: fast}", "line 3: 'scale' = 'fast' must be a number"),
         ("speed: {from: {column: v}, latency: -1}", "line 3: 'latency' = -1 must be a number from 0 to 1"),
         ("speed: {from: {column: v}, latency: .nan}", "line 3: 'latency' = nan must be a number"),
+        (
+            'wheel_speed: {from: table, field: "{wheel}", unit: km/h, radius: 9}',
+            "line 3: 'radius' = 9 must be a number",
+        ),
         ("speed: {from: {column: v}, invalid: none}", "line 3: 'invalid' = 'none' must be a number"),
         ("speed: {from: {column: v}, valid: {field: ok}}", "line 3: 'valid' must be"),
         ("speed: {from: table, field: [a, b]}", "line 3: 'field' names several: add 'combine'"),

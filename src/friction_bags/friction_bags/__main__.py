@@ -19,6 +19,7 @@ _TOOLS = {
     "process": ("offline.process", "run the estimators over bags, without middleware"),
     "report": ("drive_page.report", "show a drive as one page for a browser"),
     "import": ("importers.import_log", "make a bag from a table or log of any car, by a signal map"),
+    "tutorial": ("experiments.tutorial", "write a simulated drive as a CAN log, to try the commands on"),
     "library": ("experiments.library", "make the recorded experiments of bags/ again"),
 }
 

@@ -53,7 +53,7 @@ bool is_error
 uint8 dlc
 uint8[8] data
 """
-FORMATS = (".blf", ".asc", ".log", ".trc")
+FORMATS = (".blf", ".asc", ".log", ".trc", ".csv")
 STEPS = 50
 
 
@@ -118,7 +118,7 @@ def test_a_log_of_each_format_becomes_its_signals(tmp_path: Path, signal_map: Pa
         assert late * 10**9 + imu.header.stamp.nanosec - pressure.header.stamp.nanosec == 12_000_000
 
 
-@pytest.mark.parametrize("suffix", [".asc", ".blf", ".log"])
+@pytest.mark.parametrize("suffix", [".asc", ".blf", ".log", ".csv"])
 def test_a_log_that_begins_at_zero_begins_at_1000_s(tmp_path: Path, signal_map: Path, suffix: str) -> None:
     bag = imported(logged(tmp_path / f"drive{suffix}", 0.0), signal_map, tmp_path / "bag")
     stamps = [stamp for stamp, _ in bag["/wheel_states"]]

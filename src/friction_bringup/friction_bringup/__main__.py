@@ -69,15 +69,17 @@ def _run(arguments: Sequence[str] | None) -> int:
     secure.add_argument("--namespace", default="/", help="namespace of the nodes, such as /car")
     secure.add_argument("--commanding", action="store_true", help="let abs_supervisor publish brake commands")
     secure.add_argument("--composed", action="store_true", help="one enclave for the estimators that share a process")
-    options, of_ros = parser.parse_known_args(arguments)
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    at = given.index("--ros-args") if "--ros-args" in given else len(given)
+    options, of_ros = parser.parse_args(given[:at]), given[at:]
     if options.command == "graph":
         return run_composed(of_ros)
-    if options.command == "monitor" and of_ros[:1] in ([], ["--ros-args"]):
+    if options.command == "monitor":
         return run_monitor(of_ros)
+    if options.command == "doctor":
+        return doctor.run(options, of_ros)
     if of_ros:
         parser.error(f"unrecognized arguments: {' '.join(of_ros)}")
-    if options.command == "doctor":
-        return doctor.run(options)
     if options.command == "policies":
         secured = options.vehicle, options.params_file, options.namespace, options.commanding, options.composed
         print(policies(*secured), end="")

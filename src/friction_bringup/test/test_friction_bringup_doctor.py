@@ -1,20 +1,27 @@
 """The doctor's command: what it says of a bag, its exit code, JSON, and the vehicle file with what it learned."""
 
 import json
+import os
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from geometry_msgs.msg import TwistWithCovarianceStamped
+from rclpy.publisher import Publisher
 from sensor_msgs.msg import Imu, JointState
 
+from dds_client import dds_client, stop
 from friction_bags.bag_io.message_bag import write_bag
 from friction_bringup.__main__ import main
 from friction_bringup.doctor.vehicle_text import with_values
+from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.vehicle import Deviation, SharedBy
 from vehicle_models.vehicle_file import load_vehicle
 
+DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[4] / "shared" / "data"))
 TRUE = np.array([0.301, 0.299, 0.304, 0.3035])
 FOUR = ["front_left", "front_right", "rear_left", "rear_right"]
 CAR = """\
@@ -43,9 +50,9 @@ wheels:
 """
 
 
-def write_rolling(bag: Path, seconds: float, factor: float = 1.0) -> None:
-    """Write a car that speeds up and slows gently; its accelerometer reads `factor` times the acceleration."""
-    messages = []
+def rolling(seconds: float, factor: float = 1.0) -> list[tuple[str, Any]]:
+    """A car that speeds up and slows gently at 200 Hz; its accelerometer reads `factor` times the acceleration."""
+    messages: list[tuple[str, Any]] = []
     generator = np.random.default_rng(2)
     for k in range(round(seconds / 0.005)):
         time = 0.005 * k
@@ -61,7 +68,7 @@ def write_rolling(bag: Path, seconds: float, factor: float = 1.0) -> None:
             sensor.header.stamp = from_nanoseconds(stamp)
             sensor.twist.twist.linear.x = speed
             messages.append(("/vehicle_velocity", sensor))
-    write_bag(bag, messages, {})
+    return messages
 
 
 @pytest.fixture
@@ -72,7 +79,7 @@ def car(tmp_path: Path) -> Path:
 
 
 def test_what_a_drive_tells_is_written_into_the_vehicle_file(tmp_path: Path, car: Path) -> None:
-    write_rolling(tmp_path / "bag", 40.0)
+    write_bag(tmp_path / "bag", rolling(40.0), {})
     out = tmp_path / "learned.yaml"
     # the file states 1 % and less for wheels that are 1.5 % off
     assert main(["doctor", str(tmp_path / "bag"), "--vehicle", str(car), "--write", str(out)]) in (0, 1)
@@ -85,7 +92,7 @@ def test_what_a_drive_tells_is_written_into_the_vehicle_file(tmp_path: Path, car
 
 
 def test_a_unit_is_named_in_json_and_by_the_exit_code(tmp_path: Path, car: Path) -> None:
-    write_rolling(tmp_path / "bag", 40.0, factor=-1.0 / 9.81)
+    write_bag(tmp_path / "bag", rolling(40.0, factor=-1.0 / 9.81), {})
     file = tmp_path / "findings.json"
     assert main(["doctor", str(tmp_path / "bag"), "--vehicle", str(car), "--json", str(file)]) == 1
     findings = json.loads(file.read_text())["findings"]
@@ -93,6 +100,57 @@ def test_a_unit_is_named_in_json_and_by_the_exit_code(tmp_path: Path, car: Path)
     assert of_imu["unit"]["verdict"] == "FAIL"
     assert of_imu["unit"]["sentence"].startswith("is in g")
     assert "backwards" in of_imu["sign"]["sentence"]
+
+
+def heard_by_one(publisher: Publisher) -> bool:
+    return publisher.get_subscription_count() == 1
+
+
+def test_live_topics_are_examined_as_a_bag_of_them_is(tmp_path: Path, car: Path) -> None:
+    file = tmp_path / "findings.json"
+    with dds_client() as client:
+        options = ("--live", "100", "--vehicle", str(car), "--json", str(file))
+        process = client.start("-m", "friction_bringup", "doctor", *options, "--ros-args", "-r", "__ns:=/my_car")
+        kinds = {"wheel_states": JointState, "imu/data": Imu, "vehicle_velocity": TwistWithCovarianceStamped}
+        names = {topic: f"/my_car/{topic}" for topic in kinds}
+        publishers = {
+            f"/{topic}": client.node.create_publisher(kind, names[topic], qos.ESTIMATE) for topic, kind in kinds.items()
+        }
+        for publisher in publishers.values():
+            client.until(partial(heard_by_one, publisher))
+        client.until_known_to("my_car/doctor")
+        for topic, message in rolling(20.0, factor=-1.0 / 9.81):
+            publishers[topic].publish(message)
+            client.executor.spin_once(timeout_sec=0.0)
+        output = stop(process)
+    assert process.returncode == 1, output
+    said = {(each["check"], each["subject"]): each for each in json.loads(file.read_text())["findings"]}
+    assert said[("unit", "imu/data")]["sentence"].startswith("is in g")
+    assert said[("estimator", "wheel_slip")]["verdict"] == "OK"
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason=f"{DATA} is absent (set FRICTION_DATA)")
+@pytest.mark.parametrize(
+    ("name", "file", "alarms"),
+    [
+        ("bmw", "bmw_m8_abs_stop_100hz.csv", set()),
+        # its speed is 29 ms ahead of its wheels
+        ("iac", "iac_av21_putnam_25hz.csv", {("skew", "vehicle_velocity")}),
+    ],
+)
+def test_the_measured_drives_are_sound(tmp_path: Path, name: str, file: str, alarms: set[tuple[str, str]]) -> None:
+    findings = tmp_path / "findings.json"
+    assert main(["doctor", str(DATA / file), "--map", name, "--json", str(findings)]) == int(bool(alarms))
+    said = json.loads(findings.read_text())["findings"]
+    assert {(each["check"], each["subject"]) for each in said if each["verdict"] in ("WARN", "FAIL")} == alarms
+    radii = {each["subject"]: each["value"] for each in said if each["check"] == "radius" and each["value"]}
+    for axle in ("front", "rear") if radii else ():
+        assert radii[f"{axle}_left"] == pytest.approx(radii[f"{axle}_right"], rel=3e-3)
+
+
+@pytest.mark.parametrize("given", [(), ("bag", "--live", "3"), ("--live", "0"), ("--live", "3", "--map", "bmw")])
+def test_a_drive_and_live_topics_are_one_or_the_other(car: Path, given: tuple[str, ...]) -> None:
+    assert main(["doctor", *given, "--vehicle", str(car)]) == 2
 
 
 def test_a_car_that_stands_is_no_trouble_and_no_crash(tmp_path: Path, car: Path) -> None:

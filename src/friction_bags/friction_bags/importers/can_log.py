@@ -1,4 +1,4 @@
-"""Logs of a CAN bus: BLF, ASC, candump and TRC, through python-can."""
+"""Logs of a CAN bus: BLF, ASC, candump, TRC and the CSV of python-can, through that package."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,9 +14,23 @@ from friction_runtime.processor import Output
 from vehicle_models.nanoseconds import NANOSECONDS
 
 SUFFIXES = (".asc", ".blf", ".log", ".trc")
+_CSV_BEGIN = "timestamp,arbitration_id,"
+"""Begin of the first line of a CSV file that python-can has written: one of frames, and no table."""
 START_OFFSET = 1000
 """Seconds added to the stamps of a log that begin at zero, which no stamp of a message may be."""
 _EARLIEST = 1.0
+
+
+def is_can_log(path: Path) -> bool:
+    """Whether a path is that of a CAN log.
+
+    Raises:
+        OSError: there is no such file.
+    """
+    if path.suffix.lower() != ".csv":
+        return path.suffix.lower() in SUFFIXES
+    with path.open("rb") as stream:
+        return stream.readline(200).startswith(_CSV_BEGIN.encode())
 
 
 class CanLog:
@@ -26,7 +40,7 @@ class CanLog:
         """Find the signals of the map.
 
         Args:
-            path: path of the log; its suffix, one of SUFFIXES, is its format.
+            path: path of the log, for which is_can_log holds; its suffix is its format.
             signal_map: the map.
             dbc: DBC file in place of that of the map; None for that of the map.
 

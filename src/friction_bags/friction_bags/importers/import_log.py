@@ -12,9 +12,10 @@ from friction_adapter.map_file import load_map, shipped_maps
 from friction_adapter.signal_map import SignalMap
 from friction_bags.bag_io.message_bag import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE
-from friction_bags.importers import can_log, mdf_log, ros1_log
-from friction_bags.importers.can_log import CanLog
+from friction_bags.importers import can_log, mdf_log, parquet_table, ros1_log
+from friction_bags.importers.can_log import CanLog, is_can_log
 from friction_bags.importers.mdf_log import MdfLog
+from friction_bags.importers.parquet_table import ParquetTable
 from friction_bags.importers.ros1_log import Ros1Log
 from friction_bags.importers.table import Table
 from friction_bags.mapped.mapped_bag import MappedBag
@@ -44,7 +45,8 @@ class Log(Protocol):
 def add_arguments(parser: ArgumentParser) -> None:
     """Describe the command line."""
     logs = ", ".join((*can_log.SUFFIXES, *mdf_log.SUFFIXES))
-    kinds = f"table (CSV), log ({logs}) or bag of ROS 2 or 1; the name of a shipped map may stand before it"
+    tables = f"CSV, {parquet_table.SUFFIX}"
+    kinds = f"table ({tables}), log ({logs}) or bag of ROS 2 or 1; the name of a shipped map may stand before it"
     parser.add_argument("log", nargs="+", metavar="[MAP] LOG", help=kinds)
     add_map_argument(parser)
     parser.add_argument("--dbc", type=Path, metavar="FILE", help="DBC file of a CAN log (default: that of the map)")
@@ -98,10 +100,12 @@ def open_log(path: Path, signal_map: SignalMap, dbc: Path | None) -> Log:
         OSError: there is no such file.
         ParameterError: the map does not fit the log, or a package is not installed.
     """
-    if path.suffix.lower() in can_log.SUFFIXES:
+    if is_can_log(path):
         return CanLog(path, signal_map, dbc)
     if path.suffix.lower() in mdf_log.SUFFIXES:
         return MdfLog(path, signal_map)
+    if path.suffix.lower() == parquet_table.SUFFIX:
+        return ParquetTable(path, signal_map)
     return Ros1Log(path, signal_map) if path.suffix == ros1_log.SUFFIX else Table(path, signal_map)
 
 

@@ -33,7 +33,7 @@ class Table:
             raise BagError(f"{path} is empty: its first line must name the columns")
         self._delimiter = max(_DELIMITERS, key=head.count)
         self._columns = next(csv.reader([head.lstrip("# ")], delimiter=self._delimiter))
-        self._needed = _columns_of(signal_map)
+        self._needed = columns_of(signal_map)
         self._size = max(path.stat().st_size, 1)
         self._stream: TextIO | None = None
         self._mapper = RecordMapper(signal_map, Sources(columns=self._columns))
@@ -78,8 +78,8 @@ class Table:
         return self._mapper.troubles()
 
 
-def _columns_of(signal_map: SignalMap) -> tuple[str, ...]:
-    """Return the columns that a map names, each once.
+def columns_of(signal_map: SignalMap) -> tuple[str, ...]:
+    """Return the columns of a table that a map names, each once.
 
     Raises:
         ParameterError: a row of a table has no time of arrival.

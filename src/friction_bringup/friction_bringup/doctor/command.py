@@ -3,7 +3,7 @@
 import json
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from friction_bringup.doctor.checks.accelerometer import ROADS, UNKNOWN
 from friction_bringup.doctor.drive import Drive, collect, kinds
 from friction_bringup.doctor.examine import examine, exit_code
 from friction_bringup.doctor.learned import learned_file
+from friction_bringup.doctor.live import listening
 from friction_bringup.doctor.report import as_json, print_findings
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import silent
@@ -31,7 +32,10 @@ from vehicle_models.vehicle_file import load_vehicle, vehicle_path
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options of this command."""
-    parser.add_argument("drive", type=Path, metavar="BAG|LOG", help="a bag, or with --map a log of any car")
+    parser.add_argument("drive", type=Path, nargs="?", metavar="BAG|LOG", help="a bag, or with --map a log of any car")
+    parser.add_argument(
+        "--live", type=float, metavar="SECONDS", help="the running topics in place of a drive; takes --ros-args"
+    )
     add_map_argument(parser)
     parser.add_argument("--dbc", type=Path, metavar="FILE", help="DBC file of a CAN log (default: that of the map)")
     add_vehicle_argument(parser, "that of the map, or of the bag")
@@ -40,17 +44,34 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the vehicle file with what was learned")
 
 
-def run(options: Namespace) -> int:
+def run(options: Namespace, of_ros: Sequence[str] = ()) -> int:
     """Examine a drive; return the exit code: 1 where something is to be changed.
+
+    Args:
+        options: the command line.
+        of_ros: arguments of ROS, from --ros-args on; for `--live`.
 
     Raises:
         BagError: the drive cannot be read.
-        ParameterError: map or vehicle file are bad, or what was learned is not possible for a car.
+        ParameterError: map or vehicle file are bad, what was learned is not possible for a car, or neither or both of a
+            drive and --live are given.
         OSError: a file cannot be read or written.
     """
-    drive, source = read_drive(options.drive, options.map, options.vehicle, options.dbc)
+    if (options.drive is None) == (options.live is None):
+        raise ParameterError("give a bag, a log or --live SECONDS, and one of these")
+    if options.live is None:
+        drive, source = read_drive(options.drive, options.map, options.vehicle, options.dbc)
+        return _examine(drive, source, str(options.drive), options)
+    if options.map:
+        raise ParameterError("--live hears the topics of this graph: start friction_adapter with the map beside it")
+    source = vehicle_path(options.vehicle)
+    with listening(load_vehicle(source), options.live, of_ros) as drive:
+        return _examine(drive, source, f"{options.live:g} s live", options)
+
+
+def _examine(drive: Drive, source: Path, name: str, options: Namespace) -> int:
     findings = examine(drive, options.road)
-    print_findings(f"{options.drive}: {drive.vehicle.name}", findings)
+    print_findings(f"{name}: {drive.vehicle.name}", findings)
     if options.json is not None:
         options.json.write_text(json.dumps(as_json(findings), indent=1) + "\n", encoding="utf-8")
     if options.write is not None:
@@ -76,7 +97,7 @@ def read_drive(path: Path, map_name: str, vehicle: str, dbc: Path | None) -> tup
     source = vehicle_path(signal_map.vehicle_reference)
     log = open_log(path, signal_map, dbc)
     wanted = kinds(signal_map.vehicle)
-    others: dict[str, int] = {}
+    others: set[str] = set()
 
     def of_log() -> Iterator[tuple[str, int, Any]]:
         for name, message in log.messages():
@@ -84,7 +105,7 @@ def read_drive(path: Path, map_name: str, vehicle: str, dbc: Path | None) -> tup
             if topic in wanted:
                 yield topic, to_nanoseconds(message.header.stamp), message
             else:
-                others[topic] = others.get(topic, 0) + 1
+                others.add(topic)
 
     drive = collect(signal_map.vehicle, of_log(), others)
     for text, times in log.troubles().items():
@@ -99,7 +120,7 @@ def _of_bag(reader: BagReader, vehicle: Vehicle) -> Drive:
         kind = wanted.get(topic.name.lstrip("/"))
         if kind is not None and type_name(kind) == topic.type:
             topics[topic] = kind
-    others = {topic.name.lstrip("/"): count for topic, count in reader.counts.items() if topic not in topics}
+    others = {topic.name.lstrip("/") for topic in reader.counts if topic not in topics}
 
     def messages() -> Iterator[tuple[str, int, Any]]:
         for topic, recorded, data in reader.messages(topics):

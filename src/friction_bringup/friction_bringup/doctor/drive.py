@@ -1,6 +1,6 @@
 """A drive as arrays, topic by topic, as it was recorded."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,8 +38,8 @@ class Drive:
     vehicle: Vehicle
     topics: Mapping[str, Recorded]
     """By relative topic; those without a message are not there."""
-    others: Mapping[str, int]
-    """Messages of the topics that are not looked into."""
+    others: Collection[str]
+    """Relative topics that are there too, and are not looked into."""
     strange_joints: tuple[str, ...] = ()
     """Names in wheel_states that are no wheel of the car."""
     unstamped: int = 0
@@ -57,13 +57,13 @@ def kinds(vehicle: Vehicle) -> dict[str, type]:
     return {WHEEL_STATES: JointState, IMU: Imu, SPEED: TwistWithCovarianceStamped, **pressures}
 
 
-def collect(vehicle: Vehicle, messages: Iterable[tuple[str, int, Any]], others: Mapping[str, int]) -> Drive:
+def collect(vehicle: Vehicle, messages: Iterable[tuple[str, int, Any]], others: Collection[str]) -> Drive:
     """Make a drive of messages.
 
     Args:
         vehicle: the car.
         messages: relative topic of `kinds`, time of arrival [ns], message.
-        others: number of messages of the topics besides these.
+        others: relative topics besides these; it is read after the messages.
     """
     rows: dict[str, list[tuple[int, int, list[float]]]] = {}
     strange: dict[str, None] = {}
@@ -78,7 +78,7 @@ def collect(vehicle: Vehicle, messages: Iterable[tuple[str, int, Any]], others: 
         rows.setdefault(topic, []).append((stamp, arrival, _values(topic, message, vehicle)))
     start = min((row[0][0] for row in rows.values()), default=0)
     found = {topic: _recorded(of_topic, start) for topic, of_topic in rows.items()}
-    return Drive(vehicle, found, dict(others), tuple(strange), unstamped)
+    return Drive(vehicle, found, frozenset(others), tuple(strange), unstamped)
 
 
 def _values(topic: str, message: Any, vehicle: Vehicle) -> list[float]:

@@ -4,9 +4,11 @@ from friction_bringup.doctor.checks import (
     accelerometer,
     brakes,
     estimators,
+    exchanged,
     radii,
     resolution,
     speed_sensor,
+    teeth,
     topics,
     units,
     wheel_signals,
@@ -27,6 +29,7 @@ def examine(drive: Drive, road: str = accelerometer.UNKNOWN) -> list[Finding]:
     findings += found
     found, motion = units.check(drive, motion)
     findings += found
+    findings += [*exchanged.check(drive, motion), *teeth.check(drive, motion)]
     found, motion = radii.check(drive, motion)
     findings += found
     findings += speed_sensor.check(drive, motion)

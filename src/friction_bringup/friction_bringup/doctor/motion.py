@@ -21,6 +21,12 @@ _SMOOTH = 0.1
 """Half of the time [s] over which accelerations are taken."""
 _ROLLS = 3.0
 """Speed above which the wheels are judged [m/s]."""
+_SLIDES = 0.06
+"""Share by which a wheel that slides, and hardly one that grips in a curve, leaves its usual ratio to the others."""
+_LASTS = 0.15
+"""Time over which that is looked at [s]."""
+_SELDOM = 0.2
+"""Share of the time beyond which a wheel that does so has a bad signal."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +62,17 @@ class Motion:
 
     @property
     def moving(self) -> NDArrayBool:
-        """Where the car rolls faster than 3 m/s, (N,)."""
-        return np.nan_to_num(self.speed) > _ROLLS
+        """Where the car rolls faster than 3 m/s and no wheel slides, (N,)."""
+        speed = self.speed
+        rolls = np.nan_to_num(speed) > _ROLLS
+        if not rolls.any():
+            return rolls
+        # a tooth that is missing is no slide, which lasts
+        ratios = self.smooth(self.rims, _LASTS)[rolls] / self.smooth(speed, _LASTS)[rolls, None]
+        far = np.abs(ratios - median_known(ratios.T)[None, :]) > _SLIDES
+        slides = np.zeros_like(rolls)
+        slides[rolls] = far[:, far.mean(axis=0) < _SELDOM].any(axis=1)
+        return rolls & ~spread(slides, round(0.3 / self.step))
 
     @property
     def braking(self) -> NDArrayBool:

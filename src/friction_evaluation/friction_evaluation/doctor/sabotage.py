@@ -1,6 +1,6 @@
 """Troubles that are put into a sound drive, and what the doctor has to name them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -55,6 +55,24 @@ def _copied(topic: str, source: int, target: int) -> Change:
     return _edit(topic, edit)
 
 
+def _exchanged(order: Sequence[int]) -> Change:
+    return _edit(WHEEL_STATES, lambda r: replace(r, values=r.values[:, order]))
+
+
+def _lacking_teeth(wheel: int, missing: int, teeth: int) -> Change:
+    """Once a revolution the edges of some teeth do not come, and the speed of that sample lacks their angle."""
+
+    def edit(recorded: Recorded) -> Recorded:
+        values = recorded.values.copy()
+        steps = np.diff(recorded.stamp, prepend=2.0 * recorded.stamp[0] - recorded.stamp[1])
+        turns = np.cumsum(values[:, wheel] * steps) / (2.0 * np.pi)
+        gaps = np.diff(np.floor(turns), prepend=0.0)
+        values[:, wheel] -= gaps * missing * 2.0 * np.pi / teeth / steps
+        return replace(recorded, values=values)
+
+    return _edit(WHEEL_STATES, edit)
+
+
 def _pressures(change: Callable[[str], Change]) -> Change:
     def edit(drive: Drive) -> Drive:
         for name in drive.vehicle.wheel_names:
@@ -98,6 +116,9 @@ TROUBLES: dict[str, Trouble] = {
         ),
         Trouble("wheel copied", _copied(WHEEL_STATES, 0, 1), "duplicate", "front_right", "front_left"),
         Trouble("wheel stuck", _column(WHEEL_STATES, 3, lambda v: 7.0 + 0.0 * v), "wheel", "rear_right", "never"),
+        Trouble("front wheels exchanged", _exchanged([1, 0, 2, 3]), "exchanged", "front_left", "front_right"),
+        Trouble("axles exchanged", _exchanged([2, 3, 0, 1]), "exchanged", WHEEL_STATES, "front and rear"),
+        Trouble("a tooth missing", _lacking_teeth(2, 1, 48), "teeth", "rear_left", "once in every revolution"),
         Trouble(
             "radius -3 %", _scaled(WHEEL_STATES, np.array([1.0 / 0.97, 1.0, 1.0, 1.0])), "radius", "front_left", "-"
         ),
@@ -142,5 +163,7 @@ PAIRS = (
     ("pressure backwards", "wheels in m/s"),
     ("stamps go back", "radius +2 %"),
     ("pressure that does not brake", "accelerometer in g"),
+    ("front wheels exchanged", "pressure 60 ms late"),
+    ("a tooth missing", "wheels in km/h"),
 )
 """Pairs of troubles."""

@@ -23,8 +23,8 @@ ROADS = (UNKNOWN, FLAT, CIRCUIT)
 _AGE_FLOOR = 1.5e-3
 """Deviation of an age [s] that the transient of the pitch leaves."""
 _SCALE_FLOOR = 0.004
-WHEEL_LAG = 1.5e-3
-"""Time by which a free wheel follows the car, and a tyre's force its brake [s]: inertia over slip stiffness."""
+_STIFFNESS = 25.0
+"""Slip stiffness of a common tyre over its load."""
 
 
 def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift | None]:
@@ -55,7 +55,20 @@ def against_wheels(drive: Drive, motion: Motion) -> Shift | None:
     if found is None or not found.gain > 0.0:
         return None
     scale = 1.0 / found.gain
-    return Shift(WHEEL_LAG - found.late, found.late_stddev, scale, scale * found.gain_stddev / found.gain)
+    return Shift(
+        wheel_lag(drive, motion) - found.late, found.late_stddev, scale, scale * found.gain_stddev / found.gain
+    )
+
+
+def wheel_lag(drive: Drive, motion: Motion) -> float:
+    """Return the time by which a free wheel follows the car, and a tyre's force its brake [s].
+
+    J v / (r^2 C) with the slip stiffness C [N]: the slip that turns the wheel faster has to build up.
+    """
+    vehicle = drive.vehicle
+    load = GRAVITY * vehicle.mass / len(vehicle.wheels)
+    inertia = float(np.mean([wheel.inertia / wheel.radius**2 for wheel in vehicle.wheels]))
+    return inertia * float(np.median(motion.speed[motion.moving])) / (_STIFFNESS * load)
 
 
 def age_of_teeth(drive: Drive, motion: Motion) -> float:

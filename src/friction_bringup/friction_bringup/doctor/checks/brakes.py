@@ -10,7 +10,7 @@ from math import hypot, isfinite, log
 
 import numpy as np
 
-from friction_bringup.doctor.checks.accelerometer import WHEEL_LAG, age_of_teeth, without_pitch
+from friction_bringup.doctor.checks.accelerometer import age_of_teeth, wheel_lag, without_pitch
 from friction_bringup.doctor.drive import Array, Drive, pressure_topic
 from friction_bringup.doctor.finding import Finding, Verdict, against_file, failure
 from friction_bringup.doctor.motion import Motion, NDArrayBool, pressure_threshold
@@ -24,6 +24,8 @@ _NEAR = log(2.5)
 _AGE_FLOOR = 1.5e-3
 _GAIN_FLOOR = 0.005
 _FADED = 0.08
+_FADE_ENDS = (0.15, 0.3, 0.5, 1.0)
+"""Shares of the work of the drive after which the gain falls no more."""
 _BRAKES = -1.0
 """Acceleration of a car that surely brakes [m/s^2]."""
 
@@ -118,7 +120,7 @@ def _ages(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
     vehicle = drive.vehicle
     stated = stated_deviation(vehicle.deviations, "brake_pressure_delay")
     found = []
-    of_wheels = age_of_teeth(drive, motion)
+    of_wheels, lag = age_of_teeth(drive, motion), wheel_lag(drive, motion)
     for i in sound:
         topic = pressure_topic(vehicle.wheel_names[i])
         # how much later the accelerometer is than this pressure, and than the wheels
@@ -127,7 +129,7 @@ def _ages(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
             text = f"age cannot be told from {len(where)} brakings"
             found.append(Finding("skew", topic, Verdict.NOTE, text, remedy="brake more often, with a quick foot"))
             continue
-        age = accelerometer.late - (compared.late - WHEEL_LAG)
+        age = accelerometer.late - (compared.late - lag)
         doubt = hypot(hypot(accelerometer.late_stddev, compared.late_stddev), _AGE_FLOOR)
         delay = vehicle.brake_pressure_delay
         verdict = against_file(age, hypot(doubt, of_wheels), delay, stated, 6e-3)
@@ -166,7 +168,7 @@ def _gain(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
 
 
 def _fade(motion: Motion, expected: Array, whole: Shift, where: list[slice]) -> list[Finding]:
-    """Line of the gain over the work of the brakes so far."""
+    """Gain over the work of the brakes so far: a line to some share of it, as pads that are hot fade no more."""
     work = np.cumsum(np.nan_to_num(np.clip(expected, 0.0, None) * motion.speed)) * motion.step
     rows = []
     for part in where:
@@ -179,18 +181,23 @@ def _fade(motion: Motion, expected: Array, whole: Shift, where: list[slice]) -> 
     if len(rows) < 5:
         return [Finding("fade", "brakes", Verdict.NOTE, f"cannot be told from {len(rows)} brakings")]
     at, gain, weight = np.array(rows).T
-    design = np.column_stack([np.ones_like(at), (at - at.min()) / max(float(np.ptp(at)), 1e-9)])
+    done = (at - at.min()) / max(float(np.ptp(at)), 1e-9)
+    root = np.sqrt(weight)
 
-    def fit(keep: NDArrayBool) -> Array:
-        root = np.sqrt(weight[keep])
-        return np.asarray(np.linalg.lstsq(design[keep] * root[:, None], gain[keep] * root, rcond=None)[0])
+    def lost(end: float, keep: NDArrayBool) -> tuple[float, float]:
+        """Share of the gain that is lost until `end` of the work, and what is left unexplained."""
+        design = np.column_stack([np.ones_like(done), np.minimum(done / end, 1.0)])[keep] * root[keep, None]
+        aim = gain[keep] * root[keep]
+        (first, change), *_ = np.linalg.lstsq(design, aim, rcond=None)
+        return -float(change / first), float(((aim - design @ (first, change)) ** 2).sum())
 
-    first, change = fit(np.ones(at.size, dtype=bool))
-    without = np.array([(lambda c: c[1] / c[0])(fit(np.arange(at.size) != k)) for k in range(at.size)])
-    lost, doubt = -float(change / first), float(np.sqrt((at.size - 1) * np.var(without)))
-    faded = lost > max(_FADED, 3.0 * doubt)
-    text = f"loses {100.0 * lost:.0f} % of the gain between the first and the last braking"
+    every = np.ones(at.size, dtype=bool)
+    end = min(_FADE_ENDS, key=lambda each: lost(each, every)[1])
+    share, _ = lost(end, every)
+    without = [lost(end, np.arange(at.size) != k)[0] for k in range(at.size)]
+    doubt = float(np.sqrt((at.size - 1) * np.var(without)))
+    faded = share > max(_FADED, 3.0 * doubt)
+    text = f"loses {100.0 * share:.0f} % of the gain as the brakes get hot"
     remedy = "drive with cool brakes, or take the mean gain with a wider deviation" if faded else ""
-    return [
-        Finding("fade", "brakes", Verdict.WARN if faded else Verdict.OK, text, 100.0 * lost, 100.0 * doubt, "%", remedy)
-    ]
+    verdict = Verdict.WARN if faded else Verdict.OK
+    return [Finding("fade", "brakes", verdict, text, 100.0 * share, 100.0 * doubt, "%", remedy)]

@@ -1,25 +1,18 @@
 """Radii of the wheels while nothing but the engine drives or drags them.
 
-A driven wheel slips by the force it carries: its rim over those of the others is a line over that force where it is
-small, and its value without force is the ratio of the radii. In curves the wheels of a side share a sign that changes,
-and that is smaller the faster the car is: a sample counts with the fourth power of its speed. The common radius is that
-of the speed sensor; without one the wheels keep their median, whose deviation is that of the file.
+The common radius is that of the speed sensor; without one the wheels keep their median, whose deviation is that of the
+file.
 """
 
 import numpy as np
 
-from friction_bringup.doctor.drive import Array, Drive
+from friction_bringup.doctor.drive import Drive
 from friction_bringup.doctor.finding import Finding, Verdict, against_file
 from friction_bringup.doctor.motion import Motion
-from vehicle_models.single_corner import GRAVITY
+from friction_bringup.doctor.rolling import LEAST, rolling_of
 from vehicle_models.stated_deviations import stated_deviation
-from vehicle_models.vehicle import AIR_DENSITY, Deviations, SharedBy
+from vehicle_models.vehicle import Deviations, SharedBy
 
-_LEAST = 4.0
-"""Rolling time [s] below which there is no answer."""
-_BLOCK = 0.5
-_PARTS = 10
-_GENTLE = 2.5
 _FLOOR = 5e-4
 """Deviation of a ratio of radii that no drive undercuts: wear, load and temperature within it."""
 _UNEQUAL = 0.01
@@ -29,26 +22,11 @@ _UNEQUAL = 0.01
 def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
     """Return the findings, and the motion with the radii that were learned."""
     vehicle = drive.vehicle
-    speed, rate = motion.speed, motion.rate
-    with np.errstate(invalid="ignore", divide="ignore"):
-        use = motion.moving & ~motion.braking & (np.abs(rate) < _GENTLE) & np.isfinite(motion.rims).all(axis=1)
-        use &= speed > 5.0
-        has_sensor = bool((np.isfinite(motion.measured) & use).sum() * motion.step > _LEAST)
-        reference = motion.measured if has_sensor else motion.rims.mean(axis=1)
-        ratios = motion.rims / reference[:, None]
-        resistance = (
-            GRAVITY * vehicle.rolling_resistance + 0.5 * AIR_DENSITY * vehicle.drag_area * speed**2 / vehicle.mass
-        )
-        force = motion.smooth(motion.force, 0.2)
-        known = use & np.isfinite(force)
-        if known.any():  # it feels the hills, and its offset does not matter here
-            use, rate = known, force - np.median((force - rate)[known & np.isfinite(rate)])
-        load = rate + resistance
-    blocks = _blocks(np.column_stack([ratios, load, speed]), use, max(round(_BLOCK / motion.step), 2))
-    if blocks.shape[0] * _BLOCK < _LEAST:
-        text = f"cannot be told: {blocks.shape[0] * _BLOCK:.1f} s of rolling above 5 m/s, {_LEAST:.0f} s needed"
+    rolling = rolling_of(drive, motion)
+    if rolling is None:
+        text = f"cannot be told: less than {LEAST:.0f} s of rolling above 5 m/s"
         return [Finding("radius", "all", Verdict.NOTE, text, remedy="roll without braking")], motion
-    free, stddev = _without_force(blocks)
+    free, stddev, has_sensor = rolling.ratio, rolling.ratio_stddev, rolling.by_sensor
     driven = [wheel.driven for wheel in vehicle.wheels]
     if not has_sensor:
         free = free / np.median(free)  # one wheel that is far off does not move the others
@@ -82,32 +60,3 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
 def _is_own(deviations: Deviations) -> bool:
     found = deviations.get("radius")
     return found is not None and found.shared_by is not SharedBy.ALL
-
-
-def _blocks(columns: Array, use: np.ndarray, width: int) -> Array:
-    count = columns.shape[0] // width
-    kept = np.where(use[:, None], columns, np.nan)[: count * width]
-    means = kept.reshape(count, width, -1).mean(axis=1)
-    return np.asarray(means[np.isfinite(means).all(axis=1)])
-
-
-def _without_force(blocks: Array) -> tuple[Array, Array]:
-    """Return ratio without force and its deviation of each wheel, by lines over the force, each part left out once."""
-    ratios, load, speed = blocks[:, :-2], blocks[:, -2], blocks[:, -1]
-    middle = np.median(ratios, axis=0)
-    near = (np.abs(ratios - middle) < 0.06).all(axis=1)
-    ratios, load, weight = ratios[near], load[near], speed[near] ** 4 / (1.0 + load[near] ** 2)
-    design = np.column_stack([np.ones_like(load), load])
-    parts = np.arange(load.size) * _PARTS // max(load.size, 1)
-
-    def fit(rows: np.ndarray) -> Array:
-        root = np.sqrt(weight[rows])
-        # a drive at one force says nothing of its effect: a stiff tyre's 0.3 % for 1 m/s^2 is the prior of the slope
-        prior = np.array([[0.0, 1e-2 * root.sum()]])
-        a = np.vstack([design[rows] * root[:, None], prior])
-        b = np.vstack([ratios[rows] * root[:, None], np.zeros((1, ratios.shape[1]))])
-        return np.asarray(np.linalg.lstsq(a, b, rcond=None)[0][0])
-
-    whole = fit(np.ones(load.size, dtype=bool))
-    without = np.array([fit(parts != k) for k in range(_PARTS)])
-    return whole, np.sqrt((_PARTS - 1) * np.var(without, axis=0))

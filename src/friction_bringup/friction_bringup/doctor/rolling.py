@@ -1,0 +1,89 @@
+"""Wheels while nothing but the engine drives or drags them.
+
+A driven wheel slips by the force it carries: its rim over those of the others is a line over that force where it is
+small, and its value without force is the ratio of the radii. In curves the wheels of a side share a sign that changes,
+and that is smaller the faster the car is: a sample counts with the fourth power of its speed.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_bringup.doctor.drive import Array, Drive
+from friction_bringup.doctor.motion import Motion
+from vehicle_models.single_corner import GRAVITY
+from vehicle_models.vehicle import AIR_DENSITY
+
+LEAST = 4.0
+"""Rolling time [s] below which there is no answer."""
+_BLOCK = 0.5
+_PARTS = 10
+_GENTLE = 2.5
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """Rim of each of n wheels over the speed of the car."""
+
+    ratio: Array
+    """Without force, (n,)."""
+    ratio_stddev: Array
+    force_slip: Array
+    """Change with the force that accelerates the car and overcomes its resistance, over its mass [s^2/m], (n,)."""
+    force_slip_stddev: Array
+    by_sensor: bool
+    """Whether the speed is that of a sensor; else the mean of the rims."""
+
+
+def rolling_of(drive: Drive, motion: Motion) -> Rolling | None:
+    """Return the wheels as they roll; None where they do so for less than LEAST."""
+    vehicle = drive.vehicle
+    speed, rate = motion.speed, motion.rate
+    with np.errstate(invalid="ignore", divide="ignore"):
+        use = motion.moving & ~motion.braking & (np.abs(rate) < _GENTLE) & np.isfinite(motion.rims).all(axis=1)
+        use &= speed > 5.0
+        by_sensor = bool((np.isfinite(motion.measured) & use).sum() * motion.step > LEAST)
+        reference = motion.measured if by_sensor else motion.rims.mean(axis=1)
+        ratios = motion.rims / reference[:, None]
+        resistance = (
+            GRAVITY * vehicle.rolling_resistance + 0.5 * AIR_DENSITY * vehicle.drag_area * speed**2 / vehicle.mass
+        )
+        force = motion.smooth(motion.force, 0.2)
+        known = use & np.isfinite(force)
+        if known.any():  # it feels the hills, and its offset does not matter here
+            use, rate = known, force - np.median((force - rate)[known & np.isfinite(rate)])
+        load = rate + resistance
+    blocks = _blocks(np.column_stack([ratios, load, speed]), use, max(round(_BLOCK / motion.step), 2))
+    if blocks.shape[0] * _BLOCK < LEAST:
+        return None
+    line, stddev = _lines(blocks)
+    return Rolling(line[0], stddev[0], line[1], stddev[1], by_sensor)
+
+
+def _blocks(columns: Array, use: np.ndarray, width: int) -> Array:
+    count = columns.shape[0] // width
+    kept = np.where(use[:, None], columns, np.nan)[: count * width]
+    means = kept.reshape(count, width, -1).mean(axis=1)
+    return np.asarray(means[np.isfinite(means).all(axis=1)])
+
+
+def _lines(blocks: Array) -> tuple[Array, Array]:
+    """Return ratio without force and its change with force of each wheel, (2, n), and their deviations."""
+    ratios, load, speed = blocks[:, :-2], blocks[:, -2], blocks[:, -1]
+    middle = np.median(ratios, axis=0)
+    near = (np.abs(ratios - middle) < 0.06).all(axis=1)
+    ratios, load, weight = ratios[near], load[near], speed[near] ** 4 / (1.0 + load[near] ** 2)
+    design = np.column_stack([np.ones_like(load), load])
+    parts = np.arange(load.size) * _PARTS // max(load.size, 1)
+
+    def fit(rows: np.ndarray) -> Array:
+        root = np.sqrt(weight[rows])
+        # a drive at one force says nothing of its effect: a stiff tyre's 0.3 % for 1 m/s^2 is the prior of the slope
+        prior = np.array([[0.0, 1e-2 * root.sum()]])
+        a = np.vstack([design[rows] * root[:, None], prior])
+        b = np.vstack([ratios[rows] * root[:, None], np.zeros((1, ratios.shape[1]))])
+        return np.asarray(np.linalg.lstsq(a, b, rcond=None)[0])
+
+    whole = fit(np.ones(load.size, dtype=bool))
+    without = np.array([fit(parts != k) for k in range(_PARTS)])
+    return whole, np.sqrt((_PARTS - 1) * np.var(without, axis=0))
