@@ -1,5 +1,6 @@
 """The report: one page that opens offline, and the figures that only it draws."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from matplotlib.figure import Figure
 from friction_evaluation.report import friction_samples
 from friction_evaluation.report import part as report
 from friction_evaluation.report.page import Picture, Section, Table, page
+from friction_evaluation.report.verdicts import close
 from friction_evaluation.rows import Row
 from friction_parameters.parameter import ParameterError
 from vehicle_models import burckhardt
@@ -21,13 +23,36 @@ def test_page_holds_its_pictures_and_needs_no_network(tmp_path: Path) -> None:
     figure.subplots().plot([0, 1])
     figure.savefig(file)
     tables = [Table("numbers & <units>", [{"a": 1.23456, "b": float("nan")}, {"a": 2, "c": "x"}])]
-    html = page("Title", "one\n\ntwo", [Section("key", "Part", "text", tables, [Picture("seen", file)])])
+    html = page("Title", "one\n\ntwo", [Section("key", "Part", "text", tables, [Picture("seen", file)])], {})
     file.unlink()
     assert 'src="data:image/png;base64,' in html
     assert "http" not in html
     assert "<p>one</p><p>two</p>" in html
     assert "numbers &amp; &lt;units&gt;" in html
-    assert "<td>1.235</td><td>–</td><td></td>" in html
+    cells = [f'<td class="number">{text}</td>' for text in ("1.235", "–", "")]
+    assert "".join(cells) in html
+
+
+def test_pictures_of_one_fold_and_folded_tables_open_on_request(tmp_path: Path) -> None:
+    file = tmp_path / "a.png"
+    file.write_bytes(b"picture")
+    pictures = [Picture("first", file), Picture("second", file, "other roads"), Picture("third", file, "other roads")]
+    html = page("Title", "", [Section("key", "Part", "", [Table("rows", [{"a": 1}], folded=True)], pictures)], {})
+    assert html.count("<details>") == 2
+    assert "<details><summary>rows</summary>" in html
+    assert html.index("other roads") > html.index("first")
+    assert html.count("other roads") == 1
+
+
+def test_page_begins_with_the_verdicts_of_all_sections_and_their_count(tmp_path: Path) -> None:
+    verdicts = [close("Table 8.2", "slip of the peak", 0.17, 0.5, 0.05, "the road is another")]
+    html = page("Title", "", [Section("a", "A", "", verdicts=verdicts), Section("b", "B", "text")], {"v": "speed"})
+    assert (
+        html.index("differs</b> because the road is another")
+        < html.index("<dt>v</dt><dd>speed")
+        < html.index(">A</h2>")
+    )
+    assert "0 agrees, 1 differs, 0 not public" in html
 
 
 def test_friction_samples_overshoot_the_curve_but_keep_the_abscissa_of_its_peak() -> None:
@@ -45,9 +70,8 @@ def test_sections_go_to_the_page_and_their_rows_to_results(tmp_path: Path, monke
     monkeypatch.setattr(report, "_sections", lambda *_arguments, **_options: [lambda: section])
     (row,) = report.rows_of("report", "--out", str(tmp_path), "--effort", "0.01")
     assert row == {"section": "Slope", "tables": 1, "rows": 1, "figures": 0}
-    assert (tmp_path / "results.json").read_text() == (
-        '{\n "slope": {\n  "delay": [\n   {\n    "delay": "inf"\n   }\n  ]\n }\n}\n'
-    )
+    results = json.loads((tmp_path / "results.json").read_text())
+    assert results == {"verdicts": [], "slope": {"delay": [{"delay": "inf"}]}}
     assert "Slope" in (tmp_path / "index.html").read_text()
 
 

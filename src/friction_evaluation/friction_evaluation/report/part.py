@@ -18,6 +18,8 @@ from friction_evaluation.closed_loop import state_machine_figure
 from friction_evaluation.parts import part
 from friction_evaluation.report import friction_samples, slope, speed, texts
 from friction_evaluation.report.page import Picture, Section, Table, page
+from friction_evaluation.report.symbols import SYMBOLS
+from friction_evaluation.report.verdicts import rows as verdict_rows
 from friction_evaluation.rows import Row, plain
 from friction_parameters.command_line import positive
 from friction_parameters.parameter import ParameterError
@@ -60,8 +62,9 @@ def run(options: argparse.Namespace) -> list[Row]:
 
 
 def _write(out: Path, made: Sequence[Section]) -> None:
-    (out / "index.html").write_text(page(texts.TITLE, texts.INTRODUCTION, made), encoding="utf-8")
-    results = {s.key: {table.caption: [plain(row) for row in table.rows] for table in s.tables} for s in made}
+    (out / "index.html").write_text(page(texts.TITLE, texts.INTRODUCTION, made, SYMBOLS), encoding="utf-8")
+    results: dict[str, object] = {"verdicts": verdict_rows([verdict for s in made for verdict in s.verdicts])}
+    results |= {s.key: {table.caption: [plain(row) for row in table.rows] for table in s.tables} for s in made}
     (out / "results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
 
 

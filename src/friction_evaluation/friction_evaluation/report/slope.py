@@ -18,6 +18,7 @@ from friction_evaluation.slope.detection import METHODS, detect, shipped_setting
 from friction_evaluation.slope.runs import Run, through_the_peak
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE
+from vehicle_models.surfaces import surface
 
 Array = NDArray[np.float64]
 
@@ -101,7 +102,7 @@ def _draw_loop(road: str, file: Path) -> None:
     figure = Figure(figsize=(8.0, 6.0), layout="constrained")
     axes = figure.subplots(3, 1, sharex=True)
     axes[0].plot(time, slip, label="slip, true")
-    axes[0].axhline(float(burckhardt.peak(plant.theta)[0]), color="k", linestyle="--", label="lambda_max, true")
+    axes[0].axhline(float(burckhardt.peak(surface(road))[0]), color="k", linestyle="--", label="lambda_max, true")
     axes[0].set(ylabel="slip [-]")
     axes[1].step(time, commands, where="post", label="command: 0 none, 1 increase, 3 decrease")
     axes[1].set(ylabel="command [-]")
