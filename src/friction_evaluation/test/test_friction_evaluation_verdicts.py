@@ -1,11 +1,22 @@
 """A verdict follows from numbers: a wrong one turns it, and none is without place, statement, result and reason."""
 
-import numpy as np
+from math import nan
+
 import pytest
 
-from friction_evaluation.report.verdicts import Judgement, Verdict, claim, close, counts, not_public, rows, single_run
+from friction_evaluation.report.verdicts import (
+    Judgement,
+    Spread,
+    Verdict,
+    claim,
+    close,
+    counts,
+    not_public,
+    rows,
+    single_run,
+)
 
-RUNS = np.linspace(0.0, 10.0, 101)
+RUNS = Spread(0.5, 5.0, 9.5)
 
 
 @pytest.mark.parametrize(("number", "judgement"), [(5.0, Judgement.AGREES), (9.9, Judgement.DIFFERS)])
@@ -15,14 +26,14 @@ def test_a_single_run_agrees_only_among_the_middle_of_our_runs(number: float, ju
 
 def test_one_number_of_several_that_lies_outside_turns_the_verdict() -> None:
     assert single_run("Table 8.4", "errors", [5.0, 5.0], [RUNS, RUNS], "drives").judgement is Judgement.AGREES
-    turned = single_run("Table 8.4", "errors", [5.0, 5.0], [RUNS, RUNS + 20.0], "drives")
+    turned = single_run("Table 8.4", "errors", [5.0, 5.0], [RUNS, Spread(20.5, 25.0, 29.5)], "drives")
     assert (turned.judgement, turned.because) == (Judgement.DIFFERS, "drives")
     assert turned.ours == "5 (0.5 to 9.5); 25 (20.5 to 29.5)"
 
 
 def test_runs_that_gave_nothing_bear_nothing_out() -> None:
-    none = single_run("Table 8.2", "error", [5.0], [np.full(3, np.nan)], "all failed")
-    assert (none.judgement, none.ours) == (Judgement.DIFFERS, "no run gave one")
+    none = single_run("Table 8.2", "error", [5.0], [Spread(nan, nan, nan)], "all failed")
+    assert (none.judgement, none.ours) == (Judgement.DIFFERS, "– (– to –)")
 
 
 @pytest.mark.parametrize(("ours", "judgement"), [(104.0, Judgement.AGREES), (106.0, Judgement.DIFFERS)])

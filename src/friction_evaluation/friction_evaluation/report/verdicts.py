@@ -8,14 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-
-import numpy as np
-from numpy.typing import ArrayLike
+from typing import NamedTuple
 
 from friction_evaluation.rows import Row, as_text
-
-_RUNS = (5.0, 95.0)
-"""Percentiles of our runs between which a number of a single run may lie."""
 
 
 class Judgement(Enum):
@@ -53,28 +48,28 @@ class Verdict:
             raise ValueError(f"a reason belongs to a verdict that is not '{Judgement.AGREES.value}': {self}")
 
 
-def single_run(
-    place: str, statement: str, chapter: Sequence[float], ours: Sequence[ArrayLike], because: str
-) -> Verdict:
+class Spread(NamedTuple):
+    """Middle 90 % of our runs, and their median; NaN where no run gave a number."""
+
+    low: float
+    median: float
+    high: float
+
+
+def single_run(place: str, statement: str, chapter: Sequence[float], ours: Sequence[Spread], because: str) -> Verdict:
     """Judge numbers of single runs [%]: each must lie among the middle 90 % of our runs.
 
     Args:
         place: in the chapter.
         statement: what the numbers are.
         chapter: its numbers.
-        ours: for each of them our runs, shape (runs,); NaN is a run that gave none.
+        ours: for each of them our runs.
         because: the reason, should one lie outside.
     """
-    texts, inside = [], True
-    for number, runs in zip(chapter, ours, strict=True):
-        known = np.asarray(runs, dtype=np.float64)
-        known = known[np.isfinite(known)]
-        if not known.size:
-            return _judged(place, statement, _numbers(chapter), "no run gave one", False, because)
-        low, high = np.percentile(known, _RUNS)
-        inside &= bool(low <= number <= high)
-        texts.append(f"{as_text(float(np.median(known)))} ({as_text(float(low))} to {as_text(float(high))})")
-    return _judged(place, statement, _numbers(chapter), "; ".join(texts), inside, because)
+    inside = all(runs.low <= number <= runs.high for number, runs in zip(chapter, ours, strict=True))
+    texts = (f"{as_text(runs.median)} ({as_text(runs.low)} to {as_text(runs.high)})" for runs in ours)
+    numbers = "; ".join(as_text(float(value)) for value in chapter)
+    return _judged(place, statement, numbers, "; ".join(texts), inside, because)
 
 
 def close(place: str, statement: str, chapter: float, ours: float, within: float, because: str) -> Verdict:
@@ -116,7 +111,3 @@ def counts(verdicts: Sequence[Verdict]) -> str:
 def _judged(place: str, statement: str, chapter: str, ours: str, agrees: bool, because: str) -> Verdict:
     judgement = Judgement.AGREES if agrees else Judgement.DIFFERS
     return Verdict(place, statement, chapter, ours, judgement, "" if agrees else because)
-
-
-def _numbers(values: Sequence[float]) -> str:
-    return "; ".join(as_text(float(value)) for value in values)
