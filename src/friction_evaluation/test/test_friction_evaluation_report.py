@@ -52,7 +52,7 @@ def test_page_begins_with_the_verdicts_of_all_sections_and_their_count(tmp_path:
         < html.index("<dt>v</dt><dd>speed")
         < html.index(">A</h2>")
     )
-    assert "0 agrees, 1 differs, 0 not public" in html
+    assert "0 agree, 1 differ, 0 not public" in html
 
 
 def test_friction_samples_overshoot_the_curve_and_are_highest_near_its_peak_only_at_the_load_as_it_is() -> None:

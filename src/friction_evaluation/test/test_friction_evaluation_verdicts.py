@@ -64,5 +64,5 @@ def test_a_verdict_that_leaves_a_question_open_is_refused(values: tuple[str, str
 
 def test_verdicts_are_counted_by_kind_and_given_as_rows() -> None:
     found = [not_public("8.2.3", "drives", "no data"), close("8.2.3", "slip", 1.0, 1.0, 0.1, "cause")]
-    assert counts(found) == "1 agrees, 0 differs, 1 not public"
+    assert counts(found) == "1 agree, 0 differ, 1 not public"
     assert [row["verdict"] for row in rows(found)] == ["not public", "agrees"]

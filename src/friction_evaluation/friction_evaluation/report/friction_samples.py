@@ -30,7 +30,8 @@ _TEXT = f"""Friction samples of a front wheel, from wheel speed and brake torque
 slip, on the driver's stop of a car with a relaxation length of {as_text(VEHICLE.wheel(WHEEL).relaxation_length)} m
 and a body that pitches at {VEHICLE.pitch_frequency} Hz with a damping of {VEHICLE.pitch_damping}. They begin below
 the theoretical curve, as the tyre follows the slip, and overshoot it, as the load still swings when the slip has
-passed the peak. 
+passed the peak.
+
 The chapter says that lambda_max hardly moves by that. In these stops it does: samples made with the load at rest are
 highest where the load is, far beyond the peak of the curve. With the load that follows from the measured acceleration
 the highest friction is near lambda_max again (rows below). This is why friction_slope and the method car take the

@@ -34,15 +34,18 @@ PRINTED = {
 }
 """Columns of the table, and the variant of each."""
 _FIRST_SEED = 40_000
+_SHOWN = (0.4, 2.2)
+"""Time of a stop in the figures [s]."""
 _TEXT = """The chapter's test drives are not public: these are simulated stops on roads with its lambda_max
 (0.1 and 0.13) and with the noise of section 8.3.2. The figures show a driver's stop of a car with load transfer,
 springs and tyres that relax. The table is of one corner whose torque is built up in 0.25 s, held until twice
-lambda_max and released. 
+lambda_max and released.
+
 What friction_slope ships has a dead zone for the slip rate, leaves out the interval of (8.6), and waits for slip that
 grows beyond the noise; the slip at a crossing is compensated for the delay of the filter. So both equations detect
 together, at the peak or a little after it. The printed equations have one negative threshold (here -15 rad/s^3) and
-nothing else. They come to the chapter's means, which lie before the peak of its high-grip road, where a part of the
-detections is early: right at the onset, as long as slip rate and eta are noise (a torque threshold of 30 N m), or
+nothing else. They come nearer to the chapter's means, which lie before the peak of its high-grip road, where a
+part of the detections is early: right at the onset, as long as slip rate and eta are noise (a torque threshold of 30 N m), or
 before the peak, where H of a short window falls below the threshold by its noise. The column "early" counts both."""
 
 
@@ -112,7 +115,8 @@ def _draw_detection(runs: Mapping[str, StopRun], column: int, file: Path) -> Non
         bottom.step(run.truth.time, run.signs[:, column], where="post", label="estimated (0: not known)")
         bottom.step(run.truth.time, sign, "k--", where="post", linewidth=0.8, label="true")
         bottom.set(xlabel="time [s]", ylabel="sign of the slope", yticks=(-1, 0, 1))
-        bottom.legend(loc="lower left", fontsize="small")
+        bottom.set_xlim(_SHOWN)
+        bottom.legend(loc="lower right", fontsize="small")
     figure.savefig(file, dpi=110)
 
 
@@ -120,8 +124,8 @@ def _draw_slip(axes: Axes, run: StopRun) -> None:
     axes.plot(run.truth.time, run.estimated_slip, color="C1", linewidth=0.9, label="slip, estimated")
     axes.plot(run.truth.time, run.slip, color="C0", label="slip, true")
     axes.axhline(run.truth.lambda_max, color="k", linestyle="--", linewidth=0.8, label="lambda_max, true")
-    axes.set_ylabel("slip [-]")
-    axes.legend(loc="upper left", fontsize="small")
+    axes.set(ylabel="slip [-]", xlim=_SHOWN)
+    axes.legend(loc="upper right", fontsize="small")
 
 
 def _draw_both_directions(runs: Mapping[str, StopRun], file: Path) -> None:
@@ -131,5 +135,5 @@ def _draw_both_directions(runs: Mapping[str, StopRun], file: Path) -> None:
         beyond = np.where(run.signs[:, METHODS.index("no_slip")] < 0, run.slip.max(), 0.0)
         axes.step(run.truth.time, beyond, "C3--", where="post", label="detection: beyond the peak")
         axes.set(title=f"({'ab'[list(runs).index(road)]}) {road}", xlabel="time [s]")
-        axes.legend(loc="upper left", fontsize="small")
+        axes.legend(loc="upper right", fontsize="small")
     figure.savefig(file, dpi=110)

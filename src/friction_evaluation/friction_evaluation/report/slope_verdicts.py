@@ -66,7 +66,12 @@ def detection(rows: Sequence[Row]) -> list[Verdict]:
         judged = [row for row in stops if row["method"] == method]
         latest = max(row["value"] for row in judged if row["quantity"] == "delay, p95 [ms]")
         ours = f"{sum(bool(row['passed']) for row in judged)} of {len(judged)} limits hold; 95 % within {latest:.0f} ms"
-        found.append(claim(place, what, all(row["passed"] for row in judged), ours, "a limit of delay or slip fails"))
+        short = [
+            f"{row['quantity']} is {as_text(row['value'])}, limit {as_text(row['limit'])}"
+            for row in judged
+            if not row["passed"]
+        ]
+        found.append(claim(place, what, not short, ours, "; ".join(short)))
     worst = max(corners, key=lambda row: row["missed_percent"] + row["false_alarm_percent"])
     errors = worst["missed_percent"] + worst["false_alarm_percent"]
     found.append(

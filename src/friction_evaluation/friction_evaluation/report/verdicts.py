@@ -105,7 +105,8 @@ def rows(verdicts: Sequence[Verdict]) -> list[Row]:
 
 def counts(verdicts: Sequence[Verdict]) -> str:
     """Return how many statements there are of each judgement, in words."""
-    return ", ".join(f"{sum(v.judgement is j for v in verdicts)} {j.value}" for j in Judgement)
+    words = {Judgement.AGREES: "agree", Judgement.DIFFERS: "differ", Judgement.NOT_PUBLIC: "not public"}
+    return ", ".join(f"{sum(v.judgement is j for v in verdicts)} {word}" for j, word in words.items())
 
 
 def _judged(place: str, statement: str, chapter: str, ours: str, agrees: bool, because: str) -> Verdict:
