@@ -112,8 +112,9 @@ def _draw(run: StopRun, file: Path) -> None:
     figure = Figure(figsize=(8.0, 4.8), layout="constrained")
     axes = figure.subplots()
     for moving, marker, label in ((False, ".", "load at rest"), (True, "o", "load from the acceleration")):
-        samples = [(point.slip, point.mu) for _, point in run.friction_samples(estimated=True, moving_load=moving)]
-        axes.plot(*np.array(samples).T, marker, markersize=4, fillstyle="none", label=f"samples, {label}")
+        points = run.friction_samples(estimated=True, moving_load=moving)
+        braked = np.array([(point.slip, point.mu) for number, point in points if number >= run.onset])
+        axes.plot(*braked.T, marker, markersize=4, fillstyle="none", label=f"samples, {label}")
     grid = np.linspace(0.0, float(run.slip.max()), 200, dtype=np.float64)
     theta = run.truth.samples[0].theta[0]
     axes.plot(grid, with_steady_transfer(theta, grid), "r--", label="theoretical, steady load transfer")

@@ -8,7 +8,7 @@ from pathlib import Path
 from friction_evaluation.identification.readings import READINGS
 from friction_evaluation.report import identification_verdicts, texts
 from friction_evaluation.report.page import Picture, Section, Table
-from friction_evaluation.report.parts import Seeds, rows_of
+from friction_evaluation.report.parts import FEWEST, Seeds, rows_of
 from friction_evaluation.rows import Row, as_text
 
 _FIRST = "cobblestone"
@@ -23,7 +23,7 @@ def section(pictures: Path, seeds: Seeds) -> Section:
     """Make the runs and draw into `pictures`."""
     drawn = rows_of("identification", "--study", "figures", "--figures", str(pictures), "--methods", *_METHODS)
     tables = rows_of("identification", "--study", "tables", "--seeds", seeds(500))
-    readings = rows_of("identification", "--study", "readings", "--seeds", seeds(300))
+    readings = rows_of("identification", "--study", "readings", "--seeds", str(max(int(seeds(300)), FEWEST)))
     kept = kept_rows(rows_of("identification", "--study", "methods", "--seeds", seeds(500)))
     shown = [
         Table("Which reading gives which number: |error| of lambda_max [%], median (5 to 95 %)", by_number(readings)),

@@ -26,7 +26,7 @@ from friction_evaluation.report import (
     texts,
 )
 from friction_evaluation.report.page import Picture, Section, Table, page
-from friction_evaluation.report.parts import Seeds, rows_of
+from friction_evaluation.report.parts import FEWEST, Seeds, rows_of
 from friction_evaluation.report.symbols import SYMBOLS
 from friction_evaluation.report.verdicts import rows as verdict_rows
 from friction_evaluation.rows import Row, plain
@@ -35,6 +35,10 @@ from friction_parameters.parameter import ParameterError
 
 _SLOPE_SEEDS = 200
 """For each of the roads of Figures 8.2 and 8.3."""
+
+
+_STOPS = 20
+"""Driver's stops of each road for the methods of section 8.3."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -108,7 +112,8 @@ def _detection(pictures: Path, seeds: Seeds) -> Section:
 
 
 def _speed(pictures: Path, seeds: Seeds) -> Section:
-    rows, stops = rows_of("slip", "--cases", "tables", "--seeds", seeds(100)), speed.stop_rows(int(seeds(100)))
+    runs = max(int(seeds(100)), FEWEST)
+    rows, stops = rows_of("slip", "--cases", "tables", "--seeds", str(runs)), speed.stop_rows(min(runs, _STOPS))
     tables = [
         Table("Tables 8.4 and 8.5 in simulation, errors of lambda_max", rows),
         Table("The same on the driver's stops, of which Figures 8.10 to 8.13 show one each", stops),

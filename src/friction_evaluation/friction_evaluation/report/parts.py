@@ -9,6 +9,8 @@ from friction_evaluation.rows import Row
 
 Seeds = Callable[[int], str]
 """Number of seeds of this run, as an argument, from the full number."""
+FEWEST = 20
+"""Runs without which their middle 90 % say nothing of a number of a single run: as few at any effort."""
 
 
 @cache

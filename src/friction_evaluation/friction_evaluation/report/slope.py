@@ -41,12 +41,13 @@ _TEXT = """The chapter's test drives are not public: these are simulated stops o
 springs and tyres that relax. The table is of one corner whose torque is built up in 0.25 s, held until twice
 lambda_max and released.
 
-What friction_slope ships has a dead zone for the slip rate, leaves out the interval of (8.6), and waits for slip that
-grows beyond the noise; the slip at a crossing is compensated for the delay of the filter. So both equations detect
-together, at the peak or a little after it. The printed equations have one negative threshold (here -15 rad/s^3) and
-nothing else. They come nearer to the chapter's means, which lie before the peak of its high-grip road, where a
-part of the detections is early: right at the onset, as long as slip rate and eta are noise (a torque threshold of 30 N m), or
-before the peak, where H of a short window falls below the threshold by its noise. The column "early" counts both."""
+What friction_slope ships has a dead zone for the slip rate, leaves out the interval of (8.6), and waits for slip
+that grows beyond the noise; the slip at a crossing is compensated for the delay of the filter. So both equations
+detect together, at the peak or a little after it. The printed equations have one negative threshold (here -15
+rad/s^3) and nothing else. They come nearer to the chapter's means, which lie before the peak of its high-grip road,
+where a part of the detections is early: right at the onset, as long as slip rate and eta are noise (a torque
+threshold of 30 N m), or before the peak, where H of a short window falls below the threshold by its noise. The
+column "early" counts both."""
 
 
 def section(directory: Path, seeds: int) -> Section:

@@ -90,8 +90,9 @@ def pictures(directory: Path) -> list[Picture]:
         _draw(run, followed, method, speed, chapter, file)
         first, last = followed.errors(run.truth.lambda_max)
         text = f"""Figure 8.{number}: slip and estimated lambda_max, {method}, {road}, {speed} vehicle speed, on the
-        driver's stop. Grey to the left: before the slip is beyond {LAMBDA_INIT}; dotted: the chapter's {chapter}
-        samples. Error {first:+.0f} % where an ABS would act, {last:+.0f} % at the largest slip"""
+        driver's stop. Grey: before the slip is beyond {LAMBDA_INIT}; green: where the chapter's {chapter} samples end,
+        as it does not say where they begin. Error {first:+.0f} % where an ABS would act, {last:+.0f} % at the
+        largest slip"""
         found.append(Picture(" ".join(text.split()), file))
     return found
 
@@ -115,7 +116,9 @@ def _draw(run: StopRun, followed: Followed, method: str, speed: str, chapter: in
     first = int(number[begun[0]]) if begun.size else last
     bottom.axvspan(0, first, color="0.7", label="initialisation")
     for axis in (top, bottom):
-        axis.axvline(chapter, color="C2", linestyle=":", label="the chapter's last sample")
+        for begin, style, of in ((0, ":", "onset"), (first, "-.", "lambda_init")):
+            if begin + chapter <= last:
+                axis.axvline(begin + chapter, color="C2", linestyle=style, label=f"{chapter} samples from {of}")
         axis.axvline(number[followed.activation], color="C3", linewidth=0.8, label="activation")
         axis.legend(loc="upper left", fontsize="x-small")
     bottom.set(
