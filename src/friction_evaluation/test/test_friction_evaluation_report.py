@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from friction_evaluation.report import friction_samples
+from friction_evaluation.report import friction_samples, smart_tyre, speed, speed_verdicts
 from friction_evaluation.report import part as report
 from friction_evaluation.report.page import Picture, Section, Table, page
 from friction_evaluation.report.parts import rows_of
 from friction_evaluation.report.stop_run import ROADS, stop_run
 from friction_evaluation.report.verdicts import Judgement, close
 from friction_evaluation.rows import Row
+from friction_evaluation.slip.following import shipped
+from friction_evaluation.slip.tables import tables
 from friction_parameters.parameter import ParameterError
 
 
@@ -22,8 +24,8 @@ def test_page_holds_its_pictures_and_needs_no_network(tmp_path: Path) -> None:
     figure = Figure()
     figure.subplots().plot([0, 1])
     figure.savefig(file)
-    tables = [Table("numbers & <units>", [{"a": 1.23456, "b": float("nan")}, {"a": 2, "c": "x"}])]
-    html = page("Title", "one\n\ntwo", [Section("key", "Part", "text", tables, [Picture("seen", file)])], {})
+    table = Table("numbers & <units>", [{"a": 1.23456, "b": float("nan")}, {"a": 2, "c": "x"}])
+    html = page("Title", "one\n\ntwo", [Section("key", "Part", "text", [table], [Picture("seen", file)])], {})
     file.unlink()
     assert 'src="data:image/png;base64,' in html
     assert "http" not in html
@@ -79,6 +81,31 @@ def test_stop_is_followed_to_its_largest_slip_by_samples_of_its_own_friction(nam
     assert float(np.sqrt(np.mean((found - true) ** 2))) < 0.06
     lost = run.signs[:, 0] < 0
     assert 0.0 < run.truth.time[np.argmax(lost)] - run.truth.up < 0.15
+
+
+def test_rows_of_the_smart_tyre_stand_by_axle_and_are_folded_by_case_but_for_what_has_to_hold() -> None:
+    head = {"case": "2.0 bar", "quantity": "Fx RMSE [%]", "limit": 6.0}
+    rows: list[Row] = [head | {"axle": "front", "value": 4.0, "passed": True}]
+    rows.append(head | {"axle": "rear", "value": 7.0, "passed": False})
+    rows.append({"case": "noise", "quantity": "bias", "limit": None, "axle": "front", "value": 1.0, "passed": None})
+    judged, *others = smart_tyre.tables(rows)
+    assert judged.rows == [head | {"front": 4.0, "rear": 7.0, "passed": False}]
+    assert [(table.folded, len(table.rows)) for table in others] == [(True, 1), (True, 1)]
+
+
+def test_errors_of_tables_8_4_and_8_5_are_judged_and_a_wrong_one_turns_the_verdict() -> None:
+    rows, stops = tables(range(41_000, 41_002), shipped()), speed.stop_rows(1)
+    found = {verdict.statement: verdict for verdict in speed_verdicts.verdicts(rows, stops)}
+    errors = [statement for statement in found if statement.startswith("Error of lambda_max")]
+    assert len(errors) == 6
+    wide = [row | {"p5_percent": -30.0, "p95_percent": 30.0} for row in rows]
+    turned = {verdict.statement: verdict for verdict in speed_verdicts.verdicts(wide, stops)}
+    assert {turned[statement].judgement for statement in errors} == {Judgement.AGREES}
+    off = [row | {"p5_percent": 31.0, "p95_percent": 32.0} for row in rows]
+    turned = {verdict.statement: verdict for verdict in speed_verdicts.verdicts(off, stops)}
+    assert {turned[statement].judgement for statement in errors} == {Judgement.DIFFERS}
+    few = found["The same where only samples beyond lambda_init are fitted"]
+    assert few.judgement is Judgement.AGREES
 
 
 def test_sections_go_to_the_page_and_their_rows_to_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
