@@ -26,6 +26,8 @@ _TRANSFER = VEHICLE.height_ratio / VEHICLE.front_load_share
 _SEED = 40_000
 _SMALL = 10.0
 """A change of lambda_max that may be called small [%]: twice the accuracy that the chapter asks for."""
+_VISIBLE = 2.0
+"""An overshoot that the figure shows [%]."""
 _TEXT = f"""Friction samples of a front wheel, from wheel speed and brake torque with noise and from the estimated
 slip, on the driver's stop of a car with a relaxation length of {as_text(VEHICLE.wheel(WHEEL).relaxation_length)} m
 and a body that pitches at {VEHICLE.pitch_frequency} Hz with a damping of {VEHICLE.pitch_damping}. They begin below
@@ -86,7 +88,7 @@ def with_steady_transfer(theta: Array, slip: Array) -> Array:
 
 def verdicts(rows: list[Row]) -> list[Verdict]:
     """From the rows of `abscissas`."""
-    overshoot = min(row["overshoot [%]"] for row in rows)
+    high, low = (row["overshoot [%]"] for row in rows)
     moved, with_load = (
         max(abs(row[f"abscissa moved, load {load} [%]"]) for row in rows) for load in ("at rest", "as it is")
     )
@@ -94,9 +96,9 @@ def verdicts(rows: list[Row]) -> list[Verdict]:
         claim(
             "8.3.3, Figure 8.9",
             "On a real car the samples overshoot the static curve, by suspension, relaxing tyres and load transfer",
-            overshoot > 0.0,
-            f"by at least {as_text(overshoot)} % at the same slip",
-            "they stay below the curve",
+            high >= _VISIBLE,
+            f"by {as_text(high)} % at the same slip on the high-grip road, {as_text(low)} % on the low-grip road",
+            "they hardly rise above the curve",
         ),
         claim(
             "8.3.3, Figure 8.9",

@@ -144,19 +144,19 @@ def _comparisons(numbers: Numbers) -> list[Verdict]:
             "on snow theta_2 starts at a third of its value and cannot move",
         )
     )
-    moved = [
-        max(float(numbers.tables["rml_covariance", f"theta_{k} moved from its start [%]"][road]) for road in TABLE_8_1)
-        for k in (2, 3)
-    ]
-    found.append(
-        claim(
-            "8.3.2",
-            "In RML theta_2 and theta_3 hardly leave their initial values, as their gradients are badly conditioned",
-            moved[0] <= 5.0 and moved[1] <= 50.0,
-            f"covariance form: theta_2 by at most {as_text(moved[0])} %, theta_3 by {as_text(moved[1])} % (medians)",
-            "they move further",
+    for k, within in ((2, 5.0), (3, 25.0)):
+        row = numbers.tables["rml_covariance", f"theta_{k} moved from its start [%]"]
+        moved = {road: float(row[road]) for road in TABLE_8_1}
+        worst = max(moved, key=lambda road: moved[road])
+        found.append(
+            claim(
+                "8.3.2",
+                f"In RML theta_{k} hardly leaves its initial value, as the gradients are badly conditioned",
+                moved[worst] <= within,
+                f"covariance form: by at most {as_text(moved[worst])} % (median, {worst})",
+                "its gradient is the slip, which does not vanish; the chapter's start of P may be a smaller one",
+            )
         )
-    )
     better = sum(rml_ml[road] <= rml[road] for road in TABLE_8_1)
     covariance_worse = sum(rml_ml[road] < covariance[road] for road in TABLE_8_1)
     found.append(
@@ -171,8 +171,8 @@ def _comparisons(numbers: Numbers) -> list[Verdict]:
     found.append(
         claim(
             "8.3.2, Table 8.3",
-            "LS is slightly less accurate than ML",
-            all(ls[road] >= ml[road] for road in ("dry", "cobblestone", "snow")),
+            "Over all roads LS is slightly less accurate than ML",
+            sum(ls.values()) > sum(ml.values()),
             _beside("LS", ls, "ML", ml),
             "the noise of these samples decides more than the method",
         )
@@ -207,14 +207,16 @@ def _comparisons(numbers: Numbers) -> list[Verdict]:
             "a method needs more",
         )
     )
-    printed = numbers.readings["B, (8.8) as printed", "ls", "cobblestone"]
-    failed = 100.0 * printed["failures"] / printed["runs"]
+    failed = {}
+    for road in TABLE_8_1:
+        printed = numbers.readings["B, (8.8) as printed", "ls", road]
+        failed[road] = 100.0 * printed["failures"] / printed["runs"]
     found.append(
         claim(
             "8.3, (8.8)",
             "The samples of (8.8), with the noise of 8.3.2, suffice for these numbers",
-            failed <= 5.0,
-            f"LS fails in {as_text(failed)} % of the runs on cobblestone",
+            max(failed.values()) <= 5.0,
+            "LS fails in " + ", ".join(f"{as_text(share)} % ({road})" for road, share in failed.items()),
             "differencing a slip from a speed with 0.5 m/s of noise puts 0.5 to 0.7 on mu: it was smoothed somehow",
         )
     )

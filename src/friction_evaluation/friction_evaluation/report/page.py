@@ -25,6 +25,13 @@ td.number { white-space: nowrap; } .wide table { font-size: 10.5px; } .wide th, 
 dl { display: grid; grid-template-columns: max-content auto; gap: 0 1em; } dt { font-style: italic; } dd { margin: 0; }
 figure { margin: 1.2em 0; } img { max-width: 100%; height: auto; }
 figcaption, caption { color: #555; text-align: left; font-size: 13px; } summary { cursor: pointer; margin: 0.5em 0; }
+@media (max-width: 700px) {
+  .verdicts table, .verdicts tbody, .verdicts tr, .verdicts td { display: block; } .verdicts th { display: none; }
+  .verdicts tr { margin-bottom: 0.5em; border: 1px solid #ccc; } .verdicts td { border: none; }
+  .verdicts td:nth-child(3):not(:empty)::before { content: "chapter: "; }
+  .verdicts td:nth-child(4)::before { content: "ours: "; }
+  dl { display: block; }
+}
 @media print {
   @page { size: A4; margin: 12mm; }
   body { max-width: none; margin: 0; padding: 0; font-size: 10px; }

@@ -47,7 +47,7 @@ def verdicts(rows: Sequence[Row]) -> list[Verdict]:
 
 def _signal(shown: Shown) -> list[Verdict]:
     spikes = shown.of("front", "twin spikes a revolution")
-    levels = [shown.of("front", f"level at {speed} m/s over omega^2 R") for speed in (8, 22)]
+    rise = shown.of("front", "rise of the level from 8 to 22 m/s over that of omega^2 R")
     turn = shown.of("front", "time of a revolution at 8 m/s [ms]")
     return [
         not_public(
@@ -65,8 +65,8 @@ def _signal(shown: Shown) -> list[Verdict]:
         claim(
             "8.4.3, Figure 8.16",
             "Between the spikes it is constant: the centripetal acceleration",
-            all(abs(level - 1.0) <= 0.05 for level in levels),
-            f"{as_text(levels[0])} and {as_text(levels[1])} times omega^2 R at 8 and 22 m/s",
+            abs(rise - 1.0) <= 0.05,
+            f"from 8 to 22 m/s it rises by {as_text(rise)} times the rise of omega^2 R",
             "the level is another",
         ),
         claim(

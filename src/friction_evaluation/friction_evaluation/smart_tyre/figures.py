@@ -109,16 +109,19 @@ def _row(axle: str, quantity: str, value: float) -> Row:
 
 
 def _rows_of_signal(block: TyreBlock, known: Calibration) -> list[Row]:
-    """Twin spikes a revolution, and the level between them over v^2 / R at both constant speeds."""
+    """Twin spikes a revolution, the level between them, and the time of a revolution."""
     revolutions = float(block.wheel_angle[-1] - block.wheel_angle[0]) / (2.0 * np.pi)
     table = ToothTable(np.asarray(known.wheels["front"].tooth_table))
     rows = [_row("front", "twin spikes a revolution", len(passages(block, table)) / revolutions)]
-    for phase, speed in zip(("low speed", "cruise"), _SPEEDS, strict=True):
+    levels, centripetal = [], []
+    for phase in ("low speed", "cruise"):
         begin, end = (round(time * TRACKER.sample_rate) for time in PHASES[phase])
-        level = float(np.median(np.abs(block.radial_acceleration[begin:end])))
-        angle = float(block.wheel_angle[end] - block.wheel_angle[begin])
-        rate = angle * TRACKER.sample_rate / (end - begin)
-        rows.append(_row("front", f"level at {speed:.0f} m/s over omega^2 R", level / (rate**2 * RING.radius)))
+        levels.append(float(np.median(block.radial_acceleration[begin:end])))
+        turned = float(block.wheel_angle[end] - block.wheel_angle[begin])
+        centripetal.append((turned * TRACKER.sample_rate / (end - begin)) ** 2 * RING.radius)
+    # The rise, as the sensor has an offset.
+    rise = (levels[1] - levels[0]) / (centripetal[1] - centripetal[0])
+    rows.append(_row("front", "rise of the level from 8 to 22 m/s over that of omega^2 R", rise))
     rows.append(_row("front", "time of a revolution at 8 m/s [ms]", 1e3 * 2.0 * np.pi * RING.radius / _SPEEDS[0]))
     return rows
 
