@@ -10,9 +10,12 @@ import numpy as np
 import pytest
 from rich.progress import Progress
 
+from friction_evaluation.report import smart_tyre_verdicts
+from friction_evaluation.report.verdicts import Judgement
 from friction_evaluation.smart_tyre import figures
 from friction_evaluation.smart_tyre import part as smart_tyre
 from friction_evaluation.smart_tyre.fronts import Waveform, noise_covariance
+from friction_evaluation.smart_tyre.phases import PHASES, means
 from friction_evaluation.smart_tyre.runs import (
     LOW,
     NOISY,
@@ -33,13 +36,6 @@ from vehicle_models.force_history import CAR, dynamic_drive
 from vehicle_models.straight_forces import drag, wheel_forces
 from vehicle_models.tyre_signal import AccelerometerParameters, TyreSignalSource
 
-PHASES = {
-    "low speed": (6.0, 13.5),
-    "acceleration": (15.0, 18.5),
-    "cruise": (21.0, 41.0),
-    "braking": (42.4, 43.5),
-    "low speed again": (46.0, 59.0),
-}
 Phases = Mapping[tuple[str, float], Mapping[str, tuple[float, float]]]
 
 
@@ -73,16 +69,11 @@ def estimates(known: Calibration) -> dict[tuple[str, float], Estimated]:
 @pytest.fixture(scope="module")
 def phases(estimates: dict[tuple[str, float], Estimated]) -> Phases:
     """Mean shift and length [deg] of each phase."""
-    means: dict[tuple[str, float], dict[str, tuple[float, float]]] = {}
+    found = {}
     for key, e in estimates.items():
-        means[key] = {}
-        for phase, (begin, end) in PHASES.items():
-            part = (e.time > begin) & (e.time < end)
-            means[key][phase] = (
-                float(np.degrees(np.mean(e.shift[part]))),
-                float(np.degrees(np.mean(e.length[part]))),
-            )
-    return means
+        shift, length = (means(e.time, np.degrees(values)) for values in (e.shift, e.length))
+        found[key] = {phase: (shift[phase], length[phase]) for phase in PHASES}
+    return found
 
 
 def test_limits_are_those_of_the_projects_table() -> None:
@@ -229,6 +220,20 @@ def test_rows_name_case_axle_quantity_value_limit_and_whether_it_holds(known: Ca
 
 
 def test_figures_are_drawn(runs: CalibrationRuns, tmp_path: Path) -> None:
-    figures.draw(tmp_path, runs)
-    expected = {"figure_8_16.png", *(f"figure_8_{n}.png" for n in range(18, 29))}
+    rows = figures.draw(tmp_path, runs)
+    shown = {row["quantity"]: row["value"] for row in rows if row["axle"] in ("front", "both")}
+    assert shown["twin spikes a revolution"] == pytest.approx(1.0, abs=0.05)
+    assert all(np.isfinite(row["value"]) for row in rows)
+    rows.append({"case": "2.0 bar", "axle": "front", "quantity": "angle RMS (deg)", "value": 0.01})
+    judged = {verdict.statement: verdict.judgement for verdict in smart_tyre_verdicts.verdicts(rows)}
+    differing = {statement for statement, judgement in judged.items() if judgement is Judgement.DIFFERS}
+    assert {statement.split()[0] for statement in differing} == {"The", "Shift"}  # the 10 ms, and the trend that hides
+    wrong = "2.0 bar, corrected: shift, braking [deg]"
+    turned = [row | {"value": -row["value"]} if row["quantity"] == wrong else row for row in rows]
+    after = {verdict.statement: verdict.judgement for verdict in smart_tyre_verdicts.verdicts(turned)}
+    assert {statement for statement in after if after[statement] is not judged[statement]} == {
+        "In braking both patches shift back",
+        "and its shift is much the same",
+    }
+    expected = {"figure_8_16.png", "figure_forces.png", *(f"figure_8_{n}.png" for n in range(18, 29))}
     assert {file.name for file in tmp_path.iterdir()} == expected

@@ -1,6 +1,6 @@
 """Fits by the chapter's methods to the friction samples of one run."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,12 +10,15 @@ from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSa
 from friction_curve_id.curve.fitted_curve import FittedCurve
 from friction_curve_id.interface import Sample
 from friction_curve_id.methods import CHAPTER_METHODS
+from friction_evaluation.identification.printed_rml import CovarianceRML
 from friction_evaluation.protocol import CORNER
 
 Array = NDArray[np.float64]
 
 INITIAL_SAMPLES = 20
 """Samples that RML and RLS start from, section 8.3.2."""
+FITS: Mapping[str, Callable[[], CurveFit]] = {**CHAPTER_METHODS, "rml_covariance": CovarianceRML}
+"""The chapter's methods as shipped, and RML as it is usually written."""
 
 
 def friction_points(samples: Iterable[Sample], source: FrictionSource) -> tuple[Array, Array]:
@@ -28,7 +31,7 @@ def friction_points(samples: Iterable[Sample], source: FrictionSource) -> tuple[
 
 def begun(method: str, slips: Array, frictions: Array) -> CurveFit:
     """Return a fit by `method`, begun with the first 20 samples."""
-    fit = CHAPTER_METHODS[method]()
+    fit = FITS[method]()
     fit.start(slips[:INITIAL_SAMPLES], frictions[:INITIAL_SAMPLES])
     return fit
 

@@ -60,7 +60,8 @@ def figures(options: argparse.Namespace) -> list[Row]:
                 figure.suptitle(f"{method} on {name}, manoeuvre {options.manoeuvre}")
                 path = options.figures / f"identification_{options.manoeuvre}_{name}_{method}.png"
                 figure.savefig(path, dpi=120)
-                rows.append({"surface": name, "method": method, "figure": str(path)})
+                error = 100.0 * (peak / float(burckhardt.peak(truth.theta[surface])[0]) - 1.0)
+                rows.append({"surface": name, "method": method, "error_pct": error, "figure": str(path)})
                 progress.advance(bar)
     return rows
 

@@ -2,7 +2,8 @@
 
 Studies: methods (the table of all methods), random (500 random curves), alarms (P(beyond the peak) against the true
 crossing), model_error (bias by wrong parameters), outliers, surface_change, cost (beside padasip and curve_fit), tables
-(Tables 8.1 to 8.3 beside the chapter's numbers), figures (8.5 to 8.8 for every method and surface).
+(Tables 8.1 to 8.3 beside the chapter's numbers), readings (which of them each reading of the chapter gives), figures
+(8.5 to 8.8 for every method and surface).
 """
 
 import argparse
@@ -15,6 +16,7 @@ from friction_evaluation.identification import studies
 from friction_evaluation.identification.chapter_tables import chapter_tables
 from friction_evaluation.identification.cost import cost
 from friction_evaluation.identification.figures import figures
+from friction_evaluation.identification.readings import readings
 from friction_evaluation.identification.surface_change import surface_change
 from friction_evaluation.manoeuvres import RAMP_TIMES
 from friction_evaluation.rows import Row
@@ -29,6 +31,7 @@ _STUDIES: dict[str, Callable[[argparse.Namespace], list[Row]]] = {
     "surface_change": surface_change,
     "cost": cost,
     "tables": chapter_tables,
+    "readings": readings,
     "figures": figures,
 }
 

@@ -8,7 +8,7 @@ from friction_evaluation.rows import Row
 
 Array = NDArray[np.float64]
 
-_FAILED_ERROR = 50.0
+FAILED_ERROR = 50.0
 """An error beyond this [%] is a failure."""
 _LAST = 10
 """Updates before N whose time counts as that of an update at N."""
@@ -24,7 +24,7 @@ def peak_row(traces: Traces, lambda_max: Array, mu_max: Array, samples: int) -> 
     mu, mu_stddev = traces["mu_max"][:, samples - 1], traces["mu_max_stddev"][:, samples - 1]
     given = (estimate > 0.0) & (estimate < 1.0)
     error = np.where(given, 100.0 * (estimate / lambda_max - 1.0), np.nan)
-    failed = ~(np.abs(error) <= _FAILED_ERROR)
+    failed = ~(np.abs(error) <= FAILED_ERROR)
     size = np.where(failed, 100.0, np.abs(error))
     mu_error = 100.0 * (mu / mu_max - 1.0)[given]
     times = traces["milliseconds"][:, max(samples - _LAST, 0) : samples]

@@ -15,18 +15,30 @@ from pathlib import Path
 from rich.console import Console
 
 from friction_evaluation.closed_loop import state_machine_figure
-from friction_evaluation.parts import part
-from friction_evaluation.report import friction_samples, slope, speed, texts
+from friction_evaluation.report import (
+    friction_samples,
+    identification,
+    slope,
+    slope_verdicts,
+    smart_tyre,
+    speed,
+    speed_verdicts,
+    texts,
+)
 from friction_evaluation.report.page import Picture, Section, Table, page
+from friction_evaluation.report.parts import FEWEST, Seeds, rows_of
+from friction_evaluation.report.symbols import SYMBOLS
+from friction_evaluation.report.verdicts import rows as verdict_rows
 from friction_evaluation.rows import Row, plain
 from friction_parameters.command_line import positive
 from friction_parameters.parameter import ParameterError
 
-Seeds = Callable[[int], str]
-"""Number of seeds of this run, as an argument, from the full number."""
-
 _SLOPE_SEEDS = 200
 """For each of the roads of Figures 8.2 and 8.3."""
+
+
+_STOPS = 20
+"""Driver's stops of each road for the methods of section 8.3."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -60,8 +72,9 @@ def run(options: argparse.Namespace) -> list[Row]:
 
 
 def _write(out: Path, made: Sequence[Section]) -> None:
-    (out / "index.html").write_text(page(texts.TITLE, texts.INTRODUCTION, made), encoding="utf-8")
-    results = {s.key: {table.caption: [plain(row) for row in table.rows] for table in s.tables} for s in made}
+    (out / "index.html").write_text(page(texts.TITLE, texts.INTRODUCTION, made, SYMBOLS), encoding="utf-8")
+    results: dict[str, object] = {"verdicts": verdict_rows([verdict for s in made for verdict in s.verdicts])}
+    results |= {s.key: {table.caption: [plain(row) for row in table.rows] for table in s.tables} for s in made}
     (out / "results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
 
 
@@ -72,10 +85,10 @@ def _sections(pictures: Path, effort: float, live: bool) -> list[Callable[[], Se
     sections: list[Callable[[], Section]] = [
         partial(slope.section, pictures, int(seeds(_SLOPE_SEEDS))),
         partial(_detection, pictures, seeds),
-        partial(_identification, pictures, seeds),
+        partial(identification.section, pictures, seeds),
         partial(friction_samples.section, pictures),
         partial(_speed, pictures, seeds),
-        partial(_smart_tyre, pictures, seeds, live),
+        partial(smart_tyre.section, pictures, seeds, live),
         partial(_beyond, seeds),
         partial(_measured, seeds),
     ]
@@ -83,51 +96,31 @@ def _sections(pictures: Path, effort: float, live: bool) -> list[Callable[[], Se
 
 
 def _detection(pictures: Path, seeds: Seeds) -> Section:
+    detected, closed = rows_of("slope", "--seeds", seeds(500)), rows_of("abs", "--seeds", seeds(100))
+    corners, cars = ([row for row in detected if ("value" in row) is judged] for judged in (False, True))
     tables = [
-        Table("Detection delay, false alarms, slip at detection", rows_of("slope", "--seeds", seeds(500))),
-        Table("Closed loop from 30 to 5 m/s", rows_of("abs", "--seeds", seeds(100))),
+        Table("One corner through the peak and back: delay, false alarms, slip at detection", corners),
+        Table("Cars with load transfer: the driver's stops and ordinary braking", cars, folded=True),
+        Table("Closed loop from 30 to 5 m/s", [row for row in closed if "value" not in row]),
+        Table("Closed loop: what has to hold", [row for row in closed if "value" in row], folded=True),
     ]
     machine = pictures / "figure_8_1.png"
     state_machine_figure.draw(machine)
     figures = [Picture("Figure 8.1: states and transitions, found by trying every class of input", machine)]
     title = "Detection delay and adhesion utilisation, Figure 8.1"
-    return Section("closed_loop", title, texts.CLOSED_LOOP, tables, figures)
-
-
-def _identification(pictures: Path, seeds: Seeds) -> Section:
-    drawn = rows_of("identification", "--study", "figures", "--figures", str(pictures))
-    tables = [
-        Table(
-            "Tables 8.1 to 8.3, medians over the runs beside the chapter's single runs",
-            rows_of("identification", "--study", "tables", "--seeds", seeds(500)),
-        )
-    ]
-    figures = [
-        Picture(
-            f"{'Figures 8.5, 8.6' if row['method'] in ('rml', 'ml', 'rml_ml') else 'Figures 8.7, 8.8'}: "
-            f"{row['method']}, {row['surface']}",
-            Path(row["figure"]),
-        )
-        for row in drawn
-    ]
-    title = "Identification of the friction curve, Tables 8.1 to 8.3, Figures 8.5 to 8.8"
-    return Section("identification", title, texts.IDENTIFICATION, tables, figures)
+    return Section("closed_loop", title, texts.CLOSED_LOOP, tables, figures, slope_verdicts.detection(detected))
 
 
 def _speed(pictures: Path, seeds: Seeds) -> Section:
-    rows = rows_of("slip", "--cases", "tables", "--seeds", seeds(100))
-    tables = [Table("Tables 8.4 and 8.5 in simulation, errors of lambda_max", rows)]
+    runs = max(int(seeds(100)), FEWEST)
+    rows, stops = rows_of("slip", "--cases", "tables", "--seeds", str(runs)), speed.stop_rows(min(runs, _STOPS))
+    tables = [
+        Table("Tables 8.4 and 8.5 in simulation, errors of lambda_max", rows),
+        Table("The same on the driver's stops, of which Figures 8.10 to 8.13 show one each", stops),
+    ]
     title = "With and without a speed sensor, Tables 8.4 and 8.5, Figures 8.10 to 8.13"
-    return Section("speed", title, texts.SPEED, tables, speed.pictures(pictures))
-
-
-def _smart_tyre(pictures: Path, seeds: Seeds, live: bool) -> Section:
-    arguments = ["--seeds", seeds(30), "--figures", str(pictures), *([] if live else ["--no-live"])]
-    tables = [Table("Fz and Fx against the limits", rows_of("smart_tyre", *arguments))]
-    found = sorted(pictures.glob("figure_8_[12][0-9].png"))
-    drawn = [Picture(f"Figure 8.{file.stem.rsplit('_', 1)[1]}", file) for file in found if int(file.stem[-2:]) >= 16]
-    title = "Contact forces from the smart tyre, Figures 8.16 to 8.28"
-    return Section("smart_tyre", title, texts.SMART_TYRE, tables, drawn)
+    drawn, verdicts = speed.pictures(pictures), speed_verdicts.verdicts(rows, stops)
+    return Section("speed", title, texts.SPEED, tables, drawn, verdicts)
 
 
 def _beyond(seeds: Seeds) -> Section:
@@ -162,11 +155,3 @@ def _measured(seeds: Seeds) -> Section:
 def _live() -> Section:
     tables = [Table("60 s at 200 Hz, and one lock-step run", rows_of("live"))]
     return Section("live", "The live graph", texts.LIVE, tables)
-
-
-def rows_of(name: str, *arguments: str) -> Sequence[Row]:
-    """Run a part of the evaluation with the arguments of its command line."""
-    chosen = part(name)
-    parser = argparse.ArgumentParser(prog=name)
-    chosen.add_arguments(parser)
-    return chosen.run(parser.parse_args(arguments))

@@ -4,7 +4,8 @@ One corner cruises, then brakes: the torque is built up in 0.25 s and held sligh
 slip takes the chapter's number of samples from lambda_init = 0.07 (where the chapter starts to count) to the ABS
 activation at 0.15. `measured` gives the methods a speed sensor with the chapter's noise, `estimated` the speed that
 wheel_slip finds from the wheel and an accelerometer with noise, offset and road slope as in the stops.
-friction_curve_id has its shipped parameters, but for lambda_init.
+friction_curve_id has its shipped parameters, but for lambda_init, which is read in two ways: the fit begins beyond it
+with all samples so far (`all`), or only samples beyond it are fitted (`beyond`).
 """
 
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from friction_curve_id.interface import CurveEstimate, Refusal, Sample
 from friction_curve_id.parameters import SHIPPED, FrictionCurveParameters
 from friction_evaluation.protocol import ACCELERATION_STDDEV, CAR, CORNER, DT, SPEED, STEP
 from friction_evaluation.rows import Row
+from friction_evaluation.slip.beyond_start import BeyondStart
 from friction_evaluation.slip.stops import ACCELERATION_OFFSET, GRADE
 from friction_parameters.values import changed
 from vehicle_models import burckhardt
@@ -29,7 +31,8 @@ from wheel_slip.parameters import WheelSlipParameters
 
 Array = NDArray[np.float64]
 
-METHODS = ("rls", "rml_ml", "default")
+CASES = (("rls", "all"), ("rls", "beyond"), ("rml_ml", "all"), ("rml_ml", "beyond"), ("default", "all"))
+"""Methods, and with which samples they begin."""
 SPEEDS = ("measured", "estimated")
 LAMBDA_INIT = 0.07
 ACTIVATION_SLIP = 0.15
@@ -89,18 +92,18 @@ def tables(seeds: range, parameters: WheelSlipParameters) -> list[Row]:
     for road in ROADS:
         truth = braking(road)
         at = (truth.begin + road.activation, truth.begin + road.end)
-        found = {(method, speed): np.full((len(seeds), 2), np.nan) for method in METHODS for speed in SPEEDS}
+        found = {(*case, speed): np.full((len(seeds), 2), np.nan) for case in CASES for speed in SPEEDS}
         for number, seed in enumerate(seeds):
             samples = _samples(truth, at[1], seed, parameters)
-            for (method, speed), values in found.items():
-                values[number] = _peaks(method, samples[speed], at)
+            for (method, start, speed), values in found.items():
+                values[number] = _peaks(method, start, samples[speed], at)
         lambda_max = float(burckhardt.peak(surface(road.name))[0])
         errors = {key: 100.0 * (values / lambda_max - 1.0) for key, values in found.items()}
-        for method in METHODS:
+        for case in CASES:
             for speed in SPEEDS:
                 for index, instant in enumerate(("activation", "end")):
-                    measured = _rmse(errors[method, "measured"][:, index])
-                    rows.append(_row(road, method, speed, instant, errors[method, speed][:, index], measured))
+                    measured = _rmse(errors[(*case, "measured")][:, index])
+                    rows.append(_row(road, case, speed, instant, errors[(*case, speed)][:, index], measured))
     return rows
 
 
@@ -166,16 +169,17 @@ def _samples(truth: Braking, last: int, seed: int, parameters: WheelSlipParamete
     return samples
 
 
-def _peaks(method: str, samples: list[Sample], at: tuple[int, int]) -> tuple[float, float]:
+def _peaks(method: str, start: str, samples: list[Sample], at: tuple[int, int]) -> tuple[float, float]:
     """lambda_max [-] at the two instants."""
-    answers = _answers(method, samples)
+    answers = _answers(method, start, samples)
     first, last = (answers[k - _CRUISE] for k in at)
     return _lambda_max(first), _lambda_max(last)
 
 
-def _answers(method: str, samples: list[Sample]) -> list[CurveEstimate | Refusal]:
+def _answers(method: str, start: str, samples: list[Sample]) -> list[CurveEstimate | Refusal]:
     shipped: FrictionCurveParameters = SHIPPED["friction_curve_id"].parameters
-    estimator = changed(shipped, {"method": method, "chapter.lambda_init": LAMBDA_INIT}).estimator(CORNER)
+    parameters = changed(shipped, {"method": method, "chapter.lambda_init": LAMBDA_INIT})
+    estimator = BeyondStart(method, LAMBDA_INIT) if start == "beyond" else parameters.estimator(CORNER)
     return [estimator.update(sample) for sample in samples]
 
 
@@ -183,30 +187,24 @@ def _lambda_max(answer: CurveEstimate | Refusal) -> float:
     return answer.lambda_max if isinstance(answer, CurveEstimate) else float("nan")
 
 
-def history(road: Road, method: str, speed: str, seed: int, parameters: WheelSlipParameters) -> tuple[Array, Array]:
-    """One run from brake onset: slip from the speed that the method is given, and lambda_max; shapes (samples,)."""
-    truth = braking(road)
-    samples = _samples(truth, truth.begin + road.end, seed, parameters)[speed]
-    answers = _answers(method, samples)
-    slips = [
-        1.0 - s.wheel_speed * CORNER.radius / s.vehicle_speed if s.vehicle_speed else float("nan") for s in samples
-    ]
-    return np.array(slips), np.array([_lambda_max(answer) for answer in answers])
-
-
-def _row(road: Road, method: str, speed: str, instant: str, errors: Array, measured: float) -> Row:
-    good = np.abs(errors) <= 100.0 * _FAILURE
+def _row(road: Road, case: tuple[str, str], speed: str, instant: str, errors: Array, measured: float) -> Row:
+    method, start = case
+    good = errors[np.abs(errors) <= 100.0 * _FAILURE]
+    low, median, high = np.percentile(good, (5.0, 50.0, 95.0)) if good.size else np.full(3, np.nan)
     chapter = CHAPTER.get((road.name, method, speed), (float("nan"), float("nan")))
     return {
         "case": f"Table {'8.4' if speed == 'measured' else '8.5'}, {road.name}",
         "method": method,
+        "start": start,
         "speed": speed,
         "instant": instant,
         "samples": road.activation if instant == "activation" else road.end,
-        "bias_percent": float(errors[good].mean()) if good.any() else float("nan"),
+        "bias_percent": float(good.mean()) if good.size else float("nan"),
         "rmse_percent": _rmse(errors),
-        "median_percent": float(np.median(errors[good])) if good.any() else float("nan"),
-        "failures": int((~good).sum()),
+        "p5_percent": float(low),
+        "median_percent": float(median),
+        "p95_percent": float(high),
+        "failures": errors.size - good.size,
         "runs": errors.size,
         "over_measured": _rmse(errors) / measured,
         "chapter_percent": chapter[instant == "end"],

@@ -1,5 +1,7 @@
-"""Figures 8.16 and 8.18 to 8.28 from simulated drives."""
+"""Figures 8.16 and 8.18 to 8.28 from simulated drives, forces beside their truth, and what these figures show."""
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib
@@ -11,6 +13,8 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from friction_evaluation.rows import Row, not_judged
+from friction_evaluation.smart_tyre.phases import PHASES, STEADY, means
 from friction_evaluation.smart_tyre.runs import (
     LOW,
     NOMINAL,
@@ -18,13 +22,15 @@ from friction_evaluation.smart_tyre.runs import (
     TRACKER,
     WHEEL,
     CalibrationRuns,
+    Estimated,
+    estimate,
     passages,
     simulate,
     wheel_angle,
 )
 from friction_evaluation.smart_tyre.runs import NOISY as SENSORS
 from smart_tyre_forces.calibrate import raw_points
-from smart_tyre_forces.calibration import Calibration
+from smart_tyre_forces.calibration import Calibration, polynomial
 from smart_tyre_forces.calibration_plots import quasi_static_maps
 from smart_tyre_forces.correction import Patch, PatchCorrection
 from smart_tyre_forces.fronts import LEVEL, find_fronts
@@ -40,8 +46,23 @@ _ACCELERATION = (12.0, 22.0)
 """Part of the dynamic drive shown in Figure 8.24 [s]."""
 
 
-def draw(directory: Path, runs: CalibrationRuns) -> None:
-    """Write all figures as PNG files into `directory`, calibrated with `runs`."""
+CASE = "figures"
+"""Of the rows that say what the figures show."""
+_SPEEDS = (8.0, 22.0)
+"""Between these the dynamic drive changes [m/s]."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A dynamic drive of one wheel."""
+
+    patches: list[Patch]
+    """Valid ones."""
+    estimated: Estimated
+
+
+def draw(directory: Path, runs: CalibrationRuns) -> list[Row]:
+    """Write all figures as PNG files into `directory`, calibrated with `runs`; return what they show as rows."""
     directory.mkdir(parents=True, exist_ok=True)
     known = runs.calibrate()
     tables = {axle: ToothTable(np.asarray(wheel.tooth_table)) for axle, wheel in known.wheels.items()}
@@ -51,11 +72,16 @@ def draw(directory: Path, runs: CalibrationRuns) -> None:
     _fronts(block, tables["front"], directory / "figure_8_19.png")
     points = {f"{r.wheel.name}, run {k}": raw_points(r, CAR, TRACKER) for k, r in enumerate(runs.quasi_static)}
     quasi_static_maps(points, known.tyre, directory / "figure_8_21.png")
-    rear, front = (_patches(axle, known, tables[axle], NOMINAL) for axle in ("rear", "front"))
+    drives = {
+        (axle, pressure): _drive(axle, known, tables[axle], pressure)
+        for axle in ("rear", "front")
+        for pressure in (NOMINAL, LOW)
+    }
+    rear, front = (drives[axle, NOMINAL].patches for axle in ("rear", "front"))
     _experiment(rear, _raw, "rear wheel, as measured", directory / "figure_8_20.png")
     for number, found, name in ((22, rear, "rear"), (23, front, "front")):
         title = f"{name} wheel, speed trend removed"
-        _experiment(found, lambda p: _detrended(p, known), title, directory / f"figure_8_{number}.png")
+        _experiment(found, lambda p: _detrended(p, known), title, directory / f"figure_8_{number}.png", known)
     _cross_talk(front, known, directory / "figure_8_24.png")
     for number, axle, pressure in (
         (25, "rear", NOMINAL),
@@ -63,16 +89,61 @@ def draw(directory: Path, runs: CalibrationRuns) -> None:
         (27, "rear", LOW),
         (28, "front", LOW),
     ):
-        found = _patches(axle, known, tables[axle], pressure)
+        found = drives[axle, pressure].patches
         title = f"{axle} wheel, {pressure / 1e5:.1f} bar, all corrections"
-        _experiment(found, _final, title, directory / f"figure_8_{number}.png")
+        _experiment(found, _final, title, directory / f"figure_8_{number}.png", known)
+    _forces({axle: drives[axle, NOMINAL].estimated for axle in ("front", "rear")}, directory / "figure_forces.png")
+    return [*_rows_of_signal(block, known), *_rows_of_phases(drives, known)]
 
 
-def _patches(axle: str, known: Calibration, table: ToothTable, pressure: float) -> list[Patch]:
-    block = simulate(dynamic_drive(road_seed=_SEED), axle, _SEED, SENSORS, pressure)
+def _drive(axle: str, known: Calibration, table: ToothTable, pressure: float) -> Shown:
+    drive = dynamic_drive(road_seed=_SEED)
+    found = passages(simulate(drive, axle, _SEED, SENSORS, pressure), table)
     correction = PatchCorrection(known.tyre, WHEEL.radius, TRACKER.sample_rate)
-    patches = [correction.update(passage) for passage in passages(block, table)]
-    return [patch for patch in patches if patch.reason is PatchReason.OK]
+    patches = [correction.update(passage) for passage in found]
+    return Shown([p for p in patches if p.reason is PatchReason.OK], estimate(found, known, drive, axle))
+
+
+def _row(axle: str, quantity: str, value: float) -> Row:
+    return {"case": CASE, "axle": axle, "quantity": quantity, **not_judged(value)}
+
+
+def _rows_of_signal(block: TyreBlock, known: Calibration) -> list[Row]:
+    """Twin spikes a revolution, the level between them, and the time of a revolution."""
+    revolutions = float(block.wheel_angle[-1] - block.wheel_angle[0]) / (2.0 * np.pi)
+    table = ToothTable(np.asarray(known.wheels["front"].tooth_table))
+    rows = [_row("front", "twin spikes a revolution", len(passages(block, table)) / revolutions)]
+    levels, centripetal = [], []
+    for phase in ("low speed", "cruise"):
+        begin, end = (round(time * TRACKER.sample_rate) for time in PHASES[phase])
+        levels.append(float(np.median(block.radial_acceleration[begin:end])))
+        turned = float(block.wheel_angle[end] - block.wheel_angle[begin])
+        centripetal.append((turned * TRACKER.sample_rate / (end - begin)) ** 2 * RING.radius)
+    # The rise, as the sensor has an offset.
+    rise = (levels[1] - levels[0]) / (centripetal[1] - centripetal[0])
+    rows.append(_row("front", "rise of the level from 8 to 22 m/s over that of omega^2 R", rise))
+    rows.append(_row("front", "time of a revolution at 8 m/s [ms]", 1e3 * 2.0 * np.pi * RING.radius / _SPEEDS[0]))
+    return rows
+
+
+def _rows_of_phases(drives: Mapping[tuple[str, float], Shown], known: Calibration) -> list[Row]:
+    rows = []
+    for name, trend in (("shift", known.tyre.shift_trend), ("length", known.tyre.length_trend)):
+        low, high = (np.degrees(polynomial(trend, speed)) for speed in _SPEEDS)
+        rows.append(_row("both", f"trend of the {name}, 8 to 22 m/s [deg]", float(high - low)))
+    rows.append(_row("both", "beta", known.tyre.beta))
+    selections: dict[str, Callable[[list[Patch]], tuple[Array, Array]]] = {
+        "raw": _raw,
+        "without speed trend": lambda patches: _detrended(patches, known),
+        "corrected": _final,
+    }
+    for (axle, pressure), shown in drives.items():
+        time = _time(shown.patches)
+        for stage, select in selections.items():
+            for name, values in zip(("shift", "length"), select(shown.patches), strict=True):
+                for phase, mean in means(time, np.degrees(values)).items():
+                    rows.append(_row(axle, f"{pressure / 1e5:.1f} bar, {stage}: {name}, {phase} [deg]", mean))
+    return rows
 
 
 def _time(patches: list[Patch]) -> Array:
@@ -142,18 +213,53 @@ def _fronts(block: TyreBlock, table: ToothTable, file: Path) -> None:
     axis.plot(angle, np.where(inside, -LEVEL, 1.0 - LEVEL), ":", label="front detection")
     axis.plot(np.degrees(centre + np.array([found.alpha_1, found.alpha_2])), [0.0, 0.0], "o", label="fronts")
     axis.legend()
-    _finish(figure, [axis], [("wheel angle [deg]", "-")], file)
+    _finish(figure, [axis], [("wheel angle [deg]", "acceleration over its fall in the patch [-]")], file)
 
 
-def _experiment(patches: list[Patch], select: object, title: str, file: Path) -> None:
-    assert callable(select)
+def _experiment(
+    patches: list[Patch],
+    select: Callable[[list[Patch]], tuple[Array, Array]],
+    title: str,
+    file: Path,
+    known: Calibration | None = None,
+) -> None:
+    """Draw speed, shift and length; with `known` the values they should have at constant speed."""
     shift, length = select(patches)
     time, speed = _time(patches), np.array([p.speed for p in patches])
     figure, axes = plt.subplots(3, 1, figsize=(8.0, 8.0), sharex=True)
     for axis, values in zip(axes, (speed, np.degrees(shift), np.degrees(length)), strict=True):
         axis.plot(time, values, linewidth=0.8)
+    _shade(axes)
+    if known is not None:
+        axes[1].axhline(0.0, color="k", linestyle="--", linewidth=0.8)
+        axes[2].axhline(np.degrees(known.tyre.nominal_length), color="k", linestyle="--", linewidth=0.8)
     axes[0].set_title(title)
     labels = [("", "wheel speed [m/s]"), ("", "phase shift [deg]"), ("time [s]", "patch length [deg]")]
+    _finish(figure, list(axes), labels, file)
+
+
+def _shade(axes: NDArray[np.object_]) -> None:
+    """Mark acceleration and braking, and name the phases."""
+    for phase, (begin, end) in PHASES.items():
+        if phase not in STEADY:
+            for axis in axes:
+                axis.axvspan(begin - 0.8, end + 0.4, color="0.9", zorder=0)
+        axes[0].text(0.5 * (begin + end), 0.98, phase, transform=axes[0].get_xaxis_transform(), ha="center", va="top")
+
+
+def _forces(estimated: Mapping[str, Estimated], file: Path) -> None:
+    figure, axes = plt.subplots(4, 1, figsize=(8.0, 10.0), sharex=True)
+    labels = []
+    for k, (axle, found) in enumerate(estimated.items()):
+        for axis, name, values, truth in (
+            (axes[2 * k], "Fx", found.fx, found.fx_true),
+            (axes[2 * k + 1], "Fz", found.fz, found.fz_true),
+        ):
+            axis.plot(found.time, values / 1e3, linewidth=0.8, label="estimated")
+            axis.plot(found.time, truth / 1e3, "k--", linewidth=0.6, label="true")
+            labels.append(("time [s]" if axis is axes[-1] else "", f"{name}, {axle} [kN]"))
+    _shade(axes)
+    axes[0].legend(loc="lower left")
     _finish(figure, list(axes), labels, file)
 
 

@@ -111,7 +111,7 @@ def run(args: argparse.Namespace) -> list[Row]:
     if not args.no_live:
         rows += [_row("cost", "all", quantity, value) for quantity, value in cost.live_node()]
     if args.figures is not None:
-        figures.draw(args.figures, runs)
+        rows += figures.draw(args.figures, runs)
     return rows
 
 
