@@ -9,11 +9,14 @@ from abs_supervisor.envelope import Envelope, EnvelopeParameters
 from abs_supervisor.fsm import Command
 from abs_supervisor.release_caps import Cap
 from abs_supervisor.release_evidence import EvidenceParameters, Release, ReleaseEvidence, Wheel
+from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.single_corner import CornerParameters
 
 STEP = 5_000_000
 DT = 0.005
 RADIUS = 0.3
 INERTIA = 1.0
+CORNER = CornerParameters(radius=RADIUS, inertia=INERTIA, mass=375.0, vertical_load=3678.75)
 SPEED = 20.0
 DEMAND = 800.0
 
@@ -23,7 +26,7 @@ class Bench:
 
     def __init__(self, law: Command = Command.DECREASE, noise: float = 0.07) -> None:
         self.noise = noise
-        self.envelope = Envelope(RADIUS, INERTIA, EnvelopeParameters(), apply_rate=5000.0)
+        self.envelope = Envelope(CORNER, ActuatorParameters(), EnvelopeParameters())
         self.law = law
         self.stamp = 0
         self.random = np.random.default_rng(7)
