@@ -393,3 +393,15 @@ def test_torque_is_not_raised_beyond_what_the_road_gave_where_a_dive_outruns_the
 @pytest.mark.parametrize("less", [{"releases": 0}, {"speed": 4.0}, {"slip": 0.03}, {"share": 0.97}])
 def test_elsewhere_it_is_raised(less: dict[str, Any]) -> None:
     assert set(at_the_end_of_a_stop(Command.INCREASE, **{"share": 1.05, **less})) == {Command.INCREASE}
+
+
+@pytest.mark.parametrize(("faster", "released"), [(1.0, False), (2.0, False), (4.0, True)])
+def test_wheels_that_together_lose_far_more_speed_than_their_car_slip(faster: float, released: bool) -> None:
+    """On snow all dive with 6 m/s^2 where the car brakes with 2; an accelerometer is not wrong by so much."""
+    bench, commands = Bench(), []
+    bench.slipping(0.01, 40, alike=True, car_deceleration=2.0)
+    for k in range(100):
+        rim, car = SPEED - (2.0 + faster) * DT * k, SPEED - 2.0 * DT * k
+        slip = 1.0 - rim / car
+        commands.append(bench.sample(rim, car, slip=slip, alike=True, lambda_max=0.06, car_deceleration=2.0))
+    assert (Command.DECREASE in commands) == released
