@@ -90,20 +90,21 @@ class Envelope:
             self._road.reset()
             return Command.NONE
         self.release = self.evidence.verdict if wanted else Release.NOT_WANTED
+        trim = self.release is Release.REFUSED and self.may_trim(car_speed, torque)
+        if trim:
+            self.release = Release.BY_SLIP
         self.refused += begins and self.release is Release.REFUSED
         release = wanted and self.release is not Release.REFUSED
-        trim = wanted and not release and self.may_trim(car_speed, torque)
-        command = self.caps.command(
-            stamp, release or trim, self.evidence.recovering, self.evidence.deep, torque, demand
-        )
-        released = release and command is Command.DECREASE
-        self._road.update(stamp, released, torque, self.evidence.deceleration, car_speed)
+        command = self.caps.command(stamp, release, self.evidence.recovering, self.evidence.deep, torque, demand)
+        # A trim tells nothing of the road: else each would allow the next.
+        told = command is Command.DECREASE and not trim
+        self._road.update(stamp, told, torque, self.evidence.deceleration, car_speed)
         dives = wanted and not release and self.evidence.dives
         near = self.evidence.allows_hold or (self.evidence.may_slip and self._road.is_near(torque))
         held = law is Command.HOLD and near
         full = law is Command.INCREASE and self.caps.cap is Cap.NONE and self._road.is_reached(torque)
         if full and self._is_critical(car_speed, torque):
-            # What the road gave is enough: with more a wheel is locked before a release acts.
+            # With more than the road gave a wheel is locked before a release acts.
             held = True
         if (dives or held) and command is Command.INCREASE and torque < demand:
             # Not yet a lock, perhaps the brake's own rise: that is stopped, which a slow brake needs in time.
