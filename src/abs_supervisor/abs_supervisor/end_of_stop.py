@@ -1,19 +1,13 @@
 """The end of a stop: where a wheel dives to a lock faster than its brake can release it, no dive is provoked.
 
-Beyond the peak a wheel lacks the torque D that a sliding tyre gives less than a rolling one. It stands still after
-2 J omega / D, and the brake needs D / rate to let it turn again: on dry at 7 m/s, with 1.8 kN m, 75 ms and 130 ms.
 The machine of section 8.2.2 knows only rising and falling pressure, so that each of its cycles passes the peak. A wheel
 that has been released once is therefore kept before it: the pressure does not rise beyond the slip of a release.
 """
 
-from typing import Final
-
+from abs_supervisor.fast_dive import FastDive
 from abs_supervisor.fsm import Command
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.single_corner import CornerParameters
-
-_LOST: Final = 0.35
-"""Share of the torque at the peak that a sliding tyre does not give: 0.30 to 0.37 on the roads of Table 8.1."""
 
 
 class EndOfStop:
@@ -21,8 +15,7 @@ class EndOfStop:
 
     def __init__(self, corner: CornerParameters, actuator: ActuatorParameters) -> None:
         """Choose a wheel and its hydraulics."""
-        self._spin = 2.0 * corner.inertia / corner.radius
-        self._rate, self._delay = actuator.release_rate, actuator.delay
+        self._dive = FastDive(corner, actuator)
         self._released = False
 
     def reset(self) -> None:
@@ -40,9 +33,7 @@ class EndOfStop:
         """
         if machine is not Command.INCREASE or not (self._released and grips):
             return machine
-        lost = _LOST * torque
-        too_fast = self._spin * car_speed < lost * (self._delay + lost / self._rate)
-        return Command.HOLD if too_fast else machine
+        return Command.HOLD if self._dive.outruns_brake(car_speed, torque) else machine
 
     def commanded(self, command: Command) -> None:
         """Note the command that was given."""

@@ -5,11 +5,14 @@ No healthy brake is released, whatever asks for it: a fault of the law, of its i
 
 from dataclasses import dataclass
 
+from abs_supervisor.fast_dive import FastDive
 from abs_supervisor.fsm import Command
-from abs_supervisor.release_caps import CapParameters, ReleaseCaps
+from abs_supervisor.release_caps import Cap, CapParameters, ReleaseCaps
 from abs_supervisor.release_evidence import EvidenceParameters, Release, ReleaseEvidence, Wheel
 from abs_supervisor.road_torque import RoadTorque
 from friction_parameters.parameter import group
+from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.single_corner import CornerParameters
 
 
 @dataclass(frozen=True)
@@ -23,18 +26,12 @@ class EnvelopeParameters:
 class Envelope:
     """Judges the law of one wheel."""
 
-    def __init__(self, radius: float, inertia: float, parameters: EnvelopeParameters, apply_rate: float) -> None:
-        """Choose a wheel.
-
-        Args:
-            radius: effective rolling radius [m].
-            inertia: of the wheel [kg m^2].
-            parameters: of the evidence and the caps.
-            apply_rate: fastest rise of its brake torque [N m/s].
-        """
-        self.evidence = ReleaseEvidence(radius, parameters.evidence)
-        self.caps = ReleaseCaps(parameters.caps, apply_rate)
-        self._road = RoadTorque(radius, inertia)
+    def __init__(self, corner: CornerParameters, actuator: ActuatorParameters, parameters: EnvelopeParameters) -> None:
+        """Choose a wheel, its hydraulics, and the parameters of the evidence and the caps."""
+        self.evidence = ReleaseEvidence(corner.radius, parameters.evidence)
+        self.caps = ReleaseCaps(parameters.caps, actuator.apply_rate)
+        self._road = RoadTorque(corner.radius, corner.inertia)
+        self._dive = FastDive(corner, actuator)
         self._driver_below = parameters.caps.driver_below
         self.reset()
 
@@ -59,6 +56,21 @@ class Envelope:
         """Take what is known of the wheel at a stamp [ns], later than the last. Comes before `judge`."""
         self.evidence.update(stamp, wheel)
 
+    def may_trim(self, car_speed: float, torque: float) -> bool:
+        """Whether a brake torque may be lowered to a little below what the road gave when the wheel slipped.
+
+        Only where a dive outruns the brake. The slip counts as it is stated, for the torque is a second witness that
+        shares no error with it.
+
+        Args:
+            car_speed: [m/s], NaN where unknown.
+            torque: of the brake [N m], NaN where unknown.
+        """
+        return self._is_critical(car_speed, torque) and self._road.may_fall(torque)
+
+    def _is_critical(self, car_speed: float, torque: float) -> bool:
+        return self.evidence.grips and self._dive.outruns_brake(car_speed, torque)
+
     def judge(self, stamp: int, law: Command, car_speed: float, torque: float, demand: float) -> Command:
         """Return the command that may be given.
 
@@ -78,13 +90,22 @@ class Envelope:
             self._road.reset()
             return Command.NONE
         self.release = self.evidence.verdict if wanted else Release.NOT_WANTED
+        trim = self.release is Release.REFUSED and self.may_trim(car_speed, torque)
+        if trim:
+            self.release = Release.BY_SLIP
         self.refused += begins and self.release is Release.REFUSED
         release = wanted and self.release is not Release.REFUSED
         command = self.caps.command(stamp, release, self.evidence.recovering, self.evidence.deep, torque, demand)
-        self._road.update(stamp, command is Command.DECREASE, torque, self.evidence.deceleration, car_speed)
+        # A trim tells nothing of the road: else each would allow the next.
+        told = command is Command.DECREASE and not trim
+        self._road.update(stamp, told, torque, self.evidence.deceleration, car_speed)
         dives = wanted and not release and self.evidence.dives
         near = self.evidence.allows_hold or (self.evidence.may_slip and self._road.is_near(torque))
         held = law is Command.HOLD and near
+        full = law is Command.INCREASE and self.caps.cap is Cap.NONE and self._road.is_reached(torque)
+        if full and self._is_critical(car_speed, torque):
+            # With more than the road gave a wheel is locked before a release acts.
+            held = True
         if (dives or held) and command is Command.INCREASE and torque < demand:
             # Not yet a lock, perhaps the brake's own rise: that is stopped, which a slow brake needs in time.
             return Command.HOLD

@@ -89,7 +89,7 @@ class Guard:
             actuator: the hydraulics.
             commands: whether the brake obeys what `command` returns; else the pressure cannot be judged.
         """
-        self.envelope = Envelope(corner.radius, corner.inertia, envelope, actuator.apply_rate)
+        self.envelope = Envelope(corner, actuator, envelope)
         self._wheel = WheelCheck(corner)
         self._pressure = PressureCheck(actuator)
         self._commands = commands

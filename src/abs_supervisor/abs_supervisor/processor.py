@@ -263,7 +263,8 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         law = self._end_of_stop.ask(COMMANDS[self._supervisor.state], known.grips, seen.car_speed, seen.torque)
         control = self._curve_control
         if control is not None and isfinite(seen.wheel_speed):
-            answered = known.verdict is not Release.REFUSED or known.dives
+            trims = self._guard.envelope.may_trim(seen.car_speed, seen.torque)
+            answered = known.verdict is not Release.REFUSED or known.dives or trims
             law = control.ask(sample.stamp, seen, law, answered, self._guard.deceleration)
         self._command = self._given(sample.stamp, law) if isfinite(seen.wheel_speed) else Command.NONE
         self._end_of_stop.commanded(self._command)

@@ -110,7 +110,9 @@ _HOLD_SLIP: Final = 0.14
 _SUSPICIOUS: Final = 0.5
 """Share of the slip that a release needs."""
 _FELL: Final = 0.2
-"""[m/s] that a wheel is behind what a car can brake: far more than the noise of its speed."""
+"""[m/s] that a wheel is behind what a car can brake, or has lost more than its car: far more than its noise."""
+_BIASED: Final = 2.5
+"""[m/s^2] by which the deceleration of the car may be wrong where nothing but the accelerometer tells it."""
 _CRAWLS: Final = 1.0
 """[m/s] slower wheels are together in a lock, too."""
 _RECOVERING: Final = 2.0
@@ -143,6 +145,8 @@ class ReleaseEvidence:
         self._dived = self._away = False
         self._largest_gain = 0.0
         self._slides = True
+        self._lost = 0.0
+        self._stamp: int | None = None
         self.dives = False
         """Whether the wheel decelerates as for a release, with at least half of the slip that a release needs."""
         self.allows_hold = False
@@ -203,7 +207,8 @@ class ReleaseEvidence:
         if steady:
             base *= _STEADY_FACTOR
         self.release_slip = base + p.sigmas * doubt
-        if rim > _CRAWLS and (not wheel.alike or slowest - rim > _FELL):
+        self._lose(stamp, wheel.car_deceleration)
+        if rim > _CRAWLS and (not wheel.alike or max(slowest - rim, self._lost) > _FELL):
             self._slides = True
         elif rim > _CRAWLS and (steady or slip < p.least_slip):
             self._slides = False
@@ -234,6 +239,13 @@ class ReleaseEvidence:
         else:
             self.verdict = Release.BY_DECELERATION if self._dived else Release.REFUSED
         self.recovering = gain > least_gain and (slip_shows or self._away)
+
+    def _lose(self, stamp: int, car_deceleration: float) -> None:
+        """Add up the speed that the wheel loses beyond what its car may lose."""
+        dt = 0.0 if self._stamp is None else (stamp - self._stamp) / NANOSECONDS
+        self._stamp = stamp
+        beyond = self.deceleration - car_deceleration - _BIASED
+        self._lost = max(self._lost + beyond * dt, 0.0) if isfinite(beyond) else 0.0
 
     def _slip_threshold(self, wheel: Wheel) -> tuple[float, float]:
         """Return the slip that a release needs, and the standard deviation of the slip's error."""

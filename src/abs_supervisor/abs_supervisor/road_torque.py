@@ -13,6 +13,8 @@ _KEPT: Final = 15.0
 """[m] for which it counts after the last release; another road comes with the distance."""
 _ENOUGH: Final = 0.85
 """Of it: a tyre that slides gives 0.7 to 0.9 of the peak's, so what is held is less than a quarter below the peak."""
+_TRIMMED: Final = 0.95
+"""Of it: down to there the torque may be taken back without a release's slip."""
 
 
 class RoadTorque:
@@ -54,3 +56,11 @@ class RoadTorque:
     def is_near(self, torque: float) -> bool:
         """Whether a torque [N m] is near what the road gave, or above it."""
         return torque >= _ENOUGH * self._torque
+
+    def may_fall(self, torque: float) -> bool:
+        """Whether a torque [N m] may be lowered and stays near what the road gave."""
+        return torque >= _TRIMMED * self._torque
+
+    def is_reached(self, torque: float) -> bool:
+        """Whether a torque [N m] is what the road gave, or more."""
+        return torque >= self._torque

@@ -1,6 +1,7 @@
 """The envelope: what is evidence for a release, and how long one may last, whatever the law wants."""
 
 from math import nan, pi, sin
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,11 +10,14 @@ from abs_supervisor.envelope import Envelope, EnvelopeParameters
 from abs_supervisor.fsm import Command
 from abs_supervisor.release_caps import Cap
 from abs_supervisor.release_evidence import EvidenceParameters, Release, ReleaseEvidence, Wheel
+from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.single_corner import CornerParameters
 
 STEP = 5_000_000
 DT = 0.005
 RADIUS = 0.3
 INERTIA = 1.0
+CORNER = CornerParameters(radius=RADIUS, inertia=INERTIA, mass=375.0, vertical_load=3678.75)
 SPEED = 20.0
 DEMAND = 800.0
 
@@ -23,7 +27,7 @@ class Bench:
 
     def __init__(self, law: Command = Command.DECREASE, noise: float = 0.07) -> None:
         self.noise = noise
-        self.envelope = Envelope(RADIUS, INERTIA, EnvelopeParameters(), apply_rate=5000.0)
+        self.envelope = Envelope(CORNER, ActuatorParameters(), EnvelopeParameters())
         self.law = law
         self.stamp = 0
         self.random = np.random.default_rng(7)
@@ -342,3 +346,62 @@ def test_when_braking_begins_again_what_the_road_gave_is_forgotten() -> None:
     bench.law = Command.HOLD
     commands = bench.slipping(0.0, 40, lambda_max=0.17, slip_stddev=0.04, torque=300.0)
     assert set(commands) == {Command.INCREASE}
+
+
+PEAK = 700.0
+"""[N m] that the road gave. Its loss beyond the peak stops the wheel within 45 ms at 2 m/s; the brake needs 59 ms."""
+
+
+def at_the_end_of_a_stop(
+    law: Command, releases: int = 10, speed: float = 2.0, slip: float = 0.15, share: float = 1.0
+) -> list[Command]:
+    """Return the commands where slip has a standard deviation of 0.1, after releases at PEAK with a slip of 0.5."""
+    bench = Bench()
+    for _ in range(releases):
+        bench.sample(0.5 * speed, car=speed, torque=PEAK, slip=0.5, lambda_max=0.17)
+    bench.law = law
+    known = {"slip": slip, "slip_stddev": 0.1, "lambda_max": 0.17}
+    return [bench.sample((1.0 - slip) * speed, car=speed, torque=share * PEAK, **known) for _ in range(20)]
+
+
+def test_torque_that_the_road_gave_is_lowered_a_little_where_a_dive_outruns_the_brake() -> None:
+    assert set(at_the_end_of_a_stop(Command.DECREASE)) == {Command.DECREASE}
+    assert set(at_the_end_of_a_stop(Command.DECREASE, share=0.96)) == {Command.DECREASE}
+
+
+@pytest.mark.parametrize("less", [{"releases": 0}, {"speed": 4.0}, {"slip": 0.03}, {"share": 0.94}])
+def test_it_is_not_lowered_where_one_of_the_witnesses_is_missing(less: dict[str, Any]) -> None:
+    assert Command.DECREASE not in at_the_end_of_a_stop(Command.DECREASE, **less)[4:]
+
+
+def test_a_trim_is_no_news_of_the_road() -> None:
+    """Else each would allow the next, further down."""
+    bench = Bench()
+    bench.slipping(0.5, 10, lambda_max=0.17, torque=PEAK)
+    commands = []
+    for k in range(60):
+        torque = (1.0 - 0.005 * k) * PEAK
+        commands.append(bench.sample(1.7, car=2.0, torque=torque, slip=0.15, slip_stddev=0.1, lambda_max=0.17))
+    assert commands[8] is Command.DECREASE
+    assert Command.DECREASE not in commands[11:]
+
+
+def test_torque_is_not_raised_beyond_what_the_road_gave_where_a_dive_outruns_the_brake() -> None:
+    assert set(at_the_end_of_a_stop(Command.INCREASE, share=1.05)) == {Command.HOLD}
+
+
+@pytest.mark.parametrize("less", [{"releases": 0}, {"speed": 4.0}, {"slip": 0.03}, {"share": 0.97}])
+def test_elsewhere_it_is_raised(less: dict[str, Any]) -> None:
+    assert set(at_the_end_of_a_stop(Command.INCREASE, **{"share": 1.05, **less})) == {Command.INCREASE}
+
+
+@pytest.mark.parametrize(("faster", "released"), [(1.0, False), (2.0, False), (4.0, True)])
+def test_wheels_that_together_lose_far_more_speed_than_their_car_slip(faster: float, released: bool) -> None:
+    """On snow all dive with 6 m/s^2 where the car brakes with 2; an accelerometer is not wrong by so much."""
+    bench, commands = Bench(), []
+    bench.slipping(0.01, 40, alike=True, car_deceleration=2.0)
+    for k in range(100):
+        rim, car = SPEED - (2.0 + faster) * DT * k, SPEED - 2.0 * DT * k
+        slip = 1.0 - rim / car
+        commands.append(bench.sample(rim, car, slip=slip, alike=True, lambda_max=0.06, car_deceleration=2.0))
+    assert (Command.DECREASE in commands) == released
