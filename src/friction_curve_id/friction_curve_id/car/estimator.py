@@ -207,7 +207,11 @@ class CarEstimator:
         samples.close_throttle(time - _LIFT)
         self._braking, self._began_at, self._stepped_at, self._turn = True, time, time + _FIRST_STEP, 0
         few = min(3, samples.count)
-        rolling = float((self._car.radius[:, 0] * samples.wheel_speed[:, :few].mean(axis=1)).mean())
+        # A driven wheel slips under its engine before the brakes act: on soft snow by a fiftieth of the speed.
+        free = self._car.driven[:, 0] == 0.0
+        if not free.any():
+            free[:] = True
+        rolling = float((self._car.radius[free, 0] * samples.wheel_speed[free, :few].mean(axis=1)).mean())
         at_rest = float(samples.acceleration[: max(samples.count // 4, 1)].mean())
         self._start = Start(float(samples.time[0]), rolling, at_rest, float(samples.speed_change[0]))
         self._rolling_noise = rolling_noise(samples.wheel_speed, 0.01)
