@@ -59,8 +59,8 @@ _LARGEST_STDDEV = 0.25
 _EARLIEST_VALID = 0.1
 _LEAST_AGE = 0.1
 """Time since the slip first was beyond the peak before it is seen [s]."""
-_SURPRISE = 2.5
-"""Most deviations by which the sum of the squared unknowns may exceed its mean, each in deviations of its prior."""
+_SURPRISE = 3.0
+"""Most deviations by which the sum of the squared unknowns of every family may exceed what the prior lets expect."""
 _ASTRAY, _STEPS_BACK = 50.0, 5
 """A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
 _SETTLED = 0.1
@@ -227,10 +227,9 @@ class CarEstimator:
             for family, shape in p.families().items()
         ]
         self._families = tuple(p.families())
-        unknown = int(np.count_nonzero(self._fits[0].known_to > 0.0))
-        self._most_surprise = unknown + _SURPRISE * sqrt(2.0 * unknown)
         self._mu_floor = radius_deviation(self._vehicle)
         self._peak: Peak | None = None
+        self._surprised = False
         self._road_watch, self._two_roads = RoadWatch(), ""
         self._misfit = 0.0
         self._seen_before = 0.0
@@ -274,6 +273,7 @@ class CarEstimator:
             return
         if all(each.steps for each in self._fits):
             fits = self._fits
+            self._surprised = min(each.surprise for each in fits) > _SURPRISE
             found = [each.unknowns for each in fits], [each.covariance for each in fits]
             evidence = self._log_evidence()
             self._peak = mixture(*found, evidence, self._mu_floor, True)
@@ -322,7 +322,7 @@ class CarEstimator:
         reason, text = self._reason(time, peak)
         lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
         best = int(np.argmax(peak.weights))
-        surprised = max(fit.surprise for fit in self._fits) > self._most_surprise or bool(self._two_roads)
+        surprised = self._surprised or bool(self._two_roads)
         u = self._fits[best].unknowns
         shape = (float(u[Unknown.SHAPE_1]), float(u[Unknown.SHAPE_2]))
         curve = curve_values(self._families[best], peak.log_lambda_max, shape, slips / lambda_max)
@@ -388,7 +388,7 @@ class CarEstimator:
         if self._seen < _SEEN_TIME or time - self._start.time - self._beyond_since < _LEAST_AGE:
             return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {self._seen:.2f} s only"
         best = int(np.argmax(peak.weights))
-        if max(fit.surprise for fit in self._fits) > self._most_surprise:
+        if self._surprised:
             return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
         if self._two_roads:
             return Reason.UNCERTAIN, self._two_roads
