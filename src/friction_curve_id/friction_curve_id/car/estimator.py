@@ -18,7 +18,7 @@ from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_value
 from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability, reaching_up
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
-from friction_curve_id.car.node_signals import Start, delayed, node_signals, rolling_noise
+from friction_curve_id.car.node_signals import TURNING, Start, delayed, node_signals, rolling_noise
 from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.prior import car_prior, radius_deviation
@@ -232,7 +232,6 @@ class CarEstimator:
         self._surprised = False
         self._road_watch, self._two_roads = RoadWatch(), ""
         self._misfit = 0.0
-        self._seen_before = 0.0
         self._seen = 0.0
         self._beyond_since = inf
         self._move = [inf] * len(self._fits)
@@ -299,15 +298,19 @@ class CarEstimator:
             self._misfit = misfit
 
     def _time_beyond(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> float:
-        """Time for which the slips of turning wheels were surely beyond the peak, summed over the wheels [s]."""
+        """Time for which the slips of turning wheels were surely beyond the peak, summed over the wheels [s].
+
+        A node near one at which a wheel may stand says nothing of a torque, but its own slip is known.
+        """
         moved = fit.moved
         limit = _PASSED * exp(peak.log_lambda_max)
         speed_variance = fit.covariance[Unknown.START_SPEED, Unknown.START_SPEED]
         stddev = np.hypot(limit * peak.log_lambda_stddev, sqrt(speed_variance) / moved.speed)
-        beyond = nodes.turning & (moved.relaxed > limit + _SURE * stddev)
+        turning = nodes.turning | (moved.slip < 1.0 - TURNING)
+        beyond = turning & (moved.relaxed > limit + _SURE * stddev)
         if beyond.any() and self._beyond_since == inf:
             self._beyond_since = float(nodes.time[int(np.argmax(beyond.any(axis=0)))])
-        if not beyond.any() and self._seen_before == 0.0:
+        if not beyond.any():
             self._beyond_since = inf
         return float((beyond * nodes.interval).sum())
 
