@@ -77,6 +77,17 @@ def test_nothing_is_valid_before_the_peak_or_just_after_it() -> None:
         assert not any(each.valid for each in too_early)
 
 
+def test_a_fast_rise_has_an_interval_that_holds_before_half_of_the_friction_is_used() -> None:
+    """Rises of 0.18 and 0.23 s: the first answer came 0.08 s after the brakes acted, too late for both."""
+    for seed in (120_003, 120_007):
+        car = random_car(seed, "wet", "burckhardt")
+        run = record(car.parameters, SlipCycle(car.parameters, car.cycling), seed, duration=1.0)
+        half = int((run.mu[:, 0] > 0.5 * run.mu_max[0]).argmax())
+        found = follow(samples(run, float(run.time[half]) + 1e-6))[-1][0]
+        assert isinstance(found, CurveEstimate) and not found.valid
+        assert abs(found.mu_max - run.mu_max[0]) < 1.96 * found.mu_max_stddev
+
+
 def test_slips_on_the_way_to_a_wheel_that_stands_count_as_beyond_the_peak() -> None:
     """On cobblestone they are most of what is surely beyond it: this stop was not valid in time."""
     car = random_car(120_021, "cobblestone", "pacejka")

@@ -42,9 +42,9 @@ _CAPACITY, _FOLDED = 260, 40
 """Most samples of the window, and how many leave it at a time."""
 _MEMORY = 3.0
 """Time with which what has left the window fades [s]."""
-_FIRST_STEP = 0.06
-"""Time of braking before the first step [s]."""
-_BRAKES, _RELEASED = 0.4, 0.2
+_FIRST_STEP = 0.03
+"""Time of braking before the first step [s]: a fast rise uses half of the friction after 0.08 s."""
+_BRAKES, _RELEASED = 0.2, 0.15
 """Deceleration by the brakes at which a braking begins, and ends [m/s^2]."""
 _RELEASE_TIME = 0.15
 _SAME_TIME = 1e-6
@@ -174,6 +174,8 @@ class CarEstimator:
             return Refusal(Reason.NO_EXCITATION, text)
         if complete and sample.time - self._stepped_at >= _STEP_INTERVAL * len(index):
             self._step(sample.time)
+            while self._peak is None and self._turn < len(self._fits):  # the first answer needs all families
+                self._step(sample.time)
         return self._answer(sample.time, speed)
 
     def _keep(self, time: float, speed: Array, torque: Array, acceleration: float) -> None:
