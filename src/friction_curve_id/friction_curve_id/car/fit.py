@@ -95,11 +95,6 @@ class CurveFit:
         return self._prior.mean + self._prior.stddev * self.z
 
     @property
-    def known_to(self) -> Array:
-        """Deviations of the prior, shape (P,)."""
-        return self._prior.stddev
-
-    @property
     def surprise(self) -> float:
         """How far the sum of the squared unknowns is above what the prior lets expect, in its deviations.
 
