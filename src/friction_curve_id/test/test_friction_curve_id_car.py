@@ -77,6 +77,32 @@ def test_nothing_is_valid_before_the_peak_or_just_after_it() -> None:
         assert not any(each.valid for each in too_early)
 
 
+def test_a_fast_rise_has_an_interval_that_holds_before_half_of_the_friction_is_used() -> None:
+    """Rises of 0.18 and 0.23 s: the first answer came 0.08 s after the brakes acted, too late for both."""
+    for seed in (120_003, 120_007):
+        car = random_car(seed, "wet", "burckhardt")
+        run = record(car.parameters, SlipCycle(car.parameters, car.cycling), seed, duration=1.0)
+        half = int((run.mu[:, 0] > 0.5 * run.mu_max[0]).argmax())
+        found = follow(samples(run, float(run.time[half]) + 1e-6))[-1][0]
+        assert isinstance(found, CurveEstimate) and not found.valid
+        assert abs(found.mu_max - run.mu_max[0]) < 1.96 * found.mu_max_stddev
+
+
+def test_slips_on_the_way_to_a_wheel_that_stands_count_as_beyond_the_peak() -> None:
+    """On cobblestone they are most of what is surely beyond it: this stop was not valid in time."""
+    car = random_car(120_021, "cobblestone", "pacejka")
+    run = record(car.parameters, SlipCycle(car.parameters, car.cycling), 120_021, duration=2.0)
+    found = estimates(follow(samples(run, passing(run) + AFTER)))
+    right = [
+        abs(each.lambda_max - run.lambda_max[0]) < 1.96 * each.lambda_max_stddev
+        and abs(each.mu_max - run.mu_max[0]) < 1.96 * each.mu_max_stddev
+        for each in found
+        if each.valid
+    ]
+    assert right
+    assert all(right)
+
+
 def test_ordinary_braking_never_shows_a_peak() -> None:
     for seed, road, share in ((70_100, "wet", 0.5), (70_101, "dry", 0.4), (70_102, "snow", 0.6)):
         car = random_car(seed, road, ("burckhardt", "pacejka")[seed % 2]).parameters
@@ -140,6 +166,21 @@ def test_pads_that_fade_leave_the_curve_valid_and_right() -> None:
                 )
     assert np.mean(valid) > 0.6
     assert np.mean(inside) > 0.9
+
+
+def test_wheels_that_slip_under_their_engine_before_the_brakes_act_are_not_the_speed_of_the_car() -> None:
+    """By their mean the car was 0.3 m/s too slow on soft snow: none of these stops became valid."""
+    sensors = SensorParameters(encoder_teeth=48, acceleration_delay=0.005)
+    snow = (TYRES["pacejka"]["snow"],) * 4
+    car = CarParameters(
+        snow, relaxation_length=(0.3,) * 4, damper_share=0.5, pitch_gain=0.0026, engine_drag=80.0, sensors=sensors
+    )
+    for seed in (74_000, 74_001):
+        run = record(car, SlipCycle(car, Cycling()), seed, duration=2.4)
+        last = estimates(follow(samples(run, passing(run) + AFTER)))[-1]
+        assert last.valid, last.text
+        assert abs(last.lambda_max - run.lambda_max[0]) < 1.96 * last.lambda_max_stddev
+        assert abs(last.mu_max - run.mu_max[0]) < 1.96 * last.mu_max_stddev
 
 
 def test_garbage_is_refused_by_name_and_leaves_the_fit_as_it_was() -> None:

@@ -277,6 +277,19 @@ def test_corrections_of_the_wheel_speeds_are_the_most_likely_ones() -> None:
         assert found[wheel] == pytest.approx(expected)
 
 
+def test_one_unknown_far_from_the_vehicle_file_is_a_surprise_where_little_is_found() -> None:
+    """Counted over all 28 unknowns, most of which a gentle braking does not move, 6 deviations of one were none."""
+    samples, start = samples_of_a_braking()
+    car = CarConstants(CAR, WHEELS)
+    nodes = node_signals(car, samples, start, np.full(4, 0.01), True)
+    fit = CurveFit(car, car_prior(CAR, WHEELS, SHAPE_PRIORS[Family.PACEJKA], 0.023, True), Family.PACEJKA, 5.0, True)
+    fit.step(samples, nodes.subset(slice(0, 80)), start)
+    fit.z = np.zeros(SHARED + 4)
+    assert fit.surprise < 0.0
+    fit.z[Unknown.LOG_INERTIA] = 6.0
+    assert fit.surprise > 3.0
+
+
 @FAMILIES
 def test_evidence_without_the_newest_nodes_is_that_of_a_fit_that_has_not_seen_them(family: Family) -> None:
     samples, start = samples_of_a_braking()

@@ -18,7 +18,7 @@ from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_value
 from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability, reaching_up
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
-from friction_curve_id.car.node_signals import Start, delayed, node_signals, rolling_noise
+from friction_curve_id.car.node_signals import TURNING, Start, delayed, node_signals, rolling_noise
 from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.prior import car_prior, radius_deviation
@@ -42,9 +42,9 @@ _CAPACITY, _FOLDED = 260, 40
 """Most samples of the window, and how many leave it at a time."""
 _MEMORY = 3.0
 """Time with which what has left the window fades [s]."""
-_FIRST_STEP = 0.06
-"""Time of braking before the first step [s]."""
-_BRAKES, _RELEASED = 0.4, 0.2
+_FIRST_STEP = 0.03
+"""Time of braking before the first step [s]: a fast rise uses half of the friction after 0.08 s."""
+_BRAKES, _RELEASED = 0.2, 0.15
 """Deceleration by the brakes at which a braking begins, and ends [m/s^2]."""
 _RELEASE_TIME = 0.15
 _SAME_TIME = 1e-6
@@ -59,8 +59,8 @@ _LARGEST_STDDEV = 0.25
 _EARLIEST_VALID = 0.1
 _LEAST_AGE = 0.1
 """Time since the slip first was beyond the peak before it is seen [s]."""
-_SURPRISE = 2.5
-"""Most deviations by which the sum of the squared unknowns may exceed its mean, each in deviations of its prior."""
+_SURPRISE = 3.0
+"""Most deviations by which the sum of the squared unknowns of every family may exceed what the prior lets expect."""
 _ASTRAY, _STEPS_BACK = 50.0, 5
 """A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
 _SETTLED = 0.1
@@ -174,6 +174,8 @@ class CarEstimator:
             return Refusal(Reason.NO_EXCITATION, text)
         if complete and sample.time - self._stepped_at >= _STEP_INTERVAL * len(index):
             self._step(sample.time)
+            while self._peak is None and self._turn < len(self._fits):  # the first answer needs all families
+                self._step(sample.time)
         return self._answer(sample.time, speed)
 
     def _keep(self, time: float, speed: Array, torque: Array, acceleration: float) -> None:
@@ -207,7 +209,11 @@ class CarEstimator:
         samples.close_throttle(time - _LIFT)
         self._braking, self._began_at, self._stepped_at, self._turn = True, time, time + _FIRST_STEP, 0
         few = min(3, samples.count)
-        rolling = float((self._car.radius[:, 0] * samples.wheel_speed[:, :few].mean(axis=1)).mean())
+        # A driven wheel slips under its engine before the brakes act: on soft snow by a fiftieth of the speed.
+        free = self._car.driven[:, 0] == 0.0
+        if not free.any():
+            free[:] = True
+        rolling = float((self._car.radius[free, 0] * samples.wheel_speed[free, :few].mean(axis=1)).mean())
         at_rest = float(samples.acceleration[: max(samples.count // 4, 1)].mean())
         self._start = Start(float(samples.time[0]), rolling, at_rest, float(samples.speed_change[0]))
         self._rolling_noise = rolling_noise(samples.wheel_speed, 0.01)
@@ -223,13 +229,11 @@ class CarEstimator:
             for family, shape in p.families().items()
         ]
         self._families = tuple(p.families())
-        unknown = int(np.count_nonzero(self._fits[0].known_to > 0.0))
-        self._most_surprise = unknown + _SURPRISE * sqrt(2.0 * unknown)
         self._mu_floor = radius_deviation(self._vehicle)
         self._peak: Peak | None = None
+        self._surprised = False
         self._road_watch, self._two_roads = RoadWatch(), ""
         self._misfit = 0.0
-        self._seen_before = 0.0
         self._seen = 0.0
         self._beyond_since = inf
         self._move = [inf] * len(self._fits)
@@ -270,6 +274,7 @@ class CarEstimator:
             return
         if all(each.steps for each in self._fits):
             fits = self._fits
+            self._surprised = min(each.surprise for each in fits) > _SURPRISE
             found = [each.unknowns for each in fits], [each.covariance for each in fits]
             evidence = self._log_evidence()
             self._peak = mixture(*found, evidence, self._mu_floor, True)
@@ -295,15 +300,19 @@ class CarEstimator:
             self._misfit = misfit
 
     def _time_beyond(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> float:
-        """Time for which the slips of turning wheels were surely beyond the peak, summed over the wheels [s]."""
+        """Time for which the slips of turning wheels were surely beyond the peak, summed over the wheels [s].
+
+        A node near one at which a wheel may stand says nothing of a torque, but its own slip is known.
+        """
         moved = fit.moved
         limit = _PASSED * exp(peak.log_lambda_max)
         speed_variance = fit.covariance[Unknown.START_SPEED, Unknown.START_SPEED]
         stddev = np.hypot(limit * peak.log_lambda_stddev, sqrt(speed_variance) / moved.speed)
-        beyond = nodes.turning & (moved.relaxed > limit + _SURE * stddev)
+        turning = nodes.turning | (moved.slip < 1.0 - TURNING)
+        beyond = turning & (moved.relaxed > limit + _SURE * stddev)
         if beyond.any() and self._beyond_since == inf:
             self._beyond_since = float(nodes.time[int(np.argmax(beyond.any(axis=0)))])
-        if not beyond.any() and self._seen_before == 0.0:
+        if not beyond.any():
             self._beyond_since = inf
         return float((beyond * nodes.interval).sum())
 
@@ -318,7 +327,7 @@ class CarEstimator:
         reason, text = self._reason(time, peak)
         lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
         best = int(np.argmax(peak.weights))
-        surprised = max(fit.surprise for fit in self._fits) > self._most_surprise or bool(self._two_roads)
+        surprised = self._surprised or bool(self._two_roads)
         u = self._fits[best].unknowns
         shape = (float(u[Unknown.SHAPE_1]), float(u[Unknown.SHAPE_2]))
         curve = curve_values(self._families[best], peak.log_lambda_max, shape, slips / lambda_max)
@@ -384,7 +393,7 @@ class CarEstimator:
         if self._seen < _SEEN_TIME or time - self._start.time - self._beyond_since < _LEAST_AGE:
             return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {self._seen:.2f} s only"
         best = int(np.argmax(peak.weights))
-        if max(fit.surprise for fit in self._fits) > self._most_surprise:
+        if self._surprised:
             return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
         if self._two_roads:
             return Reason.UNCERTAIN, self._two_roads

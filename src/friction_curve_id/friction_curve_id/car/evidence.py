@@ -22,9 +22,8 @@ SEEN_FACTOR = 1.1
 """Factor of the deviations of lambda_max: on random cars of a plant of its own the fit is that much too sure."""
 _MU_FLOOR = 0.005
 UNSEEN_FACTOR = 2.0
-"""Factor of the deviations of lambda_max while the peak has not been seen: it is an extrapolation by a formula."""
+"""Factor of all deviations while the peak has not been seen: it is an extrapolation by a formula."""
 UNSEEN_FLOOR = 0.1
-_UNSEEN_MU_FACTOR = 1.5
 _INTERVAL = 1.96
 """Deviations of a 95 % interval."""
 _STILL_TO_GO = 2.0
@@ -78,7 +77,7 @@ def mixture(
     of_lambda = doubt(seen, count == 1)
     of_mu = (1.0, mu_floor)
     if count > 1:
-        of_mu = (1.0 if seen else _UNSEEN_MU_FACTOR, hypot(_MU_FLOOR, mu_floor))
+        of_mu = (1.0 if seen else UNSEEN_FACTOR, hypot(_MU_FLOOR, mu_floor))
     for index, (factor, floor) in ((Unknown.LOG_LAMBDA_MAX, of_lambda), (Unknown.LOG_MU_MAX, of_mu)):
         values = [float(each[index]) for each in unknowns]
         mean = sum(w * value for w, value in zip(weights, values, strict=True))

@@ -5,6 +5,7 @@ prior in z = (unknown - mean) / stddev, with what older samples said as a quadra
 """
 
 from dataclasses import dataclass, replace
+from math import inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,6 +85,7 @@ class CurveFit:
         self._correction = np.zeros((self._car.wheels, 0))
         self._damping = 0.0
         self._last_move = np.zeros(n)
+        self._expected, self._scatter = 0.0, inf
         self.unsettled = 0.0
         """Length of the last full step in ln mu_max."""
 
@@ -93,14 +95,12 @@ class CurveFit:
         return self._prior.mean + self._prior.stddev * self.z
 
     @property
-    def known_to(self) -> Array:
-        """Deviations of the prior, shape (P,)."""
-        return self._prior.stddev
-
-    @property
     def surprise(self) -> float:
-        """Sum of the squares of the unknowns, each in deviations of its prior."""
-        return float(self.z @ self.z)
+        """How far the sum of the squared unknowns is above what the prior lets expect, in its deviations.
+
+        Each is in deviations of its prior; what is found of them has the covariance I - S, S: that of what is left.
+        """
+        return (float(self.z @ self.z) - self._expected) / self._scatter
 
     @property
     def newest(self) -> float:
@@ -169,6 +169,8 @@ class CurveFit:
         inverse, _ = dpotri(lower, lower=1)
         inverse = np.tril(inverse) + np.tril(inverse, -1).T
         sd = self._prior.stddev
+        found = np.eye(size) - inverse
+        self._expected, self._scatter = float(np.trace(found)), sqrt(2.0 * float((found * found).sum()))
         inverse += inverse @ (at.spread + past.spread) @ inverse
         self.covariance = inverse * np.outer(sd, sd)
         before = float(offset @ (0.5 * past.information @ offset + past.gradient)) + 0.5 * float(self.z @ self.z)

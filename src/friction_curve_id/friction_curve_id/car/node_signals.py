@@ -24,7 +24,7 @@ from friction_curve_id.car.neighbours import largest_around
 
 Array = NDArray[np.float64]
 
-_TURNING = 0.3
+TURNING = 0.3
 """Speed of a wheel over that of the car from which on it surely turns."""
 
 
@@ -74,7 +74,7 @@ def node_signals(
     speed[:, 1:-1] = near * (w[:, 1:-2] + w[:, 2:-1]) + far * (w[:, :-3] + w[:, 3:])
     growth = np.diff(w, axis=1) / interval
     velocity = start.speed + samples.speed_change - start.speed_change
-    standing = car.radius * w < _TURNING * np.maximum(velocity, (car.radius * w).max(axis=0))
+    standing = car.radius * w < TURNING * np.maximum(velocity, (car.radius * w).max(axis=0))
     if counted:
         turned = np.abs(np.diff(w, axis=1))
         least = np.maximum(turned, 2.0 * pi / (car.teeth * step))
