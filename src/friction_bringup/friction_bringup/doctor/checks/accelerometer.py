@@ -14,14 +14,20 @@ from friction_bringup.doctor.drive import IMU, Array, Drive
 from friction_bringup.doctor.finding import Finding, Verdict, against_file
 from friction_bringup.doctor.motion import Motion, free_rims
 from friction_bringup.doctor.shift import Shift, shift, stretches
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.stated_deviations import stated_deviation
+from wheel_slip.accelerometer_age import AccelerometerAge
 
 FLAT, CIRCUIT, UNKNOWN = "flat", "out-and-back", "unknown"
 ROADS = (UNKNOWN, FLAT, CIRCUIT)
 """What the user knows of the road: nothing, no slope anywhere, or an end as high as the beginning."""
 _AGE_FLOOR = 1.5e-3
 """Deviation of an age [s] that the transient of the pitch leaves."""
+_COARSE_AGE = 0.2
+"""Deviation of an age [s] that is compared at some ages only."""
+_SPREAD_AT_REST, _SPREAD = 0.3, 0.03
+"""[m/s] and share of the speed by which wheels that roll differ: radii and curves."""
 _SCALE_FLOOR = 0.004
 _STIFFNESS = 25.0
 """Slip stiffness of a common tyre over its load."""
@@ -32,6 +38,8 @@ def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift
     if not np.isfinite(motion.force).any():
         return [], None
     accelerometer = drive.vehicle.accelerometer
+    if late := _long_after_the_wheels(motion):
+        return [late], None
     found = _mounting(drive, motion)
     compared = against_wheels(drive, motion)
     if compared is None:
@@ -43,6 +51,21 @@ def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift
         gain = compared.gain
     found.append(_offset(drive, motion, gain, road))
     return found, compared
+
+
+def _long_after_the_wheels(motion: Motion) -> Finding | None:
+    """Return the finding of an accelerometer with which wheel_slip cannot do anything."""
+    watch = AccelerometerAge()
+    known = np.isfinite(motion.force) & np.isfinite(motion.rims).all(axis=1)
+    alike = np.ptp(motion.rims, axis=1) <= _SPREAD_AT_REST + _SPREAD * motion.speed
+    for number in np.flatnonzero(known):
+        stamp = round((number + 1) * motion.step * NANOSECONDS)
+        watch.update(stamp, motion.rims[number].tolist(), bool(alike[number]), float(motion.force[number]))
+    if not watch.late:
+        return None
+    text = f"follows the wheels {watch.late:.1f} s late: it tells nothing of the present"
+    remedy = "look for a filter, or a queue, between the sensor and its messages; wheel_slip leaves it out"
+    return Finding("skew", IMU, Verdict.FAIL, text, 1e3 * watch.late, 1e3 * _COARSE_AGE, "ms", remedy)
 
 
 def against_wheels(drive: Drive, motion: Motion) -> Shift | None:

@@ -26,7 +26,7 @@ def check(drive: Drive, motion: Motion) -> list[Finding]:
         return [Finding("skew", SPEED, Verdict.NOTE, "age cannot be told: too little rolling at changing speed")]
     doubt = hypot(compared.late_stddev, _FLOOR)
     late = abs(compared.late) > max(_LATE, 3.0 * doubt)
-    text = f"{1e3 * compared.late:+.1f} ms later than the wheels"
+    text = f"{1e3 * abs(compared.late):.1f} ms {'later' if compared.late > 0.0 else 'earlier'} than the wheels"
     remedy = "'latency' in the signal map, or speed_sensor.latency of wheel_slip" if late else ""
     verdict = Verdict.WARN if late else Verdict.OK
     return [Finding("skew", SPEED, verdict, text, 1e3 * compared.late, 1e3 * doubt, "ms", remedy)]
