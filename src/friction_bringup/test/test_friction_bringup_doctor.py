@@ -138,7 +138,9 @@ def test_live_topics_are_examined_as_a_bag_of_them_is(tmp_path: Path, car: Path)
         ("iac", "iac_av21_putnam_25hz.csv", {("skew", "vehicle_velocity"), ("skew", "imu/data")}),
     ],
 )
-def test_the_measured_drives_are_sound_but_for_what_is_named(tmp_path: Path, name: str, file: str, alarms: set[tuple[str, str]]) -> None:
+def test_the_measured_drives_are_sound_but_for_what_is_named(
+    tmp_path: Path, name: str, file: str, alarms: set[tuple[str, str]]
+) -> None:
     findings = tmp_path / "findings.json"
     assert main(["doctor", str(DATA / file), "--map", name, "--json", str(findings)]) == int(bool(alarms))
     said = json.loads(findings.read_text())["findings"]
