@@ -56,7 +56,7 @@ class DetectorParameters:
 
     window: int = parameter(26, "samples of the fit that gives H", minimum=3, maximum=400)
     lead: float = parameter(
-        0.0, "where H is read: 0 window's centre, 1 newest sample, above 1 ahead of it", minimum=0.0, maximum=4.0
+        0.0, "where H is read: 0 window's centre, 1 newest sample; ahead of it is for 'vote'", minimum=0.0, maximum=4.0
     )
     rate_window: int = parameter(26, "samples of the fits that give slip rate and eta", minimum=2, maximum=400)
     h_instability: float = parameter(

@@ -38,6 +38,14 @@ class FrictionSlopeParameters:
         **{each.name: f"it is 'no_slip.{each.name}'" for each in fields(NoSlipParameters)},
     }
 
+    def __post_init__(self) -> None:
+        """Refuse a prediction as an estimate: a file from before the vote had its own group tunes the vote with it."""
+        if self.detector.lead > 1.0:
+            raise ValueError(
+                f"parameter 'detector.lead' = {self.detector.lead} is above 1: an estimate is not predicted. The vote "
+                "for abs_supervisor is; what tunes it belongs into the group 'vote': 'vote.window', 'vote.lead', ..."
+            )
+
     @property
     def takes_slip(self) -> bool:
         """Whether <wheel>/slip is an input."""
