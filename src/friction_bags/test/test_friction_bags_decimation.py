@@ -53,7 +53,7 @@ def test_unknown_values_hide_no_extreme_and_stay_where_nothing_is_known() -> Non
     values[::2] = 1.0
     values[TIME > 50.0] = np.nan
     time, found = decimate(TIME, values, EDGES)
-    assert np.all(found[time < 49.0] == 1.0)
+    assert np.all(found[time < 39.0] == 1.0)
     assert np.all(np.isnan(found[time > 51.0]))
 
 

@@ -104,7 +104,7 @@
         x: true, y: false,
         drag: { x: true, y: false, setScale: false },
         sync: { key: "time", filters: { pub: (type) => type === "mousemove" || type === "mouseleave" } },
-        hover: { skip: [null, undefined] },
+        hover: { skip: [undefined] },  // not null: where the nearest sample is a gap, there is no value
         bind: { dblclick: () => () => { show(...full); } },
       },
       ...more,
