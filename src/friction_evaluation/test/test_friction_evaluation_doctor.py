@@ -13,6 +13,7 @@ NAMED = (
     *("wheels in rpm", "wheel backwards", "wheel copied", "radius -3 %", "accelerometer in g"),
     *("accelerometer backwards", "pressure in bar", "pressure that does not brake", "pressure 60 ms late"),
     *("wheels with gaps", "stamps go back", "speed in km/h"),
+    *("front wheels exchanged", "axles exchanged", "a tooth missing"),
 )
 
 

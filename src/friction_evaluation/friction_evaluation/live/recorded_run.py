@@ -38,7 +38,8 @@ FORMS = ("separate", "composed", "relays")
 SOURCE = "wheel_states"
 ESTIMATES: Mapping[str, type] = {"slip": WheelSlip, "friction_slope": FrictionSlope, "friction_curve": FrictionCurve}
 """Answers of a wheel to every sample."""
-_PLAYER = "player"
+PLAYER = "player"
+"""Name of the process that plays the bag."""
 _TAKE_PERIOD = 0.02
 _START_LIMIT = 60.0
 _QUIET = 1.0
@@ -162,19 +163,31 @@ def run(
                 processes.start(name, command, env)
             play = ["friction_bags", "play", str(bag), "--rate", str(rate / 200.0), "--duration", str(seconds)]
             play += ["--wait", "60", "--settle", str(2.0 * slowdown())]
-            start = partial(processes.start, _PLAYER, [sys.executable, "-m", *play], env)
-            return _observe(taps, env["ROS_DOMAIN_ID"], processes, start, progress)
+            start = partial(processes.start, PLAYER, [sys.executable, "-m", *play], env)
+            return observe(taps, env["ROS_DOMAIN_ID"], processes, start, progress)
         finally:
             processes.stop()
 
 
-def _observe(
+def observe(
     kinds: Mapping[str, type],
     domain: str,
     processes: ProcessGroup,
     start: Callable[[], None],
     progress: Callable[[int], None],
 ) -> Measured:
+    """Watch topics while a bag is played.
+
+    Args:
+        kinds: type of each topic, those that end with SOURCE among them.
+        domain: domain of the processes.
+        processes: those that are measured, running.
+        start: starts the player, as PLAYER.
+        progress: called with the number of samples seen.
+
+    Raises:
+        LiveRunError: a process failed.
+    """
     context = rclpy.Context()
     rclpy.init(context=context, domain_id=int(domain))
     try:
@@ -190,7 +203,7 @@ def _observe(
                 for topic, subscription in taps.items():
                     found[topic].take(subscription)
                 for name, code in processes.ended().items():
-                    if code != 0 or name != _PLAYER:
+                    if code != 0 or name != PLAYER:
                         text = "\n".join(processes.log(name).read_text(errors="replace").splitlines()[-15:])
                         raise LiveRunError(f"{name} ended with code {code}:\n{text}")
                 progress(len(found[sources[0]].published))
@@ -202,9 +215,9 @@ def _observe(
         late = after(_START_LIMIT * slowdown())
         take_until(lambda: all(each.get_publisher_count() for each in estimated) or late())
         start()
-        take_until(lambda: bool(found[sources[0]].published) or _PLAYER in processes.ended())
+        take_until(lambda: bool(found[sources[0]].published) or PLAYER in processes.ended())
         begun, before = time.monotonic(), processes.processor_times()
-        take_until(lambda: _PLAYER in processes.ended())
+        take_until(lambda: PLAYER in processes.ended())
         passed = time.monotonic() - begun
         used = {
             name: (now - before[name]) / passed for name, now in processes.processor_times().items() if name in before
