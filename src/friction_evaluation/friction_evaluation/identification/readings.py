@@ -30,8 +30,9 @@ _METHODS = ("ml", "rml", "rml_covariance", "ls")
 def readings(options: argparse.Namespace) -> list[Row]:
     """Rows of |error| of lambda_max [%] at the end by reading, method and surface; a failure counts as 100 %."""
     rows: list[Row] = []
+    truths = {manoeuvre: braking(manoeuvre, roads()) for manoeuvre in {manoeuvre for manoeuvre, _ in READINGS.values()}}
     for reading, (manoeuvre, source) in READINGS.items():
-        truth = braking(manoeuvre, roads())
+        truth = truths[manoeuvre]
         found = finals(truth, source, options.seeds, _METHODS)
         for method in _METHODS:
             sizes = error_sizes(found[method], burckhardt.peak(truth.theta)[0])
