@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
 from friction_evaluation.identification.readings import READINGS
-from friction_evaluation.manoeuvres import braking
+from friction_evaluation.identification.studies import on_roads
 from friction_evaluation.report.verdicts import Spread, Verdict, claim, close, single_run
 from friction_evaluation.rows import Row, as_text
 from vehicle_models import burckhardt
@@ -253,11 +252,10 @@ def _convergence(numbers: Numbers) -> list[Verdict]:
     return found
 
 
-@cache
 def _passing(manoeuvre: str) -> int:
     """Sample at which the slip passes lambda_max on cobblestone."""
-    truth = braking(manoeuvre, SURFACES["cobblestone"])
-    return int(np.argmax(truth.slip[0] > burckhardt.peak(truth.theta)[0][0]))
+    truth, road = on_roads(manoeuvre), TABLE_8_1.index("cobblestone")
+    return int(np.argmax(truth.slip[road] > burckhardt.peak(truth.theta[road])[0]))
 
 
 def _beside(first: str, values: dict[str, float], second: str, others: dict[str, float]) -> str:

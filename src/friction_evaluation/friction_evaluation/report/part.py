@@ -98,7 +98,7 @@ def _sections(pictures: Path, effort: float, live: bool) -> list[Callable[[], Se
 
 
 def _detection(pictures: Path, seeds: Seeds) -> Section:
-    detected, closed = rows_of("slope", "--seeds", seeds(500)), rows_of("abs", "--seeds", seeds(100))
+    detected, closed = rows_of("slope", "--seeds", seeds(300)), rows_of("abs", "--seeds", seeds(100))
     corners, cars = ([row for row in detected if ("value" in row) is judged] for judged in (False, True))
     tables = [
         Table("One corner through the peak and back: delay, false alarms, slip at detection", corners),
@@ -131,7 +131,7 @@ def _beyond(seeds: Seeds) -> Section:
         "500 random curves": ("random", 500),
         "P(beyond the peak) against the true crossing": ("alarms", 750),
         "Bias by wrong parameters": ("model_error", 100),
-        "Outliers": ("outliers", 100),
+        "Outliers": ("outliers", 50),
         "Change of road": ("surface_change", 100),
         "Cost of an update": ("cost", 20),
     }
