@@ -146,7 +146,7 @@ def _comparisons(numbers: Numbers) -> list[Verdict]:
             "on snow theta_2 starts at a third of its value and cannot move",
         )
     )
-    for k, within in ((2, 5.0), (3, 25.0)):
+    for k, most in ((2, 5.0), (3, 25.0)):
         row = numbers.tables["rml_covariance", f"theta_{k} moved from its start [%]"]
         moved = {road: float(row[road]) for road in TABLE_8_1}
         worst = max(moved, key=lambda road: moved[road])
@@ -154,7 +154,7 @@ def _comparisons(numbers: Numbers) -> list[Verdict]:
             claim(
                 "8.3.2",
                 f"In RML theta_{k} hardly leaves its initial value, as the gradients are badly conditioned",
-                moved[worst] <= within,
+                moved[worst] <= most,
                 f"covariance form: by at most {as_text(moved[worst])} % (median, {worst})",
                 "its gradient is the slip, which does not vanish; the chapter's start of P may be a smaller one",
             )
