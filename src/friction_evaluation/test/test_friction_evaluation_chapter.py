@@ -27,7 +27,8 @@ def read() -> list[Row]:
 
 
 KEPT = [
-    {"method": method, "surface": road, "kept_10pct_from": 50.0, "kept_5pct_from": 60.0}
+    {"manoeuvre": manoeuvre, "method": method, "surface": road, "kept_10pct_from": 50.0, "kept_5pct_from": 60.0}
+    for manoeuvre in "BC"
     for method in ("rml", "rls")
     for road in TABLE_8_1
 ]

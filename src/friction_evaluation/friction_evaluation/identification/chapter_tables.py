@@ -16,8 +16,8 @@ from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_evaluation.identification.chapter_fits import INITIAL_SAMPLES, begun, completed, friction_points
 from friction_evaluation.identification.runs import Batch, measured
 from friction_evaluation.identification.statistics import FAILED_ERROR
-from friction_evaluation.identification.studies import roads, seeds_of
-from friction_evaluation.manoeuvres import Truth, braking
+from friction_evaluation.identification.studies import on_roads, seeds_of
+from friction_evaluation.manoeuvres import Truth
 from friction_evaluation.rows import Row
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1
@@ -52,7 +52,7 @@ _TABLES = {
 
 def chapter_tables(options: argparse.Namespace) -> list[Row]:
     """Rows of the three tables, one a quantity, with the surfaces as columns and the chapter's number beside each."""
-    truth = braking(options.manoeuvre, roads())
+    truth = on_roads(options.manoeuvre)
     source = FrictionSource(options.source)
     rows = [_truth_row("8.1", f"theta_{k + 1}", truth.theta[:, k]) for k in range(3)]
     lambda_max, mu_max = burckhardt.peak(truth.theta)

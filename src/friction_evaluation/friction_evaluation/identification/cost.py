@@ -16,8 +16,7 @@ from friction_curve_id.interface import CurveEstimator, Sample
 from friction_curve_id.methods import METHODS, make_estimator
 from friction_evaluation.identification.chapter_fits import friction_points
 from friction_evaluation.identification.runs import Batch, measured
-from friction_evaluation.identification.studies import roads, seeds_of
-from friction_evaluation.manoeuvres import braking
+from friction_evaluation.identification.studies import on_roads, seeds_of
 from friction_evaluation.protocol import CORNER
 from friction_evaluation.rows import Row
 from vehicle_models import burckhardt
@@ -33,7 +32,7 @@ _EXPONENTS = np.array([4.0, 36.0, 68.0, 100.0])
 
 def cost(options: argparse.Namespace) -> list[Row]:
     """Time every method on the same samples, one after the other, in this process."""
-    truth = braking(options.manoeuvre, roads())
+    truth = on_roads(options.manoeuvre)
     times: dict[str, list[tuple[float, float]]] = {}
     with Progress() as progress:
         bar = progress.add_task("cost", total=len(TABLE_8_1) * options.seeds)

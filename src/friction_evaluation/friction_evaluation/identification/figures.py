@@ -25,8 +25,8 @@ from friction_curve_id.interface import CurveEstimate, Refusal
 from friction_curve_id.methods import CHAPTER_METHODS, make_estimator
 from friction_evaluation.identification.chapter_fits import begun, completed, friction_points
 from friction_evaluation.identification.runs import Batch, measured
-from friction_evaluation.identification.studies import roads, seeds_of
-from friction_evaluation.manoeuvres import SAMPLES, braking
+from friction_evaluation.identification.studies import on_roads, seeds_of
+from friction_evaluation.manoeuvres import SAMPLES
 from friction_evaluation.protocol import CORNER
 from friction_evaluation.rows import Row
 from vehicle_models import burckhardt
@@ -39,7 +39,7 @@ Curve = Callable[[Array], Array]
 def figures(options: argparse.Namespace) -> list[Row]:
     """Draw a file per method and surface into the directory `options.figures`; return their names."""
     options.figures.mkdir(parents=True, exist_ok=True)
-    truth = braking(options.manoeuvre, roads())
+    truth = on_roads(options.manoeuvre)
     source = FrictionSource(options.source)
     rows: list[Row] = []
     with Progress() as progress:

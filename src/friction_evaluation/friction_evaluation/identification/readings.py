@@ -10,8 +10,7 @@ import numpy as np
 
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_evaluation.identification.chapter_tables import CHAPTER_PEAKS, error_sizes, finals
-from friction_evaluation.identification.studies import roads
-from friction_evaluation.manoeuvres import braking
+from friction_evaluation.identification.studies import on_roads
 from friction_evaluation.rows import Row
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1
@@ -31,7 +30,7 @@ def readings(options: argparse.Namespace) -> list[Row]:
     """Rows of |error| of lambda_max [%] at the end by reading, method and surface; a failure counts as 100 %."""
     rows: list[Row] = []
     for reading, (manoeuvre, source) in READINGS.items():
-        truth = braking(manoeuvre, roads())
+        truth = on_roads(manoeuvre)
         found = finals(truth, source, options.seeds, _METHODS)
         for method in _METHODS:
             sizes = error_sizes(found[method], burckhardt.peak(truth.theta)[0])

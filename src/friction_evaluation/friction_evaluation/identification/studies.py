@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,12 @@ def roads() -> Array:
     return np.array([SURFACES[name] for name in TABLE_8_1])
 
 
+@cache
+def on_roads(manoeuvre: str) -> Truth:
+    """Drive a manoeuvre on each of these roads: made once, as its torque takes a second to find."""
+    return braking(manoeuvre, roads())
+
+
 def seeds_of(surface: int, count: int) -> list[tuple[int, Sequence[int]]]:
     """Runs of one surface: its number, and a seed each."""
     return [(surface, (_FIRST_SEED, surface, k)) for k in range(count)]
@@ -42,7 +49,7 @@ def seeds_of(surface: int, count: int) -> list[tuple[int, Sequence[int]]]:
 
 def methods(options: argparse.Namespace) -> list[Row]:
     """All methods on the surfaces of Table 8.1, after 40, 70 and 100 samples."""
-    truth = braking(options.manoeuvre, roads())
+    truth = on_roads(options.manoeuvre)
     lambda_max, mu_max = burckhardt.peak(truth.theta)
     source = FrictionSource(options.source)
     batches = [
@@ -118,7 +125,7 @@ def draw_curves(count: int, case: str) -> Array:
 
 def alarms(options: argparse.Namespace) -> list[Row]:
     """P(beyond the peak) > 0.9 against the true crossing, a row per surface and one over all."""
-    truth = braking(options.manoeuvre, roads())
+    truth = on_roads(options.manoeuvre)
     lambda_max = burckhardt.peak(truth.theta)[0]
     count = options.seeds
     batches = [Batch(name, DEFAULT, truth, seeds_of(k, count)) for k, name in enumerate(TABLE_8_1)]
@@ -135,7 +142,7 @@ def alarms(options: argparse.Namespace) -> list[Row]:
 
 def model_error(options: argparse.Namespace) -> list[Row]:
     """Bias of lambda_max and mu_max at N = 100 where the estimator's parameters or inputs are wrong."""
-    truth = braking(options.manoeuvre, roads())
+    truth = on_roads(options.manoeuvre)
     lambda_max, mu_max = burckhardt.peak(truth.theta)
     changes: list[tuple[str, CornerParameters, float, float]] = [("none", CORNER, 0.0, 1.0)]
     for name, share in (("mass", 0.10), ("inertia", 0.10), ("radius", 0.01), ("vertical_load", 0.05)):
@@ -169,7 +176,7 @@ def outliers(options: argparse.Namespace) -> list[Row]:
     `before_to_after`: from the sample before the outliers to the fifth of them, over the deviation stated before.
     `without_to_with`: at N = 100 against the same run without outliers, over the deviation stated with them.
     """
-    truth = braking(options.manoeuvre, roads())
+    truth = on_roads(options.manoeuvre)
     firsts = (30, 45, 60, 75, 90)
     batches = []
     for k, surface in enumerate(TABLE_8_1):

@@ -24,7 +24,13 @@ def section(pictures: Path, seeds: Seeds) -> Section:
     drawn = rows_of("identification", "--study", "figures", "--figures", str(pictures), "--methods", *_METHODS)
     tables = rows_of("identification", "--study", "tables", "--seeds", seeds(500))
     readings = rows_of("identification", "--study", "readings", "--seeds", str(max(int(seeds(300)), FEWEST)))
-    kept = kept_rows(rows_of("identification", "--study", "methods", "--seeds", seeds(500)))
+    in_c = ("--manoeuvre", "C", "--methods", "rml", "rls")
+    kept = kept_rows(
+        [
+            *rows_of("identification", "--study", "methods", "--seeds", seeds(500)),
+            *rows_of("identification", "--study", "methods", "--seeds", seeds(500), *in_c),
+        ]
+    )
     shown = [
         Table("Which reading gives which number: |error| of lambda_max [%], median (5 to 95 %)", by_number(readings)),
         Table("Sample from which the error of lambda_max stays within 10 % and 5 % (median of the runs)", kept),
@@ -56,10 +62,11 @@ def by_number(rows: Sequence[Row]) -> list[Row]:
 
 def kept_rows(rows: Sequence[Row]) -> list[Row]:
     """Rows by method with the roads side by side, from those of the study `methods`, and the chapter's numbers."""
-    found: dict[tuple[str, int], Row] = {}
+    found: dict[tuple[str, str, int], Row] = {}
     for row in rows:
         for limit in (10, 5):
-            line = found.setdefault((row["method"], limit), {"method": row["method"], "within [%]": limit})
+            head = {"method": row["method"], "manoeuvre": row["manoeuvre"], "within [%]": limit}
+            line = found.setdefault((row["method"], row["manoeuvre"], limit), head)
             line[row["surface"]] = row[f"kept_{limit}pct_from"]
             chapter = CHAPTER_KEPT.get((row["method"], row["surface"], limit))
             if chapter is not None:

@@ -37,6 +37,8 @@ _SLOPE_SEEDS = 200
 """For each of the roads of Figures 8.2 and 8.3."""
 
 
+_LIVE_SECONDS = (10.0, 60.0)
+"""Shortest and full length of the live run in real time [s]."""
 _STOPS = 20
 """Driver's stops of each road for the methods of section 8.3."""
 
@@ -92,11 +94,11 @@ def _sections(pictures: Path, effort: float, live: bool) -> list[Callable[[], Se
         partial(_beyond, seeds),
         partial(_measured, seeds),
     ]
-    return [*sections, _live] if live else sections
+    return [*sections, partial(_live, effort)] if live else sections
 
 
 def _detection(pictures: Path, seeds: Seeds) -> Section:
-    detected, closed = rows_of("slope", "--seeds", seeds(500)), rows_of("abs", "--seeds", seeds(100))
+    detected, closed = rows_of("slope", "--seeds", seeds(300)), rows_of("abs", "--seeds", seeds(100))
     corners, cars = ([row for row in detected if ("value" in row) is judged] for judged in (False, True))
     tables = [
         Table("One corner through the peak and back: delay, false alarms, slip at detection", corners),
@@ -129,7 +131,7 @@ def _beyond(seeds: Seeds) -> Section:
         "500 random curves": ("random", 500),
         "P(beyond the peak) against the true crossing": ("alarms", 750),
         "Bias by wrong parameters": ("model_error", 100),
-        "Outliers": ("outliers", 100),
+        "Outliers": ("outliers", 50),
         "Change of road": ("surface_change", 100),
         "Cost of an update": ("cost", 20),
     }
@@ -152,6 +154,8 @@ def _measured(seeds: Seeds) -> Section:
     return Section("measured", "Measured data, and slip without a speed sensor", text, tables)
 
 
-def _live() -> Section:
-    tables = [Table("60 s at 200 Hz, and one lock-step run", rows_of("live"))]
+def _live(effort: float) -> Section:
+    seconds = max(_LIVE_SECONDS[0], min(effort, 1.0) * _LIVE_SECONDS[1])
+    rows = rows_of("live", "--seconds", f"{seconds:.0f}")
+    tables = [Table(f"{seconds:.0f} s at 200 Hz, and one lock-step run", rows)]
     return Section("live", "The live graph", texts.LIVE, tables)

@@ -16,7 +16,7 @@ _CAPTIONS = {
     "figure_8_16": "Figure 8.16: raw radial acceleration in the tyre over 0.7 s: constant but for a twin spike"
     " at each passage of the contact patch",
     "figure_8_18": "Figure 8.18: voltage of the wheel encoder, wheel speed, and wheel angle interpolated between teeth",
-    "figure_8_19": "Figure 8.19: one revolution over the wheel angle, normalised to 0.5 outside and -0.5 in the patch:"
+    "figure_8_19": "Figure 8.19: one revolution over the wheel angle, shifted and scaled to a fall of 1 in the patch:"
     " the fronts are its zeros, the dotted line is what the detection makes of them",
     "figure_8_20": "Figure 8.20: a dynamic drive, rear wheel, as measured: speed, shift and length of the patch."
     " Shift and length follow acceleration and braking (grey); at constant speed they differ by the trend alone",
@@ -67,4 +67,5 @@ def _by_axle(rows: Sequence[Row]) -> list[Row]:
         line[str(row["axle"])] = row["value"]
         if row.get("passed") is not None:
             line["passed"] = bool(row["passed"]) and line.get("passed", True)
-    return list(found.values())
+    order = ("case", "quantity", "front", "rear", "both", "all", "limit", "passed")
+    return [{name: line[name] for name in order if name in line} for line in found.values()]

@@ -27,18 +27,18 @@ the ideal is the build-up of torque, and releases that the noise of H triggers b
 
 IDENTIFICATION = """The chapter prints one noisy run for each surface; a median over many runs is the fairer
 number and stands beside it. The methods take friction samples by dead-reckoned speed, their best documented
-source. With the samples of (8.8) as printed and a differenced slip most runs fail: their noise is 0.5 to 0.7
-in mu, nearly all of it from the speed sensor, so the chapter must have smoothed more than it states. Equation
-(8.11) is used with the factor 1/2 that its quadratic term lacks in print; without it the iteration diverges
-on wet and snow even without noise. LS and RLS carry a bias of their model (8.12), which noise-free data show
-as well: 3.5 % on dry, 0.5 % on wet, 1.4 % on cobblestone, 0.2 % on snow. It explains most of the chapter's
-error of about 5 % on dry, and not that on wet, which must come from the noise of its run. RLS equals LS at
-the end, as in the chapter. The chapter's mu_max of 1.0014 for cobblestone does not follow from its
-parameters, which give 0.9986.
+source. With the samples of (8.8) as printed and a differenced slip the errors are several times as large (first
+table), and a part of the runs fails: the noise of these samples is 0.5 to 0.7 in mu, nearly all of it from the
+speed sensor, so the chapter must have smoothed more than it states. Equation (8.11) is used with the factor 1/2
+that its quadratic term lacks in print; without it the iteration diverges on wet and snow even without noise. LS
+and RLS carry a bias of their model (8.12), which noise-free data show as well: 3.5 % on dry, 0.5 % on wet, 1.4
+% on cobblestone, 0.2 % on snow. It explains most of the chapter's error of about 5 % on dry, and not that on
+wet, which must come from the noise of its run. RLS equals LS at the end, as in the chapter. The chapter's
+mu_max of 1.0014 for cobblestone does not follow from its parameters, which give 0.9986.
 
 The chapter leaves open how its samples were smoothed and how fast the brake was applied. The first table has
-other readings beside ours, and names those among whose runs the chapter's number is. rml_covariance is RML as it
-is usually written: theta_2 and theta_3 stay where they start, as the chapter reports of its own."""
+other readings beside ours, and names those among whose runs the chapter's number is. rml_covariance is RML as
+it is usually written: theta_2 stays where it starts, as the chapter reports of its own."""
 
 SPEED = """The chapter's roads are reproduced by curves with its lambda_max, 0.1 and 0.13, and by its numbers
 of samples from lambda_init = 0.07 to the ABS activation at 0.15. Its errors are those of single test drives;

@@ -240,11 +240,20 @@ def _experiment(
 
 def _shade(axes: NDArray[np.object_]) -> None:
     """Mark acceleration and braking, and name the phases."""
+    axes[0].margins(y=0.2)  # for the names
     for phase, (begin, end) in PHASES.items():
         if phase not in STEADY:
             for axis in axes:
                 axis.axvspan(begin - 0.8, end + 0.4, color="0.9", zorder=0)
-        axes[0].text(0.5 * (begin + end), 0.98, phase, transform=axes[0].get_xaxis_transform(), ha="center", va="top")
+        axes[0].text(
+            0.5 * (begin + end),
+            0.98,
+            phase,
+            transform=axes[0].get_xaxis_transform(),
+            ha="center",
+            va="top",
+            fontsize="small",
+        )
 
 
 def _forces(estimated: Mapping[str, Estimated], file: Path) -> None:
