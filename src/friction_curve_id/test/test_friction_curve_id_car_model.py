@@ -11,7 +11,7 @@ from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_balance import OF_TORQUE, car_balance
 from friction_curve_id.car.car_model import CarConstants, Carried, brake_gains, gains_by_fading, motion
 from friction_curve_id.car.curve_family import SHAPE_PRIORS, Family, burckhardt_k, curve_values
-from friction_curve_id.car.evidence import mixture, reaching_up
+from friction_curve_id.car.evidence import mixture, reaching_up, unresolved
 from friction_curve_id.car.fit import CurveFit, WheelSpeedNoise
 from friction_curve_id.car.node_signals import Start, delayed, node_signals
 from friction_curve_id.car.pitch import PitchState, pitch_of_body
@@ -288,6 +288,13 @@ def test_one_unknown_far_from_the_vehicle_file_is_a_surprise_where_little_is_fou
     assert fit.surprise < 0.0
     fit.z[Unknown.LOG_INERTIA] = 6.0
     assert fit.surprise > 3.0
+
+
+def test_a_peak_that_is_crossed_in_few_samples_is_not_resolved() -> None:
+    slow, fast = (np.linspace(0.0, 0.3, n)[np.newaxis] for n in (61, 7))
+    assert unresolved(slow, 0.13) < 0.01
+    assert 0.2 < unresolved(fast, 0.13) < 0.4
+    assert unresolved(np.full((4, 10), 0.05), 0.13) == 0.0
 
 
 @FAMILIES

@@ -15,7 +15,7 @@ from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_model import LEAST_RELAXATION, SPEED_UNKNOWNS, CarConstants, Nodes
 from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
-from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability, reaching_up
+from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability, reaching_up, unresolved
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
 from friction_curve_id.car.node_signals import TURNING, Start, delayed, node_signals, rolling_noise
@@ -233,7 +233,7 @@ class CarEstimator:
         self._peak: Peak | None = None
         self._surprised = False
         self._road_watch, self._two_roads = RoadWatch(), ""
-        self._misfit = 0.0
+        self._misfit = self._unresolved = 0.0
         self._seen = 0.0
         self._beyond_since = inf
         self._move = [inf] * len(self._fits)
@@ -278,10 +278,13 @@ class CarEstimator:
             found = [each.unknowns for each in fits], [each.covariance for each in fits]
             evidence = self._log_evidence()
             self._peak = mixture(*found, evidence, self._mu_floor, True)
+            self._unresolved = 0.0
             self._seen = self._time_beyond(fit, self._peak, nodes.subset(slice(0, keep)))
             if self._seen < _SEEN_TIME:
                 self._peak = mixture(*found, evidence, self._mu_floor, False, [each.unsettled for each in fits])
             else:
+                if len(fits) > 1:  # what is between the samples is known where the formula is
+                    self._unresolved = unresolved(fit.moved.relaxed, exp(self._peak.log_lambda_max))
                 self._watch_road(fit, nodes.subset(slice(0, keep)))
         self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
 
@@ -341,7 +344,7 @@ class CarEstimator:
                 float(slips[each]),
                 lambda_max,
                 mu_max,
-                lambda_max * peak.log_lambda_stddev,
+                lambda_max * hypot(peak.log_lambda_stddev, self._unresolved),
                 mu_max * reaching_up(hypot(peak.log_mu_stddev, self._misfit)),
                 theta,
                 mu=float(mu[each]),
@@ -401,8 +404,9 @@ class CarEstimator:
             return Reason.UNCERTAIN, "the fit has not settled"
         if self._fits[best].load_variation == LOAD_VARIATIONS.size - 1:
             return Reason.UNCERTAIN, "the wheels do not move as one curve for the car says"
-        if peak.log_lambda_stddev > _LARGEST_STDDEV:
-            return Reason.UNCERTAIN, f"standard deviation of lambda_max is {100.0 * peak.log_lambda_stddev:.0f} %"
+        stddev = hypot(peak.log_lambda_stddev, self._unresolved)
+        if stddev > _LARGEST_STDDEV:
+            return Reason.UNCERTAIN, f"standard deviation of lambda_max is {100.0 * stddev:.0f} %"
         return Reason.OK, ""
 
 

@@ -24,6 +24,10 @@ _MU_FLOOR = 0.005
 UNSEEN_FACTOR = 2.0
 """Factor of all deviations while the peak has not been seen: it is an extrapolation by a formula."""
 UNSEEN_FLOOR = 0.1
+_UNRESOLVED = 2.0
+"""Relative deviation of lambda_max over the square of the mean step of slip over lambda_max near the peak."""
+_NEAR_PEAK = (0.6, 1.4)
+"""Slip over lambda_max near the peak."""
 _INTERVAL = 1.96
 """Deviations of a 95 % interval."""
 _STILL_TO_GO = 2.0
@@ -88,6 +92,19 @@ def mixture(
         found.append((mean, hypot(factor * sqrt(variance), floor)))
     moving = sqrt(sum(w * step**2 for w, step in zip(weights, unsettled or [0.0] * count, strict=True)))
     return Peak(found[0][0], found[1][0], found[0][1], hypot(found[1][1], _STILL_TO_GO * moving), tuple(weights))
+
+
+def unresolved(slip: Array, lambda_max: float) -> float:
+    """Relative deviation of lambda_max by what the curve does between two samples, where slip goes fast over the peak.
+
+    Args:
+        slip: of the tyres at the samples [-], shape (W, n).
+        lambda_max: peak [-].
+    """
+    x = slip / lambda_max
+    step, middle = np.diff(x, axis=1), 0.5 * (x[:, 1:] + x[:, :-1])
+    rising = step[(middle > _NEAR_PEAK[0]) & (middle < _NEAR_PEAK[1]) & (step > 0.0)]
+    return _UNRESOLVED * float((rising**2).mean()) if rising.size else 0.0
 
 
 def reaching_up(log_stddev: float) -> float:
