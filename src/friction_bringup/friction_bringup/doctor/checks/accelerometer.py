@@ -20,8 +20,8 @@ from vehicle_models.stated_deviations import stated_deviation
 FLAT, CIRCUIT, UNKNOWN = "flat", "out-and-back", "unknown"
 ROADS = (UNKNOWN, FLAT, CIRCUIT)
 """What the user knows of the road: nothing, no slope anywhere, or an end as high as the beginning."""
-_AGE_FLOOR = 1.5e-3
-"""Deviation of an age [s] that the transient of the pitch leaves."""
+AGE_FLOOR = 3e-3
+"""Deviation of an age [s] that hills and the transient of the pitch leave."""
 _SCALE_FLOOR = 0.004
 _STIFFNESS = 25.0
 """Slip stiffness of a common tyre over its load."""
@@ -119,7 +119,7 @@ def _mounting(drive: Drive, motion: Motion) -> list[Finding]:
 def _age_and_scale(drive: Drive, compared: Shift, of_wheels: float) -> list[Finding]:
     accelerometer = drive.vehicle.accelerometer
     stated = accelerometer.deviations
-    age, doubt = compared.late, hypot(compared.late_stddev, _AGE_FLOOR)
+    age, doubt = compared.late, hypot(compared.late_stddev, AGE_FLOOR)
     verdict = against_file(age, hypot(doubt, of_wheels), accelerometer.delay, stated_deviation(stated, "delay"), 4e-3)
     text = f"{1e3 * age:+.1f} ms later than the wheels, {1e3 * accelerometer.delay:.1f} ms in the file"
     learned = {"accelerometer.delay": (max(age, 0.0), doubt)} if age < 0.1 else {}
