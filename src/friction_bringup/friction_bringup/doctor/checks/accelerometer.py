@@ -22,8 +22,8 @@ from wheel_slip.accelerometer_age import AccelerometerAge
 FLAT, CIRCUIT, UNKNOWN = "flat", "out-and-back", "unknown"
 ROADS = (UNKNOWN, FLAT, CIRCUIT)
 """What the user knows of the road: nothing, no slope anywhere, or an end as high as the beginning."""
-_AGE_FLOOR = 1.5e-3
-"""Deviation of an age [s] that the transient of the pitch leaves."""
+AGE_FLOOR = 3e-3
+"""Deviation of an age [s] that hills and the transient of the pitch leave."""
 _COARSE_AGE = 0.2
 """Deviation of an age [s] that is compared at some ages only."""
 _SPREAD_AT_REST, _SPREAD = 0.3, 0.03
@@ -142,7 +142,7 @@ def _mounting(drive: Drive, motion: Motion) -> list[Finding]:
 def _age_and_scale(drive: Drive, compared: Shift, of_wheels: float) -> list[Finding]:
     accelerometer = drive.vehicle.accelerometer
     stated = accelerometer.deviations
-    age, doubt = compared.late, hypot(compared.late_stddev, _AGE_FLOOR)
+    age, doubt = compared.late, hypot(compared.late_stddev, AGE_FLOOR)
     verdict = against_file(age, hypot(doubt, of_wheels), accelerometer.delay, stated_deviation(stated, "delay"), 4e-3)
     text = f"{1e3 * age:+.1f} ms later than the wheels, {1e3 * accelerometer.delay:.1f} ms in the file"
     learned = {"accelerometer.delay": (max(age, 0.0), doubt)} if age < 0.1 else {}

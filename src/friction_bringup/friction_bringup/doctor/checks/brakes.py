@@ -10,7 +10,7 @@ from math import hypot, isfinite, log
 
 import numpy as np
 
-from friction_bringup.doctor.checks.accelerometer import age_of_teeth, wheel_lag, without_pitch
+from friction_bringup.doctor.checks.accelerometer import AGE_FLOOR, age_of_teeth, wheel_lag, without_pitch
 from friction_bringup.doctor.drive import Array, Drive, pressure_topic
 from friction_bringup.doctor.finding import Finding, Verdict, against_file, failure
 from friction_bringup.doctor.motion import Motion, NDArrayBool, pressure_threshold
@@ -21,7 +21,6 @@ from vehicle_models.vehicle import Vehicle
 _UNITS = {"Pa": 1.0, "kPa": 1e-3, "bar": 1e-5, "MPa": 1e-6, "mbar": 1e-2, "psi": 1.0 / 6894.76}
 _NEAR = log(2.5)
 """Logarithm of a gain over that of the file up to which it is a unit's; a wrong gain is closer than a wrong unit."""
-_AGE_FLOOR = 1.5e-3
 _GAIN_FLOOR = 0.005
 _FADED = 0.08
 _FADE_ENDS = (0.15, 0.3, 0.5, 1.0)
@@ -130,7 +129,7 @@ def _ages(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
             found.append(Finding("skew", topic, Verdict.NOTE, text, remedy="brake more often, with a quick foot"))
             continue
         age = accelerometer.late - (compared.late - lag)
-        doubt = hypot(hypot(accelerometer.late_stddev, compared.late_stddev), _AGE_FLOOR)
+        doubt = hypot(hypot(accelerometer.late_stddev, compared.late_stddev), AGE_FLOOR)
         delay = vehicle.brake_pressure_delay
         verdict = against_file(age, hypot(doubt, of_wheels), delay, stated, 6e-3)
         text = f"{1e3 * age:+.1f} ms later than the wheels, {1e3 * delay:.1f} ms in the file"
