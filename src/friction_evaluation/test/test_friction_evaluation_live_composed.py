@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import pytest
 from builtin_interfaces.msg import Time
@@ -79,7 +80,8 @@ class _Hop:
     [((), "wheel_states"), (("slip",), "front_left/slip"), (("slip", "slope_vote"), "front_left/slope_vote")],
 )
 def test_a_relay_answers_once_to_what_its_node_waits_for(estimates: tuple[str, ...], fires_on: str) -> None:
-    relay = Relay(_Hop(*estimates))
+    hop: Any = _Hop(*estimates)
+    relay = Relay(hop)
     message = JointState(header=Header(stamp=Time(sec=7)))
     chain = ("wheel_states", "front_left/slip", "front_left/slope_vote")
     answered = {topic: list(relay.process(topic, message)) for topic in chain[: len(estimates) + 1]}
