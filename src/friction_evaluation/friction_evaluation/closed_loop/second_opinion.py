@@ -19,7 +19,7 @@ from corner_sim.simulation import Simulation
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, closed_loop_parameters, make_processors
 from friction_bringup.demo_drive import plant_of_demo
 from friction_bringup.graph import PLANT, plant_calibration
-from friction_evaluation.closed_loop.car_setup import MODELS, CarSetup
+from friction_evaluation.closed_loop.car_setup import MODELS, SHIPPED_CAR, CarSetup
 from friction_evaluation.closed_loop.panic_stop import LONGEST
 from friction_evaluation.rows import Row
 from friction_runtime.processor import silent
@@ -81,7 +81,7 @@ def heard(road: str, seed: int, law: str) -> tuple[Mapping[str, Heard], CarSetup
     """Brake once; return what was heard of each wheel, the car, and the onset [ns]."""
     (car,) = (name for name, model in MODELS.items() if model == CAR)
     setup = CarSetup(car, road)
-    drive: Mapping[str, Any] = plant_of_demo(road, setup.told.name)[PLANT]
+    drive: Mapping[str, Any] = plant_of_demo(road, SHIPPED_CAR)[PLANT]
     onset = drive["demand_start"]
     plant = replace(
         setup.parameters,
