@@ -244,8 +244,9 @@ class ReleaseEvidence:
         """Add up the speed that the wheel loses beyond what its car may lose."""
         dt = 0.0 if self._stamp is None else (stamp - self._stamp) / NANOSECONDS
         self._stamp = stamp
-        beyond = self.deceleration - car_deceleration - _BIASED
-        self._lost = max(self._lost + beyond * dt, 0.0) if isfinite(beyond) else 0.0
+        # The wheel itself must fall: a car that gains speed where its wheels do not is an error of the speed.
+        beyond = self.deceleration - max(car_deceleration, 0.0) - _BIASED
+        self._lost = max(self._lost + beyond * dt, 0.0) if isfinite(beyond + car_deceleration) else 0.0
 
     def _slip_threshold(self, wheel: Wheel) -> tuple[float, float]:
         """Return the slip that a release needs, and the standard deviation of the slip's error."""

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-import pytest
+from collections.abc import Mapping
+from typing import Any
 
-from friction_evaluation.live.composed import judged_rows, run_row
+import pytest
+from builtin_interfaces.msg import Time
+from friction_msgs.msg import BrakeCommand, WheelSlip
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
+
+from friction_evaluation.live.composed import judged_rows, over_relays, run_row
 from friction_evaluation.live.recorded_run import Answers, Measured
+from friction_evaluation.live.relay import Relay
 
 MILLISECOND = 1_000_000
 
@@ -49,3 +57,34 @@ def test_either_ratio_of_processor_time_is_enough_but_late_or_lost_answers_are_n
         form: [{"cpu_percent": cpu[form], "brake_command_p99_ms": delays[form], "slip_lost": lost}] * 3 for form in cpu
     }
     assert [row["passed"] for row in judged_rows(found) if row["passed"] is not None] == passed
+
+
+@pytest.mark.parametrize(("nodes", "passed"), [(6.0, True), (6.1, False)])
+def test_the_delay_of_nodes_is_judged_by_that_of_relays(nodes: float, passed: bool) -> None:
+    assert over_relays(nodes, 2.0)["passed"] is passed
+
+
+class _Hop:
+    """Where a node stands in the chain."""
+
+    sensors: Mapping[str, type] = {"wheel_states": JointState}
+    optional = ()
+    outputs: Mapping[str, type] = {"front_left/answer": BrakeCommand}
+
+    def __init__(self, *estimates: str) -> None:
+        self.estimates = dict.fromkeys((f"front_left/{each}" for each in estimates), WheelSlip)
+
+
+@pytest.mark.parametrize(
+    ("estimates", "fires_on"),
+    [((), "wheel_states"), (("slip",), "front_left/slip"), (("slip", "slope_vote"), "front_left/slope_vote")],
+)
+def test_a_relay_answers_once_to_what_its_node_waits_for(estimates: tuple[str, ...], fires_on: str) -> None:
+    hop: Any = _Hop(*estimates)
+    relay = Relay(hop)
+    message = JointState(header=Header(stamp=Time(sec=7)))
+    chain = ("wheel_states", "front_left/slip", "front_left/slope_vote")
+    answered = {topic: list(relay.process(topic, message)) for topic in chain[: len(estimates) + 1]}
+    assert [topic for topic, answers in answered.items() if answers] == [fires_on]
+    ((_, answer),) = answered[fires_on]
+    assert answer.header.stamp.sec == 7

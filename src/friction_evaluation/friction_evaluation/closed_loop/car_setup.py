@@ -22,7 +22,7 @@ from vehicle_models.vehicle_file import load_vehicle
 
 MODELS = {"four_wheels": "two_axle", "car": CAR}
 """Models of corner_sim by the names of the rows."""
-_VEHICLE = "compact_car"
+SHIPPED_CAR = "compact_car"
 _START = 10_000 * NANOSECONDS
 """Stamp of the first sample."""
 
@@ -45,7 +45,7 @@ class CarSetup:
     @property
     def told(self) -> Vehicle:
         """The car as the graph knows it, wheels in the order of the plant."""
-        car = replace(load_vehicle(_VEHICLE), front_yaw_moment_rate=self.yaw_moment_rate)
+        car = replace(load_vehicle(SHIPPED_CAR), front_yaw_moment_rate=self.yaw_moment_rate)
         return in_order(MODELS[self.car], car)
 
     @property

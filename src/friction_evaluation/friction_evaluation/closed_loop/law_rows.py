@@ -12,6 +12,7 @@ from friction_evaluation.closed_loop.longest_lock import LOCK_TIME
 from friction_evaluation.closed_loop.oracle import oracle
 from friction_evaluation.closed_loop.panic_road import CHANGES
 from friction_evaluation.closed_loop.panic_stop import PanicStops
+from friction_evaluation.closed_loop.second_opinion import SMART_TYRES, opinion_row
 from friction_evaluation.closed_loop.split_rows import SPLIT, chosen_splits, split_row
 from friction_evaluation.closed_loop.trouble import CAR_TROUBLES, NONE, TROUBLES, Trouble
 from friction_evaluation.protocol import CORNER, DT, SPEED
@@ -20,8 +21,10 @@ from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
 
 CORNER_ALONE, WHOLE_CAR = "corner", "car"
-CARS = (CORNER_ALONE, *MODELS, SPLIT)
+_USUAL = (CORNER_ALONE, *MODELS, SPLIT)
 """The single corner without speed sensor, the cars with four wheels, and the one with other roads left and right."""
+CARS = (*_USUAL, SMART_TYRES)
+"""And the one whose tyres are asked beside the loop, where it is named: a stop takes a minute."""
 FIRST_SEED = 30_000
 """Far from the seeds of the tuning, from 1000 on."""
 _UTILISATION = {"dry": 0.953, "wet": 0.974, "cobblestone": 0.956, "snow": 0.988}
@@ -56,7 +59,7 @@ def law_rows(
     """Make all stops; return a row per car, road and case.
 
     Args:
-        cars: of CARS; none: all.
+        cars: of CARS; none: all but the one with smart tyres.
         law: of abs_supervisor.
         seeds: stops of each row.
         surfaces: names of the roads; none: all.
@@ -77,10 +80,12 @@ def chosen(
     """Return what makes the rows; arguments as above."""
     found: list[Callable[[], Row]] = [
         partial(_made, car, law, seeds, road, case, judged)
-        for car, road, case in _chosen(cars or CARS, surfaces, cases)
+        for car, road, case in _chosen(cars or _USUAL, surfaces, cases)
     ]
-    if SPLIT in (cars or CARS):
-        drawn = range(FIRST_SEED, FIRST_SEED + seeds)
+    drawn = range(FIRST_SEED, FIRST_SEED + seeds)
+    if SMART_TYRES in cars:
+        found += [partial(opinion_row, law, drawn, road) for road in TABLE_8_1 if not surfaces or road in surfaces]
+    if SPLIT in (cars or _USUAL):
         found += [partial(split_row, law, drawn, *each) for each in chosen_splits(surfaces, cases)]
     return found
 
@@ -89,7 +94,7 @@ def _chosen(cars: Sequence[str], surfaces: Sequence[str], cases: Sequence[str]) 
     return [
         (car, road, case)
         for car in cars
-        if car != SPLIT
+        if car not in (SPLIT, SMART_TYRES)
         for case in (NONE, *(TROUBLES if car == CORNER_ALONE else CAR_TROUBLES))
         for road in (*TABLE_8_1, *(CHANGES if car == CORNER_ALONE and case is NONE else ()))
         if (not surfaces or road in surfaces)

@@ -7,7 +7,7 @@ all the way. A lock is a slip above 0.95 for 50 ms.
 With --law the rows are those of law_rows: to standstill, without speed sensor, beside the bound of the brake, of one
 corner and of a car with four wheels whose loads follow the deceleration at once (four_wheels) or that has the troubles
 of a real one (car). One corner also stops where the road changes, and the car where it differs from side to side
-(split).
+(split). With --car smart_tyres: what the forces of smart tyres say beside the loop.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""The estimators as a process each and in one process, side by side: cost, delays, losses, growth.
+"""The estimators as a process each and in one process, side by side: cost, delays, losses, growth; beside relays.
 
 Machines differ, and so does one machine from minute to minute: the forms take turns, and ratios are judged.
 """
@@ -14,7 +14,17 @@ import numpy as np
 from rich.progress import Progress
 
 from friction_bringup import graph
-from friction_evaluation.live.recorded_run import ESTIMATES, FORMS, SOURCE, Drive, Measured, record, run
+from friction_evaluation.live.recorded_run import (
+    ESTIMATES,
+    FORMS,
+    SEPARATE,
+    SEPARATE_RELAYS,
+    SOURCE,
+    Drive,
+    Measured,
+    record,
+    run,
+)
 from friction_evaluation.protocol import VEHICLE
 from friction_evaluation.rows import Row, at_most, not_judged
 
@@ -33,6 +43,7 @@ _GROWTH_SECONDS = 10.0
 _LEAST_OF_SEPARATE = 0.55
 _LEAST_OF_RELAYS = 1.3
 _DELAY_OF_SEPARATE = 0.7
+_DELAY_OF_RELAYS = 3.0
 
 
 def comparison_rows(seconds: float) -> list[Row]:
@@ -47,6 +58,29 @@ def comparison_rows(seconds: float) -> list[Row]:
             measured = run(FOUR_WHEELS, bag, form, 200.0, seconds, True, _shown_in(progress, task))
             found[form].append({"run": form, "round": number + 1, **run_row(measured, [*ESTIMATES, graph.COMMAND])})
     return [*(row for form in FORMS for row in found[form]), *judged_rows(found)]
+
+
+def latency_rows(seconds: float) -> list[Row]:
+    """Run four wheels at 200 Hz for `seconds` [s] as separate nodes, then as relays of them; a row each, and the rule.
+
+    The relays have the same hops from the sensors to the command, and compute nothing.
+    """
+    delay, found = f"{graph.COMMAND}_p99_ms", []
+    with tempfile.TemporaryDirectory(prefix="friction_recording_") as directory, Progress() as progress:
+        bag = Path(directory, "bag")
+        task = progress.add_task("recording", total=None)
+        record(GROWTH[4], seconds, bag)
+        for form in (SEPARATE, SEPARATE_RELAYS):
+            progress.update(task, description=form, total=200.0 * seconds)
+            measured = run(GROWTH[4], bag, form, 200.0, seconds, True, _shown_in(progress, task))
+            found.append({"run": form, **run_row(measured, [graph.COMMAND])})
+    return [*found, over_relays(*(row[delay] for row in found))]
+
+
+def over_relays(nodes: float, relays: float) -> Row:
+    """Return the row of the 99th percentile of the delays from sensors to command, of nodes and of relays [ms]."""
+    quantity = "99 % of the delays from sensors to command, over that of relays"
+    return {"run": SEPARATE, "quantity": quantity, **at_most(nodes / relays, _DELAY_OF_RELAYS)}
 
 
 def _shown_in(progress: Progress, task: object) -> Callable[[int], None]:

@@ -4,7 +4,7 @@ First a run in real time: at 200 Hz, node to node, cruising and then braking wit
 from the publication of a wheel_states sample to the publication of what answers it, by the wall clock of one machine.
 Then a run in lock-step, whose messages must be those of the same processors without middleware, bit for bit.
 With --composed, a comparison of the estimators in one process with those in processes of their own instead; with
---adapter, one of friction_adapter with a bare relay.
+--adapter, one of friction_adapter with a bare relay; with --latency the delay of four wheels beside that of relays.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from friction_bags.bag_io.cdr import encode
 from friction_bags.offline.estimators import closed_loop_parameters, make_processors
 from friction_bringup import graph
 from friction_evaluation.live.adapter import adapter_rows
-from friction_evaluation.live.composed import comparison_rows, growth_rows
+from friction_evaluation.live.composed import comparison_rows, growth_rows, latency_rows
 from friction_evaluation.live.graph import Observation, run_graph
 from friction_evaluation.live.offline_loop import run_offline
 from friction_evaluation.protocol import CAR, VEHICLE, WHEEL
@@ -60,6 +60,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--composed", action="store_true", help="compare the estimators in one process with separate ones instead"
     )
     parser.add_argument("--adapter", action="store_true", help="compare friction_adapter with a bare relay instead")
+    parser.add_argument(
+        "--latency", action="store_true", help="delay from sensors to command of four wheels, beside relays, instead"
+    )
     parser.add_argument("--seconds", type=positive, default=60.0, help="length of a run in real time [s], at least 6")
     parser.add_argument("--surface", choices=TABLE_8_1, default="dry", help="road of both runs")
     parser.add_argument("--live-seed", type=int, default=0, help="seed of the sensor noise")
@@ -77,6 +80,8 @@ def run(options: argparse.Namespace) -> list[Row]:
         return adapter_rows(options.seconds)
     if options.composed:
         return comparison_rows(options.seconds) + growth_rows()
+    if options.latency:
+        return latency_rows(options.seconds)
     real_time = real_time_rows(options.seconds, options.surface, options.live_seed)
     return real_time + agreement_rows(options.surface, options.live_seed)
 

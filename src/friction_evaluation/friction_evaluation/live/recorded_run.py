@@ -33,11 +33,13 @@ from friction_runtime.machine_load import slowdown
 from friction_runtime.processor import Output
 from vehicle_models.vehicle_file import load_vehicle
 
-FORMS = ("separate", "composed", "relays")
+SEPARATE, SEPARATE_RELAYS = "separate", "separate relays"
+FORMS = (SEPARATE, "composed", "relays")
 """The estimators as a process each, in one process, and in one process without what they compute."""
 SOURCE = "wheel_states"
 ESTIMATES: Mapping[str, type] = {"slip": WheelSlip, "friction_slope": FrictionSlope, "friction_curve": FrictionCurve}
 """Answers of a wheel to every sample."""
+_RELAY = "friction_evaluation.live.relay"
 PLAYER = "player"
 """Name of the process that plays the bag."""
 _TAKE_PERIOD = 0.02
@@ -120,15 +122,17 @@ def commands(drive: Drive, form: str, supervisor: bool) -> dict[str, list[str]]:
     for place in drive.namespaces:
         car = ["--ros-args", "-r", f"__ns:=/{place.strip('/')}", "-p", f"vehicle_file:={drive.vehicle}"]
         modules = {
-            "separate": [[name] for name in graph.COMPOSED],
+            SEPARATE: [[name] for name in graph.COMPOSED],
+            SEPARATE_RELAYS: [[_RELAY, name] for name in graph.COMPOSED],
             "composed": [["friction_bringup", "graph"]],
-            "relays": [["friction_evaluation.live.relay"]],
+            "relays": [[_RELAY]],
         }[form]
         for module in modules:
-            found[f"{place.strip('/')}{module[0]}"] = [sys.executable, "-m", *module, *car]
+            found[f"{place.strip('/')}{module[-1]}"] = [sys.executable, "-m", *module, *car]
         if supervisor:
             # Nothing obeys: the recording goes on as it was made.
-            found[graph.SUPERVISOR] = [sys.executable, "-m", graph.SUPERVISOR, *car, "-p", "shadow:=false"]
+            module = [_RELAY, graph.SUPERVISOR] if form == SEPARATE_RELAYS else [graph.SUPERVISOR]
+            found[graph.SUPERVISOR] = [sys.executable, "-m", *module, *car, "-p", "shadow:=false"]
     return found
 
 
@@ -140,7 +144,7 @@ def run(
     Args:
         drive: what was recorded.
         bag: the recording.
-        form: one of FORMS.
+        form: one of FORMS, or SEPARATE_RELAYS.
         rate: samples in a second of wall time [Hz].
         seconds: how much of the recording is replayed [s of the recording].
         supervisor: whether abs_supervisor answers too, a process of its own.

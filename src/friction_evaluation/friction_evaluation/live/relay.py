@@ -1,6 +1,8 @@
-"""The estimators in one process, each replaced by one that only answers: what remains is the cost of the transport.
+"""Nodes of the graph, each replaced by one that only answers: what remains is the cost of the transport.
 
-python -m friction_evaluation.live.relay --ros-args -p vehicle_file:=compact_car
+One that is named, in a process of its own; none: the estimators in one process.
+
+python -m friction_evaluation.live.relay [NODE] --ros-args -p vehicle_file:=compact_car
 """
 
 from __future__ import annotations
@@ -14,6 +16,8 @@ from friction_bringup import graph
 from friction_bringup.composed import run_composed
 from friction_runtime.processor import Health, Output, Processor
 
+_CHAIN = ("wheel_states", "slip", "slope_vote")
+"""From the sensors to the supervisor, each after the one before."""
 _BLOCKS_OF_A_REVOLUTION = 15
 """Tyre blocks of 5 ms in a revolution at 27 m/s."""
 
@@ -33,10 +37,11 @@ class Relay:
     def process(self, topic: str, message: Any) -> Sequence[Output]:
         """Answer for the wheel of the topic, or for all wheels where the topic is of the car."""
         wheel, _, what = topic.rpartition("/")
-        if what not in ("wheel_states", "slip", "tyre_signals"):
+        if what not in _CHAIN and what != "tyre_signals":
             return ()
-        if what == "wheel_states" and any(topic.endswith("/slip") for topic in self.estimates):
-            return ()  # the slip comes later
+        later = {name for topic in self.estimates for name in _CHAIN if topic.endswith(f"/{name}")}
+        if what in _CHAIN and later.intersection(_CHAIN[_CHAIN.index(what) + 1 :]):
+            return ()  # what it waits for comes later
         if what == "tyre_signals":
             self._blocks += 1
             if self._blocks % _BLOCKS_OF_A_REVOLUTION:
@@ -64,10 +69,14 @@ def _relays(build: Callable[..., Sequence[Processor]]) -> Callable[..., list[Rel
 
 def main() -> int:
     """Run until a signal; return the exit code."""
-    for name in graph.COMPOSED:
+    named = sys.argv[1:2] if sys.argv[1:2] != ["--ros-args"] else []
+    for name in named or graph.COMPOSED:
         module: Any = import_module(f"{name}.node")
         module.build = _relays(module.build)
-    return run_composed(sys.argv[1:])
+    if not named:
+        return run_composed(sys.argv[1:])
+    code: int = module.main(sys.argv[2:])
+    return code
 
 
 if __name__ == "__main__":
