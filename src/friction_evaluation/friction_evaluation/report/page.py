@@ -37,7 +37,8 @@ figcaption, caption { color: #555; text-align: left; font-size: 13px; } summary 
   body { max-width: none; margin: 0; padding: 0; font-size: 10px; }
   .table { overflow: visible; } table, .wide table { width: 100%; font-size: 7px; }
   caption, figcaption { font-size: 9px; }
-  .wide table { font-size: 5px; } th, td, td.number { white-space: normal; padding: 0 1px; }
+  .wide table { font-size: 5px; } .wide th, .wide td { overflow-wrap: anywhere; }
+  th, td, td.number { white-space: normal; padding: 0 1px; }
   details::details-content { content-visibility: visible; display: block; }
   tr, figure { break-inside: avoid; } h2, h3, caption, summary { break-after: avoid; } img { max-height: 110mm; }
 }
