@@ -6,14 +6,13 @@ from collections.abc import Mapping
 from typing import Any
 
 import pytest
-from builtin_interfaces.msg import Time
 from friction_msgs.msg import BrakeCommand, WheelSlip
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Header
 
 from friction_evaluation.live.composed import judged_rows, over_relays, run_row
 from friction_evaluation.live.recorded_run import Answers, Measured
 from friction_evaluation.live.relay import Relay
+from friction_runtime.stamps import header_at
 
 MILLISECOND = 1_000_000
 
@@ -82,7 +81,7 @@ class _Hop:
 def test_a_relay_answers_once_to_what_its_node_waits_for(estimates: tuple[str, ...], fires_on: str) -> None:
     hop: Any = _Hop(*estimates)
     relay = Relay(hop)
-    message = JointState(header=Header(stamp=Time(sec=7)))
+    message = JointState(header=header_at(7 * 10**9, ""))
     chain = ("wheel_states", "front_left/slip", "front_left/slope_vote")
     answered = {topic: list(relay.process(topic, message)) for topic in chain[: len(estimates) + 1]}
     assert [topic for topic, answers in answered.items() if answers] == [fires_on]

@@ -103,7 +103,8 @@ def stop_run(name: str, seed: int) -> StopRun:
                 for name_of, given in inputs:
                     if name_of in slope.sensors or name_of in slope.estimates:
                         for _, answer in slope.process(name_of, given):
-                            signs[_index(answer), column] = answer.sign
+                            if isinstance(answer, FrictionSlope):
+                                signs[_index(answer), column] = answer.sign
         torque = measured.brake_pressure[0] * VEHICLE.wheel(WHEEL).brake_gain
         kept.append((sample.speed, slip, measured.wheel_speed[0], torque, load.load))
     speed, estimated, wheel_speed, torques, loads = np.array(kept).T
