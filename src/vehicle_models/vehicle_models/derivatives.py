@@ -123,7 +123,7 @@ class LocalPolynomial:
             raise ValueError(f"window is not full: {self._count} of {self._window} samples")
         weights = self._weights.get((order, delay))
         if weights is None:
-            stamps = np.array(self._stamps[self._next :] + self._stamps[: self._next])
+            stamps = self._in_order()
             offsets = (stamps - stamps[-1]) * NANOSECOND
             weights = self._weights[order, delay] = polynomial_weights(offsets, self._degree, order, delay).tolist()
         return self._weighted(weights, signal)
@@ -140,12 +140,16 @@ class LocalPolynomial:
             raise ValueError(f"window is not full: {self._count} of {self._window} samples")
         weights = self._earlier_weights.get(order)
         if weights is None:
-            stamps = np.array(self._stamps[self._next :] + self._stamps[: self._next])
+            stamps = self._in_order()
             stamps = stamps[: max(self._window // 2, self._degree + 1)]
             offsets = (stamps - stamps[-1]) * NANOSECOND
             weights = polynomial_weights(offsets, self._degree, order, -0.5 * float(offsets[0])).tolist()
             self._earlier_weights[order] = weights
         return self._weighted(weights, signal)
+
+    def _in_order(self) -> NDArray[np.int64]:
+        """Stamps of the window [ns], the oldest first, shape (window,)."""
+        return np.array(self._stamps[self._next :] + self._stamps[: self._next])
 
     def _weighted(self, weights: list[float], signal: int) -> float:
         values = self._values[signal]
@@ -169,7 +173,7 @@ class LocalPolynomial:
         freedom = self._window - self._degree - 1
         if freedom == 0:
             return 0.0
-        stamps = np.array(self._stamps[self._next :] + self._stamps[: self._next])
+        stamps = self._in_order()
         powers = np.vander((stamps - stamps[0]) / (stamps[-1] - stamps[0]), self._degree + 1)
         values = np.array(self._values[signal][self._next : self._next + self._window])
         if not np.isfinite(values).all():

@@ -16,6 +16,7 @@ from math import isfinite
 from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
+from wheel_slip.mode import SlideParameters
 
 _WINDOW: Final = 0.4
 """T [s]."""
@@ -46,8 +47,9 @@ _BACK: Final = 0.9
 class AccelerometerAge:
     """Compares the accelerometer of one car with its wheels. `late` is the age found [s], 0 where it is in time."""
 
-    def __init__(self) -> None:
-        """Know nothing."""
+    def __init__(self, parameters: SlideParameters) -> None:
+        """Know nothing; the parameters say when wheels turn alike."""
+        self._p = parameters
         self.reset()
 
     def reset(self) -> None:
@@ -61,13 +63,12 @@ class AccelerometerAge:
         self._telling = self._reversals = 0
         self._direction = 0.0
 
-    def update(self, stamp: int, rim_speeds: Sequence[float], alike: bool, acceleration: float) -> None:
+    def update(self, stamp: int, rim_speeds: Sequence[float], acceleration: float) -> None:
         """Take one sample.
 
         Args:
             stamp: [ns], later than the last.
             rim_speeds: r omega of the wheels [m/s], NaN where unknown.
-            alike: whether they turn alike.
             acceleration: reading of the accelerometer [m/s^2].
         """
         before, self._before = self._before, (stamp, acceleration)
@@ -82,7 +83,7 @@ class AccelerometerAge:
             return
         self._due += round(_STEP * NANOSECONDS)
         known = sorted([speed for speed in rim_speeds if isfinite(speed)])
-        if not known or not alike:
+        if not self._p.are_alike(known):
             self._kept.clear()
             return
         self._kept.append((known[len(known) // 2], self._travelled))

@@ -15,9 +15,10 @@ from wheel_slip.online_radii import OnlineRadii
 from wheel_slip.radius_calibration import Radii
 from wheel_slip.relative_radii import RelativeRadii
 from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
+from wheel_slip.speed_parameters import VehicleSpeedParameters
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.unit_check import UnitCheck
-from wheel_slip.vehicle_speed import VehicleSpeed, VehicleSpeedParameters, radius_share
+from wheel_slip.vehicle_speed import VehicleSpeed, radius_share
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
 

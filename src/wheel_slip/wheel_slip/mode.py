@@ -5,6 +5,7 @@ sensor corrects in either. WAITING has no speed: no wheel is trusted before it h
 made at a sample; that of the sensor comes first.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Final, NamedTuple
@@ -109,6 +110,14 @@ class SlideParameters:
         """Refuse thresholds in the wrong order."""
         if self.roll_below > self.slide_above:
             raise ValueError(f"parameter 'roll_below' = {self.roll_below} must not exceed 'slide_above'")
+
+    def likeness(self, speed: float) -> float:
+        """Return how far rim speeds of rolling wheels may be from each other at a speed [m/s]."""
+        return self.spread_at_rest + self.spread * abs(speed)
+
+    def are_alike(self, known: Sequence[float]) -> bool:
+        """Whether wheels turn alike, as those that roll do, by their rim speeds in ascending order [m/s]."""
+        return bool(known) and known[-1] - known[0] <= self.likeness(known[len(known) // 2])
 
 
 class Evidence(NamedTuple):

@@ -107,11 +107,6 @@ class SlideDetector:
         """Whether the wheels that are believed are not driven, and some are."""
         return len(self._free) < len(self._all) and any(self.rolling[index] for index in self._free)
 
-    def turn_alike(self, rim_speeds: Sequence[float]) -> bool:
-        """Whether the wheels whose rim speeds [m/s] are known turn alike, as those that roll do."""
-        known = sorted([speed for speed in rim_speeds if isfinite(speed)])
-        return bool(known) and known[-1] - known[0] <= self._likeness(known[len(known) // 2])
-
     def _integrate(self, stamp: int, acceleration: float | None) -> None:
         if acceleration is None:
             self.acceleration = None
@@ -126,7 +121,7 @@ class SlideDetector:
 
     def _watch_slope(self, stamp: int, rim_speeds: Sequence[float], middle: float) -> None:
         known = self.acceleration is not None and abs(middle) > self._p.blind_below
-        alike = known and self.spread <= self._likeness(middle)
+        alike = known and self.spread <= self._p.likeness(middle)
         begin, travelled, before = self._history[0]
         time = (stamp - begin) / NANOSECONDS
         differences: list[float] = []
@@ -138,7 +133,7 @@ class SlideDetector:
 
     def _roll(self, rim_speeds: Sequence[float], rim_accelerations: Sequence[float], middle: float) -> list[bool]:
         """Return which wheels roll; `middle`: the median of the rim speeds [m/s]."""
-        alike = self._likeness(middle)
+        alike = self._p.likeness(middle)
         if self.acceleration is None:
             return [
                 abs(speed - middle) <= alike and abs(rate) < self._p.strongest
@@ -200,7 +195,7 @@ class SlideDetector:
 
     def _watch_steadiness(self, stamp: int, judged: list[int], rim_speeds: Sequence[float], middle: float) -> None:
         """Note since when the wheels turn alike and hardly change."""
-        allowed = self._likeness(middle)
+        allowed = self._p.likeness(middle)
         alike = [index for index in judged if abs(rim_speeds[index] - middle) <= allowed]
         if not judged or len(alike) < len(judged) or abs(middle) <= self._p.blind_below:
             self._steady_from = None
@@ -210,7 +205,3 @@ class SlideDetector:
             elapsed = (stamp - self._steady_from[0]) / NANOSECONDS
             if abs(middle - self._steady_from[1]) > self._p.steady_below * elapsed + self._p.threshold:
                 self._steady_from = (stamp, middle)
-
-    def _likeness(self, middle: float) -> float:
-        """Return how far rim speeds of rolling wheels may be from their median [m/s]."""
-        return self._p.spread_at_rest + self._p.spread * abs(middle)

@@ -1,7 +1,7 @@
 """Vehicle speed from wheels, accelerometer and speed sensor: what is done in each mode (mode.py).
 
 - While the car rolls, the wheels correct the speed and the accelerometer's offset is learned. A wheel sample is used
-  only `belief_lag` after its stamp, at its own time, when nothing has shown that a slide had begun.
+  only `rolling.lag` after its stamp, at its own time, when nothing has shown that a slide had begun.
 - While it slides, the corrected acceleration is integrated and the wheels are bounds (wheel_bounds.py). The offset is
   no longer observed, so its uncertainty, and the speed's, grow with the road.
 - A speed sensor corrects in either mode, at its own time, and starts the estimate at once.
@@ -9,95 +9,26 @@
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import copysign, hypot, isfinite, sqrt
 from statistics import median
 from typing import Final
 
-from friction_parameters.parameter import group, parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
+from vehicle_models.stated_deviations import stated_deviation
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.accelerometer_age import AccelerometerAge
+from wheel_slip.accelerometer_watch import AccelerometerWatch
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
-from wheel_slip.mode import Cause, SlideParameters, transition
-from wheel_slip.outvoted import Outvoted
-from wheel_slip.sensor_watch import SensorWatch, SensorWatchParameters
+from wheel_slip.mode import Cause, transition
+from wheel_slip.sensor_watch import SensorWatch
 from wheel_slip.slide_detector import SlideDetector
-from wheel_slip.slope_watch import SlopeParameters
-from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
+from wheel_slip.speed_filter import SpeedFilter
+from wheel_slip.speed_parameters import VehicleSpeedParameters
 from wheel_slip.speed_sample import SpeedSample
-from wheel_slip.stuck_sensor import StuckSensor
-from wheel_slip.wheel_bounds import BoundParameters, WheelBounds
+from wheel_slip.wheel_bounds import WheelBounds
 
 _AT_REST: Final = 2.5
 """Deviations of the offset that a car reads at most while it stands."""
-
-
-@dataclass(frozen=True)
-class RollingParameters:
-    """How the wheels are believed while the car rolls."""
-
-    lag: float = parameter(
-        0.1,
-        "a wheel sample is used this long after its stamp, where nothing has shown a slide",
-        unit="s",
-        minimum=0.0,
-        maximum=0.5,
-    )
-    correlation: float = parameter(
-        0.1, "time over which the slip of a rolling wheel is one error, not many", unit="s", minimum=0.001, maximum=10.0
-    )
-    forceless: float = parameter(
-        0.3,
-        "acceleration by drag and slope, for which tyres need no slip to speak of",
-        unit="m/s^2",
-        minimum=0.0,
-        maximum=2.0,
-    )
-    blind_stddev: float = parameter(
-        0.1, "standard deviation of the speed where encoders read zero", unit="m/s", minimum=0.001, maximum=5.0
-    )
-    surprise: float = parameter(
-        0.6,
-        "mean innovation over its deviation that noise does not reach in hours: the offset has changed",
-        minimum=0.1,
-        maximum=10.0,
-    )
-    surprise_time: float = parameter(
-        0.2, "time over which that innovation is averaged", unit="s", minimum=0.01, maximum=10.0
-    )
-    doubt: float = parameter(
-        0.05, "standard deviation of the offset after such a change", unit="m/s^2", minimum=0.0, maximum=5.0
-    )
-
-
-@dataclass(frozen=True)
-class VehicleSpeedParameters:
-    """Which source is trusted when, and how much."""
-
-    slip_per_acceleration: float = parameter(
-        0.004,
-        "uncertainty of a rolling wheel's slip per acceleration of the car",
-        unit="s^2/m",
-        minimum=0.0,
-        maximum=0.1,
-    )
-    radius_uncertainty: float = parameter(
-        0.002, "uncertainty of all radii together, as a share: speed from wheels is no better", minimum=0.0, maximum=0.1
-    )
-    sensor_timeout: float = parameter(
-        0.5, "silence of vehicle_velocity after which the wheels take over", unit="s", minimum=0.01, maximum=10.0
-    )
-    forget_after: float = parameter(
-        1.0, "time without any sample after which the estimate starts again", unit="s", minimum=0.1, maximum=10.0
-    )
-    speed_filter: SpeedFilterParameters = group(SpeedFilterParameters())
-    slide: SlideParameters = group(SlideParameters())
-    sensor: SensorWatchParameters = group(SensorWatchParameters())
-    slope: SlopeParameters = group(SlopeParameters())
-    rolling: RollingParameters = group(RollingParameters())
-    bounds: BoundParameters = group(BoundParameters())
 
 
 class VehicleSpeed:
@@ -124,9 +55,7 @@ class VehicleSpeed:
             parameters.slip_per_acceleration,
             self._p.slide.blind_below,
         )
-        self._repetition = StuckSensor()
-        self._age = AccelerometerAge()
-        self._outvoted = Outvoted()
+        self._accelerometer = AccelerometerWatch(parameters.slide)
         self._sensor = SensorWatch(parameters.sensor)
         self.reset()
 
@@ -135,11 +64,7 @@ class VehicleSpeed:
         self._filter.reset()
         self._slide.reset()
         self._bounds.reset()
-        self._repetition.reset()
-        self._age.reset()
-        self._outvoted.reset()
-        self._is_outvoted = False
-        self._is_stuck = False
+        self._accelerometer.reset()
         self._sensor.reset()
         self.mode = Mode.WAITING
         """Mode at the last sample."""
@@ -220,7 +145,7 @@ class VehicleSpeed:
             self.reset()
         dt = (stamp - self._last) / NANOSECONDS if self._last is not None else self._p.rolling.correlation
         self._last = stamp
-        if self._leave_out(stamp, acceleration, smooth_rim_speeds):
+        if self._accelerometer.leaves_out(stamp, acceleration, smooth_rim_speeds, any(self._slide.rolling)):
             acceleration = None
         self._predict(stamp, acceleration, smooth_rim_speeds, rim_accelerations)
         starting = self.mode is Mode.WAITING
@@ -244,25 +169,6 @@ class VehicleSpeed:
             a = self._slide.acceleration
             if self.mode is not Mode.WAITING and a is not None:
                 self._bounds.use(self._filter, dt, rim_speeds, a, self._p.rolling.correlation)
-
-    def _leave_out(self, stamp: int, acceleration: float | None, smooth_rim_speeds: Sequence[float]) -> bool:
-        """Whether the accelerometer repeats one value by which no wheel rolls, comes too late, or is outvoted."""
-        self._is_stuck = self._repetition.repeats(stamp, acceleration) and (
-            self._is_stuck or not any(self._slide.rolling)
-        )
-        if acceleration is not None and not self._is_stuck:
-            self._age.update(stamp, smooth_rim_speeds, self._slide.turn_alike(smooth_rim_speeds), acceleration)
-        self._is_outvoted = self._outvoted.holds(stamp)
-        return self._is_stuck or self._is_outvoted or self._age.late > 0.0
-
-    @property
-    def accelerometer_text(self) -> str:
-        """Why the accelerometer is left out, empty where it is used."""
-        if self._is_stuck:
-            return "repeats one value that the wheels contradict"
-        if self._age.late:
-            return f"follows the wheels {self._age.late:.1f} s late"
-        return "contradicts both the speed sensor and the wheels" if self._is_outvoted else ""
 
     def _predict(
         self,
@@ -307,6 +213,11 @@ class VehicleSpeed:
     def source(self) -> SpeedSource:
         """Where the speed comes from at the last sample."""
         return SOURCES[self.mode]
+
+    @property
+    def accelerometer_text(self) -> str:
+        """Why the accelerometer is left out, empty where it is used."""
+        return self._accelerometer.text
 
     @property
     def sensor_text(self) -> str:
@@ -373,8 +284,9 @@ class VehicleSpeed:
         """Compare the samples of the sensor with the speed and with wheels that turn alike."""
         if not measured or self.mode is Mode.WAITING:
             return
-        car, alike = self._filter, self._slide.turn_alike(smooth_rim_speeds)
+        car = self._filter
         known = [index for index, speed in enumerate(smooth_rim_speeds) if isfinite(speed)]
+        alike = self._p.slide.are_alike(sorted([smooth_rim_speeds[index] for index in known]))
         middle = median([smooth_rim_speeds[index] for index in known]) if alike else 0.0
         rate = median([rim_accelerations[index] for index in known]) if alike else 0.0
         of_age = (self._p.sensor.latency_stddev * rate) ** 2
@@ -386,7 +298,7 @@ class VehicleSpeed:
             then = middle - rate * (stamp - sample.stamp) / NANOSECONDS
             at_wheels = (sample.speed - then, of_radii + of_age) if alike else None
             at_speed = (sample.speed + change - car.speed, self.stated_variance + of_age)
-            self._outvoted.note(sample.stamp, sample.variance, at_speed, at_wheels)
+            self._accelerometer.votes.note(sample.stamp, sample.variance, at_speed, at_wheels)
 
     @property
     def _skew_variance(self) -> float:
@@ -515,14 +427,13 @@ class VehicleSpeed:
 
 def _gain_stddev(vehicle: Vehicle) -> float | None:
     """Deviation of the accelerometer's gain as a share, by scale and pitch; None where the vehicle file states none."""
-    known = vehicle.accelerometer.deviations
-    if "scale" not in known:
+    mounting = vehicle.accelerometer
+    scale = stated_deviation(mounting.deviations, "scale")
+    if scale is None:
         return None
-    pitch = known["pitch_gain"].stddev if "pitch_gain" in known else 0.0
-    return hypot(known["scale"].stddev / vehicle.accelerometer.scale, GRAVITY * pitch)
+    return hypot(scale / mounting.scale, GRAVITY * (stated_deviation(mounting.deviations, "pitch_gain") or 0.0))
 
 
 def radius_share(vehicle: Vehicle) -> float:
     """Deviation of the radii as a share, 0 where the vehicle file states none."""
-    shares = [each.deviations["radius"].stddev / each.radius for each in vehicle.wheels if "radius" in each.deviations]
-    return max(shares, default=0.0)
+    return max((stated_deviation(each.deviations, "radius") or 0.0) / each.radius for each in vehicle.wheels)

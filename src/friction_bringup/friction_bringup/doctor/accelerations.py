@@ -9,7 +9,8 @@ import numpy as np
 from friction_bringup.doctor.drive import Array
 from friction_bringup.doctor.motion import Motion, NDArrayBool
 
-_BLOCK = 0.5
+BLOCK = 0.5
+"""Length of a block [s]."""
 _PARTS = 10
 _LEAST = 8
 """Blocks without which there is no answer."""
@@ -17,7 +18,7 @@ _LEAST = 8
 
 def block_means(motion: Motion, signal: Array, use: NDArrayBool) -> Array:
     """Means of blocks of half a second, NaN where a sample of the block is not to be used."""
-    width = max(round(_BLOCK / motion.step), 2)
+    width = max(round(BLOCK / motion.step), 2)
     count = signal.size // width
     kept = np.where(use, signal, np.nan)[: count * width]
     return np.asarray(kept.reshape(count, width).mean(axis=1))

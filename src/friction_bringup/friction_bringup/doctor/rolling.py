@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from friction_bringup.doctor.accelerations import BLOCK, block_means
 from friction_bringup.doctor.drive import Array, Drive
 from friction_bringup.doctor.motion import Motion
 from vehicle_models.single_corner import GRAVITY
@@ -16,7 +17,6 @@ from vehicle_models.vehicle import AIR_DENSITY
 
 LEAST = 4.0
 """Rolling time [s] below which there is no answer."""
-_BLOCK = 0.5
 _PARTS = 10
 _GENTLE = 2.5
 
@@ -53,18 +53,12 @@ def rolling_of(drive: Drive, motion: Motion) -> Rolling | None:
         if known.any():  # it feels the hills, and its offset does not matter here
             use, rate = known, force - np.median((force - rate)[known & np.isfinite(rate)])
         load = rate + resistance
-    blocks = _blocks(np.column_stack([ratios, load, speed]), use, max(round(_BLOCK / motion.step), 2))
-    if blocks.shape[0] * _BLOCK < LEAST:
+    blocks = np.column_stack([block_means(motion, column, use) for column in (*ratios.T, load, speed)])
+    blocks = blocks[np.isfinite(blocks).all(axis=1)]
+    if blocks.shape[0] * BLOCK < LEAST:
         return None
     line, stddev = _lines(blocks)
     return Rolling(line[0], stddev[0], line[1], stddev[1], by_sensor)
-
-
-def _blocks(columns: Array, use: np.ndarray, width: int) -> Array:
-    count = columns.shape[0] // width
-    kept = np.where(use[:, None], columns, np.nan)[: count * width]
-    means = kept.reshape(count, width, -1).mean(axis=1)
-    return np.asarray(means[np.isfinite(means).all(axis=1)])
 
 
 def _lines(blocks: Array) -> tuple[Array, Array]:

@@ -18,6 +18,7 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.stated_deviations import stated_deviation
 from wheel_slip.accelerometer_age import AccelerometerAge
+from wheel_slip.mode import SlideParameters
 
 FLAT, CIRCUIT, UNKNOWN = "flat", "out-and-back", "unknown"
 ROADS = (UNKNOWN, FLAT, CIRCUIT)
@@ -26,8 +27,6 @@ AGE_FLOOR = 3e-3
 """Deviation of an age [s] that hills and the transient of the pitch leave."""
 _COARSE_AGE = 0.2
 """Deviation of an age [s] that is compared at some ages only."""
-_SPREAD_AT_REST, _SPREAD = 0.3, 0.03
-"""[m/s] and share of the speed by which wheels that roll differ: radii and curves."""
 _SCALE_FLOOR = 0.004
 _STIFFNESS = 25.0
 """Slip stiffness of a common tyre over its load."""
@@ -55,12 +54,11 @@ def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift
 
 def _long_after_the_wheels(motion: Motion) -> Finding | None:
     """Return the finding of an accelerometer with which wheel_slip cannot do anything."""
-    watch = AccelerometerAge()
+    watch = AccelerometerAge(SlideParameters())
     known = np.isfinite(motion.force) & np.isfinite(motion.rims).all(axis=1)
-    alike = np.ptp(motion.rims, axis=1) <= _SPREAD_AT_REST + _SPREAD * motion.speed
     for number in np.flatnonzero(known):
         stamp = round((number + 1) * motion.step * NANOSECONDS)
-        watch.update(stamp, motion.rims[number].tolist(), bool(alike[number]), float(motion.force[number]))
+        watch.update(stamp, motion.rims[number].tolist(), float(motion.force[number]))
     if not watch.late:
         return None
     text = f"follows the wheels {watch.late:.1f} s late: it tells nothing of the present"
