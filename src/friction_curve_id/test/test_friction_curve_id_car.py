@@ -103,6 +103,14 @@ def test_slips_on_the_way_to_a_wheel_that_stands_count_as_beyond_the_peak() -> N
     assert all(right)
 
 
+def test_a_flat_peak_that_one_step_brings_below_the_slip_makes_no_alarm() -> None:
+    """Burckhardt's curve on Pacejka's snow: lambda_max 0.27, 0.22, 0.20 at slips of 0.24, where 0.31 is true."""
+    car = random_car(121_001, "snow", "pacejka")
+    run = record(car.parameters, SlipCycle(car.parameters, car.cycling), 121_001, duration=1.5)
+    found = [each for each in follow(samples(run, passing(run) - 0.025))[-10:] for each in each]
+    assert all(isinstance(each, CurveEstimate) and each.probability_beyond_peak < 0.9 for each in found)
+
+
 def test_ordinary_braking_never_shows_a_peak() -> None:
     for seed, road, share in ((70_100, "wet", 0.5), (70_101, "dry", 0.4), (70_102, "snow", 0.6)):
         car = random_car(seed, road, ("burckhardt", "pacejka")[seed % 2]).parameters

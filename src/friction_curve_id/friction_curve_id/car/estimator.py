@@ -362,7 +362,8 @@ class CarEstimator:
         wheels = len(self._index)
         mean = np.zeros(wheels)
         beyond = [0.0] * wheels
-        factor, floor = doubt(self._seen >= _SEEN_TIME, len(self._fits) == 1)
+        seen, formula_known = self._seen >= _SEEN_TIME, len(self._fits) == 1
+        factor, floor = doubt(seen, formula_known)
         changed = float(self._samples.speed_change[-1]) + self._gained
         for weight, fit in zip(peak.weights, self._fits, strict=True):
             p, moved = fit.unknowns, fit.moved
@@ -377,7 +378,8 @@ class CarEstimator:
             x = max(velocity * ahead / max(float(p[Unknown.RELAXATION_LENGTH]), LEAST_RELAXATION), 1e-6)
             keep, decay = exp(-x), -expm1(-x) / x
             relaxed = keep * moved.relaxed[:, -1] + (decay - keep) * moved.slip[:, -1] + (1.0 - decay) * slip
-            limit = exp(p[Unknown.LOG_LAMBDA_MAX])
+            # Where a peak is flat, one step may bring it far below the slip: it has to stay there for the next.
+            limit = exp(p[Unknown.LOG_LAMBDA_MAX] if seen or formula_known else fit.larger_peak)
             rows = np.zeros((wheels, p.size))
             rows[:, SPEED_UNKNOWNS] = np.outer(rolling / velocity, moved.speed_gradient[:, -1])
             rows[:, Unknown.LOG_LAMBDA_MAX] = -limit * factor
