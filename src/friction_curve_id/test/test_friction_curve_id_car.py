@@ -103,8 +103,8 @@ def test_slips_on_the_way_to_a_wheel_that_stands_count_as_beyond_the_peak() -> N
     assert all(right)
 
 
-def test_a_flat_peak_that_one_step_brings_below_the_slip_makes_no_alarm() -> None:
-    """Burckhardt's curve on Pacejka's snow: lambda_max 0.27, 0.22, 0.20 at slips of 0.24, where 0.31 is true."""
+def test_a_flat_peak_that_one_formula_alone_has_below_the_slip_makes_no_alarm() -> None:
+    """On Pacejka's snow, true peak 0.31: 0.20 by Burckhardt, 0.27 by Pacejka, at a slip of 0.25."""
     car = random_car(121_001, "snow", "pacejka")
     run = record(car.parameters, SlipCycle(car.parameters, car.cycling), 121_001, duration=1.5)
     found = [each for each in follow(samples(run, passing(run) - 0.025))[-10:] for each in each]

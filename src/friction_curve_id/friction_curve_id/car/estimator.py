@@ -362,8 +362,10 @@ class CarEstimator:
         wheels = len(self._index)
         mean = np.zeros(wheels)
         beyond = [0.0] * wheels
-        seen, formula_known = self._seen >= _SEEN_TIME, len(self._fits) == 1
-        factor, floor = doubt(seen, formula_known)
+        factor, floor = doubt(self._seen >= _SEEN_TIME, len(self._fits) == 1)
+        if self._seen < _SEEN_TIME:  # a formula may be as wrong as the two of them differ
+            log_peaks = [float(fit.unknowns[Unknown.LOG_LAMBDA_MAX]) for fit in self._fits]
+            floor = hypot(floor, max(log_peaks) - min(log_peaks))
         changed = float(self._samples.speed_change[-1]) + self._gained
         for weight, fit in zip(peak.weights, self._fits, strict=True):
             p, moved = fit.unknowns, fit.moved
@@ -378,8 +380,7 @@ class CarEstimator:
             x = max(velocity * ahead / max(float(p[Unknown.RELAXATION_LENGTH]), LEAST_RELAXATION), 1e-6)
             keep, decay = exp(-x), -expm1(-x) / x
             relaxed = keep * moved.relaxed[:, -1] + (decay - keep) * moved.slip[:, -1] + (1.0 - decay) * slip
-            # Where a peak is flat, one step may bring it far below the slip: it has to stay there for the next.
-            limit = exp(p[Unknown.LOG_LAMBDA_MAX] if seen or formula_known else fit.larger_peak)
+            limit = exp(p[Unknown.LOG_LAMBDA_MAX])
             rows = np.zeros((wheels, p.size))
             rows[:, SPEED_UNKNOWNS] = np.outer(rolling / velocity, moved.speed_gradient[:, -1])
             rows[:, Unknown.LOG_LAMBDA_MAX] = -limit * factor

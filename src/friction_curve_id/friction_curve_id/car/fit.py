@@ -88,17 +88,11 @@ class CurveFit:
         self._expected, self._scatter = 0.0, inf
         self.unsettled = 0.0
         """Length of the last full step in ln mu_max."""
-        self._peak_before = float(self._prior.mean[Unknown.LOG_LAMBDA_MAX])
 
     @property
     def unknowns(self) -> Array:
         """Present estimate, shape (P,)."""
         return self._prior.mean + self._prior.stddev * self.z
-
-    @property
-    def larger_peak(self) -> float:
-        """ln lambda_max, the larger of those before and after the last step."""
-        return max(self._peak_before, float(self.unknowns[Unknown.LOG_LAMBDA_MAX]))
 
     @property
     def surprise(self) -> float:
@@ -196,7 +190,6 @@ class CurveFit:
         if self._damping < 0.1:
             self._damping = 0.0
         self._last_move = move
-        self._peak_before = float(self.unknowns[Unknown.LOG_LAMBDA_MAX])
         self.z = self.z + move
         self._correction = at.noise.correction(at.white[:, size] + at.white[:, :size] @ move)
         self.steps += 1
