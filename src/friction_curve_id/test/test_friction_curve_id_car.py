@@ -107,7 +107,7 @@ def test_a_flat_peak_that_one_formula_alone_has_below_the_slip_makes_no_alarm() 
     """On Pacejka's snow, true peak 0.31: 0.20 by Burckhardt, 0.27 by Pacejka, at a slip of 0.25."""
     car = random_car(121_001, "snow", "pacejka")
     run = record(car.parameters, SlipCycle(car.parameters, car.cycling), 121_001, duration=1.5)
-    found = [each for each in follow(samples(run, passing(run) - 0.025))[-10:] for each in each]
+    found = [each for answers in follow(samples(run, passing(run) - 0.025))[-10:] for each in answers]
     assert all(isinstance(each, CurveEstimate) and each.probability_beyond_peak < 0.9 for each in found)
 
 

@@ -11,9 +11,9 @@ one road surface. Two effects are known to distort the slips of real sensors, an
 - a tyre answers to a change of slip over its relaxation length L: the slip is filtered by exp(-distance / L). ln L is
   another nuisance unknown, linearised around that of the vehicle file.
 
-The fit is robust (Huber) maximum a posteriori in (ln th1, ln th2, th3, three tau, ln L) over the samples of one braking,
-two Gauss-Newton steps per sample. Neighbouring residuals are alike (suspension, ABS cycles), so the information of the
-samples is divided by what `samples_per_information` makes of their autocorrelation before it becomes an interval.
+The fit is robust (Huber) maximum a posteriori in (ln th1, ln th2, th3, three tau, ln L) over the samples of one
+braking, two Gauss-Newton steps per sample. Neighbouring residuals are alike (suspension, ABS cycles), so the
+information of the samples is divided by `samples_per_information` before it becomes an interval.
 """
 
 from collections import deque
