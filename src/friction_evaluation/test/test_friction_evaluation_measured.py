@@ -1,10 +1,8 @@
 """The whole-vehicle fit and the curve fit on measured data; skipped where the data are not beside the repository."""
 
 import argparse
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from friction_evaluation import measured_data
@@ -22,9 +20,11 @@ needs_data = pytest.mark.skipif(
 
 @needs_data
 def test_the_bmw_stop_gives_a_peak_with_an_honest_interval() -> None:
-    row = measured.vehicle_row("bmw", measured.bmw_samples(DATA / measured_data.BMW), measured_data.BMW_M8)
+    samples = measured.bmw_samples(measured.bmw_columns(DATA / measured_data.BMW))
+    row = measured.vehicle_row("bmw", samples, measured_data.BMW_M8)
     assert row["valid"]
-    assert 1.1 <= row["mu_max"] <= 1.3
+    assert row["lambda_max"] == pytest.approx(0.064, abs=0.002)
+    assert row["mu_max"] == pytest.approx(1.17, abs=0.02)
     assert row["lambda_low"] <= 0.066 <= row["lambda_high"]
     assert row["lambda_high"] - row["lambda_low"] < 0.06
 
@@ -45,27 +45,28 @@ def test_laps_without_strong_braking_give_no_peak() -> None:
 
 
 @needs_data
-@pytest.mark.parametrize("shift", [-0.02, 0.02])
-def test_a_time_shift_of_the_bmw_stop_stays_inside_the_interval(shift: float) -> None:
-    samples = list(measured.bmw_samples(DATA / measured_data.BMW))
-    times, speeds = [sample.time for sample in samples], [sample.speed for sample in samples]
-    late = (
-        replace(sample, speed=float(speed))
-        for sample, speed in zip(samples, np.interp(np.array(times) + shift, times, speeds), strict=True)
-    )
-    straight = measured.vehicle_row("bmw", iter(samples), measured_data.BMW_M8)
-    shifted = measured.vehicle_row("bmw", late, measured_data.BMW_M8)
-    assert straight["lambda_max"] == pytest.approx(0.064, abs=0.002)
-    assert straight["mu_max"] == pytest.approx(1.17, abs=0.02)
-    if shifted["valid"]:
-        assert shifted["lambda_low"] <= straight["lambda_max"] <= shifted["lambda_high"]
+def test_time_shifts_of_the_bmw_stop_stay_inside_the_interval_and_give_method_car_no_peak() -> None:
+    rows = measured.shifted_rows(DATA / measured_data.BMW)
+    assert [row["data"] for row in rows].count("shifted") == 6
+    assert [row["data"] for row in rows].count("car") == 6
+    assert all(row["passed"] for row in rows)
+    assert all(row["valid"] for row in rows if row["data"] == "shifted")
+
+
+def test_a_shifted_peak_outside_of_its_interval_fails() -> None:
+    straight = {"lambda_max": 0.064, "mu_max": 1.17}
+    moved = {"lambda_max": 0.09, "lambda_low": 0.07, "lambda_high": 0.11, "mu_max": 1.17, "mu_max_stddev": 0.02}
+    assert not measured.shifted_row("bmw", moved | {"valid": True}, straight)["passed"]
+    assert measured.shifted_row("bmw", moved | {"valid": False}, straight)["passed"]
+    assert not measured.shifted_row("bmw", moved | {"valid": True, "lambda_max": 0.065, "mu_max": 1.3}, straight)[
+        "passed"
+    ]
 
 
 @needs_data
-@pytest.mark.parametrize("front", [0.5, 0.65, 0.75])
-@pytest.mark.parametrize("shift", [-0.02, 0.0, 0.02])
-def test_method_car_takes_no_demand_for_a_pressure(front: float, shift: float) -> None:
-    samples = measured.bmw_car_samples(DATA / measured_data.BMW, front, shift)
+@pytest.mark.parametrize("front", [0.5, 0.75])
+def test_method_car_takes_no_demand_for_a_pressure(front: float) -> None:
+    samples = measured.bmw_car_samples(measured.bmw_columns(DATA / measured_data.BMW), front)
     row = measured.car_row("bmw", samples, measured_data.BMW_M8, counted=False)
     assert row["passed"] and "uncertain" in row["other_answers"]
 

@@ -363,6 +363,9 @@ class CarEstimator:
         mean = np.zeros(wheels)
         beyond = [0.0] * wheels
         factor, floor = doubt(self._seen >= _SEEN_TIME, len(self._fits) == 1)
+        if self._seen < _SEEN_TIME:  # a formula may be as wrong as the two of them differ
+            log_peaks = [float(fit.unknowns[Unknown.LOG_LAMBDA_MAX]) for fit in self._fits]
+            floor = hypot(floor, max(log_peaks) - min(log_peaks))
         changed = float(self._samples.speed_change[-1]) + self._gained
         for weight, fit in zip(peak.weights, self._fits, strict=True):
             p, moved = fit.unknowns, fit.moved

@@ -147,22 +147,25 @@ def fit_covariance(rows: Array, residuals: Array) -> Array:
 
 
 def samples_per_information(residuals: Array) -> float:
-    """Samples that carry the information of one, >= 1: 1 + 2 sum of the autocorrelation up to its first zero.
+    """Samples that carry the information of one, >= 1: 1 + 2 sum of the autocorrelation.
+
+    Summed are pairs of neighbouring lags as long as a pair is positive (initial positive sequence; Geyer 1992,
+    Practical Markov Chain Monte Carlo): one lag at zero does not end it.
 
     Args:
         residuals: shape (n,).
     """
     centred = residuals - np.mean(residuals)
     power = float(centred @ centred)
-    total = 1.0
     if power <= 0.0:
-        return total
-    for lag in range(1, len(centred) // 4):
-        correlation = float(centred[lag:] @ centred[:-lag]) / power
-        if correlation <= 0.0:
+        return 1.0
+    total = -1.0
+    for lag in range(0, len(centred) // 4, 2):
+        pair = float(centred[lag:] @ centred[: len(centred) - lag] + centred[lag + 1 :] @ centred[: -lag - 1]) / power
+        if pair <= 0.0:
             break
-        total += 2.0 * correlation
-    return total
+        total += 2.0 * pair
+    return max(total, 1.0)
 
 
 def gram_inverse(gram: Array) -> Array:

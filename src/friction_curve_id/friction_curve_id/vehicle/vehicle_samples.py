@@ -29,7 +29,7 @@ class WholeVehicleParameters:
 
     timing_stddev: float = parameter(
         0.01,
-        "standard deviation of the shift between speed reference and wheel speeds",
+        "standard deviation of the stamps of speed reference, wheel speeds and acceleration, each",
         unit="s",
         minimum=1e-4,
         maximum=0.1,
@@ -73,6 +73,8 @@ class VehiclePoint:
     """Slip after the relaxation of the tyres [-]."""
     slips_per_second: Array
     """Change of these slips per shift of the speed reference in time [1/s]."""
+    slip_rates: Array
+    """Change of these slips with time [1/s]."""
     slips_per_length: Array
     """Change of these slips per change of the logarithm of the relaxation length [-]."""
     shares: Array
@@ -108,6 +110,7 @@ class VehicleSamples:
         self._slips: Array = np.zeros(len(self._radii))
         self._per_second: Array = np.zeros(len(self._radii))
         self._per_length: Array = np.zeros(len(self._radii))
+        self._rates: Array = np.zeros(len(self._radii))
 
     def update(self, sample: VehicleSample) -> VehiclePoint | Refusal:
         """Return the contribution of `sample`, or why there is none."""
@@ -121,8 +124,11 @@ class VehicleSamples:
         if last is None or not 0.0 < sample.time - last <= p.max_gap:
             self._after_gap = self._after_gap or last is not None
             self._slips, self._per_second, self._per_length = slips, per_second, np.zeros_like(slips)
+            self._rates = np.zeros_like(slips)
         else:
+            before = self._slips
             self._relax(slips, per_second, (sample.time - last) * sample.speed / self._relaxation_lengths)
+            self._rates = (self._slips - before) / (sample.time - last)
         if -sample.acceleration < p.min_deceleration:
             return Refusal(Reason.NO_EXCITATION, f"deceleration {-sample.acceleration:.2f} m/s^2: not braking")
         starts = self._braked_at is None or not 0.0 <= sample.time - self._braked_at <= _RELEASED
@@ -131,7 +137,8 @@ class VehicleSamples:
         drag = self._rolling_resistance + self._drag * sample.speed**2 / GRAVITY
         shares = self._static + self._transfer * deceleration
         friction = deceleration - drag
-        return VehiclePoint(self._slips, self._per_second, self._per_length, shares, friction, starts, after_gap)
+        found = self._slips, self._per_second, self._rates, self._per_length
+        return VehiclePoint(*found, shares, friction, starts, after_gap)
 
     def _relax(self, slips: Array, per_second: Array, lengths: Array) -> None:
         """Advance each tyre by `lengths` of its relaxation lengths."""

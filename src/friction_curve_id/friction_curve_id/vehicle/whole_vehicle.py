@@ -4,14 +4,16 @@
 
 with the load shares s_i0 of the standing vehicle and the load transfer t_i. It holds for the whole vehicle on
 one road surface. Two effects are known to distort the slips of real sensors, and both are in the model:
-- the speed reference and the wheel speeds are not of the same instant. A shift tau moves the slip by
-  tau (1 - slip) a_x / v, at 11 m/s^2 and 10 m/s some 0.01 for 10 ms. tau is a nuisance unknown with a prior;
+- speed reference, wheel speeds and acceleration are not of the same instant. A reference that is ahead by tau moves the
+  slip by tau (1 - slip) a_x / v, at 11 m/s^2 and 10 m/s some 0.01 for 10 ms; wheel speeds that are ahead move it by as
+  much the other way and along d slip/dt; an acceleration that is ahead is both of them late. The three tau are
+  nuisance unknowns with a prior;
 - a tyre answers to a change of slip over its relaxation length L: the slip is filtered by exp(-distance / L). ln L is
   another nuisance unknown, linearised around that of the vehicle file.
 
-The fit is robust (Huber) maximum a posteriori in (ln th1, ln th2, th3, tau, ln L) over the samples of one braking,
-two Gauss-Newton steps per sample. Neighbouring residuals are alike (suspension, ABS cycles), so the information of the
-samples is divided by 1 + 2 sum of their positive autocorrelation before it becomes an interval.
+The fit is robust (Huber) maximum a posteriori in (ln th1, ln th2, th3, three tau, ln L) over the samples of one
+braking, two Gauss-Newton steps per sample. Neighbouring residuals are alike (suspension, ABS cycles), so the
+information of the samples is divided by `samples_per_information` before it becomes an interval.
 """
 
 from collections import deque
@@ -41,11 +43,11 @@ from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
-_PRIOR_MEAN = np.array([np.log(0.8), np.log(25.0), 0.4, 0.0, 0.0])
+_PRIOR_MEAN = np.array([np.log(0.8), np.log(25.0), 0.4, 0.0, 0.0, 0.0, 0.0])
 _PRIOR_STDDEV = np.array([0.8, 1.0, 0.5])
-"""Standard deviations of ln th1, ln th2, th3; that of tau is a parameter, that of ln L is in the vehicle file."""
-_LOW = np.append(UNKNOWNS_LOW, [-0.1, -2.0])
-_HIGH = np.append(UNKNOWNS_HIGH, [0.1, 2.0])
+"""Standard deviations of ln th1, ln th2, th3; that of the tau is a parameter, that of ln L is in the vehicle file."""
+_LOW = np.append(UNKNOWNS_LOW, [-0.1, -0.1, -0.1, -2.0])
+_HIGH = np.append(UNKNOWNS_HIGH, [0.1, 0.1, 0.1, 2.0])
 _LEAST_NOISE = 0.01
 """Floor of the residuals' standard deviation [-]: a pitching vehicle's accelerometer is no better."""
 _HUBER = 1.345
@@ -66,7 +68,8 @@ class WholeVehicle:
     def __init__(self, vehicle: Vehicle, parameters: WholeVehicleParameters = WholeVehicleParameters()) -> None:
         """Wait for the first braking."""
         self._samples = VehicleSamples(vehicle, parameters)
-        self._prior_stddev = np.append(_PRIOR_STDDEV, [parameters.timing_stddev, relaxation_spread(vehicle)])
+        timing = [parameters.timing_stddev] * 3
+        self._prior_stddev = np.concatenate([_PRIOR_STDDEV, timing, [relaxation_spread(vehicle)]])
         self._points: deque[VehiclePoint] = deque(maxlen=_WINDOW)
         self._unknowns = _PRIOR_MEAN.copy()
         self._cause = RestartCause.NONE
@@ -105,8 +108,13 @@ class WholeVehicle:
         self._unknowns = _PRIOR_MEAN.copy()
 
     def _fit(self) -> Array:
-        """Improve the unknowns and return their covariance, shape (5, 5)."""
-        slips = np.array([(p.slips, p.slips_per_second, p.slips_per_length) for p in self._points])
+        """Improve the unknowns and return their covariance, shape (7, 7)."""
+        slips = np.array(
+            [
+                (p.slips, p.slips_per_second, p.slip_rates - p.slips_per_second, -p.slip_rates, p.slips_per_length)
+                for p in self._points
+            ]
+        )
         shares = np.array([point.shares for point in self._points])
         frictions = np.array([point.friction for point in self._points])
         for _ in range(_STEPS):
@@ -116,17 +124,17 @@ class WholeVehicle:
             information = (rows * weights[:, np.newaxis]).T @ rows / noise**2
             pull = (_PRIOR_MEAN - self._unknowns) / self._prior_stddev
             gradient = rows.T @ (weights * residuals) / noise**2 + pull
-            step = np.linalg.solve(information + np.eye(5), gradient)
+            step = np.linalg.solve(information + np.eye(7), gradient)
             step /= max(1.0, float(np.max(np.abs(step))) / _LONGEST_STEP)
             self._unknowns = np.clip(self._unknowns + step * self._prior_stddev, _LOW, _HIGH)
         information /= samples_per_information(weights * residuals)
         scale = np.outer(self._prior_stddev, self._prior_stddev)
-        return np.asarray(np.linalg.inv(information + np.eye(5)) * scale, dtype=np.float64)
+        return np.asarray(np.linalg.inv(information + np.eye(7)) * scale, dtype=np.float64)
 
     def _linearise(self, slips: Array, shares: Array, frictions: Array) -> tuple[Array, Array]:
         """Residuals, shape (n,), and rows of the model per standard deviation of the prior, shape (n, 5).
 
-        `slips` holds slip and its two derivatives of n samples of w wheels, shape (n, 3, w).
+        `slips` holds slip and its four derivatives of n samples of w wheels, shape (n, 5, w).
         """
         theta = to_theta(self._unknowns[:3])
         shifted = slips[:, 0] + np.einsum("k,nkw->nw", self._unknowns[3:], slips[:, 1:])
