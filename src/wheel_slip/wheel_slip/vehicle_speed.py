@@ -20,6 +20,7 @@ from vehicle_models.vehicle import Vehicle
 from wheel_slip.accelerometer_watch import AccelerometerWatch
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
 from wheel_slip.mode import Cause, transition
+from wheel_slip.sensor_age import SensorAge
 from wheel_slip.sensor_watch import SensorWatch
 from wheel_slip.slide_detector import SlideDetector
 from wheel_slip.speed_filter import SpeedFilter
@@ -57,6 +58,9 @@ class VehicleSpeed:
         )
         self._accelerometer = AccelerometerWatch(parameters.slide)
         self._sensor = SensorWatch(parameters.sensor)
+        self._sensor_age = SensorAge()
+        driven = [wheel.driven for wheel in vehicle.wheels]
+        self._free = [index for index, by_engine in enumerate(driven) if not by_engine] if any(driven) else []
         self.reset()
 
     def reset(self) -> None:
@@ -66,6 +70,7 @@ class VehicleSpeed:
         self._bounds.reset()
         self._accelerometer.reset()
         self._sensor.reset()
+        self._sensor_age.reset()
         self.mode = Mode.WAITING
         """Mode at the last sample."""
         self.cause = Cause.STARTED
@@ -109,7 +114,8 @@ class VehicleSpeed:
         """Variance of the speed [m^2/s^2], with what does not average out: radii, and what is known of the sensor."""
         known = self._filter.speed_variance + (self._p.radius_uncertainty * self._filter.speed) ** 2
         known += self._sensor.undecided**2
-        return known + self._skew_variance if self.source is SpeedSource.SENSOR else known
+        of_age = self._skew_variance + self._sensor_age.error**2
+        return known + of_age if self.source is SpeedSource.SENSOR else known
 
     @property
     def stated_variance(self) -> float:
@@ -148,8 +154,10 @@ class VehicleSpeed:
         if self._accelerometer.leaves_out(stamp, acceleration, smooth_rim_speeds, any(self._slide.rolling)):
             acceleration = None
         self._predict(stamp, acceleration, smooth_rim_speeds, rim_accelerations)
-        starting = self.mode is Mode.WAITING
         at_wheels = self._at_wheels(rim_speeds)
+        if acceleration is not None:
+            measured = self._new_and_in_time(stamp, measured, at_wheels, smooth_rim_speeds)
+        starting = self.mode is Mode.WAITING
         if acceleration is not None:
             self._count_votes(stamp, measured, smooth_rim_speeds, rim_accelerations)
         measured = self._judge_sensor(measured, at_wheels, acceleration is not None)
@@ -196,7 +204,7 @@ class VehicleSpeed:
     def _change_mode(self, stamp: int, smooth_rim_speeds: Sequence[float], speed_at_wheels: bool) -> None:
         """Make the transition of this sample, and what comes with it."""
         before, slid = self.mode, self._is_sliding
-        sensor = self._sensor_is_fresh(stamp) and not self._sensor.contradicted
+        sensor = self._sensor_is_fresh(stamp) and not self._sensor.contradicted and not self._sensor_age.late
         evidence = self._slide.evidence(sensor, speed_at_wheels)
         self.mode, cause = transition(before, evidence, self._p.slide)
         self._doubt_road(stamp)
@@ -222,6 +230,9 @@ class VehicleSpeed:
     @property
     def sensor_text(self) -> str:
         """Names what is wrong with the speed sensor, empty where nothing is."""
+        late = self._sensor_age.late
+        if late and not self._sensor.repeats:
+            return f"follows the wheels {late:.1f} s late; left out: give its age, speed_sensor.latency"
         return self._sensor.text
 
     @property
@@ -248,17 +259,56 @@ class VehicleSpeed:
         timeout = self._p.sensor_timeout * NANOSECONDS
         return self._sensor_stamp is not None and stamp - self._sensor_stamp <= timeout
 
+    def _new_and_in_time(
+        self,
+        stamp: int,
+        measured: Sequence[SpeedSample],
+        at_wheels: tuple[float, list[int]] | None,
+        smooth_rim_speeds: Sequence[float],
+    ) -> Sequence[SpeedSample]:
+        """Return the samples that are new, if they are not known to be old, which rolling wheels tell."""
+        if not measured or self.mode is Mode.WAITING:
+            return measured
+        car, age, before = self._filter, self._sensor_age, self._sensor_age.late
+        new = [each for each in measured if not self._sensor.is_old(each, car.travelled_at(each.stamp), car.offset)]
+        alike = self._wheels_alike(at_wheels, smooth_rim_speeds)
+        if alike is not None:
+            speed, free = alike
+            for sample in measured:
+                change = car.change_since(sample.stamp)
+                if change is not None:
+                    age.update(sample.stamp, sample.speed + change - speed, speed, free, sample.variance)
+            if age.late and not before and self._sensor_is_fresh(stamp):
+                # Speed and offset are by samples that were old.
+                car.reset()
+                self.mode, self._sensor_stamp = Mode.WAITING, None
+        return new
+
+    def _wheels_alike(
+        self, at_wheels: tuple[float, list[int]] | None, smooth_rim_speeds: Sequence[float]
+    ) -> tuple[float, bool] | None:
+        """Return the mean of wheels that roll, else of those that turn alike [m/s], and whether none is driven."""
+        if at_wheels is not None and self._slide.has_rolled:
+            return at_wheels[0], self._slide.free_believed()
+        wheels = self._free or range(len(smooth_rim_speeds))
+        speeds = sorted([smooth_rim_speeds[index] for index in wheels])
+        if len(speeds) < 2 or not self._p.slide.are_alike(speeds):
+            return None
+        return sum(speeds) / len(speeds), bool(self._free)
+
     def _judge_sensor(
         self, measured: Sequence[SpeedSample], at_wheels: tuple[float, list[int]] | None, gauged: bool
     ) -> Sequence[SpeedSample]:
         """Return the samples that may be used, beside `at_wheels`; `gauged`: there is an accelerometer."""
+        if self._sensor_age.late and self.mode is Mode.WAITING:
+            return ()
         if not measured or self.mode is Mode.WAITING:
             return measured
         car, watch, effort = self._filter, self._sensor, self._effort()
         usable: list[SpeedSample] = []
         for sample in measured:
             change = car.change_since(sample.stamp)
-            if watch.is_old(sample, car.travelled_at(sample.stamp) if gauged else None, car.offset) or change is None:
+            if change is None:
                 continue
             noise = sample.variance + self._skew_variance
             if at_wheels is not None and gauged and self._slide.has_rolled:
@@ -272,7 +322,7 @@ class VehicleSpeed:
                 fits = watch.fits(sample.stamp, sample.speed + change - car.speed, of_both)
             if fits:
                 usable.append(sample)
-        return usable
+        return () if self._sensor_age.late else usable
 
     def _count_votes(
         self,
@@ -282,7 +332,7 @@ class VehicleSpeed:
         rim_accelerations: Sequence[float],
     ) -> None:
         """Compare the samples of the sensor with the speed and with wheels that turn alike."""
-        if not measured or self.mode is Mode.WAITING:
+        if not measured or self.mode is Mode.WAITING or self._sensor_age.late:
             return
         car = self._filter
         known = [index for index, speed in enumerate(smooth_rim_speeds) if isfinite(speed)]
