@@ -24,7 +24,7 @@ _STRONGEST: Final = 3.0
 """[m/s^2] changes of the wheels that are compared: in stronger ones they may slide, or spring back."""
 _GENTLE: Final = 0.5
 _UNLIKE: Final = 0.05
-"""In changes below the one [m/s^2] neither radii, slip nor age make wheels differ from a sensor by the other, a share."""
+"""In changes below the one [m/s^2] neither radii, slip nor age make a sensor differ by the other, as a share."""
 _NOISE: Final = 0.3
 """Deviation of such a difference [m/s], beside the noise of the sample: curves, bumps, the filters of the wheels."""
 _SHARE: Final = 0.02
@@ -121,6 +121,8 @@ class SensorAge:
 
 
 class _Sample(NamedTuple):
+    """One of the sensor, and the wheels at its time."""
+
     stamp: int
     difference: float
     rim_speed: float
