@@ -1,7 +1,7 @@
 """Wheel speeds from counters of encoder edges.
 
-An edge is counted in one step or in the next: three edges in a hundredth of a second are a speed to within a third. So a
-speed is the mean over as many steps as the fastest wheel needs for some twenty edges.
+An edge is counted in one step or in the next: three edges in a hundredth of a second are a speed to within a third. So
+a speed is the mean over as many steps as the fastest wheel needs for some twenty edges.
 """
 
 from collections import deque
