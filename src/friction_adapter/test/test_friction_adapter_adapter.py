@@ -100,6 +100,16 @@ def test_a_wheel_that_is_flagged_is_left_out_and_the_others_stay(tmp_path: Path)
     assert [isnan(each) for each in values] == [False, False, True, False]
 
 
+def test_wheels_that_the_map_says_were_not_recorded_are_left_out(tmp_path: Path) -> None:
+    of_map = adapter(
+        tmp_path,
+        "wheel_speed: {from: table, fields: {RL: a, RR: b, front: null}, unit: rad/s}",
+        columns=("t", "a", "b"),
+    )
+    assert of_map.targets[0].parts == ("RL", "RR")
+    assert taken(of_map.take(TABLE, {"t": 1.0, "a": 5.0, "b": 6.0}, 0)) == [(1_000_000_000, [5.0, 6.0])]
+
+
 def test_counters_of_edges_become_speeds_at_the_middle_of_each_step(tmp_path: Path) -> None:
     names = ("FL", "FR", "RL", "RR")
     of_map = adapter(
