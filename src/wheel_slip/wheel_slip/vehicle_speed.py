@@ -155,8 +155,7 @@ class VehicleSpeed:
             acceleration = None
         self._predict(stamp, acceleration, smooth_rim_speeds, rim_accelerations)
         at_wheels = self._at_wheels(rim_speeds)
-        if acceleration is not None:
-            measured = self._new_and_in_time(stamp, measured, at_wheels, smooth_rim_speeds)
+        measured = self._new_and_in_time(stamp, measured, at_wheels, smooth_rim_speeds, acceleration is not None)
         starting = self.mode is Mode.WAITING
         if acceleration is not None:
             self._count_votes(stamp, measured, smooth_rim_speeds, rim_accelerations)
@@ -265,12 +264,18 @@ class VehicleSpeed:
         measured: Sequence[SpeedSample],
         at_wheels: tuple[float, list[int]] | None,
         smooth_rim_speeds: Sequence[float],
+        gauged: bool,
     ) -> Sequence[SpeedSample]:
-        """Return the samples that are new, if they are not known to be old, which rolling wheels tell."""
+        """Learn the age of the samples; return those that repeat no old one. `gauged`: there is an accelerometer."""
         if not measured or self.mode is Mode.WAITING:
             return measured
         car, age, before = self._filter, self._sensor_age, self._sensor_age.late
-        new = [each for each in measured if not self._sensor.is_old(each, car.travelled_at(each.stamp), car.offset)]
+        travelled = [car.travelled_at(each.stamp) if gauged else None for each in measured]
+        new = [
+            each
+            for each, so_far in zip(measured, travelled, strict=True)
+            if not self._sensor.is_old(each, so_far, car.offset)
+        ]
         alike = self._wheels_alike(at_wheels, smooth_rim_speeds)
         if alike is not None:
             speed, free = alike
