@@ -1,13 +1,13 @@
-"""How old the samples of the speed sensor are: what it differs by from wheels that roll grows with the acceleration.
+"""How old the samples of the speed sensor are: while the engine pulls, it is behind the free wheels.
 
 A speed of a satellite receiver is some tenths of a second old, one that a logger writes into every row until the next
-one comes is older. While the car keeps its speed nothing shows that. With the mean rim speed w of the wheels, the
-deceleration d by which their tyres slip and the acceleration a, at the time of a sample's stamp
+one comes is older. While the car keeps its speed nothing shows that. With the mean rim speed w of the wheels that the
+engine does not drive and their acceleration a, at the time of a sample's stamp
 
-    sensor - w = s w + c d w - tau a + noise
+    sensor - w = s w - tau a + noise
 
-s, what the radii have in common, and c, the slip of rolling wheels, do not change within minutes, so that they are
-never taken for an age tau: on one braking at one speed, c and tau are the same, and the deviation of tau says so.
+s, what the radii have in common, does not change within minutes, so that it is not taken for an age tau. Braked and
+driven wheels slip by as much as an age would make them differ: only free ones tell, while the road makes them faster.
 """
 
 from collections import deque
@@ -20,22 +20,19 @@ _STEP: Final = NANOSECONDS // 10
 """Samples nearer to each other than this [ns] say the same."""
 _KEPT: Final = 5
 """Samples over which the acceleration is taken."""
-_STRONGEST: Final = 3.0
-"""[m/s^2] changes of the wheels that are compared: in stronger ones they may slide, or spring back."""
 _GENTLE: Final = 0.5
+_STRONGEST: Final = 3.0
+"""[m/s^2] between which the road makes wheels faster: below it tells little, above a brake may have been released."""
 _UNLIKE: Final = 0.05
-"""In changes below the one [m/s^2] neither radii, slip nor age make a sensor differ by the other, as a share."""
+"""In smaller changes of speed neither radii nor age make a sensor differ by this share."""
 _NOISE: Final = 0.3
 """Deviation of such a difference [m/s], beside the noise of the sample: curves, bumps, the filters of the wheels."""
 _SHARE: Final = 0.02
-"""That of s, at least."""
-_SLIP: Final = 0.008
-_SLIP_STDDEV: Final = 0.03
-"""c [s^2/m] to expect, and its deviation."""
 _AGE_STDDEV: Final = 1.0
-"""That of tau [s]."""
-_WALK: Final = (1e-4, 2e-3, 1e-2)
-"""By which s, c and tau [s] change in the square root of a second."""
+"""Deviations of s, and of tau [s], before anything is known."""
+_SHARE_WALK: Final = 1e-4
+_AGE_WALK: Final = 1e-2
+"""By which they change in the square root of a second."""
 _LATE: Final = 0.25
 """[s] younger samples are used, with their age in the variance."""
 _SURE: Final = 3.5
@@ -53,10 +50,11 @@ class SensorAge:
     def reset(self) -> None:
         """Forget everything."""
         self.late = 0.0
-        self._state = [0.0, _SLIP, 0.0]
-        self._p = [[_SHARE**2, 0.0, 0.0], [0.0, _SLIP_STDDEV**2, 0.0], [0.0, 0.0, _AGE_STDDEV**2]]
+        self._share = self._age = 0.0
+        self._p = (_SHARE**2, 0.0, _AGE_STDDEV**2)
+        """Covariance: of s, of both, of tau."""
         self._kept: deque[_Sample] = deque(maxlen=_KEPT)
-        self._taken = 0
+        self._taken: int | None = None
         self._acceleration = 0.0
         self._is_wrong = False
         self._is_first = True
@@ -66,17 +64,15 @@ class SensorAge:
         """Error of the newest samples by an age that is likely and not known [m/s]; at first what they differ by."""
         if self._is_first:
             return abs(self._kept[-1].difference) if self._kept else 0.0
-        age = self._state[2]
-        return abs(age * self._acceleration) if age > _LIKELY * sqrt(self._p[2][2]) else 0.0
+        return abs(self._age * self._acceleration) if self._age > _LIKELY * sqrt(self._p[2]) else 0.0
 
-    def update(self, stamp: int, difference: float, rim_speed: float, free: bool, variance: float) -> None:
-        """Take a sample, and wheels that turn alike at its time.
+    def update(self, stamp: int, difference: float, rim_speed: float, variance: float) -> None:
+        """Take a sample, and free wheels that turn alike at its time.
 
         Args:
             stamp: of the sample [ns].
             difference: sensor minus wheels [m/s].
             rim_speed: of the wheels [m/s].
-            free: whether no engine drives them.
             variance: noise of the sample [m^2/s^2].
         """
         kept = self._kept
@@ -94,29 +90,33 @@ class SensorAge:
         middle = kept[_KEPT // 2]
         if abs(a) < _GENTLE:
             self._is_wrong = abs(middle.difference) > _UNLIKE * middle.rim_speed
-        if self._is_wrong or abs(a) > _STRONGEST:
-            return
-        self._correct(middle, 0.0 if free and a > 0.0 else -a)
-        self._judge()
+        if _GENTLE < a < _STRONGEST and not self._is_wrong:
+            self._correct(middle, a)
+            self._judge()
 
-    def _correct(self, sample: "_Sample", effort: float) -> None:
-        seconds = min((sample.stamp - self._taken) / NANOSECONDS, 1.0) if self._taken else 0.0
+    def _correct(self, sample: "_Sample", acceleration: float) -> None:
+        seconds = 0.0 if self._taken is None else min((sample.stamp - self._taken) / NANOSECONDS, 1.0)
         self._taken = sample.stamp
-        p, row = self._p, (sample.rim_speed, effort * sample.rim_speed, -self._acceleration)
-        for i in range(3):
-            p[i][i] += _WALK[i] ** 2 * seconds
-        column = [p[i][0] * row[0] + p[i][1] * row[1] + p[i][2] * row[2] for i in range(3)]
-        expected = sum([row[i] * self._state[i] for i in range(3)])
-        of_all = sum([row[i] * column[i] for i in range(3)]) + _NOISE**2 + sample.variance
-        for i in range(3):
-            self._state[i] += column[i] / of_all * (sample.difference - expected)
-        self._p = [[p[i][j] - column[i] * column[j] / of_all for j in range(3)] for i in range(3)]
+        of_share, of_both, of_age = self._p
+        of_share += _SHARE_WALK**2 * seconds
+        of_age += _AGE_WALK**2 * seconds
+        w = sample.rim_speed
+        to_share, to_age = of_share * w - of_both * acceleration, of_both * w - of_age * acceleration
+        of_all = w * to_share - acceleration * to_age + _NOISE**2 + sample.variance
+        innovation = sample.difference - w * self._share + acceleration * self._age
+        self._share += to_share / of_all * innovation
+        self._age += to_age / of_all * innovation
+        self._p = (
+            of_share - to_share**2 / of_all,
+            of_both - to_share * to_age / of_all,
+            of_age - to_age**2 / of_all,
+        )
 
     def _judge(self) -> None:
-        age, deviation = self._state[2], sqrt(self._p[2][2])
-        if age > _LATE and age > _SURE * deviation:
-            self.late = age
-        elif age < 0.5 * _LATE or age < _LIKELY * deviation:
+        deviation = sqrt(self._p[2])
+        if self._age > max(_LATE, _SURE * deviation):
+            self.late = self._age
+        elif self._age < max(0.5 * _LATE, _LIKELY * deviation):
             self.late = 0.0
 
 

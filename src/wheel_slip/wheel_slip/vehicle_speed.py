@@ -155,7 +155,7 @@ class VehicleSpeed:
             acceleration = None
         self._predict(stamp, acceleration, smooth_rim_speeds, rim_accelerations)
         at_wheels = self._at_wheels(rim_speeds)
-        measured = self._new_and_in_time(stamp, measured, at_wheels, smooth_rim_speeds, acceleration is not None)
+        measured = self._new_samples(stamp, measured, smooth_rim_speeds, acceleration is not None)
         starting = self.mode is Mode.WAITING
         if acceleration is not None:
             self._count_votes(stamp, measured, smooth_rim_speeds, rim_accelerations)
@@ -231,7 +231,7 @@ class VehicleSpeed:
         """Names what is wrong with the speed sensor, empty where nothing is."""
         late = self._sensor_age.late
         if late and not self._sensor.repeats:
-            return f"follows the wheels {late:.1f} s late; left out: give its age, speed_sensor.latency"
+            return f"some {late:.1f} s behind the wheels; left out: the doctor tells its age, speed_sensor.latency"
         return self._sensor.text
 
     @property
@@ -258,11 +258,10 @@ class VehicleSpeed:
         timeout = self._p.sensor_timeout * NANOSECONDS
         return self._sensor_stamp is not None and stamp - self._sensor_stamp <= timeout
 
-    def _new_and_in_time(
+    def _new_samples(
         self,
         stamp: int,
         measured: Sequence[SpeedSample],
-        at_wheels: tuple[float, list[int]] | None,
         smooth_rim_speeds: Sequence[float],
         gauged: bool,
     ) -> Sequence[SpeedSample]:
@@ -276,30 +275,18 @@ class VehicleSpeed:
             for each, so_far in zip(measured, travelled, strict=True)
             if not self._sensor.is_old(each, so_far, car.offset)
         ]
-        alike = self._wheels_alike(at_wheels, smooth_rim_speeds)
-        if alike is not None:
-            speed, free = alike
+        free = sorted([smooth_rim_speeds[index] for index in self._free])
+        if len(free) > 1 and self._p.slide.are_alike(free):
+            speed = sum(free) / len(free)
             for sample in measured:
                 change = car.change_since(sample.stamp)
                 if change is not None:
-                    age.update(sample.stamp, sample.speed + change - speed, speed, free, sample.variance)
+                    age.update(sample.stamp, sample.speed + change - speed, speed, sample.variance)
             if age.late and not before and self._sensor_is_fresh(stamp):
                 # Speed and offset are by samples that were old.
                 car.reset()
                 self.mode, self._sensor_stamp = Mode.WAITING, None
         return new
-
-    def _wheels_alike(
-        self, at_wheels: tuple[float, list[int]] | None, smooth_rim_speeds: Sequence[float]
-    ) -> tuple[float, bool] | None:
-        """Return the mean of wheels that roll, else of those that turn alike [m/s], and whether none is driven."""
-        if at_wheels is not None and self._slide.has_rolled:
-            return at_wheels[0], self._slide.free_believed()
-        wheels = self._free or range(len(smooth_rim_speeds))
-        speeds = sorted([smooth_rim_speeds[index] for index in wheels])
-        if len(speeds) < 2 or not self._p.slide.are_alike(speeds):
-            return None
-        return sum(speeds) / len(speeds), bool(self._free)
 
     def _judge_sensor(
         self, measured: Sequence[SpeedSample], at_wheels: tuple[float, list[int]] | None, gauged: bool
