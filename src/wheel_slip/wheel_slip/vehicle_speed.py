@@ -9,6 +9,7 @@
 
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import replace
 from math import copysign, hypot, isfinite, sqrt
 from statistics import median
 from typing import Final
@@ -23,7 +24,7 @@ from wheel_slip.mode import Cause, transition
 from wheel_slip.sensor_age import SensorAge
 from wheel_slip.sensor_watch import SensorWatch
 from wheel_slip.slide_detector import SlideDetector
-from wheel_slip.speed_filter import SpeedFilter
+from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
 from wheel_slip.speed_parameters import VehicleSpeedParameters
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.wheel_bounds import WheelBounds
@@ -43,7 +44,7 @@ class VehicleSpeed:
             parameters: parameters of the estimate.
             wheel_speed_stddev: noise of a wheel speed [rad/s].
         """
-        self._p = parameters
+        self._p = parameters = replace(parameters, speed_filter=_of_car(parameters.speed_filter, vehicle))
         self._rim_speed_variance = (wheel_speed_stddev * max(vehicle.radii)) ** 2
         self._filter = SpeedFilter(parameters.speed_filter, _gain_stddev(vehicle))
         self._radius_share = radius_share(vehicle)
@@ -465,6 +466,12 @@ class VehicleSpeed:
         self._surprise += min(dt / self._p.rolling.surprise_time, 1.0) * (self._filter.surprise - self._surprise)
         if abs(self._surprise) > self._p.rolling.surprise:
             self._filter.doubt_offset(self._p.rolling.doubt**2)
+
+
+def _of_car(parameters: SpeedFilterParameters, vehicle: Vehicle) -> SpeedFilterParameters:
+    """Return the parameters with the deviation of the offset that the vehicle file states, if it is a larger one."""
+    stated = stated_deviation(vehicle.accelerometer.deviations, "offset") or 0.0
+    return replace(parameters, offset_stddev=max(parameters.offset_stddev, stated))
 
 
 def _gain_stddev(vehicle: Vehicle) -> float | None:
