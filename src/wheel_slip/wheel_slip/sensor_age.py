@@ -24,7 +24,8 @@ _GENTLE: Final = 0.5
 _STRONGEST: Final = 3.0
 """[m/s^2] between which the road makes wheels faster: below it tells little, above a brake may have been released."""
 _UNLIKE: Final = 0.05
-"""In smaller changes of speed neither radii nor age make a sensor differ by this share."""
+_OLDEST: Final = round(2.5 * NANOSECONDS)
+"""Where the speed has hardly changed for this time [ns], neither radii nor age make a sensor differ by this share."""
 _NOISE: Final = 0.3
 """Deviation of such a difference [m/s], beside the noise of the sample: curves, bumps, the filters of the wheels."""
 _SHARE: Final = 0.02
@@ -57,6 +58,7 @@ class SensorAge:
         self._taken: int | None = None
         self._acceleration = 0.0
         self._is_wrong = False
+        self._gentle_since: int | None = None
         self._is_first = True
 
     @property
@@ -88,7 +90,11 @@ class SensorAge:
         self._is_first = False
         self._acceleration = a = (rim_speed - kept[0].rim_speed) / (stamp - kept[0].stamp) * NANOSECONDS
         middle = kept[_KEPT // 2]
-        if abs(a) < _GENTLE:
+        if abs(a) >= _GENTLE:
+            self._gentle_since = None
+        elif self._gentle_since is None:
+            self._gentle_since = stamp
+        elif stamp - self._gentle_since > _OLDEST:
             self._is_wrong = abs(middle.difference) > _UNLIKE * middle.rim_speed
         if _GENTLE < a < _STRONGEST and not self._is_wrong:
             self._correct(middle, a)
