@@ -142,6 +142,7 @@ class Adapter:
         takes: dict[str, _Take] = {}
         stamped: dict[str, Signal] = {}
         ranges: dict[str, dict[int, float]] = {}
+        pitches: dict[str, dict[int, float]] = {}
         for signal in self._map.signals:
             if not _belongs(signal, target):
                 continue
@@ -161,8 +162,9 @@ class Adapter:
             takes[source].reads.append((place, read))
             if signal.counter == signal.counter:
                 ranges.setdefault(source, {})[place] = convert.of_difference(signal.counter)
+                pitches.setdefault(source, {})[place] = convert.of_difference(1.0)
         for source, of_source in ranges.items():
-            takes[source].counters = EdgeCounters(of_source)
+            takes[source].counters = EdgeCounters(of_source, pitches[source])
         self._instants.append(Instants(takes, len(target.parts), self._map.together))
         for source, take in takes.items():
             self._takes.setdefault(source, []).append(take)

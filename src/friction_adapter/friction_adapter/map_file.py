@@ -129,7 +129,7 @@ def _refuse_alone(file: MapEntries, given: Mapping[str, Entry]) -> None:
     for name, entry in given.items():
         needed = QUANTITIES[name].needs
         if needed and needed not in given:
-            raise file.error(entry, f"'{name}' goes into the message of '{needed}', which is not mapped")
+            raise file.error(entry, f"'{name}' goes into the message of '{needed}', which is not mapped: leave it out")
 
 
 def _can_bus(file: MapEntries, top: Mapping[str, Entry], by_arrival: bool) -> CanBus:

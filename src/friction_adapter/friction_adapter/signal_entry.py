@@ -34,6 +34,8 @@ class SignalEntry:
         self._entry = entry
         self._vehicle = vehicle
         self._given = file.mapping(quantity.name, entry)
+        self._without: set[str] = set()
+        """Wheels of which the map says that there is no such signal."""
         file.known(self._given, _KEYS)
         if "from" not in self._given:
             raise file.error(entry, f"'{quantity.name}' has no 'from': one of {_ORIGINS}")
@@ -52,9 +54,13 @@ class SignalEntry:
         flags = self._flags(kind)
         numbers = EntryNumbers(self._file, self._quantity, self._entry).values(kind, stamp)
         wheels = [wheel for wheel in self._targets() if wheel in fields and wheel in topics]
-        if self._quantity.name == "wheel_speed" and len(wheels) < len(self._vehicle.wheels):
-            missing = ", ".join(wheel for wheel in self._vehicle.wheel_names if wheel not in wheels)
-            raise self._file.error(self._entry, f"'wheel_speed' lacks {missing} of the car '{self._vehicle.name}'")
+        missing = [wheel for wheel in self._vehicle.wheel_names if wheel not in (*wheels, *self._without)]
+        if self._quantity.name == "wheel_speed" and (missing or not wheels):
+            raise self._file.error(
+                self._entry,
+                f"'wheel_speed' lacks {', '.join(missing or self._without)} of the car '{self._vehicle.name}': give "
+                "null in 'fields' to a wheel whose speed was not recorded",
+            )
         return [
             Signal(
                 self._quantity,
@@ -139,7 +145,9 @@ class SignalEntry:
         found: dict[str, tuple[str, ...]] = {}
         for name, wheel in wheels.items():
             chosen = _first_in(given, name, wheel)
-            if chosen is not None:
+            if chosen is not None and chosen.value is None:
+                self._without.add(name)
+            elif chosen is not None:
                 found[name] = self._texts(key, chosen)
         return found
 

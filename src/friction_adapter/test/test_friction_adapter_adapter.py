@@ -1,6 +1,7 @@
 """Records of any source as values in SI units."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from math import isnan, nan
 from pathlib import Path
 
@@ -99,6 +100,16 @@ def test_a_wheel_that_is_flagged_is_left_out_and_the_others_stay(tmp_path: Path)
     assert [isnan(each) for each in values] == [False, False, True, False]
 
 
+def test_wheels_that_the_map_says_were_not_recorded_are_left_out(tmp_path: Path) -> None:
+    of_map = adapter(
+        tmp_path,
+        "wheel_speed: {from: table, fields: {RL: a, RR: b, front: null}, unit: rad/s}",
+        columns=("t", "a", "b"),
+    )
+    assert of_map.targets[0].parts == ("RL", "RR")
+    assert taken(of_map.take(TABLE, {"t": 1.0, "a": 5.0, "b": 6.0}, 0)) == [(1_000_000_000, [5.0, 6.0])]
+
+
 def test_counters_of_edges_become_speeds_at_the_middle_of_each_step(tmp_path: Path) -> None:
     names = ("FL", "FR", "RL", "RR")
     of_map = adapter(
@@ -124,6 +135,26 @@ def test_counters_of_edges_become_speeds_at_the_middle_of_each_step(tmp_path: Pa
     assert len(sent(1.41, 20, 20, 20, 20)) == 1
     of_map.reset()
     assert sent(1.42, 20, 20, 20, 20) == []
+
+
+def test_a_speed_of_a_counter_is_the_mean_over_twenty_edges_in_at_most_a_tenth_of_a_second(tmp_path: Path) -> None:
+    of_map = adapter(
+        tmp_path,
+        "wheel_speed: {from: table, fields: {all: count}, unit: edges, scale: 0.5, counter: 256}",
+        columns=("t", "count"),
+    )
+    angle = 6.283185307179586 / 48.0
+    speeds: list[tuple[int, float]] = []
+    for k in range(200):
+        t = 0.01 * k
+        edges = 240.0 * t if t < 1.0 else 240.0 + 40.0 * (t - 1.0)
+        made = taken(of_map.take(TABLE, {"t": 1.0 + t, "count": 2.0 * (int(edges) % 256)}, 0))
+        speeds += [(stamp, values[0]) for stamp, values in made]
+    assert all(later[0] > earlier[0] for earlier, later in pairwise(speeds))
+    fast = [speed / angle for stamp, speed in speeds if 1.2e9 < stamp < 1.9e9]
+    assert max(abs(speed - 240.0) for speed in fast) < 240.0 / 18.0
+    slow = [speed / angle for stamp, speed in speeds if stamp > 2.2e9]
+    assert max(abs(speed - 40.0) for speed in slow) <= 10.0 + 1e-6
 
 
 def test_frames_are_stamped_by_their_arrival_and_unknown_ones_left_aside(tmp_path: Path) -> None:

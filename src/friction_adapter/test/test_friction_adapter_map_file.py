@@ -118,6 +118,10 @@ def test_the_car_is_looked_for_beside_the_map_and_can_be_another(tmp_path: Path)
             "line 3: 'wheel_speed' lacks FR, RR of the car",
         ),
         (
+            "wheel_speed: {from: table, fields: {all: null}}",
+            "line 3: 'wheel_speed' lacks ",
+        ),
+        (
             "wheel_speed: {from: table, fields: {LF: a}}",
             "line 3: unknown key 'LF': known here are FL, FR, RL, RR, front_left, front",
         ),

@@ -161,10 +161,44 @@ def test_tables_of_other_tools_are_read(tmp_path: Path, text: str) -> None:
     assert isclose(deserialize_message(data, message_class(topic.type)).twist.twist.linear.x, 10.0)
 
 
+@pytest.mark.parametrize(
+    ("text", "stamps"),
+    [
+        ("time, v [km/h] , m/s\xb2\n1.5, 36, 1\n", [1.5]),
+        ("time,v [km/h],a\ns,km/h,g\n\n1.5,36,1\n", [1.5]),
+        ("time,v [km/h],a\n1.5,36,1\n1.6,,2\n1.7,36,3\n", [1.5, 1.7]),
+        ("time,v [km/h]\n1970-01-01 00:00:01.500000000,36\n1970-01-01T01:00:01.6+0100,36\n", [1.5, 1.6]),
+        ("time,v [km/h]\n-0.5,36\n0,36\n2,36\n", [999.5, 1000.0, 1002.0]),
+    ],
+    ids=["Latin-1 and blanks", "units", "slower signal", "dates", "from zero"],
+)
+def test_tables_as_strangers_write_them_are_read(tmp_path: Path, text: str, stamps: list[float]) -> None:
+    signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
+    signal_map.write_text(TABLE_MAP)
+    source.write_text(text, encoding="latin-1")
+    assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 0
+    with BagReader(tmp_path / "bag") as reader:
+        found = [
+            (stamp, deserialize_message(data, message_class(topic.type))) for topic, stamp, data in reader.messages()
+        ]
+    assert [stamp / 1e9 for stamp, _ in found] == pytest.approx(stamps)
+    assert all(isclose(message.twist.twist.linear.x, 10.0) for _, message in found)
+
+
+def test_a_text_among_the_values_is_named_with_line_and_column(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
+    signal_map.write_text(TABLE_MAP)
+    source.write_text("time,v [km/h]\n1.5,36\n1.6,none\n")
+    assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 2
+    assert "line 3: 'v [km/h]' is 'none': a value is not a number" in capsys.readouterr().err
+
+
 def test_what_cannot_be_used_of_a_table_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
     signal_map.write_text(TABLE_MAP)
-    source.write_text("time,v [km/h]\n-1,36\n1,36\n")
+    source.write_text("time,v [km/h]\n1,36\n-1,36\n")
     assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 1
     said = capsys.readouterr().err
     assert "stamp that no message can hold, 1 times" in said

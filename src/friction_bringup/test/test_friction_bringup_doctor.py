@@ -50,14 +50,18 @@ wheels:
 """
 
 
-def rolling(seconds: float, factor: float = 1.0) -> list[tuple[str, Any]]:
-    """A car that speeds up and slows gently at 200 Hz; its accelerometer reads `factor` times the acceleration."""
+def rolling(seconds: float, factor: float = 1.0, age: float = 0.0, size: float = 1.0) -> list[tuple[str, Any]]:
+    """A car that speeds up and slows gently at 200 Hz.
+
+    Its accelerometer reads `factor` times the acceleration, its speed sensor the speed some `age` ago [s], and its
+    radii are `size` times the true ones.
+    """
     messages: list[tuple[str, Any]] = []
     generator = np.random.default_rng(2)
     for k in range(round(seconds / 0.005)):
         time = 0.005 * k
         stamp, speed, rate = (k + 1) * 5_000_000, 15.0 - 3.0 * np.cos(0.4 * time), 1.2 * np.sin(0.4 * time)
-        wheels = JointState(name=FOUR, velocity=(speed / TRUE + 0.07 * generator.normal(size=4)).tolist())
+        wheels = JointState(name=FOUR, velocity=(speed / (size * TRUE) + 0.07 * generator.normal(size=4)).tolist())
         wheels.header.stamp = from_nanoseconds(stamp)
         imu = Imu()
         imu.header.stamp = from_nanoseconds(stamp)
@@ -66,7 +70,7 @@ def rolling(seconds: float, factor: float = 1.0) -> list[tuple[str, Any]]:
         if k % 20 == 0:
             sensor = TwistWithCovarianceStamped()
             sensor.header.stamp = from_nanoseconds(stamp)
-            sensor.twist.twist.linear.x = speed
+            sensor.twist.twist.linear.x = 15.0 - 3.0 * np.cos(0.4 * (time - age))
             messages.append(("/vehicle_velocity", sensor))
     return messages
 
@@ -100,6 +104,39 @@ def test_a_unit_is_named_in_json_and_by_the_exit_code(tmp_path: Path, car: Path)
     assert of_imu["unit"]["verdict"] == "FAIL"
     assert of_imu["unit"]["sentence"].startswith("is in g")
     assert "backwards" in of_imu["sign"]["sentence"]
+
+
+def test_a_speed_of_long_ago_is_named_and_no_radius_is_learned_from_it(tmp_path: Path, car: Path) -> None:
+    write_bag(tmp_path / "bag", rolling(40.0, age=1.5), {})
+    file = tmp_path / "findings.json"
+    assert main(["doctor", str(tmp_path / "bag"), "--vehicle", str(car), "--json", str(file)]) == 1
+    findings = json.loads(file.read_text())["findings"]
+    (skew,) = [each for each in findings if (each["check"], each["subject"]) == ("skew", "vehicle_velocity")]
+    assert skew["verdict"] == "FAIL"
+    assert "left out" in skew["sentence"]
+    assert skew["value"] == pytest.approx(1500.0, abs=100.0)
+    radii = [each["sentence"] for each in findings if each["check"] == "radius"]
+    assert len(radii) == 4
+    assert all("by the other wheels" in sentence for sentence in radii)
+
+
+def test_radii_by_which_two_units_are_the_same_numbers_are_no_wrong_unit(tmp_path: Path, car: Path) -> None:
+    """The wheels of a car with 0.28 m turn as fast in km/h as in rad/s."""
+    size = 0.28 / 0.302
+    write_bag(tmp_path / "bag", rolling(40.0, size=0.87 * size), {})
+    small = tmp_path / "small.yaml"
+    small.write_text(
+        CAR.replace("0.305", "0.28")
+        .replace("0.3015", "0.28")
+        .replace("0.302", "0.28")
+        .replace("value: 0.3,", "value: 0.28,")
+    )
+    file = tmp_path / "findings.json"
+    assert main(["doctor", str(tmp_path / "bag"), "--vehicle", str(small), "--json", str(file)]) == 1
+    findings = json.loads(file.read_text())["findings"]
+    assert not [each for each in findings if "km/h" in each["sentence"]]
+    radii = [each["value"] for each in findings if each["check"] == "radius"]
+    assert radii == pytest.approx((0.87 * size * TRUE).tolist(), rel=0.01)
 
 
 def heard_by_one(publisher: Publisher) -> bool:

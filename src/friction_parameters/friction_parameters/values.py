@@ -103,7 +103,10 @@ def unknown(cls: type, name: str) -> str:
     """Return the text of an unknown parameter: its new place if it was renamed, or the known parameters."""
     if place := moved(cls, name):
         return f"parameter '{name}' no longer exists: {place}"
-    return f"unknown parameter '{name}': known are {', '.join(declared(cls))}"
+    last = name.split(".")[-1]
+    near = [known for known in declared(cls) if known.split(".")[-1] == last]
+    perhaps = f", perhaps {' or '.join(near)}" if near else ""
+    return f"unknown parameter '{name}'{perhaps}: known are {', '.join(declared(cls))}"
 
 
 def moved(cls: type, name: str) -> str:

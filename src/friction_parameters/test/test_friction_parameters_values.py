@@ -136,6 +136,11 @@ def test_an_unknown_name_is_refused_with_those_there_are() -> None:
         from_mapping(ExampleParameters, {"detector.windw": 5})
 
 
+def test_a_name_that_lacks_its_groups_is_refused_with_the_whole_name() -> None:
+    with pytest.raises(ParameterError, match=r"^unknown parameter 'wait', perhaps .*no_slip\.wait: known are "):
+        from_mapping(ExampleParameters, {"wait": 0.1})
+
+
 def test_an_old_name_is_refused_with_the_new_place() -> None:
     with pytest.raises(ParameterError, match=r"^parameter 'window' no longer exists: it is 'detector.window.length'$"):
         from_mapping(ExampleParameters, {"window": 5})

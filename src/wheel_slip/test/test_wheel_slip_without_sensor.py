@@ -3,12 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import isnan, pi, sin, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from vehicle_models.vehicle import Vehicle
-from vehicle_models.vehicle_file import load_vehicle
+from vehicle_models.vehicle_file import load_vehicle, vehicle_path
 from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.mode import SlideParameters
@@ -400,3 +401,15 @@ def test_a_wheel_that_spins_beyond_a_slip_of_1_5_has_no_slip_and_the_car_keeps_i
     assert isnan(found[-1].slip)
     assert found[-1].vehicle_speed == pytest.approx(10.0, abs=0.2)
     assert "spins" in found[-1].text
+
+
+@pytest.mark.parametrize(("stated", "expected"), [(0.17, "0.400"), (0.6, "0.600")])
+def test_an_offset_is_as_uncertain_as_the_vehicle_file_states_and_as_a_slope_makes_it_at_least(
+    stated: float, expected: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "car.yaml"
+    shipped = vehicle_path("compact_car").read_text()
+    assert "offset: {value: 0.0, stddev: 0.17}" in shipped
+    file.write_text(shipped.replace("offset: {value: 0.0, stddev: 0.17}", f"offset: {{value: 0.0, stddev: {stated}}}"))
+    estimator = SlipEstimator(load_vehicle(file))
+    assert estimator.vehicle.health_values(0)["accelerometer offset standard deviation [m/s^2]"] == expected

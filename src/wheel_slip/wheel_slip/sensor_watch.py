@@ -69,7 +69,8 @@ class SensorWatch:
         self._value: float | None = None
         self._travelled = 0.0
         self._first = 0
-        self._is_old = False
+        self.repeats = False
+        """Whether it repeats one value that the accelerometer contradicts."""
         self._off_since: int | None = None
 
     @property
@@ -78,7 +79,7 @@ class SensorWatch:
         if self.contradicted:
             told = "" if self._agreed else ", or the radii are wrong"
             return f"{self._difference:.1f} m/s from wheels and accelerometer; left out{told}"
-        return "repeats one value that the accelerometer contradicts; left out" if self._is_old else ""
+        return "repeats one value that the accelerometer contradicts; left out" if self.repeats else ""
 
     def is_old(self, sample: SpeedSample, travelled: float | None, offset: float) -> bool:
         """Whether a sample repeats the last one though the speed has changed.
@@ -91,11 +92,11 @@ class SensorWatch:
         if travelled is None or sample.speed != self._value:
             self._value = sample.speed if travelled is not None else None
             self._first, self._travelled = sample.stamp, travelled or 0.0
-            self._is_old = False
+            self.repeats = False
             return False
         change = travelled - self._travelled - offset * (sample.stamp - self._first) / NANOSECONDS
-        self._is_old = abs(change) > self._p.frozen + 3.0 * sample.variance**0.5
-        return self._is_old
+        self.repeats = abs(change) > self._p.frozen + 3.0 * sample.variance**0.5
+        return self.repeats
 
     def compare(self, stamp: int, difference: float, deviation: float, of_slip: float) -> bool:
         """Compare a sample with wheels that roll.

@@ -9,6 +9,7 @@
 
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import replace
 from math import copysign, hypot, isfinite, sqrt
 from statistics import median
 from typing import Final
@@ -20,9 +21,10 @@ from vehicle_models.vehicle import Vehicle
 from wheel_slip.accelerometer_watch import AccelerometerWatch
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
 from wheel_slip.mode import Cause, transition
+from wheel_slip.sensor_age import SensorAge
 from wheel_slip.sensor_watch import SensorWatch
 from wheel_slip.slide_detector import SlideDetector
-from wheel_slip.speed_filter import SpeedFilter
+from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
 from wheel_slip.speed_parameters import VehicleSpeedParameters
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.wheel_bounds import WheelBounds
@@ -42,7 +44,7 @@ class VehicleSpeed:
             parameters: parameters of the estimate.
             wheel_speed_stddev: noise of a wheel speed [rad/s].
         """
-        self._p = parameters
+        self._p = parameters = replace(parameters, speed_filter=_of_car(parameters.speed_filter, vehicle))
         self._rim_speed_variance = (wheel_speed_stddev * max(vehicle.radii)) ** 2
         self._filter = SpeedFilter(parameters.speed_filter, _gain_stddev(vehicle))
         self._radius_share = radius_share(vehicle)
@@ -57,6 +59,9 @@ class VehicleSpeed:
         )
         self._accelerometer = AccelerometerWatch(parameters.slide)
         self._sensor = SensorWatch(parameters.sensor)
+        self._sensor_age = SensorAge()
+        driven = [wheel.driven for wheel in vehicle.wheels]
+        self._free = [index for index, by_engine in enumerate(driven) if not by_engine] if any(driven) else []
         self.reset()
 
     def reset(self) -> None:
@@ -66,6 +71,7 @@ class VehicleSpeed:
         self._bounds.reset()
         self._accelerometer.reset()
         self._sensor.reset()
+        self._sensor_age.reset()
         self.mode = Mode.WAITING
         """Mode at the last sample."""
         self.cause = Cause.STARTED
@@ -109,7 +115,8 @@ class VehicleSpeed:
         """Variance of the speed [m^2/s^2], with what does not average out: radii, and what is known of the sensor."""
         known = self._filter.speed_variance + (self._p.radius_uncertainty * self._filter.speed) ** 2
         known += self._sensor.undecided**2
-        return known + self._skew_variance if self.source is SpeedSource.SENSOR else known
+        of_age = self._skew_variance + self._sensor_age.error**2
+        return known + of_age if self.source is SpeedSource.SENSOR else known
 
     @property
     def stated_variance(self) -> float:
@@ -148,8 +155,9 @@ class VehicleSpeed:
         if self._accelerometer.leaves_out(stamp, acceleration, smooth_rim_speeds, any(self._slide.rolling)):
             acceleration = None
         self._predict(stamp, acceleration, smooth_rim_speeds, rim_accelerations)
-        starting = self.mode is Mode.WAITING
         at_wheels = self._at_wheels(rim_speeds)
+        measured = self._new_samples(stamp, measured, smooth_rim_speeds, acceleration is not None)
+        starting = self.mode is Mode.WAITING
         if acceleration is not None:
             self._count_votes(stamp, measured, smooth_rim_speeds, rim_accelerations)
         measured = self._judge_sensor(measured, at_wheels, acceleration is not None)
@@ -196,7 +204,7 @@ class VehicleSpeed:
     def _change_mode(self, stamp: int, smooth_rim_speeds: Sequence[float], speed_at_wheels: bool) -> None:
         """Make the transition of this sample, and what comes with it."""
         before, slid = self.mode, self._is_sliding
-        sensor = self._sensor_is_fresh(stamp) and not self._sensor.contradicted
+        sensor = self._sensor_is_fresh(stamp) and not self._sensor.contradicted and not self._sensor_age.late
         evidence = self._slide.evidence(sensor, speed_at_wheels)
         self.mode, cause = transition(before, evidence, self._p.slide)
         self._doubt_road(stamp)
@@ -222,6 +230,9 @@ class VehicleSpeed:
     @property
     def sensor_text(self) -> str:
         """Names what is wrong with the speed sensor, empty where nothing is."""
+        late = self._sensor_age.late
+        if late and not self._sensor.repeats:
+            return f"some {late:.1f} s behind the wheels; left out: the doctor tells its age, speed_sensor.latency"
         return self._sensor.text
 
     @property
@@ -248,17 +259,49 @@ class VehicleSpeed:
         timeout = self._p.sensor_timeout * NANOSECONDS
         return self._sensor_stamp is not None and stamp - self._sensor_stamp <= timeout
 
+    def _new_samples(
+        self,
+        stamp: int,
+        measured: Sequence[SpeedSample],
+        smooth_rim_speeds: Sequence[float],
+        gauged: bool,
+    ) -> Sequence[SpeedSample]:
+        """Learn the age of the samples; return those that repeat no old one. `gauged`: there is an accelerometer."""
+        if not measured or self.mode is Mode.WAITING:
+            return measured
+        car, age, before = self._filter, self._sensor_age, self._sensor_age.late
+        travelled = [car.travelled_at(each.stamp) if gauged else None for each in measured]
+        new = [
+            each
+            for each, so_far in zip(measured, travelled, strict=True)
+            if not self._sensor.is_old(each, so_far, car.offset)
+        ]
+        free = sorted([smooth_rim_speeds[index] for index in self._free])
+        if len(free) > 1 and self._p.slide.are_alike(free):
+            speed = sum(free) / len(free)
+            for sample in measured:
+                change = car.change_since(sample.stamp)
+                if change is not None:
+                    age.update(sample.stamp, sample.speed + change - speed, speed, sample.variance)
+            if age.late and not before and self._sensor_is_fresh(stamp):
+                # Speed and offset are by samples that were old.
+                car.reset()
+                self.mode, self._sensor_stamp = Mode.WAITING, None
+        return new
+
     def _judge_sensor(
         self, measured: Sequence[SpeedSample], at_wheels: tuple[float, list[int]] | None, gauged: bool
     ) -> Sequence[SpeedSample]:
         """Return the samples that may be used, beside `at_wheels`; `gauged`: there is an accelerometer."""
+        if self._sensor_age.late and self.mode is Mode.WAITING:
+            return ()
         if not measured or self.mode is Mode.WAITING:
             return measured
         car, watch, effort = self._filter, self._sensor, self._effort()
         usable: list[SpeedSample] = []
         for sample in measured:
             change = car.change_since(sample.stamp)
-            if watch.is_old(sample, car.travelled_at(sample.stamp) if gauged else None, car.offset) or change is None:
+            if change is None:
                 continue
             noise = sample.variance + self._skew_variance
             if at_wheels is not None and gauged and self._slide.has_rolled:
@@ -272,7 +315,7 @@ class VehicleSpeed:
                 fits = watch.fits(sample.stamp, sample.speed + change - car.speed, of_both)
             if fits:
                 usable.append(sample)
-        return usable
+        return () if self._sensor_age.late else usable
 
     def _count_votes(
         self,
@@ -282,7 +325,7 @@ class VehicleSpeed:
         rim_accelerations: Sequence[float],
     ) -> None:
         """Compare the samples of the sensor with the speed and with wheels that turn alike."""
-        if not measured or self.mode is Mode.WAITING:
+        if not measured or self.mode is Mode.WAITING or self._sensor_age.late:
             return
         car = self._filter
         known = [index for index, speed in enumerate(smooth_rim_speeds) if isfinite(speed)]
@@ -423,6 +466,12 @@ class VehicleSpeed:
         self._surprise += min(dt / self._p.rolling.surprise_time, 1.0) * (self._filter.surprise - self._surprise)
         if abs(self._surprise) > self._p.rolling.surprise:
             self._filter.doubt_offset(self._p.rolling.doubt**2)
+
+
+def _of_car(parameters: SpeedFilterParameters, vehicle: Vehicle) -> SpeedFilterParameters:
+    """Return the parameters with the deviation of the offset that the vehicle file states, if it is a larger one."""
+    stated = stated_deviation(vehicle.accelerometer.deviations, "offset") or 0.0
+    return replace(parameters, offset_stddev=max(parameters.offset_stddev, stated))
 
 
 def _gain_stddev(vehicle: Vehicle) -> float | None:

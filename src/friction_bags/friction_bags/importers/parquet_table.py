@@ -10,7 +10,7 @@ from friction_adapter.record_mapper import RecordMapper
 from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import TABLE, Sources
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.importers.table import columns_of
+from friction_bags.importers.table import columns_of, put_later
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 
@@ -38,6 +38,7 @@ class ParquetTable:
             raise ParameterError(f"Parquet tables need one more package: {INSTALL_LINE}") from error
         path.stat()
         self._path = path
+        self._map = signal_map
         try:
             self._file: Any = parquet.ParquetFile(path)
         except Exception as error:  # pyarrow passes on whatever its readers raise
@@ -52,12 +53,16 @@ class ParquetTable:
         Raises:
             BagError: a column does not hold numbers, or the file cannot be read to its end.
         """
+        for row in put_later(self._rows(), self._map):
+            for topic, message in self._mapper.take(TABLE, row, 0):
+                yield f"/{topic}", message
+
+    def _rows(self) -> Iterator[dict[str, float]]:
         try:
             for batch in self._file.iter_batches(_ROWS, columns=list(self._needed)):
                 columns = [self._numbers(name, batch.column(name)) for name in self._needed]
                 for values in zip(*columns, strict=True):
-                    for topic, message in self._mapper.take(TABLE, dict(zip(self._needed, values, strict=True)), 0):
-                        yield f"/{topic}", message
+                    yield dict(zip(self._needed, values, strict=True))
                 self._read += batch.num_rows
         except OSError as error:
             raise BagError(f"{self._path} cannot be read to its end: {error}") from error

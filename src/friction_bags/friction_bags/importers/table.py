@@ -1,18 +1,30 @@
-"""Tables: CSV files whose first line names the columns."""
+"""Tables: CSV files whose first line names the columns.
+
+What loggers and programs write differs: characters beside ASCII come in UTF-8 or in Latin-1, a second line may hold the
+units, a time may be a date with the time of day, and a cell is empty where a slower signal has no value.
+"""
 
 import csv
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from datetime import datetime, timezone
+from math import isfinite, nan
 from pathlib import Path
-from typing import TextIO
+from typing import Final, TextIO
 
 from friction_adapter.record_mapper import RecordMapper
 from friction_adapter.signal_map import ARRIVAL, Kind, SignalMap
 from friction_adapter.sources import TABLE, Sources
 from friction_bags.bag_io.bag_format import BagError
+from friction_bags.importers.can_log import START_OFFSET
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 
-_DELIMITERS = ",;\t"
+_EARLIEST: Final = 1.0
+"""[s]"""
+_DELIMITERS: Final = ",;\t"
+_TIME: Final = re.compile(r"(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d:\d\d)(\.\d+)?(Z|[+-]\d\d:?\d\d)?$")
+"""A date with a time of day, parts of a second and a zone; without a zone it is that of UTC."""
 
 
 class Table:
@@ -27,32 +39,40 @@ class Table:
             ParameterError: a column is not there, or the map has signals from elsewhere; the text names the columns.
         """
         self._path = path
-        with path.open(newline="", encoding="utf-8-sig") as stream:
-            head = stream.readline()
+        self._map = signal_map
+        with path.open("rb") as binary:
+            head, self._encoding = _text(binary.readline())
         if not head.strip():
             raise BagError(f"{path} is empty: its first line must name the columns")
         self._delimiter = max(_DELIMITERS, key=head.count)
-        self._columns = next(csv.reader([head.lstrip("# ")], delimiter=self._delimiter))
+        names = next(csv.reader([head.strip().lstrip("# ")], delimiter=self._delimiter, skipinitialspace=True))
+        self._columns = [name.strip() for name in names]
         self._needed = columns_of(signal_map)
         self._size = max(path.stat().st_size, 1)
         self._stream: TextIO | None = None
         self._mapper = RecordMapper(signal_map, Sources(columns=self._columns))
 
     def rows(self) -> Iterator[dict[str, float]]:
-        """Yield the rows as numbers by column, those of the map only.
+        """Yield the rows as numbers by column, those of the map only; NaN where a cell is empty.
 
         Raises:
-            BagError: a value is not a number; the text names the line.
+            BagError: a value is not a number; the text names line and column.
         """
-        with self._path.open(newline="", encoding="utf-8-sig") as stream:
+        has_begun = False
+        with self._path.open(newline="", encoding=self._encoding, errors="replace") as stream:
             self._stream = stream
             stream.readline()
-            reader = csv.DictReader(stream, self._columns, delimiter=self._delimiter)
+            reader = csv.DictReader(stream, self._columns, delimiter=self._delimiter, skipinitialspace=True)
             for row in reader:
-                try:
-                    yield {column: float(row[column]) for column in self._needed}
-                except (TypeError, ValueError):
-                    raise BagError(f"{self._path}, line {reader.line_num + 1}: a value is not a number") from None
+                found = {column: _number(row[column]) for column in self._needed}
+                if not has_begun and not any(number is not None and isfinite(number) for number in found.values()):
+                    continue  # units
+                has_begun = True
+                wrong = [column for column, number in found.items() if number is None]
+                if wrong:
+                    told = f"'{wrong[0]}' is '{row[wrong[0]]}': a value is not a number"
+                    raise BagError(f"{self._path}, line {reader.line_num + 1}: {told}")
+                yield {column: number for column, number in found.items() if number is not None}
 
     def of_row(self, row: Mapping[str, float]) -> list[Output]:
         """Return relative topics and messages of a row."""
@@ -62,9 +82,9 @@ class Table:
         """Yield topics and messages of all rows.
 
         Raises:
-            BagError: a value is not a number; the text names the line.
+            BagError: a value is not a number; the text names line and column.
         """
-        for row in self.rows():
+        for row in put_later(self.rows(), self._map):
             for topic, message in self.of_row(row):
                 yield f"/{topic}", message
 
@@ -76,6 +96,16 @@ class Table:
     def troubles(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
         return self._mapper.troubles()
+
+
+def put_later(rows: Iterable[dict[str, float]], signal_map: SignalMap) -> Iterator[dict[str, float]]:
+    """Yield the rows of a table, 1000 s later where it begins before 1 s and the map has no offset: 0 s is no stamp."""
+    columns = {signal.stamp for signal in signal_map.signals if signal.origin.kind is Kind.TABLE}
+    offset = 0.0 if signal_map.stamp_offset else nan
+    for row in rows:
+        if not isfinite(offset):
+            offset = START_OFFSET if any(row[column] < _EARLIEST for column in columns) else 0.0
+        yield {**row, **{column: row[column] + offset for column in columns}} if offset else row
 
 
 def columns_of(signal_map: SignalMap) -> tuple[str, ...]:
@@ -95,3 +125,32 @@ def columns_of(signal_map: SignalMap) -> tuple[str, ...]:
         flag = () if signal.flag is None else (signal.flag.field,)
         found.update(dict.fromkeys((signal.stamp, *signal.fields, *flag)))
     return tuple(found)
+
+
+def _text(head: bytes) -> tuple[str, str]:
+    """Return a line as text, and the encoding of the file."""
+    try:
+        return head.decode("utf-8-sig"), "utf-8-sig"
+    except UnicodeDecodeError:
+        return head.decode("latin-1"), "latin-1"
+
+
+def _number(cell: str | None) -> float | None:
+    """Return the number in a cell, that of seconds where it is a time, NaN where it is empty; None for a text."""
+    if cell is None:
+        return None
+    try:
+        return float(cell)
+    except ValueError:
+        if not cell.strip():
+            return nan
+    time = _TIME.match(cell.strip())
+    if time is None:
+        return None
+    date, clock, part, zone = time.groups()
+    offset = (zone or "+00:00").replace("Z", "+00:00")
+    try:
+        whole = datetime.strptime(f"{date} {clock} {offset}", "%Y-%m-%d %H:%M:%S %z").astimezone(timezone.utc)
+    except ValueError:
+        return None
+    return whole.timestamp() + float(part or 0.0)

@@ -27,6 +27,8 @@ def examine(drive: Drive, road: str = accelerometer.UNKNOWN) -> list[Finding]:
         return [*findings, Finding("motion", "car", Verdict.NOTE, text), *estimators.check(drive)]
     found, motion = wheel_signals.check(drive, motion)
     findings += found
+    found, motion = speed_sensor.leave_out_old(motion)
+    findings += found
     found, motion = units.check(drive, motion)
     findings += found
     findings += [*exchanged.check(drive, motion), *teeth.check(drive, motion)]

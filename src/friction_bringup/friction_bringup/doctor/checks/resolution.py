@@ -26,7 +26,8 @@ def check(drive: Drive) -> list[Finding]:
         # a step of a hundredth of what the signal spans is 1 % of a hard braking
         coarse = share > 0.01
         text = f"is counted in steps of {step:.3g}, 1/{1.0 / share:.0f} of what it spans"
-        remedy = "log it with more bits, or state the deviation in the signal map" if coarse else ""
+        where = "as wheel_filter.speed_stddev of wheel_slip" if topic == WHEEL_STATES else "in the signal map"
+        remedy = f"log it with more bits, or state the deviation {where}" if coarse else ""
         verdict = Verdict.WARN if coarse else Verdict.OK
         found.append(Finding("resolution", topic, verdict, text, step, remedy=remedy))
     return found

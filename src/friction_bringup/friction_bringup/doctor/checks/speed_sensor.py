@@ -1,5 +1,6 @@
-"""Age of the speed sensor beside the wheels that roll freely."""
+"""Age of the speed sensor beside the wheels that roll freely; one that is too old tells nothing of them."""
 
+from dataclasses import replace
 from math import hypot
 
 import numpy as np
@@ -14,6 +15,39 @@ _FLOOR = 2e-3
 """Deviation [s] that slip and inertia of the free wheels leave."""
 _LATE = 0.02
 """Age [s] from which slips in a stop are wrong by a percent."""
+_OLD = 0.45
+"""Age [s] beyond which it is not a shift of a few samples: a logged satellite receiver, or a value that is held."""
+_OLDEST = 4.0
+_STEP = 0.05
+"""Ages [s] up to which it is looked for, and between them."""
+_LEAST = 10.0
+"""[s] of driving that tell."""
+_EXPLAINS = 0.5
+"""Share of what younger ages leave unexplained that an old one leaves at most."""
+
+
+def leave_out_old(motion: Motion) -> tuple[list[Finding], Motion]:
+    """Return the finding, and the motion without the sensor, where its speeds are those of long ago."""
+    known = motion.moving & np.isfinite(motion.measured) & np.isfinite(motion.speed)
+    if known.sum() * motion.step < _LEAST:
+        return [], motion
+    wheels_known = np.isfinite(motion.speed)
+    time, measured = motion.time[known], motion.measured[known]
+
+    def unexplained(late: float) -> float:
+        then = np.interp(time - late, motion.time[wheels_known], motion.speed[wheels_known])
+        gain = float(then @ measured) / max(float(then @ then), 1e-12)
+        return float(np.mean((measured - gain * then)[time - late >= motion.time[0]] ** 2))
+
+    ages = np.arange(0.0, _OLDEST, _STEP)
+    left = np.array([unexplained(late) for late in ages])
+    age, least = float(ages[left.argmin()]), float(left.min())
+    if age <= _OLD or least > _EXPLAINS * float(left[ages <= _OLD].min()):
+        return [], motion
+    text = f"{age:.1f} s later than the wheels: too old to judge them by, and left out here"
+    remedy = "a sensor that is younger; held values of a slow one only in the rows in which it spoke"
+    finding = Finding("skew", SPEED, Verdict.FAIL, text, 1e3 * age, unit="ms", remedy=remedy)
+    return [finding], replace(motion, measured=np.full_like(motion.measured, np.nan))
 
 
 def check(drive: Drive, motion: Motion) -> list[Finding]:

@@ -19,6 +19,8 @@ _PRICE = 6.0
 """Of a mistaken unit, in squared deviations."""
 _TOLERANCE = 0.02
 """Deviation of the ratio of two sound sensors: radii, scale and pitch of the accelerometer."""
+_SAME = 0.03
+"""Share by which two units must differ to be told from each other: radii."""
 _ACCELERATIONS = {"m/s^2": 1.0, "g": 1.0 / 9.81, "mm/s^2": 1e3}
 _FOLLOWS = 0.7
 """Correlation of accelerometer and wheels below which nothing is said of its unit and sign."""
@@ -43,6 +45,8 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
         "rad/s": 1.0, "rpm": 30.0 / pi, "rev/s": 0.5 / pi, "deg/s": 180.0 / pi, "edges/s": 0.5 * teeth / pi,
         "m/s": radius, "km/h": 3.6 * radius, "mph": 2.23694 * radius,
     }  # fmt: skip
+    # By wheels of 0.28 m, km/h and rad/s are the same numbers.
+    rotations = {name: factor for name, factor in rotations.items() if name == "rad/s" or abs(factor - 1.0) > _SAME}
     sure = motion.moving
     calm = np.abs(np.nan_to_num(motion.rate, nan=inf)) < 0.08 * np.nanpercentile(motion.speed, 90)
     force, force_stddev = ratio(motion, motion.force, motion.rate, sure)
