@@ -15,9 +15,8 @@ from friction_parameters.parameter import group
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.single_corner import CornerParameters
 
-
-_TELLS_ABOVE: Final = 5.0
-"""[m/s] A wheel that is kept from every dive down to standstill no longer tells the speed of its car: it then stood."""
+_TELLS_ABOVE: Final = 8.0
+"""[m/s] A wheel that is kept from every dive below no longer tells the speed of its car, and then stood."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +64,7 @@ class Envelope:
         """Whether a brake torque may be lowered to a little below what the road gave when the wheel slipped.
 
         Where a dive outruns the brake the slip counts as it is stated, for the torque is a second witness that shares
-        no error with it. Above 5 m/s a wheel that falls behind its own speed is enough, whatever its slip.
+        no error with it. Above 8 m/s a wheel that falls behind its own speed is enough, whatever its slip.
 
         Args:
             car_speed: [m/s], NaN where unknown.

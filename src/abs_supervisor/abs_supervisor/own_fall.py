@@ -9,6 +9,8 @@ from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 
+_LEAST: Final = 0.05
+"""Of its speed, by which a wheel falls: with less it is kept so quiet that it no longer tells the speed of its car."""
 _FORGETS: Final = 0.1
 """[m/s^2] by which the speed that is carried on falls faster than the car: errors do not add up."""
 _SMOOTH: Final = 0.02
@@ -22,9 +24,9 @@ _GAP: Final = 0.1
 class OwnFall:
     """Follows one wheel."""
 
-    def __init__(self, least: float, sigmas: float) -> None:
-        """Choose the least share of its speed [-], and standard deviations of its noise, by which a wheel falls."""
-        self._least, self._sigmas = least, sigmas
+    def __init__(self, sigmas: float) -> None:
+        """Choose by how many standard deviations of its noise a wheel falls more than that."""
+        self._sigmas = sigmas
         self.reset()
 
     def reset(self) -> None:
@@ -51,4 +53,4 @@ class OwnFall:
             return
         self._rim += (rim - self._rim) * min(dt / _SMOOTH, 1.0)
         self._carried = max(self._carried - (car_deceleration + _FORGETS) * dt, self._rim)
-        self.holds = self._carried - self._rim > self._least * self._carried + self._sigmas * _NOISE * noise
+        self.holds = self._carried - self._rim > _LEAST * self._carried + self._sigmas * _NOISE * noise

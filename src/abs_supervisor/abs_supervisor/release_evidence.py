@@ -132,7 +132,7 @@ class ReleaseEvidence:
         self._motion = WheelMotion()
         self._scatter = RollingScatter()
         self._slowest = SlowestCar()
-        self._own = OwnFall(parameters.least_slip, parameters.sigmas)
+        self._own = OwnFall(parameters.sigmas)
         self.reset()
 
     def reset(self) -> None:

@@ -14,9 +14,7 @@ from vehicle_models.sensor_noise import CHAPTER_NOISE
 STATED = ActuatorParameters()
 STEP, DT = 5_000_000, 0.005
 DEMAND = 2000.0
-_CYCLE = (
-    (Command.INCREASE,) * 8 + (Command.HOLD,) * 3 + (Command.DECREASE,) * 5 + (Command.HOLD, Command.INCREASE) * 2
-)
+_CYCLE = (Command.INCREASE,) * 8 + (Command.HOLD,) * 3 + (Command.DECREASE,) * 5 + (Command.HOLD, Command.INCREASE) * 2
 
 
 def followed(true: ActuatorParameters, samples: int, sees: float = 1.0, deviation: float = 0.0) -> list[int]:

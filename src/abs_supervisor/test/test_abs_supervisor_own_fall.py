@@ -24,8 +24,8 @@ ROAD = 300.0
 
 
 def falls(shares: list[float], told: float = SLOWS) -> list[bool]:
-    """Follow a wheel of a car that slows from 25 m/s, with slips `shares`; `told`: what is known of its deceleration."""
-    own, random, found = OwnFall(0.03, 3.0), np.random.default_rng(5), []
+    """Follow a wheel of a car that slows from 25 m/s, with slips `shares`; `told`: its deceleration as known."""
+    own, random, found = OwnFall(3.0), np.random.default_rng(5), []
     for sample, slip in enumerate(shares):
         rim = (25.0 - SLOWS * DT * sample) * (1.0 - slip) + RADIUS * NOISE * float(random.standard_normal())
         own.update(sample * STEP, rim, RADIUS * NOISE, told)
@@ -77,8 +77,8 @@ class Bench:
     [
         (20.0, 1.0, 0.1, True),
         (20.0, 0.9, 0.1, False),  # already below what the road gave
-        (20.0, 1.0, 0.01, False),  # no fall
-        (4.5, 1.0, 0.1, False),  # too slow: the slip of a release is needed
+        (20.0, 1.0, 0.02, False),  # no fall
+        (7.5, 1.0, 0.1, False),  # too slow: the slip of a release is needed
     ],
 )
 def test_a_wheel_that_falls_is_trimmed_down_to_what_the_road_gave(

@@ -10,7 +10,6 @@ from abs_supervisor.fsm import Command
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.nanoseconds import NANOSECONDS
 
-
 _KEPT: Final = round(0.1 * NANOSECONDS)
 """[ns] for which an order is remembered after it last acted."""
 
