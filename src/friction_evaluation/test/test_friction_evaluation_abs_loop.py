@@ -121,6 +121,14 @@ def test_the_law_on_the_curve_comes_near_the_bound_without_a_speed_sensor_and_lo
     assert np.all(found.changes < 80.0)
 
 
+def test_a_brake_that_answers_late_is_learned_in_time_for_the_first_peak() -> None:
+    """Without that it costs 0.06."""
+    late = Trouble("late", delay=0.02)
+    found = law_stops("dry", range(1), "curve", late)
+    assert found.utilisation[0] > actuator_bound("dry", late).utilisation - 0.01
+    assert found.longest_lock[0] < 0.05
+
+
 def test_the_oracle_is_near_the_bound() -> None:
     for name in ("dry", "cobblestone"):
         assert oracle(name, NONE).utilisation[0] > actuator_bound(name, NONE).utilisation - 0.005
