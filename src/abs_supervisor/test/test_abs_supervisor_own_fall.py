@@ -61,8 +61,9 @@ class Bench:
         given = Command.NONE
         for _ in range(count):
             self.stamp += STEP
-            known = {"slip": slip, "slip_stddev": stddev, "car_deceleration": 0.0, "braked": True}
-            self.envelope.look(self.stamp, Wheel(self.car * (1.0 - slip) / RADIUS, **known))
+            speed = self.car * (1.0 - slip) / RADIUS
+            wheel = Wheel(speed, slip=slip, slip_stddev=stddev, car_deceleration=0.0, braked=True)
+            self.envelope.look(self.stamp, wheel)
             given = self.envelope.judge(self.stamp, Command.DECREASE, self.car, torque, 1000.0)
         return given
 
