@@ -137,9 +137,7 @@ def opinion_row(law: str, seeds: range, road: str) -> Row:
     errors, stddevs = (np.concatenate(each) for each in zip(*(wheel.errors() for wheel in wheels), strict=True))
     every = [each for wheel in wheels for each in wheel.opinions]
     ages = [(each.came - each.stamp) / NANOSECONDS for each in every]
-    curves = [
-        (wheel.curve - begin) / NANOSECONDS for found, begin in stops for wheel in found.values() if wheel.curve
-    ]
+    curves = [(wheel.curve - begin) / NANOSECONDS for found, begin in stops for wheel in found.values() if wheel.curve]
     return {
         "car": SMART_TYRES,
         "surface": road,
