@@ -4,6 +4,7 @@ No healthy brake is released, whatever asks for it: a fault of the law, of its i
 """
 
 from dataclasses import dataclass
+from typing import Final
 
 from abs_supervisor.fast_dive import FastDive
 from abs_supervisor.fsm import Command
@@ -13,6 +14,9 @@ from abs_supervisor.road_torque import RoadTorque
 from friction_parameters.parameter import group
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.single_corner import CornerParameters
+
+_TELLS_ABOVE: Final = 8.0
+"""[m/s] A wheel that is kept from every dive below no longer tells the speed of its car, and then stood."""
 
 
 @dataclass(frozen=True)
@@ -59,14 +63,15 @@ class Envelope:
     def may_trim(self, car_speed: float, torque: float) -> bool:
         """Whether a brake torque may be lowered to a little below what the road gave when the wheel slipped.
 
-        Only where a dive outruns the brake. The slip counts as it is stated, for the torque is a second witness that
-        shares no error with it.
+        Where a dive outruns the brake the slip counts as it is stated, for the torque is a second witness that shares
+        no error with it. Above 8 m/s a wheel that falls behind its own speed is enough, whatever its slip.
 
         Args:
             car_speed: [m/s], NaN where unknown.
             torque: of the brake [N m], NaN where unknown.
         """
-        return self._is_critical(car_speed, torque) and self._road.may_fall(torque)
+        falls = self.evidence.falls and car_speed > _TELLS_ABOVE
+        return (falls or self._is_critical(car_speed, torque)) and self._road.may_fall(torque)
 
     def _is_critical(self, car_speed: float, torque: float) -> bool:
         return self.evidence.grips and self._dive.outruns_brake(car_speed, torque)

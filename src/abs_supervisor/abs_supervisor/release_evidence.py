@@ -5,6 +5,7 @@ from enum import IntEnum
 from math import isfinite, nan, sqrt
 from typing import Final
 
+from abs_supervisor.own_fall import OwnFall
 from abs_supervisor.rolling_scatter import RollingScatter
 from abs_supervisor.wheel_motion import ORDINARY_STDDEV, WheelMotion
 from friction_parameters.parameter import parameter
@@ -131,6 +132,7 @@ class ReleaseEvidence:
         self._motion = WheelMotion()
         self._scatter = RollingScatter()
         self._slowest = SlowestCar()
+        self._own = OwnFall(parameters.sigmas)
         self.reset()
 
     def reset(self) -> None:
@@ -138,6 +140,7 @@ class ReleaseEvidence:
         self._motion.reset()
         self._scatter.reset()
         self._slowest.reset()
+        self._own.reset()
         self._slip = nan
         self._slip_since: int | None = None
         self._steady_since: int | None = None
@@ -175,6 +178,11 @@ class ReleaseEvidence:
         return self._away or (self.verdict is Release.BY_SLIP and self._slip > _DEEP * self.release_slip)
 
     @property
+    def falls(self) -> bool:
+        """Whether the wheel has fallen behind its own speed of late, and not all wheels together."""
+        return self._own.holds and self._slides
+
+    @property
     def scatter_is_learned(self) -> bool:
         """Whether the errors of the wheel's sensor were seen while it rolled freely."""
         return self._scatter.learned
@@ -187,6 +195,7 @@ class ReleaseEvidence:
         self._scatter.update(stamp, wheel.braked, wheel.speed, motion.rate, wheel.slip, stated)
         rim = self._radius * wheel.speed
         slowest = self._slowest.update(stamp, rim)
+        self._own.update(stamp, rim, self._radius * motion.noise, wheel.car_deceleration)
         # The least slip that is possible behind the wheel's own fastest speed: a car that brakes less hard has more.
         lag = (slowest - rim) / slowest if slowest > max(rim, 0.0) else 0.0
         self.deceleration = -self._radius * motion.rate

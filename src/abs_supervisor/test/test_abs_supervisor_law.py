@@ -144,7 +144,6 @@ def test_orders_under_way_do_what_the_hydraulics_do(commands: list[Command], dem
         stamp = sample * STEP
         line.order(stamp, command, demand)
         torque = line.torque_at(torque, stamp, stamp + STEP)
-        line.forget_before(stamp + STEP)
         assert torque == pytest.approx(float(actuator.step(demand, int(command))[0]), abs=1e-9)
 
 

@@ -4,10 +4,14 @@ An order acts from its stamp plus the delay of the hydraulics on, until the next
 """
 
 from collections import deque
+from typing import Final
 
 from abs_supervisor.fsm import Command
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.nanoseconds import NANOSECONDS
+
+_KEPT: Final = round(0.1 * NANOSECONDS)
+"""[ns] for which an order is remembered after it last acted."""
 
 
 class _Order:
@@ -34,16 +38,17 @@ class BrakeLine:
 
     def order(self, stamp: int, command: Command, demand: float) -> None:
         """Note the command that was given at a stamp [ns], later than the last, with the driver's demand [N m]."""
-        self._orders.append(_Order(stamp + self._delay, command, demand))
-
-    def forget_before(self, stamp: int) -> None:
-        """Drop the orders that no longer act at a stamp [ns]."""
         orders = self._orders
-        while len(orders) > 1 and orders[1].begins <= stamp:
+        if not (orders and orders[-1].command is command and orders[-1].demand == demand):
+            orders.append(_Order(stamp + self._delay, command, demand))
+        while len(orders) > 1 and orders[1].begins <= stamp - _KEPT:
             orders.popleft()
 
     def torque_at(self, torque: float, begin: int, end: int) -> float:
-        """Return the torque [N m] at the stamp `end` [ns], which is `torque` at the stamp `begin` [ns]."""
+        """Return the torque [N m] at the stamp `end` [ns], which is `torque` at the stamp `begin` [ns].
+
+        A brake that is late by some time is now where it should have been that time ago: both stamps are then earlier.
+        """
         orders = self._orders
         count = len(orders)
         for index in range(count):

@@ -8,6 +8,7 @@ from math import ceil, isfinite, nan
 
 from abs_supervisor.fsm import Command
 from abs_supervisor.law.brake_line import BrakeLine
+from abs_supervisor.law.late_brake import LateBrake
 from abs_supervisor.law.road_curve import RoadCurve
 from abs_supervisor.law.wheel_step import slip_of, wheel_step
 from vehicle_models.brake_actuator import ActuatorParameters
@@ -44,11 +45,13 @@ class WheelObserver:
         """The wheel, with its present load."""
         self._delay = round(actuator.delay * NANOSECONDS)
         self._line = BrakeLine(actuator)
+        self._late = LateBrake(self._line)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
         self._line.reset()
+        self._late.reset()
         self._stamp: int | None = None
         self._curve: RoadCurve | None = None
         self._torque = self._wheel_speed = self._speed = nan
@@ -74,12 +77,13 @@ class WheelObserver:
             curve: the road as known now; None where it is not.
         """
         before = self._stamp
+        self._late.update(stamp, torque)
         follows = before is not None and stamp - before <= _LONGEST_STEP
         if before is None or not follows or not isfinite(self._torque + self._wheel_speed + self._speed):
             self._torque, self._wheel_speed = torque, wheel_speed
         else:
-            begin = self._torque
-            end = self._line.torque_at(begin, before, stamp)
+            begin, late = self._torque, self._late.by
+            end = self._line.torque_at(begin, before - late, stamp - late)
             self._torque = end + _TORQUE_GAIN * (torque - end) if isfinite(torque) else end
             known = self._curve
             if known is None or curve is None:
@@ -96,18 +100,19 @@ class WheelObserver:
                 if wheel_speed > 0.0:
                     self.disturbance += _DISTURBANCE_GAIN * surprise * self.corner.inertia / dt
         self._stamp, self._speed, self._curve = stamp, speed, curve
-        self._line.forget_before(stamp)
 
     def ahead(self, curve: RoadCurve) -> WheelState:
         """Return the state when a command that is given now begins to act. Comes after `update`."""
         stamp = self._stamp
         assert stamp is not None
         torque, wheel_speed, speed = self._torque, self._wheel_speed, self._speed
-        steps = ceil(self._delay / _STEP)
+        late = self._late.by
+        delay = self._delay + late
+        steps = ceil(delay / _STEP)
         for index in range(steps):
-            begin = stamp + self._delay * index // steps
-            end = stamp + self._delay * (index + 1) // steps
-            after = self._line.torque_at(torque, begin, end)
+            begin = stamp + delay * index // steps
+            end = stamp + delay * (index + 1) // steps
+            after = self._line.torque_at(torque, begin - late, end - late)
             wheel_speed, speed = wheel_step(
                 self.corner,
                 curve,

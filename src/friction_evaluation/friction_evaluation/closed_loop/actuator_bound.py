@@ -22,6 +22,8 @@ class ActuatorBound:
     """[-]"""
     distance: float
     """To standstill [m]."""
+    longest_lock: float = 0.0
+    """[s] where the road changes: what no release comes in time for."""
 
 
 def actuator_bound(surface: str, trouble: Trouble) -> ActuatorBound:

@@ -14,11 +14,11 @@ from corner_sim.models import CAR
 from friction_evaluation.closed_loop.actuator_bound import ActuatorBound
 from friction_evaluation.closed_loop.car_setup import MODELS, CarSetup
 from friction_evaluation.closed_loop.law_stops import ROLLING
-from friction_evaluation.closed_loop.panic_stop import END_SPEED
+from friction_evaluation.closed_loop.longest_lock import LongestLock
+from friction_evaluation.closed_loop.panic_stop import END_SPEED, LOCK_ABOVE
 from friction_evaluation.protocol import DT, SPEED
+from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import NO_NOISE
-from vehicle_models.single_corner import GRAVITY
-from vehicle_models.surfaces import surface
 from vehicle_models.two_axle import TwoAxleCar
 
 Array = NDArray[np.float64]
@@ -32,13 +32,16 @@ _SLOW = 1.0
 
 
 class _Plant(Protocol):
-    """A car of four wheels."""
+    """A car of four wheels; arrays have the shape (4,)."""
 
     speed: float
     wheel_speed: Array
+    slip: Array
     tyre_slip: Array
     load: Array
     friction: Array
+    lambda_max: Array
+    mu_max: Array
     distance: float
 
     def step(self, torque: Array) -> None:
@@ -47,16 +50,19 @@ class _Plant(Protocol):
 
 class _TwoAxle:
     def __init__(self, setup: CarSetup) -> None:
-        self._theta = surface(setup.surface)
+        self._road, self._behind = setup.road, _behind(setup)
         self._car = TwoAxleCar(setup.vehicle, [SPEED])
         self._read()
 
     def _read(self) -> None:
         car = self._car
         self.speed, self.distance = float(car.speed[0]), float(car.distance[0])
-        self.wheel_speed, self.tyre_slip = car.wheel_speed[0], car.slip[0]
+        self._theta = self._road.theta(self.distance - self._behind)
+        self.wheel_speed, self.slip = car.wheel_speed[0], car.slip[0]
+        self.tyre_slip = self.slip
         self.load = car.wheel_loads(self._theta[np.newaxis])[0]
-        self.friction = car.friction(self._theta)[0]
+        self.friction = car.friction(self._theta[np.newaxis])[0]
+        self.lambda_max, self.mu_max = burckhardt.peak(self._theta)
 
     def step(self, torque: Array) -> None:
         self._car.step(torque, torque, self._theta[np.newaxis], _STEP)
@@ -65,50 +71,68 @@ class _TwoAxle:
 
 class _Car:
     def __init__(self, setup: CarSetup) -> None:
+        self._road, self._behind = setup.road, _behind(setup)
         errors = SensorErrors(NO_NOISE, 0.0, 0.0, 0)
-        tyre = TYRES["burckhardt"][setup.surface]
-        self._car = Car(as_it_is(setup.vehicle, tyre, CarModelParameters(), errors), SPEED, 0)
+        self._tyres = [TYRES["burckhardt"][name] for name in self._road.names]
+        self._car = Car(as_it_is(setup.vehicle, self._tyres[0], CarModelParameters(), errors), SPEED, 0)
         self._read()
 
     def _read(self) -> None:
         car = self._car
         self.speed, self.distance = car.speed, car.distance
-        self.wheel_speed, self.tyre_slip = np.array(car.wheel_speed), np.array(car.tyre_slip)
+        car.tyres = [self._tyres[k] for k in self._road.index(car.distance - self._behind)]
+        self.wheel_speed, self.slip, self.tyre_slip = map(np.array, (car.wheel_speed, car.slip, car.tyre_slip))
         self.load, self.friction = np.array(car.vertical_load), np.array(car.friction)
+        self.lambda_max, self.mu_max = np.array([tyre.peak for tyre in car.tyres]).T
 
     def step(self, torque: Array) -> None:
         self._car.step(torque.tolist())
         self._read()
 
 
+def _behind(setup: CarSetup) -> Array:
+    wheelbase = setup.vehicle.wheelbase
+    return np.array([0.0, 0.0, wheelbase, wheelbase])
+
+
 def car_bound(setup: CarSetup) -> ActuatorBound:
-    """Return the bound of a car on its road, which is even."""
+    """Return the bound of a car on its road, which is even.
+
+    Where it changes to one with less grip the brake comes down with its full rate from there on, not before.
+    """
     plant: _Plant = _Car(setup) if MODELS[setup.car] == CAR else _TwoAxle(setup)
     for _ in range(round(ROLLING * DT / _STEP)):
         plant.step(np.zeros(4))
-    lambda_max, mu_max = setup.peak
     car, actuator = setup.vehicle, setup.trouble.actuator
     radius = np.array([wheel.radius for wheel in car.wheels])
     inertia = np.array([wheel.inertia for wheel in car.wheels])
-    best = mu_max * car.mass * GRAVITY
-    torque, held = np.zeros(4), np.zeros(4, dtype=bool)
+    rise, fall = actuator.apply_rate * _STEP, actuator.release_rate * _STEP
+    torque, held, falls = np.zeros(4), np.zeros(4, dtype=bool), np.zeros(4, dtype=bool)
+    mu_max = plant.mu_max
+    lock = LongestLock(4, _STEP)
     time, used, speed, start = 0.0, 0.0, plant.speed, plant.distance
-    to_end = used_to_end = 0.0
+    to_end = used_to_end = best = 0.0
     while speed > _SLOW:
         if speed > END_SPEED:
             to_end, used_to_end = time, used
-        held |= plant.tyre_slip >= lambda_max
-        force = plant.load * plant.friction
-        wanted = (1.0 - lambda_max) * speed / radius
-        spin = inertia * (1.0 - lambda_max) * force.sum() / car.mass / radius
-        hold = radius * mu_max * plant.load + spin + inertia * _RATE * (plant.wheel_speed - wanted)
-        rising = torque + actuator.apply_rate * _STEP * (time >= actuator.delay)
-        torque = np.where(held, np.maximum(hold, 0.0), rising)
+        held |= plant.tyre_slip >= plant.lambda_max
+        force, best = plant.load * plant.friction, float(plant.load @ plant.mu_max)
+        rolls = 1.0 - plant.lambda_max
+        spin = inertia * rolls * force.sum() / car.mass / radius
+        error = plant.wheel_speed - rolls * speed / radius
+        hold = radius * plant.mu_max * plant.load + spin + inertia * _RATE * error
+        wanted = np.where(held, np.maximum(hold, 0.0), torque + rise * (time >= actuator.delay))
+        falls = (falls | (plant.mu_max < mu_max)) & (torque - fall > wanted)
+        torque, mu_max = np.where(falls, torque - fall, wanted), plant.mu_max
         plant.step(torque)
+        lock.update(plant.slip, np.full(4, plant.speed > LOCK_ABOVE))
         time += _STEP
         used += _STEP * float(force.sum()) / best
         speed = plant.speed
     last = speed * car.mass / best
     return ActuatorBound(
-        used_to_end / to_end, (used + last) / (time + last), plant.distance - start + 0.5 * speed * last
+        used_to_end / to_end,
+        (used + last) / (time + last),
+        plant.distance - start + 0.5 * speed * last,
+        float(lock.longest.max()),
     )

@@ -2,19 +2,20 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from abs_supervisor.wheel_pair import NO_AXLE
-from corner_sim.car.tyre import TYRES
 from corner_sim.car_model import SAME, CarModelParameters
 from corner_sim.models import CAR, in_order
 from corner_sim.parameters import SimParameters
+from corner_sim.road import Road
 from corner_sim.simulation import Simulation
 from friction_evaluation.closed_loop.law_stops import OFFSET, ROLLING
 from friction_evaluation.closed_loop.panic_plant import DEMAND_RATIO
+from friction_evaluation.closed_loop.panic_road import panic_road
 from friction_evaluation.closed_loop.trouble import NONE, Trouble
 from friction_evaluation.protocol import ACCELERATION_STDDEV, DT, SPEED
-from vehicle_models import burckhardt
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.single_corner import GRAVITY
 from vehicle_models.surfaces import surface
 from vehicle_models.two_axle import peak_torque
 from vehicle_models.vehicle import Vehicle
@@ -23,6 +24,8 @@ from vehicle_models.vehicle_file import load_vehicle
 MODELS = {"four_wheels": "two_axle", "car": CAR}
 """Models of corner_sim by the names of the rows."""
 SHIPPED_CAR = "compact_car"
+_ROLLED = SPEED * ROLLING * DT
+"""[m] before the onset; less what the drag takes."""
 _START = 10_000 * NANOSECONDS
 """Stamp of the first sample."""
 
@@ -34,6 +37,7 @@ class CarSetup:
     car: str
     """Of MODELS."""
     surface: str
+    """Name of a road, which panic_road knows."""
     trouble: Trouble = NONE
     right_surface: str = SAME
     """Of the right wheels; only with the car whose model is CAR."""
@@ -54,28 +58,21 @@ class CarSetup:
         return self.trouble.vehicle(self.told)
 
     @property
-    def peak(self) -> tuple[float, float]:
-        """Slip lambda_max and friction mu_max of the peak of the plant's tyres [-]; on the left."""
-        if MODELS[self.car] == CAR:
-            return TYRES["burckhardt"][self.surface].peak
-        lambda_max, mu_max = burckhardt.peak(surface(self.surface))
-        return float(lambda_max), float(mu_max)
-
-    @property
-    def best(self) -> float:
-        """Braking force with every tyre at its peak [N], the load even."""
-        mu_max = self.peak[1]
-        if self.right_surface != SAME:
-            mu_max = 0.5 * (mu_max + TYRES["burckhardt"][self.right_surface].peak[1])
-        return mu_max * self.vehicle.mass * GRAVITY
+    def road(self) -> Road:
+        """Surfaces from where the run starts on; one that changes does so soon after the onset of braking."""
+        way = panic_road(self.surface)
+        return Road(way.names, [distance + _ROLLED * (distance > 0.0) for distance in way.distances])
 
     @property
     def demand(self) -> float:
-        """DEMAND_RATIO times the pressure [Pa] at which the wheel with the weakest brake for its load has its peak."""
+        """DEMAND_RATIO times the pressure [Pa] at which the wheel with the weakest brake for its load has its peak.
+
+        On the surface of the way where that is highest.
+        """
         car = self.vehicle
-        gains = [wheel.brake_gain for wheel in car.wheels]
-        torques = peak_torque(car, surface(self.surface)).tolist()
-        return DEMAND_RATIO * max(torque / gain for torque, gain in zip(torques, gains, strict=True))
+        gains = np.array([wheel.brake_gain for wheel in car.wheels])
+        torques = [peak_torque(car, surface(name)) for name in self.road.names]
+        return DEMAND_RATIO * float(np.max(torques / gains))
 
     @property
     def parameters(self) -> SimParameters:
@@ -83,7 +80,8 @@ class CarSetup:
         return SimParameters(
             model=MODELS[self.car],
             initial_speed=SPEED,
-            surfaces=(self.surface,),
+            surfaces=self.road.names,
+            surface_distances=self.road.distances,
             demand_unit="torque",
             demand_level=self.demand * self.vehicle.wheels[0].brake_gain,
             demand_start=ROLLING * DT,

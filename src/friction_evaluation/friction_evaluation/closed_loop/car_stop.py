@@ -19,7 +19,7 @@ from friction_runtime.processor_graph import ProcessorGraph
 def car_stops(setup: CarSetup, seeds: range, law: str) -> PanicStops:
     """Brake once for each seed, of the sensor noise and of the road, under a law of abs_supervisor.
 
-    Utilisation is that of the tyres: their braking forces over mu_max times the weight. The longest lock is that of any
+    Utilisation is that of the tyres: their braking forces over those of their peaks. The longest lock is that of any
     wheel, the changes of the command are a mean of the wheels.
     """
     found = [car_stop(setup, seed, law)[0] for seed in seeds]
@@ -32,7 +32,6 @@ def car_stop(setup: CarSetup, seed: int, law: str) -> tuple[PanicStops, Array]:
     wheels = setup.told.wheel_names
     graph = ProcessorGraph(_processors(law, setup))
     simulation = setup.simulation(seed)
-    best = setup.best
     lock = LongestLock(len(wheels))
     slip, force = np.zeros(len(wheels)), np.zeros(len(wheels))
     commands = np.ones(len(wheels), dtype=np.int64)
@@ -58,8 +57,9 @@ def car_stop(setup: CarSetup, seed: int, law: str) -> tuple[PanicStops, Array]:
         if simulation.index == ROLLING:
             start = simulation.distance
         if braking:
-            used.append(float(force.sum()) / best)
-            moments.append(simulation.sample.yaw_moment)
+            sample = simulation.sample
+            used.append(float(force.sum() / (sample.vertical_load @ sample.peak[:, 1])))
+            moments.append(sample.yaw_moment)
             lock.update(np.nan_to_num(slip), np.full(len(wheels), simulation.speed > LOCK_ABOVE))
             if simulation.speed > END_SPEED:
                 fast += 1

@@ -13,13 +13,14 @@ _LOCK_SLIP = 0.95
 class LongestLock:
     """Follows n wheels."""
 
-    def __init__(self, count: int) -> None:
-        """Start with none locked."""
+    def __init__(self, count: int, step: float = DT) -> None:
+        """Start with none locked; `step` is the time between samples [s]."""
+        self._step = step
         self.longest: Array = np.zeros(count)
         """[s], shape (n,)."""
         self._present: Array = np.zeros(count)
 
     def update(self, slip: Array, counts: Flags) -> None:
         """Take the slips of a sample and for which of them a lock counts, shape (n,)."""
-        self._present = np.where(counts & (slip > _LOCK_SLIP), self._present + DT, 0.0)
+        self._present = np.where(counts & (slip > _LOCK_SLIP), self._present + self._step, 0.0)
         self.longest = np.maximum(self.longest, self._present)

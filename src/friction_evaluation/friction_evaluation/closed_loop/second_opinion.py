@@ -13,6 +13,7 @@ import numpy as np
 from friction_msgs.msg import BrakeCommand, FrictionCurve, TyreForce
 from numpy.typing import NDArray
 
+from corner_sim.car.tyre import TYRES
 from corner_sim.car_model import CarModelParameters
 from corner_sim.models import CAR
 from corner_sim.simulation import Simulation
@@ -77,8 +78,8 @@ class Heard:
         return (told[0] - reached[0]) / NANOSECONDS if told else inf
 
 
-def heard(road: str, seed: int, law: str) -> tuple[Mapping[str, Heard], CarSetup, int]:
-    """Brake once; return what was heard of each wheel, the car, and the onset [ns]."""
+def heard(road: str, seed: int, law: str) -> tuple[Mapping[str, Heard], int]:
+    """Brake once; return what was heard of each wheel, and the onset [ns]."""
     (car,) = (name for name, model in MODELS.items() if model == CAR)
     setup = CarSetup(car, road)
     drive: Mapping[str, Any] = plant_of_demo(road, SHIPPED_CAR)[PLANT]
@@ -114,7 +115,7 @@ def heard(road: str, seed: int, law: str) -> tuple[Mapping[str, Heard], CarSetup
                 elif braking:
                     _note(found, simulation.stamp, begin, each)
         simulation.advance()
-    return found, setup, begin
+    return found, begin
 
 
 def _note(found: Mapping[str, Heard], now: int, begin: int, message: object) -> None:
@@ -131,14 +132,12 @@ def _note(found: Mapping[str, Heard], now: int, begin: int, message: object) -> 
 def opinion_row(law: str, seeds: range, road: str) -> Row:
     """Return the row of a road, for information."""
     stops = [heard(road, seed, law) for seed in seeds]
-    wheels = [wheel for found, _, _ in stops for wheel in found.values()]
-    mu_max = stops[0][1].peak[1]
+    wheels = [wheel for found, _ in stops for wheel in found.values()]
+    mu_max = TYRES["burckhardt"][road].peak[1]
     errors, stddevs = (np.concatenate(each) for each in zip(*(wheel.errors() for wheel in wheels), strict=True))
     every = [each for wheel in wheels for each in wheel.opinions]
     ages = [(each.came - each.stamp) / NANOSECONDS for each in every]
-    curves = [
-        (wheel.curve - begin) / NANOSECONDS for found, _, begin in stops for wheel in found.values() if wheel.curve
-    ]
+    curves = [(wheel.curve - begin) / NANOSECONDS for found, begin in stops for wheel in found.values() if wheel.curve]
     return {
         "car": SMART_TYRES,
         "surface": road,
