@@ -155,6 +155,12 @@ class SpeedFilter:
         return self.offset_variance + noise + self._p[2][2] * self.acceleration**2
 
     @property
+    def slip_noise(self) -> float:
+        """What the noise of the accelerometer does to the slip of rolling wheels, as a variance of speed [m^2/s^2]."""
+        compliance = self.compliance**2 + self._p[3][3]
+        return compliance * (self._parameters.acceleration_stddev * self.speed) ** 2
+
+    @property
     def _scale(self) -> float:
         return 1.0 if self._measured is None else 1.0 - self.gain
 
