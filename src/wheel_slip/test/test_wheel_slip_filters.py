@@ -172,13 +172,13 @@ def test_blind_filter_keeps_apart_what_the_road_may_have_done() -> None:
     assert f.steady_road_variance == pytest.approx(gain * 1e-3)
 
 
-def test_limit_lowers_the_uncertainty_to_its_value_and_moves_nothing() -> None:
+def test_limit_lowers_the_uncertainty_to_its_value_moves_nothing_and_confirms_no_offset() -> None:
     f = blind_filter(4.0)
     speed, offset, steady, offset_variance = f.speed, f.offset, f.steady_road_variance, f.offset_variance
     for variance in (0.5 * f.speed_variance, 0.5 * steady):
         f.limit(variance)
         assert f.speed_variance == pytest.approx(variance)
-        assert f.offset_variance < offset_variance
+        assert f.offset_variance == pytest.approx(offset_variance)
         offset_variance = f.offset_variance
     assert (f.speed, f.offset) == (speed, offset)
 

@@ -68,9 +68,9 @@ class SpeedFilterParameters:
     compliance: float = parameter(
         0.008, "slip of a rolling wheel per acceleration of the car, to expect", unit="s^2/m", minimum=0.0, maximum=0.1
     )
-    compliance_stddev: float = parameter(0.03, "its standard deviation", unit="s^2/m", minimum=1e-4, maximum=0.1)
+    compliance_stddev: float = parameter(0.05, "its standard deviation", unit="s^2/m", minimum=1e-4, maximum=0.1)
     compliance_time: float = parameter(
-        2.0, "time in which it changes: the road, and how near the peak is", unit="s", minimum=0.1, maximum=100.0
+        5.0, "time in which it changes: the road, and how near the peak is", unit="s", minimum=0.1, maximum=100.0
     )
     telling: float = parameter(
         0.7,
@@ -253,19 +253,22 @@ class SpeedFilter:
         self._update(speed, variance, 0.0, 0.0, 0.0, 1.0)
 
     def limit(self, variance: float) -> None:
-        """Limit the variance of the speed to `variance` [m^2/s^2] without moving it: as a measurement that agrees."""
+        """Limit the variance of the speed to `variance` [m^2/s^2] without moving it; it confirms no offset or gain."""
         uv, uc, ub = self._unseen
         pv, by_gain = self._p[0][0], self._by_gain()
         total = pv + uv + by_gain
         if total <= variance:
             return
         if pv < variance:
-            share = (total - variance) / (uv + by_gain)
-            self._unseen = (uv - share * uv, uc - share * uc, ub - share * uc * uc / uv if uv else ub)
-            self._unseen_gain *= sqrt(1.0 - share)
+            left = (variance - pv) / (uv + by_gain)
+            self._unseen = (uv * left, uc * sqrt(left), ub)
+            self._unseen_gain *= sqrt(left)
         else:
             self._see()
-            self._update(self.speed, total * variance / (total - variance), 0.0, 0.0, 0.0, self.by_wheels)
+            p, share = self._p, sqrt(variance / self._p[0][0])
+            for j in _ALL:
+                p[0][j] *= share
+                p[j][0] *= share
 
     def _update(
         self, speed: float, variance: float, age: float, travelled: float, effort: float, by_wheels: float
