@@ -234,23 +234,33 @@ def test_queue_refuses_repeats_and_zero_and_starts_again_after_a_jump_back() -> 
     assert list(queue.due(130 * MS, True)) == [(100 * MS, "new")]
 
 
-def edge_speeds(teeth: int, rate: int) -> tuple[np.ndarray, np.ndarray]:
-    """A wheel that swings by 25 rad/s about 60 rad/s at 3 Hz: what it does, and the mean speeds between its edges."""
+def edge_speeds(teeth: int, rate: int, missing: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """A wheel that swings by 25 rad/s about 60 rad/s at 3 Hz: what it does, and the mean speeds between its edges.
+
+    The last `missing` teeth of its ring are not there, and nobody makes up for them.
+    """
     fine = np.arange(0.0, 4.0, 1e-5)
     omega = 60.0 + 25.0 * np.sin(2.0 * np.pi * 3.0 * fine)
     angle = np.cumsum(omega) * 1e-5
     pitch = 2.0 * np.pi / teeth
     stamps = np.arange(1, 4 * rate) / rate
     counts = np.floor(np.interp(stamps, fine, angle) / pitch)
+    counts -= np.maximum(counts % teeth - (teeth - missing - 1), 0.0)
     edges = np.interp(counts * pitch, angle, fine)
-    return np.interp(stamps, fine, omega)[1:], np.diff(counts) * pitch / np.diff(edges)
+    seen = counts - missing * (counts // teeth)
+    return np.interp(stamps, fine, omega)[1:], np.diff(seen) * pitch / np.diff(edges)
 
 
-@pytest.mark.parametrize(("teeth", "rate"), [(48, 200), (48, 100), (24, 100)])
-def test_speeds_between_edges_are_brought_to_their_stamp_and_cover_what_is_left(teeth: int, rate: int) -> None:
-    true, read = edge_speeds(teeth, rate)
+@pytest.mark.parametrize(
+    ("teeth", "rate", "missing"), [(48, 200, 0), (48, 100, 0), (24, 100, 0), (60, 100, 2), (60, 50, 2)]
+)
+def test_speeds_between_edges_are_brought_to_their_stamp_and_cover_what_is_left(
+    teeth: int, rate: int, missing: int
+) -> None:
+    true, read = edge_speeds(teeth, rate, missing)
     told, plain = (
-        WheelSpeedFilter(WheelFilterParameters(edges=edges), max_gap=0.1, teeth=teeth) for edges in (True, False)
+        WheelSpeedFilter(WheelFilterParameters(edges=edges, missing_teeth=edges * missing), max_gap=0.1, teeth=teeth)
+        for edges in (True, False)
     )
     errors, late, deviations = [], [], []
     for k, (speed, measured) in enumerate(zip(true, read, strict=True)):

@@ -133,8 +133,8 @@ class WheelBounds:
         """Correct the speed by the fastest wheel that the road carries, if it is where the speed may be.
 
         That is judged, and corrected, as on a road that keeps its slope: wheels may also stand still in a slip, and the
-        more the road may have done meanwhile the more of that would pass for the speed. For the same reason a speed that
-        has become doubtful makes no larger gap plausible.
+        more the road may have done meanwhile the more of that would pass for the speed. So a speed that has become
+        doubtful makes no larger gap plausible.
         """
         gaps = self._carried.update(dt, rim_speeds, car.speed)
         if gaps:
