@@ -172,15 +172,25 @@ def test_blind_filter_keeps_apart_what_the_road_may_have_done() -> None:
     assert f.steady_road_variance == pytest.approx(gain * 1e-3)
 
 
-def test_limit_lowers_the_uncertainty_to_its_value_moves_nothing_and_confirms_no_offset() -> None:
+def test_limit_lowers_the_uncertainty_to_its_value_and_moves_nothing() -> None:
     f = blind_filter(4.0)
     speed, offset, steady, offset_variance = f.speed, f.offset, f.steady_road_variance, f.offset_variance
-    for variance in (0.5 * f.speed_variance, 0.5 * steady):
-        f.limit(variance)
-        assert f.speed_variance == pytest.approx(variance)
-        assert f.offset_variance == pytest.approx(offset_variance)
-        offset_variance = f.offset_variance
+    total = f.speed_variance
+    f.limit(0.5 * total)
+    assert f.speed_variance == pytest.approx(0.5 * total)
+    assert f.offset_variance < offset_variance
+    f.limit(0.5 * steady)
+    assert f.speed_variance == pytest.approx(0.5 * steady)
     assert (f.speed, f.offset) == (speed, offset)
+
+
+def test_limit_that_is_repeated_makes_no_offset_certain() -> None:
+    f = blind_filter(0.1)
+    f.doubt_offset(1.0)
+    for k in range(2100, 3000):
+        f.predict(k * 5 * MS, 0.0)
+        f.limit(1e-3)
+    assert f.offset_variance >= 1.0
 
 
 def test_measurement_after_a_blind_time_counts_against_all_that_may_have_happened() -> None:

@@ -253,16 +253,20 @@ class SpeedFilter:
         self._update(speed, variance, 0.0, 0.0, 0.0, 1.0)
 
     def limit(self, variance: float) -> None:
-        """Limit the variance of the speed to `variance` [m^2/s^2] without moving it; it confirms no offset or gain."""
+        """Limit the variance of the speed to `variance` [m^2/s^2] without moving it.
+
+        As a measurement that agrees where that is enough to take away what happened unseen, and else without a word on
+        offset and gain: said at every sample, it would make certain what they are taken to be.
+        """
         uv, uc, ub = self._unseen
         pv, by_gain = self._p[0][0], self._by_gain()
         total = pv + uv + by_gain
         if total <= variance:
             return
         if pv < variance:
-            left = (variance - pv) / (uv + by_gain)
-            self._unseen = (uv * left, uc * sqrt(left), ub)
-            self._unseen_gain *= sqrt(left)
+            share = (total - variance) / (uv + by_gain)
+            self._unseen = (uv - share * uv, uc - share * uc, ub - share * uc * uc / uv if uv else ub)
+            self._unseen_gain *= sqrt(1.0 - share)
         else:
             self._see()
             p, share = self._p, sqrt(variance / self._p[0][0])
