@@ -239,6 +239,20 @@ def test_the_encoder_is_exact_at_constant_speed(rate: int, speed: float) -> None
         assert encoder.publish((k + 1) * interval) == pytest.approx(speed, rel=3e-6 * rate)
 
 
+def test_a_ring_without_two_teeth_gives_a_speed_that_is_too_low_once_in_a_revolution() -> None:
+    speed, interval = 60.0, 0.005
+    encoder = Encoder(60, speed, 0.0, missing=2)
+    published = []
+    for k in range(400):
+        encoder.turn(k * interval, interval, speed, speed)
+        published.append(encoder.publish((k + 1) * interval))
+    low = np.array(published) < 0.9 * speed
+    assert np.array(published)[~low] == pytest.approx(speed, rel=1e-3)
+    # n edges where n + 2 pitches have passed, n = 1 to 3
+    assert np.all(np.array(published)[low] > 0.32 * speed) and np.all(np.array(published)[low] < 0.61 * speed)
+    assert np.sum(low) == pytest.approx(400 * interval * speed / (2.0 * np.pi), abs=1.0)
+
+
 def test_the_encoder_gives_the_mean_between_edges_and_never_more_than_a_tooth_allows() -> None:
     encoder, angle, time = Encoder(48, 80.0, 0.0), 0.0, 0.0
     published = []

@@ -175,12 +175,22 @@ def test_blind_filter_keeps_apart_what_the_road_may_have_done() -> None:
 def test_limit_lowers_the_uncertainty_to_its_value_and_moves_nothing() -> None:
     f = blind_filter(4.0)
     speed, offset, steady, offset_variance = f.speed, f.offset, f.steady_road_variance, f.offset_variance
-    for variance in (0.5 * f.speed_variance, 0.5 * steady):
-        f.limit(variance)
-        assert f.speed_variance == pytest.approx(variance)
-        assert f.offset_variance < offset_variance
-        offset_variance = f.offset_variance
+    total = f.speed_variance
+    f.limit(0.5 * total)
+    assert f.speed_variance == pytest.approx(0.5 * total)
+    assert f.offset_variance < offset_variance
+    f.limit(0.5 * steady)
+    assert f.speed_variance == pytest.approx(0.5 * steady)
     assert (f.speed, f.offset) == (speed, offset)
+
+
+def test_limit_that_is_repeated_makes_no_offset_certain() -> None:
+    f = blind_filter(0.1)
+    f.doubt_offset(1.0)
+    for k in range(2100, 3000):
+        f.predict(k * 5 * MS, 0.0)
+        f.limit(1e-3)
+    assert f.offset_variance >= 1.0
 
 
 def test_measurement_after_a_blind_time_counts_against_all_that_may_have_happened() -> None:
@@ -234,23 +244,33 @@ def test_queue_refuses_repeats_and_zero_and_starts_again_after_a_jump_back() -> 
     assert list(queue.due(130 * MS, True)) == [(100 * MS, "new")]
 
 
-def edge_speeds(teeth: int, rate: int) -> tuple[np.ndarray, np.ndarray]:
-    """A wheel that swings by 25 rad/s about 60 rad/s at 3 Hz: what it does, and the mean speeds between its edges."""
+def edge_speeds(teeth: int, rate: int, missing: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """A wheel that swings by 25 rad/s about 60 rad/s at 3 Hz: what it does, and the mean speeds between its edges.
+
+    The last `missing` teeth of its ring are not there, and nobody makes up for them.
+    """
     fine = np.arange(0.0, 4.0, 1e-5)
     omega = 60.0 + 25.0 * np.sin(2.0 * np.pi * 3.0 * fine)
     angle = np.cumsum(omega) * 1e-5
     pitch = 2.0 * np.pi / teeth
     stamps = np.arange(1, 4 * rate) / rate
     counts = np.floor(np.interp(stamps, fine, angle) / pitch)
+    counts -= np.maximum(counts % teeth - (teeth - missing - 1), 0.0)
     edges = np.interp(counts * pitch, angle, fine)
-    return np.interp(stamps, fine, omega)[1:], np.diff(counts) * pitch / np.diff(edges)
+    seen = counts - missing * (counts // teeth)
+    return np.interp(stamps, fine, omega)[1:], np.diff(seen) * pitch / np.diff(edges)
 
 
-@pytest.mark.parametrize(("teeth", "rate"), [(48, 200), (48, 100), (24, 100)])
-def test_speeds_between_edges_are_brought_to_their_stamp_and_cover_what_is_left(teeth: int, rate: int) -> None:
-    true, read = edge_speeds(teeth, rate)
+@pytest.mark.parametrize(
+    ("teeth", "rate", "missing"), [(48, 200, 0), (48, 100, 0), (24, 100, 0), (60, 100, 2), (60, 50, 2)]
+)
+def test_speeds_between_edges_are_brought_to_their_stamp_and_cover_what_is_left(
+    teeth: int, rate: int, missing: int
+) -> None:
+    true, read = edge_speeds(teeth, rate, missing)
     told, plain = (
-        WheelSpeedFilter(WheelFilterParameters(edges=edges), max_gap=0.1, teeth=teeth) for edges in (True, False)
+        WheelSpeedFilter(WheelFilterParameters(edges=edges, missing_teeth=edges * missing), max_gap=0.1, teeth=teeth)
+        for edges in (True, False)
     )
     errors, late, deviations = [], [], []
     for k, (speed, measured) in enumerate(zip(true, read, strict=True)):

@@ -96,7 +96,7 @@ class SlipEstimator:
             known = isfinite(measured)
             if known:
                 wheel.update(stamp, measured)
-            rim_speeds.append(measured * radius)
+            rim_speeds.append(nan if wheel.in_gap else measured * radius)
             smooth_rim_speeds.append(wheel.speed * radius if known else nan)
             rim_accelerations.append(wheel.acceleration * radius)
         self.vehicle.update(stamp, rim_speeds, smooth_rim_speeds, rim_accelerations, acceleration, measured_speeds)

@@ -68,9 +68,9 @@ class SpeedFilterParameters:
     compliance: float = parameter(
         0.008, "slip of a rolling wheel per acceleration of the car, to expect", unit="s^2/m", minimum=0.0, maximum=0.1
     )
-    compliance_stddev: float = parameter(0.03, "its standard deviation", unit="s^2/m", minimum=1e-4, maximum=0.1)
+    compliance_stddev: float = parameter(0.05, "its standard deviation", unit="s^2/m", minimum=1e-4, maximum=0.1)
     compliance_time: float = parameter(
-        2.0, "time in which it changes: the road, and how near the peak is", unit="s", minimum=0.1, maximum=100.0
+        5.0, "time in which it changes: the road, and how near the peak is", unit="s", minimum=0.1, maximum=100.0
     )
     telling: float = parameter(
         0.7,
@@ -153,6 +153,12 @@ class SpeedFilter:
         """[m^2/s^4]"""
         noise = self._parameters.acceleration_stddev**2 if self._measured is not None else 0.0
         return self.offset_variance + noise + self._p[2][2] * self.acceleration**2
+
+    @property
+    def slip_noise(self) -> float:
+        """What the noise of the accelerometer does to the slip of rolling wheels, as a variance of speed [m^2/s^2]."""
+        compliance = self.compliance**2 + self._p[3][3]
+        return compliance * (self._parameters.acceleration_stddev * self.speed) ** 2
 
     @property
     def _scale(self) -> float:
@@ -247,7 +253,11 @@ class SpeedFilter:
         self._update(speed, variance, 0.0, 0.0, 0.0, 1.0)
 
     def limit(self, variance: float) -> None:
-        """Limit the variance of the speed to `variance` [m^2/s^2] without moving it: as a measurement that agrees."""
+        """Limit the variance of the speed to `variance` [m^2/s^2] without moving it.
+
+        As a measurement that agrees where that is enough to take away what happened unseen, and else without a word on
+        offset and gain: said at every sample, it would make certain what they are taken to be.
+        """
         uv, uc, ub = self._unseen
         pv, by_gain = self._p[0][0], self._by_gain()
         total = pv + uv + by_gain
@@ -259,7 +269,10 @@ class SpeedFilter:
             self._unseen_gain *= sqrt(1.0 - share)
         else:
             self._see()
-            self._update(self.speed, total * variance / (total - variance), 0.0, 0.0, 0.0, self.by_wheels)
+            p, share = self._p, sqrt(variance / self._p[0][0])
+            for j in _ALL:
+                p[0][j] *= share
+                p[j][0] *= share
 
     def _update(
         self, speed: float, variance: float, age: float, travelled: float, effort: float, by_wheels: float

@@ -77,12 +77,13 @@ class VehicleSpeed:
         self.cause = Cause.STARTED
         """Why it was entered."""
         self._since: int | None = None
+        self._force: float | None = None
         self._sensor_stamp: int | None = None
         self._surprise = 0.0
         self._doubted: int | None = None
         self._believed: list[int] = []
         self._wheels_share = 0.0
-        self._not_yet_believed: deque[tuple[int, float, float, float]] = deque()
+        self._not_yet_believed: deque[tuple[int, float, float]] = deque()
         self._last: int | None = None
 
     @property
@@ -154,7 +155,7 @@ class VehicleSpeed:
         self._last = stamp
         if self._accelerometer.leaves_out(stamp, acceleration, smooth_rim_speeds, any(self._slide.rolling)):
             acceleration = None
-        self._predict(stamp, acceleration, smooth_rim_speeds, rim_accelerations)
+        self._predict(stamp, dt, acceleration, smooth_rim_speeds, rim_accelerations)
         at_wheels = self._at_wheels(rim_speeds)
         measured = self._new_samples(stamp, measured, smooth_rim_speeds, acceleration is not None)
         starting = self.mode is Mode.WAITING
@@ -181,6 +182,7 @@ class VehicleSpeed:
     def _predict(
         self,
         stamp: int,
+        dt: float,
         acceleration: float | None,
         smooth_rim_speeds: Sequence[float],
         rim_accelerations: Sequence[float],
@@ -200,6 +202,12 @@ class VehicleSpeed:
             sqrt(self._filter.offset_variance),
             (self._filter.speed, sqrt(self._filter.speed_variance)) if started else None,
         )
+        before = self._force
+        share = dt / (self._p.rolling.lag + dt)
+        if acceleration is None or before is None:
+            self._force = acceleration
+        else:
+            self._force = before + share * (acceleration - before)
 
     def _change_mode(self, stamp: int, smooth_rim_speeds: Sequence[float], speed_at_wheels: bool) -> None:
         """Make the transition of this sample, and what comes with it."""
@@ -385,14 +393,17 @@ class VehicleSpeed:
                 if abs(speed) < self._p.slide.blind_below
                 else self._rim_speed_variance / count
             )
-            variance, effort = noise + slip**2 * many, self._effort()
+            variance = noise + slip**2 * many
             if starting:
-                self._start_at_wheels(speed, variance, effort)
+                self._start_at_wheels(speed, variance, self._effort())
             else:
-                self._not_yet_believed.append((stamp, speed, variance, effort))
+                self._not_yet_believed.append((stamp, speed, variance))
         late = self._p.rolling.lag * NANOSECONDS
         while self._not_yet_believed and stamp - self._not_yet_believed[0][0] >= late:
-            when, speed, variance, effort = self._not_yet_believed.popleft()
+            when, speed, variance = self._not_yet_believed.popleft()
+            effort = self._effort()
+            if effort:
+                variance += self._filter.slip_noise
             if self._filter.correct(speed, variance, when, effort):
                 self._watch_offset(dt)
 
@@ -435,14 +446,12 @@ class VehicleSpeed:
 
     def _effort(self) -> float:
         """Deceleration by which the tyres of the wheels that are believed slip [m/s^2]."""
-        a = self._slide.acceleration or 0.0
-        if a > 0.0 and self._slide.free_believed():
+        force = self._force or 0.0
+        if force > 0.0 and self._slide.free_believed():
             return 0.0
         # On a slope that has been learned the corrected acceleration is that of the road: tyres need no slip for it.
-        force = a + self._filter.offset if self._slide.acceleration is not None else 0.0
-        if a * force <= 0.0:
-            return 0.0
-        return -copysign(max(min(abs(a), abs(force)) - self._p.rolling.forceless, 0.0), a)
+        along = copysign(1.0, force) * (force - self._filter.offset) + sqrt(self._filter.offset_variance)
+        return -copysign(max(min(along, abs(force)) - self._p.rolling.forceless, 0.0), force)
 
     def _return_to_wheels(self, smooth_rim_speeds: Sequence[float], cause: Cause) -> None:
         """Take the speed from the wheels.

@@ -133,12 +133,15 @@ class WheelBounds:
         """Correct the speed by the fastest wheel that the road carries, if it is where the speed may be.
 
         That is judged, and corrected, as on a road that keeps its slope: wheels may also stand still in a slip, and the
-        more the road may have done meanwhile the more of that would pass for the speed.
+        more the road may have done meanwhile the more of that would pass for the speed. So a speed that has become
+        doubtful makes no larger gap plausible.
         """
         gaps = self._carried.update(dt, rim_speeds, car.speed)
         if gaps:
             gap = max(gaps)
             slip = self._slip_per_acceleration * car.speed * a
             variance = self._carried.gap_variance(dt) + slip**2
-            if gap**2 < self._p.carried.plausible**2 * (car.steady_road_variance + variance):
-                car.believe(car.speed + gap, variance * max(self._p.carried.released / dt, 1.0))
+            known = car.steady_road_variance
+            doubt = max(known - (self._p.margin * car.speed) ** 2, 0.0)
+            if gap**2 < self._p.carried.plausible**2 * (known - doubt + variance):
+                car.believe(car.speed + gap, (variance + doubt) * max(self._p.carried.released / dt, 1.0))

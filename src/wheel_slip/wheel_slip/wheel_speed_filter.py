@@ -17,20 +17,21 @@ fewer, and half a tooth more. What the wheel has done since is not seen, and is 
 """
 
 from dataclasses import dataclass
-from math import nan, pi
+from math import nan, pi, sqrt
 from typing import Final
 
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
+from wheel_slip.ring_gap import RingGap
 
 _FIRST_ACCELERATION_VARIANCE: Final = 100.0**2
 """Variance of an unknown acceleration [rad^2/s^4]: ten times that of a wheel that rolls in a hard stop, squared."""
 _MEMORY: Final = 0.3
-"""Share of the newest sample in the mean squared innovation."""
+"""Share of the newest sample in the mean squared innovation: six samples, of which noise seldom makes twice its own."""
 _KNEE: Final = 2.0
 """Mean squared innovation above which the wheel is no longer quiet."""
 _LARGEST_GAIN: Final = 1e4
-"""Largest factor on the density q."""
+"""Largest factor on the density q: the acceleration of a wheel that locks changes by 400 rad/s^2 in 5 ms."""
 _SLOWEST: Final = 1e-3
 """Speed of a wheel that stands [rad/s]."""
 _AGE_SHARE: Final = 0.35
@@ -55,6 +56,12 @@ class WheelFilterParameters:
         False,
         "wheel speeds are means between two edges of the encoder, up to a sample and a tooth old at their stamp",
     )
+    missing_teeth: int = parameter(
+        0,
+        "teeth in a row that each ring lacks and the sender does not make up for (60-2: 2 of 60 encoder_teeth)",
+        minimum=0,
+        maximum=4,
+    )
 
 
 class WheelSpeedFilter:
@@ -66,9 +73,10 @@ class WheelSpeedFilter:
         Args:
             parameters: parameters of the filter.
             max_gap: gap [s] beyond which the filter starts again.
-            teeth: teeth of the encoder.
+            teeth: teeth of the encoder, missing ones included.
         """
         self._pitch = 2.0 * pi / teeth if parameters.edges else 0.0
+        self._gap = RingGap(parameters.missing_teeth, 2.0 * pi / teeth) if parameters.missing_teeth else None
         self._variance = parameters.speed_stddev**2
         self._jerk_density = parameters.jerk_density
         self._max_gap = max_gap
@@ -88,6 +96,8 @@ class WheelSpeedFilter:
         """Of what the wheel has done since [rad^2/s^2]."""
         self.acceleration_variance = _FIRST_ACCELERATION_VARIANCE
         """[rad^2/s^4]"""
+        self.in_gap = False
+        """Whether the last sample was that of missing teeth, and says nothing."""
         self.restarted_by_gap = False
         """Whether the last restart was caused by a gap."""
         self.settled = False
@@ -96,6 +106,8 @@ class WheelSpeedFilter:
         self._unrest = 1.0
         self._stamp: int | None = None
         self._samples = 0
+        if self._gap is not None:
+            self._gap.reset()
 
     def update(self, stamp: int, measured: float) -> None:
         """Take a wheel speed [rad/s], finite, at a stamp [ns] later than the last."""
@@ -121,14 +133,20 @@ class WheelSpeedFilter:
         p22 += q * dt
         speed = self.speed + dt * self.acceleration
         innovation = measured - speed
-        quiet = 1.6 * r + 1.5 * q0 * dt**3
-        self._unrest += _MEMORY * (innovation**2 / quiet - self._unrest)
-        gain, acceleration_gain = p11 / (p11 + r), p12 / (p11 + r)
-        self.speed = speed + gain * innovation
-        self.acceleration += acceleration_gain * innovation
-        self.speed_variance = gain * r
-        self._covariance = acceleration_gain * r
-        self.acceleration_variance = p22 - acceleration_gain * p12
+        deviation = sqrt(p11 + r + self.age_variance)
+        self.in_gap = self._gap is not None and self._gap.holds(dt, speed, measured, deviation)
+        if self.in_gap:
+            self.speed = speed
+            self.speed_variance, self._covariance, self.acceleration_variance = p11, p12, p22
+        else:
+            quiet = 1.6 * r + 1.5 * q0 * dt**3
+            self._unrest += _MEMORY * (innovation**2 / quiet - self._unrest)
+            gain, acceleration_gain = p11 / (p11 + r), p12 / (p11 + r)
+            self.speed = speed + gain * innovation
+            self.acceleration += acceleration_gain * innovation
+            self.speed_variance = gain * r
+            self._covariance = acceleration_gain * r
+            self.acceleration_variance = p22 - acceleration_gain * p12
         if self._pitch:
             tooth = min(self._pitch / max(abs(self.speed), _SLOWEST), self._max_gap)
             self.age = 0.5 * (max(dt, tooth) + tooth)

@@ -21,7 +21,9 @@ class SensorParameters:
     sample_rate: int = 200
     """Rate of the recording [Hz], a divisor of 1000."""
     encoder_teeth: int = 0
-    """Teeth of the encoders; 0: ideal wheel speeds with white noise."""
+    """Teeth of the encoders, missing ones included; 0: ideal wheel speeds with white noise."""
+    missing_teeth: int = 0
+    """Teeth in a row that each ring lacks, unknown to the control unit."""
     wheel_speed_variance: float = 0.005
     """Variance of ideal wheel speeds [rad^2/s^2], as section 8.3.2."""
     wheel_delay: float = 0.0

@@ -11,14 +11,20 @@ class Encoder:
 
     A published speed is n 2 pi / teeth / (t_last - t_last_before): the mean speed over the time between two edges,
     which ends up to a tooth before the stamp. Times are of a timer of 1 microsecond. Without a new edge the speed is at
-    most a tooth over the time since the last edge, and the last one otherwise.
+    most a tooth over the time since the last edge, and the last one otherwise. Where the ring lacks teeth no edges
+    come, and the unit does not know it.
     """
 
     TIMER = 1e-6
     """Resolution of the edge times [s]."""
 
-    def __init__(self, teeth: int, speed: float, angle: float) -> None:
-        """Begin at `speed` [rad/s] and `angle` [rad] of the wheel after its last edge, in [0, 2 pi / teeth)."""
+    def __init__(self, teeth: int, speed: float, angle: float, missing: int = 0) -> None:
+        """Begin at `speed` [rad/s] and `angle` [rad] of the wheel after its last edge, in [0, 2 pi / teeth).
+
+        The last `missing` of the `teeth` in a revolution are not there.
+        """
+        self._teeth, self._missing = teeth, missing
+        self._seen = 0
         self._pitch = 2.0 * pi / teeth
         self._angle = angle
         self._edge_count = 0
@@ -30,7 +36,11 @@ class Encoder:
         before = self._angle
         self._angle += 0.5 * dt * (begin + end)
         count = floor(self._angle / self._pitch)
+        while count > self._edge_count and count % self._teeth >= self._teeth - self._missing:
+            count -= 1
         if count > self._edge_count:
+            gone = count // self._teeth - self._edge_count // self._teeth
+            self._seen += count - self._edge_count - gone * self._missing
             self._edge_count = count
             # angle of the last edge: (begin + growth t / 2) t = rest
             rest, growth = count * self._pitch - before, (end - begin) / dt
@@ -40,11 +50,11 @@ class Encoder:
     def publish(self, time: float) -> float:
         """Wheel speed [rad/s] of the interval that ends at `time` [s]."""
         count, edge_time, speed = self._published
-        if self._edge_count > count:
-            speed = (self._edge_count - count) * self._pitch / (self._edge_time - edge_time)
+        if self._seen > count:
+            speed = (self._seen - count) * self._pitch / (self._edge_time - edge_time)
         elif time > edge_time:
             speed = min(speed, self._pitch / (time - edge_time))
-        self._published = (self._edge_count, self._edge_time, speed)
+        self._published = (self._seen, self._edge_time, speed)
         return speed
 
 

@@ -51,7 +51,7 @@ class MeasuredCar:
         self._force = LateSignal(s.acceleration_delay, STEP)
         first = self._rng.uniform(0.0, 1.0, 4).tolist()
         self._encoders = [
-            Encoder(s.encoder_teeth, omega, angle * 2.0 * pi / s.encoder_teeth)
+            Encoder(s.encoder_teeth, omega, angle * 2.0 * pi / s.encoder_teeth, s.missing_teeth)
             for omega, angle in zip(self.car.wheel_speed, first, strict=True)
             if s.encoder_teeth
         ]

@@ -69,7 +69,17 @@ class Case:
     @property
     def edges(self) -> bool:
         """Whether the wheel speeds are from the edges of an encoder, and the estimator knows it."""
-        return "encoder_teeth" in (self.trouble or {})
+        return self.teeth > 0
+
+    @property
+    def teeth(self) -> int:
+        """Teeth of that encoder, missing ones included; 0: none."""
+        return int((self.trouble or {}).get("encoder_teeth", 0))
+
+    @property
+    def missing_teeth(self) -> int:
+        """Teeth that its ring lacks, which the estimator knows."""
+        return int((self.trouble or {}).get("missing_teeth", 0))
 
 
 def _hill(time: float, car: Car) -> Surroundings:
@@ -94,6 +104,8 @@ _TROUBLES: Mapping[str, Mapping[str, Any]] = {
     "accelerometer 10 ms late": {"acceleration_delay": 0.01},
     "48 teeth at 200 Hz": {"encoder_teeth": 48},
     "48 teeth at 50 Hz": {"encoder_teeth": 48, "sample_rate": 50},
+    "60-2 teeth at 200 Hz": {"encoder_teeth": 60, "missing_teeth": 2},
+    "60-2 teeth at 50 Hz": {"encoder_teeth": 60, "missing_teeth": 2, "sample_rate": 50},
     "radius -1 %": {"radius": (0.297,) * 4},
 }
 

@@ -43,8 +43,11 @@ def honesty_rows(vehicle: Vehicle, parameters: EstimatorParameters, seeds: Seque
     """Return the rows of all drives, each with one car for each seed."""
     rows: list[Row] = []
     for name, case in track(cases().items(), description="drives"):
-        told = replace(parameters, wheel_filter=replace(parameters.wheel_filter, edges=case.edges))
-        rows += _rows(name, [judge(drive(case, vehicle, seed), vehicle, told) for seed in seeds])
+        of_wheels = replace(parameters.wheel_filter, edges=case.edges, missing_teeth=case.missing_teeth)
+        told, car = replace(parameters, wheel_filter=of_wheels), vehicle
+        if case.edges:
+            car = replace(vehicle, wheels=tuple(replace(each, encoder_teeth=case.teeth) for each in vehicle.wheels))
+        rows += _rows(name, [judge(drive(case, car, seed), car, told) for seed in seeds])
     ordinary = [ordinary_drive(seed) for seed in range(seeds[0], seeds[0] + 8 * len(seeds))]
     return rows + _rows("ordinary driving", [judge(each, vehicle, parameters) for each in ordinary])
 
