@@ -172,6 +172,47 @@ def test_blind_filter_keeps_apart_what_the_road_may_have_done() -> None:
     assert f.steady_road_variance == pytest.approx(gain * 1e-3)
 
 
+def onset(time: float) -> float:
+    """Acceleration of a car whose brakes come within 0.2 s [m/s^2]."""
+    return -8.0 * min(max((time - 0.5) / 0.2, 0.0), 1.0)
+
+
+def late_filter(late: float, delay: float, stddev: float, *, seen: bool) -> tuple[SpeedFilter, float]:
+    """Brake with readings that are `late` [s]; return the filter, which sees the speed until then or always, and it."""
+    f = SpeedFilter(
+        SpeedFilterParameters(acceleration_stddev=1e-3, offset_stddev=1e-3, gain_stddev=0.0), 0.0, delay, stddev
+    )
+    speed = 30.0
+    f.predict(MS, onset(-late))
+    f.start(speed, 1e-6)
+    for k in range(1, 201):
+        time = 0.005 * k
+        speed += 0.0025 * (onset(time - 0.005) + onset(time))
+        f.predict(MS + 5 * MS * k, onset(time - late))
+        if seen or time < 0.5:
+            f.correct(speed, 1e-4, by_wheels=0.0)
+    return f, speed
+
+
+@pytest.mark.parametrize("late", [0.0, 0.02, 0.08])
+def test_an_accelerometer_that_is_late_as_stated_gives_the_speed_of_now(late: float) -> None:
+    f, speed = late_filter(late, late, 0.0, seen=False)
+    assert f.speed == pytest.approx(speed, abs=0.025)  # 8 m/s^2 over half a sample
+
+
+def test_a_lateness_that_is_not_known_is_in_the_variance_as_far_as_the_acceleration_has_changed() -> None:
+    (sure, _), (unsure, speed) = (late_filter(0.05, 0.0, stddev, seen=False) for stddev in (0.0, 0.05))
+    assert unsure.speed_variance - sure.speed_variance == pytest.approx((8.0 * 0.05) ** 2, rel=0.02)
+    assert abs(unsure.speed - speed) < 1.96 * unsure.speed_variance**0.5
+    assert abs(sure.speed - speed) > 1.96 * sure.speed_variance**0.5
+
+
+def test_a_speed_that_is_measured_tells_how_late_the_accelerometer_is() -> None:
+    f, speed = late_filter(0.05, 0.0, 0.05, seen=True)
+    assert f.lateness == pytest.approx(0.05, abs=0.006)
+    assert f.speed == pytest.approx(speed, abs=0.02)
+
+
 def test_limit_lowers_the_uncertainty_to_its_value_and_moves_nothing() -> None:
     f = blind_filter(4.0)
     speed, offset, steady, offset_variance = f.speed, f.offset, f.steady_road_variance, f.offset_variance

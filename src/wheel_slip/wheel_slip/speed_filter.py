@@ -5,8 +5,10 @@
 a_m is the measured acceleration, n_a its noise, b its offset: sensor bias and road slope together (g sin(slope)), which
 a speed measurement separates from a_m and nothing else can. k is the error of its scale, with that of the body's pitch.
 c is the slip of rolling wheels per deceleration of the car: such wheels measure v (1 + c v_dot). An accelerometer is
-low-passed before it is sampled, so a sample is taken to hold for the whole interval it ends. Without an accelerometer
-a_m is 0, b is minus the acceleration of the car, and n_b is as strong as the changes of acceleration of a braking car.
+low-passed before it is sampled, so a sample is taken to hold for the whole interval it ends. Where it reads what was
+some time tau = tau_0 + e ago, v grows by tau times each change of a_m besides; tau_0 is stated, e an unknown. Without
+an accelerometer a_m is 0, b is minus the acceleration of the car, and n_b is as strong as the changes of acceleration
+of a braking car.
 
 While nothing observes the offset, the road may change its slope unseen. What that may have done to speed and offset is
 kept apart, in a second covariance (the unseen part), and so is what k has done to the speed; the sum of all is the
@@ -32,7 +34,8 @@ _FIRST_SPEED_VARIANCE: Final = 1e6
 _GAP: Final = 0.1
 """Longer steps between samples are gaps [s]."""
 _NOTHING = (0.0, 0.0, 0.0)
-_ALL: Final = range(4)
+_ALL: Final = range(5)
+_OTHERS: Final = range(1, 5)
 
 
 @dataclass(frozen=True)
@@ -96,11 +99,25 @@ class SpeedFilterParameters:
 
 
 class SpeedFilter:
-    """State (v, b, k, c) and its covariance."""
+    """State (v, b, k, c, e) and its covariance."""
 
-    def __init__(self, parameters: SpeedFilterParameters, gain_stddev: float | None = None) -> None:
-        """Start with nothing known; `gain_stddev` as in the parameters, where the car's is known."""
+    def __init__(
+        self,
+        parameters: SpeedFilterParameters,
+        gain_stddev: float | None = None,
+        delay: float = 0.0,
+        delay_stddev: float = 0.0,
+    ) -> None:
+        """Start with nothing known.
+
+        Args:
+            parameters: of noise, offset, slip.
+            gain_stddev: as in the parameters, where the car's is known.
+            delay: age tau_0 of a reading of the accelerometer against the wheel speeds [s].
+            delay_stddev: deviation of e [s].
+        """
         self._parameters = parameters
+        self._delay, self._delay_variance = delay, delay_stddev**2
         self._gain_variance = (parameters.gain_stddev if gain_stddev is None else gain_stddev) ** 2
         self.reset()
 
@@ -115,17 +132,21 @@ class SpeedFilter:
         """Error k of the accelerometer's scale, as a share."""
         self.compliance = p.compliance
         """Slip c of rolling wheels per deceleration [s^2/m]."""
+        self.lateness = 0.0
+        """Error e of the age of the accelerometer [s]."""
         self.surprise = 0.0
         """Last innovation over its standard deviation [-]."""
         self.by_wheels = 1.0
         """Share of an error that all radii have in common which the speed has: 1 from wheels alone, 0 from a sensor."""
-        self._p = _diagonal(_FIRST_SPEED_VARIANCE, p.offset_stddev**2, self._gain_variance, p.compliance_stddev**2)
+        self._p = _diagonal(
+            _FIRST_SPEED_VARIANCE, p.offset_stddev**2, self._gain_variance, p.compliance_stddev**2, self._delay_variance
+        )
         self._unseen = _NOTHING
         self._unseen_gain = 0.0
         """What a gain of 1 would have done to the speed unseen [m/s]."""
         self._measured: float | None = 0.0
         self._travelled = 0.0
-        self._history: deque[tuple[int, float]] = deque()
+        self._history: deque[tuple[int, float, float]] = deque()
         self._kept = (0.0, p.offset_stddev**2)
 
     @property
@@ -186,10 +207,11 @@ class SpeedFilter:
             walk, noise = p.offset_walk**2, p.acceleration_stddev**2
             if measured is None:
                 walk, noise = p.acceleration_walk**2, 0.0
-            change = dt * (measured or 0.0)
+            step = (measured or 0.0) - (self._measured or 0.0)
+            change = dt * (measured or 0.0) + (self._delay + self.lateness) * step
             driving = change - dt * self.offset
             self.speed += driving * (1.0 if measured is None else 1.0 - self.gain)
-            self._predict_covariance(dt, walk)
+            self._predict_covariance(dt, walk, step)
             self._p[0][0] += dt * dt * noise
             if measured is not None and abs(measured - self.offset) > p.telling:
                 self._unseen_gain -= driving
@@ -201,7 +223,7 @@ class SpeedFilter:
             if dt > _GAP:
                 self._p[0][0] += p.unknown_acceleration**2 * dt**2
         self._measured = measured
-        self._history.append((stamp, self._travelled))
+        self._history.append((stamp, self._travelled, measured or 0.0))
         while self._history[0][0] < stamp - _HISTORY:
             self._history.popleft()
 
@@ -209,17 +231,17 @@ class SpeedFilter:
         g, p = self._unseen_gain, self._p
         return g * (2.0 * p[0][2] + g * p[2][2])
 
-    def _predict_covariance(self, dt: float, walk: float) -> None:
+    def _predict_covariance(self, dt: float, walk: float, step: float) -> None:
         p, parameters = self._p, self._parameters
-        row = [p[0][j] - dt * p[1][j] for j in _ALL]
-        p[0][0] = row[0] - dt * row[1] + walk * dt**3 / 3.0
-        for j in (1, 2, 3):
+        row = [p[0][j] - dt * p[1][j] + step * p[4][j] for j in _ALL]
+        p[0][0] = row[0] - dt * row[1] + step * row[4] + walk * dt**3 / 3.0
+        for j in _OTHERS:
             p[0][j] = p[j][0] = row[j]
         p[0][1] = p[1][0] = row[1] - 0.5 * walk * dt * dt
         p[1][1] += walk * dt
         stay = exp(-dt / parameters.compliance_time)
         self.compliance = parameters.compliance + stay * (self.compliance - parameters.compliance)
-        for j in (0, 1, 2):
+        for j in (0, 1, 2, 4):
             p[3][j] = p[j][3] = stay * p[3][j]
         p[3][3] = stay * stay * p[3][3] + (1.0 - stay * stay) * parameters.compliance_stddev**2
 
@@ -238,19 +260,20 @@ class SpeedFilter:
         Returns:
             False if the filter was not running at that time, or it is too long ago: nothing is changed.
         """
-        age, travelled = 0.0, 0.0
+        age, travelled, step = 0.0, 0.0, 0.0
         if stamp is not None:
-            then = self.travelled_at(stamp)
+            then = self._at(stamp)
             if then is None:
                 return False
             age = (self._history[-1][0] - stamp) / NANOSECONDS
-            travelled = self._travelled - then
+            travelled = self._travelled - then[0]
+            step = self._history[-1][2] - then[1]
         self._see()
-        return self._update(speed, variance, age, travelled, effort, by_wheels)
+        return self._update(speed, variance, age, travelled, step, effort, by_wheels)
 
     def believe(self, speed: float, variance: float) -> None:
         """Use a speed [m/s] with its variance [m^2/s^2] as if the road had kept its slope."""
-        self._update(speed, variance, 0.0, 0.0, 0.0, 1.0)
+        self._update(speed, variance, 0.0, 0.0, 0.0, 0.0, 1.0)
 
     def limit(self, variance: float) -> None:
         """Limit the variance of the speed to `variance` [m^2/s^2] without moving it.
@@ -275,14 +298,14 @@ class SpeedFilter:
                 p[j][0] *= share
 
     def _update(
-        self, speed: float, variance: float, age: float, travelled: float, effort: float, by_wheels: float
+        self, speed: float, variance: float, age: float, travelled: float, step: float, effort: float, by_wheels: float
     ) -> bool:
         p = self._p
         driving = travelled - age * self.offset
         then = self.speed - driving * self._scale
         rolling = 1.0 - self.compliance * effort
         by_gain = rolling * driving if abs(driving) > self._parameters.telling * age else 0.0
-        h = (rolling, rolling * age, by_gain, -then * effort)
+        h = (rolling, rolling * age, by_gain, -then * effort, -rolling * step)
         ph = [sum(p[i][j] * h[j] for j in _ALL) for i in _ALL]
         total = sum(h[i] * ph[i] for i in _ALL) + variance
         if not isfinite(total):
@@ -294,6 +317,7 @@ class SpeedFilter:
         self.offset += ph[1] / total * innovation
         self.gain += ph[2] / total * innovation
         self.compliance += ph[3] / total * innovation
+        self.lateness += ph[4] / total * innovation
         for i in _ALL:
             for j in _ALL:
                 p[i][j] -= ph[i] * ph[j] / total
@@ -308,6 +332,7 @@ class SpeedFilter:
         self.speed += p[0][3] * share
         self.offset += p[1][3] * share
         self.gain += p[2][3] * share
+        self.lateness += p[4][3] * share
         self.compliance = 0.0
 
     def _see(self) -> None:
@@ -316,7 +341,7 @@ class SpeedFilter:
             g, p = self._unseen_gain, self._p
             row = [p[0][j] + g * p[2][j] for j in _ALL]
             p[0][0] = row[0] + g * row[2]
-            for j in (1, 2, 3):
+            for j in _OTHERS:
                 p[0][j] = p[j][0] = row[j]
             self._unseen_gain = 0.0
         if self._unseen is not _NOTHING:
@@ -363,15 +388,20 @@ class SpeedFilter:
 
     def travelled_at(self, stamp: int) -> float | None:
         """Return the integral of the measured acceleration up to `stamp` [m/s]; None where that is too long ago."""
-        later: tuple[int, float] | None = None
+        then = self._at(stamp)
+        return None if then is None else then[0]
+
+    def _at(self, stamp: int) -> tuple[float, float] | None:
+        """Return that integral and the reading at `stamp`."""
+        later: tuple[int, float, float] | None = None
         for known in reversed(self._history):
             if known[0] == stamp:
-                return known[1]
+                return known[1], known[2]
             if known[0] < stamp:
                 if later is None:
                     return None
                 weight = (stamp - known[0]) / (later[0] - known[0])
-                return known[1] + weight * (later[1] - known[1])
+                return known[1] + weight * (later[1] - known[1]), known[2] + weight * (later[2] - known[2])
             later = known
         return None
 

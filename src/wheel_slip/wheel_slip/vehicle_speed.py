@@ -16,7 +16,7 @@ from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
-from vehicle_models.stated_deviations import stated_deviation
+from vehicle_models.stated_deviations import absolute_deviation, stated_deviation
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.accelerometer_watch import AccelerometerWatch
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
@@ -46,7 +46,12 @@ class VehicleSpeed:
         """
         self._p = parameters = replace(parameters, speed_filter=_of_car(parameters.speed_filter, vehicle))
         self._rim_speed_variance = (wheel_speed_stddev * max(vehicle.radii)) ** 2
-        self._filter = SpeedFilter(parameters.speed_filter, _gain_stddev(vehicle))
+        self._filter = SpeedFilter(
+            parameters.speed_filter,
+            _gain_stddev(vehicle),
+            vehicle.accelerometer.delay,
+            absolute_deviation(vehicle.accelerometer.deviations, "delay"),
+        )
         self._radius_share = radius_share(vehicle)
         self._radius_covariance: Sequence[Sequence[float]] = [[0.0] * len(vehicle.wheels)] * len(vehicle.wheels)
         self._slide = SlideDetector(parameters.slide, parameters.slope, [wheel.driven for wheel in vehicle.wheels])

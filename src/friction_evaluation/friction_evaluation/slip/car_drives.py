@@ -168,6 +168,7 @@ def _drawn(case: Case, vehicle: Vehicle, seed: int) -> CarParameters:
         "pitch_gain": around(accelerometer, "pitch_gain"),
         "acceleration_offset": around(accelerometer, "offset"),
         "acceleration_scale": around(accelerometer, "scale"),
+        "acceleration_delay": max(around(accelerometer, "delay"), 0.0),
         **(case.trouble or {}),
     }
     nominal = CarParameters(relaxation_length=(0.3,) * 4, damper_share=0.5)

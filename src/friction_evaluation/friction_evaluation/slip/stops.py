@@ -80,7 +80,8 @@ def stops(
         name: of the road.
         seeds: of the noise.
         grade_step: change of road slope half a braking time (by peak friction) after the onset.
-        vehicle: the car, of four wheels; arrays per wheel are in the order of `four_wheels`.
+        vehicle: the car, of four wheels; arrays per wheel are in the order of `four_wheels`. Its accelerometer is as
+            late as it says, in whole samples.
         progress: called with the number of runs that have just ended.
 
     Raises:
@@ -123,6 +124,8 @@ def stops(
         after = np.stack([actuators[j].step(demanded[j], commands[:, j]) for j in range(len(wheels))], axis=1)
         car.step(torque, after, theta, DT, cruise if k < onset else 0.0)
         torque = after
+    late = round(vehicle.accelerometer.delay / DT)
+    kept[1] = [kept[1][0]] * late + kept[1][: len(kept[1]) - late]
     arrays = [np.stack(store) for store in kept]
     return [Stop(onset, *(array[: end if end >= 0 else None, i] for array in arrays)) for i, end in enumerate(ends)]
 
