@@ -207,10 +207,12 @@ def test_a_lateness_that_is_not_known_is_in_the_variance_as_far_as_the_accelerat
     assert abs(sure.speed - speed) > 1.96 * sure.speed_variance**0.5
 
 
-def test_a_speed_that_is_measured_tells_how_late_the_accelerometer_is() -> None:
+def test_how_late_an_accelerometer_may_be_is_never_learned_from_what_slips_as_well() -> None:
     f, speed = late_filter(0.05, 0.0, 0.05, seen=True)
-    assert f.lateness == pytest.approx(0.05, abs=0.006)
     assert f.speed == pytest.approx(speed, abs=0.02)
+    f.predict(MS + 1_005 * MS, 0.0)
+    # All that the last change of acceleration may have done, however long the speed was seen before.
+    assert f.speed_variance == pytest.approx((8.0 * 0.05) ** 2, rel=0.02)
 
 
 def test_limit_lowers_the_uncertainty_to_its_value_and_moves_nothing() -> None:

@@ -6,9 +6,10 @@ a_m is the measured acceleration, n_a its noise, b its offset: sensor bias and r
 a speed measurement separates from a_m and nothing else can. k is the error of its scale, with that of the body's pitch.
 c is the slip of rolling wheels per deceleration of the car: such wheels measure v (1 + c v_dot). An accelerometer is
 low-passed before it is sampled, so a sample is taken to hold for the whole interval it ends. Where it reads what was
-some time tau = tau_0 + e ago, v grows by tau times each change of a_m besides; tau_0 is stated, e an unknown. Without
-an accelerometer a_m is 0, b is minus the acceleration of the car, and n_b is as strong as the changes of acceleration
-of a braking car.
+some time tau = tau_0 + e ago, v grows by tau times each change of a_m besides; tau_0 is stated. e is not estimated, as
+slip that grows with the deceleration looks the same: it is 0 with a variance that nothing lowers (Schmidt's consider
+parameter). Without an accelerometer a_m is 0, b is minus the acceleration of the car, and n_b is as strong as the
+changes of acceleration of a braking car.
 
 While nothing observes the offset, the road may change its slope unseen. What that may have done to speed and offset is
 kept apart, in a second covariance (the unseen part), and so is what k has done to the speed; the sum of all is the
@@ -99,7 +100,7 @@ class SpeedFilterParameters:
 
 
 class SpeedFilter:
-    """State (v, b, k, c, e) and its covariance."""
+    """State (v, b, k, c) and its covariance, with that of e."""
 
     def __init__(
         self,
@@ -132,8 +133,6 @@ class SpeedFilter:
         """Error k of the accelerometer's scale, as a share."""
         self.compliance = p.compliance
         """Slip c of rolling wheels per deceleration [s^2/m]."""
-        self.lateness = 0.0
-        """Error e of the age of the accelerometer [s]."""
         self.surprise = 0.0
         """Last innovation over its standard deviation [-]."""
         self.by_wheels = 1.0
@@ -208,7 +207,7 @@ class SpeedFilter:
             if measured is None:
                 walk, noise = p.acceleration_walk**2, 0.0
             step = (measured or 0.0) - (self._measured or 0.0)
-            change = dt * (measured or 0.0) + (self._delay + self.lateness) * step
+            change = dt * (measured or 0.0) + self._delay * step
             driving = change - dt * self.offset
             self.speed += driving * (1.0 if measured is None else 1.0 - self.gain)
             self._predict_covariance(dt, walk, step)
@@ -317,10 +316,10 @@ class SpeedFilter:
         self.offset += ph[1] / total * innovation
         self.gain += ph[2] / total * innovation
         self.compliance += ph[3] / total * innovation
-        self.lateness += ph[4] / total * innovation
         for i in _ALL:
             for j in _ALL:
                 p[i][j] -= ph[i] * ph[j] / total
+        p[4][4] = self._delay_variance
         if self.compliance < 0.0:
             self._keep_compliance()
         return True
@@ -332,7 +331,6 @@ class SpeedFilter:
         self.speed += p[0][3] * share
         self.offset += p[1][3] * share
         self.gain += p[2][3] * share
-        self.lateness += p[4][3] * share
         self.compliance = 0.0
 
     def _see(self) -> None:
