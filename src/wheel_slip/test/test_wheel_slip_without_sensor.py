@@ -182,7 +182,7 @@ def test_uncertainty_grows_in_the_slide_and_covers_a_slope_step(estimator: SlipE
     stepped = d.acceleration + np.where(np.arange(d.speed.size) > 800, 0.02 * 9.81, 0.0)
     estimates, speed = follow(replace(d, acceleration=stepped), estimator)
     deviation = np.array([sqrt(each[0].vehicle_speed_variance) for each in estimates])
-    # By samples it follows the noise of the readings, too: 6 ms, by which the accelerometer may be late, times 0.3 m/s^2.
+    # By samples it follows the noise of the readings, too: 6 ms, by which they may be late, times 0.3 m/s^2.
     assert np.all(np.diff(deviation[720:]) >= -2e-3) and np.all(np.diff(deviation[720::20]) >= -1e-3)
     assert deviation[-1] > 2.0 * deviation[720]
     error = np.abs(speed - d.speed)[720:]
