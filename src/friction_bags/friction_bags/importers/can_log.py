@@ -9,6 +9,7 @@ from friction_adapter.record_mapper import RecordMapper
 from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import Sources
 from friction_bags.bag_io.bag_format import BagError
+from friction_bags.importers.log_start import start_offset
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -16,9 +17,6 @@ from vehicle_models.nanoseconds import NANOSECONDS
 SUFFIXES = (".asc", ".blf", ".log", ".trc")
 _CSV_BEGIN = "timestamp,arbitration_id,"
 """Begin of the first line of a CSV file that python-can has written: one of frames, and no table."""
-START_OFFSET = 1000
-"""Seconds added to the stamps of a log that begin at zero, which no stamp of a message may be."""
-_EARLIEST = 1.0
 
 
 def is_can_log(path: Path) -> bool:
@@ -74,7 +72,7 @@ class CanLog:
         offset: int | None = 0 if self._is_offset else None
         for frame in self._logged():
             if offset is None:
-                offset = START_OFFSET * NANOSECONDS if frame.timestamp < _EARLIEST else 0
+                offset = start_offset(frame.timestamp) * NANOSECONDS
             decoded = self._frames.decode(frame.arbitration_id, frame.is_extended_id, bytes(frame.data))
             if decoded is not None:
                 stamp = round(frame.timestamp * NANOSECONDS) + offset

@@ -11,14 +11,13 @@ from friction_adapter.record_mapper import RecordMapper
 from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import Sources
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.importers.can_log import START_OFFSET
+from friction_bags.importers.log_start import start_offset
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 from vehicle_models.nanoseconds import NANOSECONDS
 
 SUFFIXES = (".mdf", ".dat", ".mf4")
 INSTALL_LINE = "python -m pip install asammdf"
-_EARLIEST = 1.0
 _MOST_LISTED = 30
 
 
@@ -86,8 +85,8 @@ class MdfLog:
         numbers = np.repeat(np.arange(len(names)), [groups[name][0].size for name in names])
         rows = np.concatenate([np.arange(groups[name][0].size) for name in names])
         order = np.argsort(times, kind="stable")
-        begins_late = self._is_offset or not times.size or times[order[0]] >= _EARLIEST
-        offset = 0 if begins_late else START_OFFSET * NANOSECONDS
+        is_kept = self._is_offset or not times.size
+        offset = 0 if is_kept else start_offset(float(times[order[0]])) * NANOSECONDS
         for done, at in enumerate(order.tolist()):
             self._share = done / order.size
             source = names[numbers[at]]

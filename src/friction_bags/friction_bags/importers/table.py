@@ -16,12 +16,10 @@ from friction_adapter.record_mapper import RecordMapper
 from friction_adapter.signal_map import ARRIVAL, Kind, SignalMap
 from friction_adapter.sources import TABLE, Sources
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.importers.can_log import START_OFFSET
+from friction_bags.importers.log_start import start_offset
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 
-_EARLIEST: Final = 1.0
-"""[s]"""
 _DELIMITERS: Final = ",;\t"
 _TIME: Final = re.compile(r"(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d:\d\d)(\.\d+)?(Z|[+-]\d\d:?\d\d)?$")
 """A date with a time of day, parts of a second and a zone; without a zone it is that of UTC."""
@@ -104,7 +102,7 @@ def put_later(rows: Iterable[dict[str, float]], signal_map: SignalMap) -> Iterat
     offset = 0.0 if signal_map.stamp_offset else nan
     for row in rows:
         if not isfinite(offset):
-            offset = START_OFFSET if any(row[column] < _EARLIEST for column in columns) else 0.0
+            offset = max((start_offset(row[column]) for column in columns), default=0)
         yield {**row, **{column: row[column] + offset for column in columns}} if offset else row
 
 
