@@ -133,8 +133,7 @@ class WheelSpeedFilter:
         p22 += q * dt
         speed = self.speed + dt * self.acceleration
         innovation = measured - speed
-        deviation = sqrt(p11 + r + self.age_variance)
-        self.in_gap = self._gap is not None and self._gap.holds(dt, speed, measured, deviation)
+        self.in_gap = self._gap is not None and self._gap.holds(dt, speed, measured, sqrt(p11 + r + self.age_variance))
         if self.in_gap:
             self.speed = speed
             self.speed_variance, self._covariance, self.acceleration_variance = p11, p12, p22
