@@ -44,6 +44,8 @@ from vehicle_models.vehicle import Vehicle
 Array = NDArray[np.float64]
 
 _PRIOR_MEAN = np.array([np.log(0.8), np.log(25.0), 0.4, 0.0, 0.0, 0.0, 0.0])
+_PRIOR_INFORMATION = np.eye(len(_PRIOR_MEAN))
+"""Of the unknowns over the standard deviations of the prior."""
 _PRIOR_STDDEV = np.array([0.8, 1.0, 0.5])
 """Standard deviations of ln th1, ln th2, th3; that of the tau is a parameter, that of ln L is in the vehicle file."""
 _LOW = np.append(UNKNOWNS_LOW, [-0.1, -0.1, -0.1, -2.0])
@@ -124,15 +126,15 @@ class WholeVehicle:
             information = (rows * weights[:, np.newaxis]).T @ rows / noise**2
             pull = (_PRIOR_MEAN - self._unknowns) / self._prior_stddev
             gradient = rows.T @ (weights * residuals) / noise**2 + pull
-            step = np.linalg.solve(information + np.eye(7), gradient)
+            step = np.linalg.solve(information + _PRIOR_INFORMATION, gradient)
             step /= max(1.0, float(np.max(np.abs(step))) / _LONGEST_STEP)
             self._unknowns = np.clip(self._unknowns + step * self._prior_stddev, _LOW, _HIGH)
         information /= samples_per_information(weights * residuals)
         scale = np.outer(self._prior_stddev, self._prior_stddev)
-        return np.asarray(np.linalg.inv(information + np.eye(7)) * scale, dtype=np.float64)
+        return np.asarray(np.linalg.inv(information + _PRIOR_INFORMATION) * scale, dtype=np.float64)
 
     def _linearise(self, slips: Array, shares: Array, frictions: Array) -> tuple[Array, Array]:
-        """Residuals, shape (n,), and rows of the model per standard deviation of the prior, shape (n, 5).
+        """Residuals, shape (n,), and rows of the model per standard deviation of the prior, shape (n, 7).
 
         `slips` holds slip and its four derivatives of n samples of w wheels, shape (n, 5, w).
         """
