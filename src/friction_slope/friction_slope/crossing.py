@@ -36,34 +36,42 @@ class CrossingDetector:
         """Time of the last crossing [ns]."""
         self.since = 0
         """Time from which on the sign has been told and no indicator was against it [ns]."""
+        self._told = 0
 
     def forget_sign(self) -> None:
         """Make the sign unknown and keep the record."""
         self.sign = 0
 
-    def update(self, indicator: float, growing: int, slip: Callable[[], float], stamp: int) -> None:
+    def update(self, indicator: float, growing: int, slip: Callable[[], float], stamp: int, trial: int = 0) -> None:
         """Take the indicator at the time for which it holds.
 
         The peak is crossed upwards only while slip grows and downwards only while it falls: anything else is noise and
-        does not change a known sign, nor is it the first that is heard of a wheel beyond the peak.
+        does not change a known sign, nor is it the first that is heard of a wheel beyond the peak. A sign -1 that an
+        indicator contradicts within its trial was a swing and is withdrawn.
 
         Args:
             indicator: slope indicator [rad/s^3].
             growing: sign of the slip rate: +1, -1, or 0 where it is not measured.
             slip: returns the slip [-], NaN if unknown; called at a crossing only.
             stamp: time for which the indicator holds [ns].
+            trial: time since a sign -1 was told for which nothing may be against it [ns]; 0: nothing is withdrawn.
         """
         if indicator * self.sign < 0.0:
             self.since = stamp
-        if indicator < 0.0 and indicator <= self._h_instability:
-            sign = -1
-        elif indicator > 0.0 and indicator >= self._h_stability:
-            sign = 1
-        else:
-            return
-        if self.sign == 0 and (sign > 0 or growing > 0):
-            self.sign, self.since = sign, stamp
-        elif sign == -self.sign and growing == -sign:
-            self.sign, self.since = sign, stamp
+        sign = self._told_by(indicator)
+        if self.sign == 0 and (sign > 0 or (sign < 0 and growing > 0)):
+            self._tell(sign, stamp)
+        elif sign != 0 and sign == -self.sign and growing == -sign:
+            self._tell(sign, stamp)
             self.crossings += 1
             self.crossing_sign, self.slip, self.stamp = sign, slip(), stamp
+        elif self.sign < 0.0 < indicator and stamp - self._told < trial:
+            self.sign = 0
+
+    def _told_by(self, indicator: float) -> int:
+        if indicator < 0.0 and indicator <= self._h_instability:
+            return -1
+        return 1 if indicator > 0.0 and indicator >= self._h_stability else 0
+
+    def _tell(self, sign: int, stamp: int) -> None:
+        self.sign, self.since, self._told = sign, stamp, stamp

@@ -225,7 +225,8 @@ class SlopeDetector:
         if swings:
             growing = 0
         indicator = slope_indicator(h, growing)
-        self._crossing.update(indicator, growing, signals.slip, read_at)
+        trial = 0 if self._doubt is None else round((delay - SAME_TIME) * NANOSECONDS)
+        self._crossing.update(indicator, growing, signals.slip, read_at, trial)
         if growing == 0:
             rate = "slip rate" if self._by is Method.SLIP else "eta"
             why = "slip may only swing" if swings else f"{rate} in its dead zone"

@@ -220,6 +220,24 @@ def test_the_first_that_is_heard_of_a_wheel_beyond_the_peak_is_a_slip_that_grows
     assert (detector.sign, detector.crossings) == (-1, 0)
 
 
+def test_a_sign_beyond_the_peak_that_is_contradicted_within_its_trial_is_withdrawn() -> None:
+    detector = CrossingDetector(-10.0, 100.0)
+    steps = [(-20.0, 1), (5.0, 1), (-5.0, 1), (-20.0, 1), (0.0, 0), (-1.0, 1), (5.0, 1), (150.0, 1)]
+    signs = []
+    for k, (indicator, growing) in enumerate(steps):
+        detector.update(indicator, growing, lambda: 0.1, k + 1, trial=3)
+        signs.append(detector.sign)
+    assert signs == [-1, 0, 0, -1, -1, -1, -1, -1]
+    assert detector.crossings == 0
+
+
+def test_stability_regained_within_the_trial_is_a_crossing() -> None:
+    detector = CrossingDetector(-10.0, 100.0)
+    detector.update(-20.0, 1, lambda: 0.2, 1, trial=3)
+    detector.update(150.0, -1, lambda: 0.1, 2, trial=3)
+    assert (detector.sign, detector.crossings, detector.crossing_sign) == (1, 1, 1)
+
+
 def test_zero_thresholds_are_plain_signs_and_zero_is_none() -> None:
     detector = CrossingDetector(0.0, 0.0)
     detector.update(0.0, 0, lambda: 0.1, 1)
