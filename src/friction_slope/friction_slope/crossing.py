@@ -65,7 +65,7 @@ class CrossingDetector:
             self._tell(sign, stamp)
             self.crossings += 1
             self.crossing_sign, self.slip, self.stamp = sign, slip(), stamp
-        elif self.sign < 0.0 < indicator and stamp - self._told < trial:
+        elif self.sign < 0.0 <= indicator and stamp - self._told < trial:
             self.sign = 0
 
     def _told_by(self, indicator: float) -> int:
