@@ -240,11 +240,19 @@ class CarEstimator:
         self._gone_back = [0] * len(self._fits)
 
     def _fold(self) -> None:
-        """Let the oldest samples leave the window."""
+        """Let the oldest samples leave the window.
+
+        What fits that have gone astray make of them would hold them there, and is no measure of the road.
+        """
         nodes = self._nodes()
         memory = exp(-float(nodes.time[_FOLDED] - nodes.time[0]) / _MEMORY)
         for fit in self._fits:
-            fit.fold(self._samples, nodes, self._start, _FOLDED, memory)
+            if self._surprised:
+                fit.forget(nodes, _FOLDED)
+            else:
+                fit.fold(self._samples, nodes, self._start, _FOLDED, memory)
+        if self._surprised:
+            self._road_watch, self._two_roads = RoadWatch(), ""
         self._samples.drop_oldest(_FOLDED)
 
     def _nodes(self) -> Nodes:
