@@ -18,7 +18,7 @@ from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_value
 from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability, reaching_up, unresolved
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
-from friction_curve_id.car.node_signals import TURNING, Start, delayed, node_signals, rolling_noise
+from friction_curve_id.car.node_signals import TURNING, Start, delayed, departure, node_signals, rolling_noise
 from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.prior import car_prior, radius_deviation
@@ -61,6 +61,8 @@ _LEAST_AGE = 0.1
 """Time since the slip first was beyond the peak before it is seen [s]."""
 _SURPRISE = 3.0
 """Most deviations by which the sum of the squared unknowns of every family may exceed what the prior lets expect."""
+_DEPARTURE = 1.5
+"""Change of a wheel's speed beside its car's within 0.1 s that only a wheel beyond its peak makes [m/s]."""
 _ASTRAY, _STEPS_BACK = 50.0, 5
 """A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
 _SETTLED = 0.1
@@ -231,7 +233,7 @@ class CarEstimator:
         self._families = tuple(p.families())
         self._mu_floor = radius_deviation(self._vehicle)
         self._peak: Peak | None = None
-        self._surprised = False
+        self._surprised = self._forgot = self._departed = False
         self._road_watch, self._two_roads = RoadWatch(), ""
         self._misfit = self._unresolved = 0.0
         self._seen = 0.0
@@ -253,6 +255,7 @@ class CarEstimator:
                 fit.fold(self._samples, nodes, self._start, _FOLDED, memory)
         if self._surprised:
             self._road_watch, self._two_roads = RoadWatch(), ""
+            self._forgot = True
         self._samples.drop_oldest(_FOLDED)
 
     def _nodes(self) -> Nodes:
@@ -283,6 +286,8 @@ class CarEstimator:
         if all(each.steps for each in self._fits):
             fits = self._fits
             self._surprised = min(each.surprise for each in fits) > _SURPRISE
+            if self._forgot and not self._departed:
+                self._departed = departure(self._car, nodes) > _DEPARTURE
             found = [each.unknowns for each in fits], [each.covariance for each in fits]
             evidence = self._log_evidence()
             self._peak = mixture(*found, evidence, self._mu_floor, True)
@@ -300,6 +305,11 @@ class CarEstimator:
         """Log evidence of the fits for the nodes that all of them have seen."""
         common = min(fit.newest for fit in self._fits)
         return [fit.log_evidence_until(common) for fit in self._fits]
+
+    @property
+    def _unexplained(self) -> bool:
+        """Whether the fits have gone astray; once they have, what they find needs a wheel that leaves its car."""
+        return self._surprised or (self._forgot and not self._departed)
 
     def _watch_road(self, fit: CurveFit, nodes: Nodes) -> None:
         delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
@@ -338,7 +348,7 @@ class CarEstimator:
         reason, text = self._reason(time, peak)
         lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
         best = int(np.argmax(peak.weights))
-        surprised = self._surprised or bool(self._two_roads)
+        surprised = self._unexplained or bool(self._two_roads)
         u = self._fits[best].unknowns
         shape = (float(u[Unknown.SHAPE_1]), float(u[Unknown.SHAPE_2]))
         curve = curve_values(self._families[best], peak.log_lambda_max, shape, slips / lambda_max)
@@ -407,7 +417,7 @@ class CarEstimator:
         if self._seen < _SEEN_TIME or time - self._start.time - self._beyond_since < _LEAST_AGE:
             return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {self._seen:.2f} s only"
         best = int(np.argmax(peak.weights))
-        if self._surprised:
+        if self._unexplained:
             return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
         if self._two_roads:
             return Reason.UNCERTAIN, self._two_roads

@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 
 TURNING = 0.3
 """Speed of a wheel over that of the car from which on it surely turns."""
+_DEPARTURE_TIME = 0.1
+"""[s]"""
 
 
 @dataclass(frozen=True)
@@ -128,6 +130,18 @@ def delayed(samples: BrakingSamples, nodes: Nodes, start: Start, delay: float) -
     rates /= t[before + 1] - t[before]
     near = samples.torque[:, at]
     return np.einsum("wkn,kn->wn", near, weights), np.einsum("wkn,kn->wn", near, rates)
+
+
+def departure(car: CarConstants, nodes: Nodes) -> float:
+    """Most by which the speed of a wheel that turns changes beside that of the car within 0.1 s [m/s].
+
+    Beyond the peak what friction loses goes into the wheel, and back when the brake is released. A driver's pedal moves
+    no wheel like that.
+    """
+    size = max(round(_DEPARTURE_TIME / max(float(np.median(nodes.interval)), 1e-4)), 1)
+    beside = car.radius * nodes.wheel_speed - nodes.speed_change
+    turning = nodes.turning[:, size:] & nodes.turning[:, :-size]
+    return float((np.abs(beside[:, size:] - beside[:, :-size]) * turning).max(initial=0.0))
 
 
 def rolling_noise(wheel_speed: Array, least: float) -> Array:
