@@ -15,7 +15,15 @@ from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_model import LEAST_RELAXATION, SPEED_UNKNOWNS, CarConstants, Nodes
 from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
-from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability, reaching_up, unresolved
+from friction_curve_id.car.evidence import (
+    UNRESOLVED_HEIGHT,
+    Peak,
+    doubt,
+    mixture,
+    normal_probability,
+    reaching_up,
+    unresolved,
+)
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
 from friction_curve_id.car.node_signals import TURNING, Start, delayed, departure, node_signals, rolling_noise
@@ -40,6 +48,8 @@ _LIFT = 0.15
 """The throttle is taken as closed for this time before the brakes act [s]."""
 _CAPACITY, _FOLDED = 260, 40
 """Most samples of the window, and how many leave it at a time."""
+_CAPACITY_ASTRAY = 160
+"""Most samples of the window while the fits have gone astray: the sooner they are rid of what led them there."""
 _MEMORY = 3.0
 """Time with which what has left the window fades [s]."""
 _FIRST_STEP = 0.03
@@ -65,6 +75,8 @@ _DEPARTURE = 1.5
 """Change of a wheel's speed beside its car's within 0.1 s that only a wheel beyond its peak makes [m/s]."""
 _ASTRAY, _STEPS_BACK = 50.0, 5
 """A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
+_CALM = 0.05
+"""Time since the fits were last astray before what they find is valid again [s]: each has made a step since."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""
 
@@ -183,7 +195,8 @@ class CarEstimator:
     def _keep(self, time: float, speed: Array, torque: Array, acceleration: float) -> None:
         samples = self._samples
         if self._braking:
-            if samples.count == _CAPACITY:
+            astray = self._forgot and self._surprised
+            while samples.count >= (_CAPACITY_ASTRAY if astray else _CAPACITY):
                 self._fold()
         else:
             while (samples.count > 1 and time - samples.time[1] > _BEFORE) or samples.count == _CAPACITY:
@@ -234,6 +247,7 @@ class CarEstimator:
         self._mu_floor = radius_deviation(self._vehicle)
         self._peak: Peak | None = None
         self._surprised = self._forgot = self._departed = False
+        self._surprised_at = -inf
         self._road_watch, self._two_roads = RoadWatch(), ""
         self._misfit = self._unresolved = 0.0
         self._seen = 0.0
@@ -244,7 +258,7 @@ class CarEstimator:
     def _fold(self) -> None:
         """Let the oldest samples leave the window.
 
-        What fits that have gone astray make of them would hold them there, and is no measure of the road.
+        What fits that have gone astray make of them would hold them there.
         """
         nodes = self._nodes()
         memory = exp(-float(nodes.time[_FOLDED] - nodes.time[0]) / _MEMORY)
@@ -254,7 +268,6 @@ class CarEstimator:
             else:
                 fit.fold(self._samples, nodes, self._start, _FOLDED, memory)
         if self._surprised:
-            self._road_watch, self._two_roads = RoadWatch(), ""
             self._forgot = True
         self._samples.drop_oldest(_FOLDED)
 
@@ -286,11 +299,13 @@ class CarEstimator:
         if all(each.steps for each in self._fits):
             fits = self._fits
             self._surprised = min(each.surprise for each in fits) > _SURPRISE
+            if self._surprised:
+                self._surprised_at = time
             if self._forgot and not self._departed:
                 self._departed = departure(self._car, nodes) > _DEPARTURE
             found = [each.unknowns for each in fits], [each.covariance for each in fits]
             evidence = self._log_evidence()
-            self._peak = mixture(*found, evidence, self._mu_floor, True)
+            self._peak = mixture(*found, evidence, self._mu_floor, True, gone_astray=self._forgot)
             self._unresolved = 0.0
             self._seen = self._time_beyond(fit, self._peak, nodes.subset(slice(0, keep)))
             if self._seen < _SEEN_TIME:
@@ -298,7 +313,8 @@ class CarEstimator:
             else:
                 if len(fits) > 1:  # what is between the samples is known where the formula is
                     self._unresolved = unresolved(fit.moved.relaxed, exp(self._peak.log_lambda_max))
-                self._watch_road(fit, nodes.subset(slice(0, keep)))
+                if self._calm(time):
+                    self._watch_road(fit, nodes.subset(slice(0, keep)))
         self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
 
     def _log_evidence(self) -> list[float]:
@@ -310,6 +326,10 @@ class CarEstimator:
     def _unexplained(self) -> bool:
         """Whether the fits have gone astray; once they have, what they find needs a wheel that leaves its car."""
         return self._surprised or (self._forgot and not self._departed)
+
+    def _calm(self, time: float) -> bool:
+        """Whether the fits have not been astray for long enough."""
+        return time - self._surprised_at >= _CALM
 
     def _watch_road(self, fit: CurveFit, nodes: Nodes) -> None:
         delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
@@ -363,7 +383,7 @@ class CarEstimator:
                 lambda_max,
                 mu_max,
                 lambda_max * hypot(peak.log_lambda_stddev, self._unresolved),
-                mu_max * reaching_up(hypot(peak.log_mu_stddev, self._misfit)),
+                mu_max * reaching_up(hypot(peak.log_mu_stddev, self._misfit, UNRESOLVED_HEIGHT * self._unresolved)),
                 theta,
                 mu=float(mu[each]),
                 slope=float(slope[each]),
@@ -417,7 +437,7 @@ class CarEstimator:
         if self._seen < _SEEN_TIME or time - self._start.time - self._beyond_since < _LEAST_AGE:
             return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {self._seen:.2f} s only"
         best = int(np.argmax(peak.weights))
-        if self._unexplained:
+        if self._unexplained or not self._calm(time):
             return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
         if self._two_roads:
             return Reason.UNCERTAIN, self._two_roads
