@@ -26,7 +26,7 @@ from friction_curve_id.car.evidence import (
 )
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
-from friction_curve_id.car.node_signals import TURNING, Start, delayed, departure, node_signals, rolling_noise
+from friction_curve_id.car.node_signals import TURNING, Start, delayed, departs, node_signals, rolling_noise
 from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.prior import car_prior, radius_deviation
@@ -71,8 +71,6 @@ _LEAST_AGE = 0.1
 """Time since the slip first was beyond the peak before it is seen [s]."""
 _SURPRISE = 3.0
 """Most deviations by which the sum of the squared unknowns of every family may exceed what the prior lets expect."""
-_DEPARTURE = 1.5
-"""Change of a wheel's speed beside its car's within 0.1 s that only a wheel beyond its peak makes [m/s]."""
 _ASTRAY, _STEPS_BACK = 50.0, 5
 """A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
 _CALM = 0.05
@@ -302,7 +300,7 @@ class CarEstimator:
             if self._surprised:
                 self._surprised_at = time
             if self._forgot and not self._departed:
-                self._departed = departure(self._car, nodes) > _DEPARTURE
+                self._departed = departs(self._car, nodes)
             found = [each.unknowns for each in fits], [each.covariance for each in fits]
             evidence = self._log_evidence()
             self._peak = mixture(*found, evidence, self._mu_floor, True, gone_astray=self._forgot)

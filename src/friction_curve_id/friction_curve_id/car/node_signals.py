@@ -26,8 +26,11 @@ Array = NDArray[np.float64]
 
 TURNING = 0.3
 """Speed of a wheel over that of the car from which on it surely turns."""
-_DEPARTURE_TIME = 0.1
-"""[s]"""
+_DEPARTURE, _DEPARTURE_SLIP, _DEPARTURE_TIME = 1.5, 0.07, 0.1
+"""Least change of a wheel's speed beside its car's [m/s], and over the car's speed [-], and the time of both [s].
+
+In ordinary driving they are at most 1.3 m/s and 0.05, in a pass of the peak at least 2 m/s and 0.1.
+"""
 
 
 @dataclass(frozen=True)
@@ -132,16 +135,16 @@ def delayed(samples: BrakingSamples, nodes: Nodes, start: Start, delay: float) -
     return np.einsum("wkn,kn->wn", near, weights), np.einsum("wkn,kn->wn", near, rates)
 
 
-def departure(car: CarConstants, nodes: Nodes) -> float:
-    """Most by which the speed of a wheel that turns changes beside that of the car within 0.1 s [m/s].
+def departs(car: CarConstants, nodes: Nodes) -> bool:
+    """Whether the speed of a wheel that turns changes beside that of its car as only a wheel beyond its peak does.
 
-    Beyond the peak what friction loses goes into the wheel, and back when the brake is released. A driver's pedal moves
-    no wheel like that.
+    What friction loses there goes into the wheel, and back when the brake is released. A driver's pedal makes less.
     """
     size = max(round(_DEPARTURE_TIME / max(float(np.median(nodes.interval)), 1e-4)), 1)
     beside = car.radius * nodes.wheel_speed - nodes.speed_change
     turning = nodes.turning[:, size:] & nodes.turning[:, :-size]
-    return float((np.abs(beside[:, size:] - beside[:, :-size]) * turning).max(initial=0.0))
+    least = np.maximum(_DEPARTURE, _DEPARTURE_SLIP * (nodes.start_speed + nodes.speed_change[size:]))
+    return bool((turning & (np.abs(beside[:, size:] - beside[:, :-size]) > least)).any())
 
 
 def rolling_noise(wheel_speed: Array, least: float) -> Array:
