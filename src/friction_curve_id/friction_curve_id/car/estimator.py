@@ -193,9 +193,9 @@ class CarEstimator:
     def _keep(self, time: float, speed: Array, torque: Array, acceleration: float) -> None:
         samples = self._samples
         if self._braking:
-            astray = self._forgot and self._surprised
-            while samples.count >= (_CAPACITY_ASTRAY if astray else _CAPACITY):
-                self._fold()
+            capacity = _CAPACITY_ASTRAY if self._forgot and self._surprised else _CAPACITY
+            if samples.count >= capacity:
+                self._fold(((samples.count - capacity) // _FOLDED + 1) * _FOLDED)
         else:
             while (samples.count > 1 and time - samples.time[1] > _BEFORE) or samples.count == _CAPACITY:
                 samples.drop_oldest(max(int(np.searchsorted(samples.time, time - _BEFORE)) - 1, 1))
@@ -253,21 +253,21 @@ class CarEstimator:
         self._move = [inf] * len(self._fits)
         self._gone_back = [0] * len(self._fits)
 
-    def _fold(self) -> None:
-        """Let the oldest samples leave the window.
+    def _fold(self, number: int) -> None:
+        """Let the oldest `number` samples leave the window.
 
         What fits that have gone astray make of them would hold them there.
         """
         nodes = self._nodes()
-        memory = exp(-float(nodes.time[_FOLDED] - nodes.time[0]) / _MEMORY)
+        memory = exp(-float(nodes.time[number] - nodes.time[0]) / _MEMORY)
         for fit in self._fits:
             if self._surprised:
-                fit.forget(nodes, _FOLDED)
+                fit.forget(nodes, number)
             else:
-                fit.fold(self._samples, nodes, self._start, _FOLDED, memory)
+                fit.fold(self._samples, nodes, self._start, number, memory)
         if self._surprised:
             self._forgot = True
-        self._samples.drop_oldest(_FOLDED)
+        self._samples.drop_oldest(number)
 
     def _nodes(self) -> Nodes:
         return node_signals(self._car, self._samples, self._start, self._rolling_noise, self._p.counted)
