@@ -29,7 +29,7 @@ TURNING = 0.3
 _DEPARTURE, _DEPARTURE_SLIP, _DEPARTURE_TIME = 1.5, 0.07, 0.1
 """Least change of a wheel's speed beside its car's [m/s], and over the car's speed [-], and the time of both [s].
 
-In ordinary driving one of the two is below 0.6 of its limit; a wheel that comes back on snow makes 1.4 of both.
+In ordinary driving one of the two is below 0.7 of its limit; a wheel that comes back on snow makes 1.4 of both.
 """
 
 
