@@ -13,7 +13,7 @@ from friction_curve_id.car.car_model import CarConstants, Carried, brake_gains, 
 from friction_curve_id.car.curve_family import SHAPE_PRIORS, Family, burckhardt_k, curve_values
 from friction_curve_id.car.evidence import mixture, reaching_up, unresolved
 from friction_curve_id.car.fit import CurveFit, WheelSpeedNoise
-from friction_curve_id.car.node_signals import Start, delayed, node_signals
+from friction_curve_id.car.node_signals import Start, delayed, departs, node_signals
 from friction_curve_id.car.pitch import PitchState, pitch_of_body
 from friction_curve_id.car.prior import car_prior
 from friction_curve_id.car.unknowns import FADING_WORK, SHARED, Unknown
@@ -326,3 +326,49 @@ def test_a_fit_that_begins_again_takes_all_but_the_shape_from_the_other() -> Non
     assert (fits[1].unknowns[shared] == fits[0].unknowns[shared]).all()
     shape = fits[1].unknowns[[Unknown.SHAPE_1, Unknown.SHAPE_2]]
     assert tuple(shape) == SHAPE_PRIORS[Family.PACEJKA].mean
+
+
+def test_a_fit_forgets_what_older_samples_said_but_not_how_its_car_moved() -> None:
+    samples, start = samples_of_a_braking()
+    car = CarConstants(CAR, WHEELS)
+    nodes = node_signals(car, samples, start, np.full(4, 0.01), True)
+    fits = [
+        CurveFit(car, car_prior(CAR, WHEELS, SHAPE_PRIORS[Family.PACEJKA], 0.023, True), Family.PACEJKA, 5.0, True)
+        for _ in range(2)
+    ]
+    for fit in fits:
+        fit.step(samples, nodes.subset(slice(0, 80)), start)
+        fit.fold(samples, nodes, start, 20, 1.0)
+    samples.drop_oldest(20)
+    rest = node_signals(car, samples, start, np.full(4, 0.01), True)
+    fits[0].fold(samples, rest, start, 20, 1.0)
+    fits[1].forget(rest, 20)
+    assert fits[0].past.information.any()
+    assert not fits[1].past.information.any()
+    assert not fits[1].past.gradient.any()
+    assert fits[1].carried.slip == pytest.approx(fits[0].carried.slip)
+    assert fits[1].carried.pitched == fits[0].carried.pitched
+
+
+def test_intervals_after_going_astray_count_how_far_the_formulas_are_apart() -> None:
+    low, high, covariance = np.zeros(SHARED + 4), np.zeros(SHARED + 4), np.eye(SHARED + 4) * 1e-4
+    high[[Unknown.LOG_LAMBDA_MAX, Unknown.LOG_MU_MAX]] = 0.2, 0.06
+    before, after = (
+        mixture([low, high], [covariance] * 2, [0.0, -50.0], 0.0, True, gone_astray=each) for each in (False, True)
+    )
+    assert (after.log_lambda_max, after.log_mu_max) == (before.log_lambda_max, before.log_mu_max)
+    assert before.log_lambda_stddev < 0.1 and after.log_lambda_stddev > 0.2
+    assert before.log_mu_stddev < 0.03 and after.log_mu_stddev > 0.06
+
+
+@pytest.mark.parametrize(("slip", "within", "expected"), [(0.1, 0.1, True), (0.1, 0.6, False), (0.03, 0.1, False)])
+def test_a_wheel_departs_from_its_car_by_much_slip_within_a_tenth_of_a_second(
+    slip: float, within: float, expected: bool
+) -> None:
+    samples = BrakingSamples(4, 200)
+    for k in range(200):
+        speed = 25.0 - 5.0 * 0.005 * k
+        slips = np.array([slip, 0.0, 0.0, 0.0]) * min(0.005 * k / within, 1.0)
+        samples.append(0.005 * k, speed * (1.0 - slips) / 0.3, np.full(4, 400.0), -5.0, -0.025, True)
+    nodes = node_signals(CarConstants(CAR, WHEELS), samples, Start(0.0, 25.0, -5.0, -0.025), np.full(4, 0.01), False)
+    assert departs(CarConstants(CAR, WHEELS), nodes) is expected

@@ -15,10 +15,18 @@ from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_model import LEAST_RELAXATION, SPEED_UNKNOWNS, CarConstants, Nodes
 from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
-from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability, reaching_up, unresolved
+from friction_curve_id.car.evidence import (
+    UNRESOLVED_HEIGHT,
+    Peak,
+    doubt,
+    mixture,
+    normal_probability,
+    reaching_up,
+    unresolved,
+)
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
-from friction_curve_id.car.node_signals import TURNING, Start, delayed, node_signals, rolling_noise
+from friction_curve_id.car.node_signals import TURNING, Start, delayed, departs, node_signals, rolling_noise
 from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.prior import car_prior, radius_deviation
@@ -40,6 +48,8 @@ _LIFT = 0.15
 """The throttle is taken as closed for this time before the brakes act [s]."""
 _CAPACITY, _FOLDED = 260, 40
 """Most samples of the window, and how many leave it at a time."""
+_CAPACITY_ASTRAY = 160
+"""Most samples of the window while the fits have gone astray: the sooner they are rid of what led them there."""
 _MEMORY = 3.0
 """Time with which what has left the window fades [s]."""
 _FIRST_STEP = 0.03
@@ -63,6 +73,8 @@ _SURPRISE = 3.0
 """Most deviations by which the sum of the squared unknowns of every family may exceed what the prior lets expect."""
 _ASTRAY, _STEPS_BACK = 50.0, 5
 """A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
+_CALM = 0.05
+"""Time since the fits were last astray before what they find is valid again [s]: each has made a step since."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""
 
@@ -181,8 +193,9 @@ class CarEstimator:
     def _keep(self, time: float, speed: Array, torque: Array, acceleration: float) -> None:
         samples = self._samples
         if self._braking:
-            if samples.count == _CAPACITY:
-                self._fold()
+            capacity = _CAPACITY_ASTRAY if self._forgot and self._surprised else _CAPACITY
+            if samples.count >= capacity:
+                self._fold(((samples.count - capacity) // _FOLDED + 1) * _FOLDED)
         else:
             while (samples.count > 1 and time - samples.time[1] > _BEFORE) or samples.count == _CAPACITY:
                 samples.drop_oldest(max(int(np.searchsorted(samples.time, time - _BEFORE)) - 1, 1))
@@ -231,7 +244,8 @@ class CarEstimator:
         self._families = tuple(p.families())
         self._mu_floor = radius_deviation(self._vehicle)
         self._peak: Peak | None = None
-        self._surprised = False
+        self._surprised = self._forgot = self._departed = False
+        self._surprised_at = -inf
         self._road_watch, self._two_roads = RoadWatch(), ""
         self._misfit = self._unresolved = 0.0
         self._seen = 0.0
@@ -239,13 +253,21 @@ class CarEstimator:
         self._move = [inf] * len(self._fits)
         self._gone_back = [0] * len(self._fits)
 
-    def _fold(self) -> None:
-        """Let the oldest samples leave the window."""
+    def _fold(self, number: int) -> None:
+        """Let the oldest `number` samples leave the window.
+
+        What fits that have gone astray make of them would hold them there.
+        """
         nodes = self._nodes()
-        memory = exp(-float(nodes.time[_FOLDED] - nodes.time[0]) / _MEMORY)
+        memory = exp(-float(nodes.time[number] - nodes.time[0]) / _MEMORY)
         for fit in self._fits:
-            fit.fold(self._samples, nodes, self._start, _FOLDED, memory)
-        self._samples.drop_oldest(_FOLDED)
+            if self._surprised:
+                fit.forget(nodes, number)
+            else:
+                fit.fold(self._samples, nodes, self._start, number, memory)
+        if self._surprised:
+            self._forgot = True
+        self._samples.drop_oldest(number)
 
     def _nodes(self) -> Nodes:
         return node_signals(self._car, self._samples, self._start, self._rolling_noise, self._p.counted)
@@ -275,9 +297,13 @@ class CarEstimator:
         if all(each.steps for each in self._fits):
             fits = self._fits
             self._surprised = min(each.surprise for each in fits) > _SURPRISE
+            if self._surprised:
+                self._surprised_at = time
+            if self._forgot and not self._departed:
+                self._departed = departs(self._car, nodes)
             found = [each.unknowns for each in fits], [each.covariance for each in fits]
             evidence = self._log_evidence()
-            self._peak = mixture(*found, evidence, self._mu_floor, True)
+            self._peak = mixture(*found, evidence, self._mu_floor, True, gone_astray=self._forgot)
             self._unresolved = 0.0
             self._seen = self._time_beyond(fit, self._peak, nodes.subset(slice(0, keep)))
             if self._seen < _SEEN_TIME:
@@ -285,13 +311,23 @@ class CarEstimator:
             else:
                 if len(fits) > 1:  # what is between the samples is known where the formula is
                     self._unresolved = unresolved(fit.moved.relaxed, exp(self._peak.log_lambda_max))
-                self._watch_road(fit, nodes.subset(slice(0, keep)))
+                if self._calm(time):
+                    self._watch_road(fit, nodes.subset(slice(0, keep)))
         self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
 
     def _log_evidence(self) -> list[float]:
         """Log evidence of the fits for the nodes that all of them have seen."""
         common = min(fit.newest for fit in self._fits)
         return [fit.log_evidence_until(common) for fit in self._fits]
+
+    @property
+    def _unexplained(self) -> bool:
+        """Whether the fits have gone astray; once they have, what they find needs a wheel that leaves its car."""
+        return self._surprised or (self._forgot and not self._departed)
+
+    def _calm(self, time: float) -> bool:
+        """Whether the fits have not been astray for long enough."""
+        return time - self._surprised_at >= _CALM
 
     def _watch_road(self, fit: CurveFit, nodes: Nodes) -> None:
         delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
@@ -330,7 +366,7 @@ class CarEstimator:
         reason, text = self._reason(time, peak)
         lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
         best = int(np.argmax(peak.weights))
-        surprised = self._surprised or bool(self._two_roads)
+        surprised = self._unexplained or bool(self._two_roads)
         u = self._fits[best].unknowns
         shape = (float(u[Unknown.SHAPE_1]), float(u[Unknown.SHAPE_2]))
         curve = curve_values(self._families[best], peak.log_lambda_max, shape, slips / lambda_max)
@@ -345,7 +381,7 @@ class CarEstimator:
                 lambda_max,
                 mu_max,
                 lambda_max * hypot(peak.log_lambda_stddev, self._unresolved),
-                mu_max * reaching_up(hypot(peak.log_mu_stddev, self._misfit)),
+                mu_max * reaching_up(hypot(peak.log_mu_stddev, self._misfit, UNRESOLVED_HEIGHT * self._unresolved)),
                 theta,
                 mu=float(mu[each]),
                 slope=float(slope[each]),
@@ -399,7 +435,7 @@ class CarEstimator:
         if self._seen < _SEEN_TIME or time - self._start.time - self._beyond_since < _LEAST_AGE:
             return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {self._seen:.2f} s only"
         best = int(np.argmax(peak.weights))
-        if self._surprised:
+        if self._unexplained or not self._calm(time):
             return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
         if self._two_roads:
             return Reason.UNCERTAIN, self._two_roads

@@ -22,10 +22,15 @@ SEEN_FACTOR = 1.1
 """Factor of the deviations of lambda_max: on random cars of a plant of its own the fit is that much too sure."""
 _MU_FLOOR = 0.005
 UNSEEN_FACTOR = 2.0
-"""Factor of all deviations while the peak has not been seen: it is an extrapolation by a formula."""
+"""Factor of all deviations while the peak has not been seen: it is an extrapolation by a formula.
+
+Of that of mu_max also where the fits have gone astray, as little is left of the time before.
+"""
 UNSEEN_FLOOR = 0.1
 _UNRESOLVED = 2.0
 """Relative deviation of lambda_max over the square of the mean step of slip over lambda_max near the peak."""
+UNRESOLVED_HEIGHT = 0.1
+"""Relative deviation of mu_max over that of lambda_max by the same."""
 _NEAR_PEAK = (0.6, 1.4)
 """Slip over lambda_max near the peak."""
 _INTERVAL = 1.96
@@ -60,6 +65,7 @@ def mixture(
     mu_floor: float,
     seen: bool,
     unsettled: Sequence[float] = (),
+    gone_astray: bool = False,
 ) -> Peak:
     """Mix the peaks of the families.
 
@@ -70,6 +76,7 @@ def mixture(
         mu_floor: least relative deviation of mu_max that the car leaves besides.
         seen: whether the slips have been beyond the peak.
         unsettled: last step of each family in ln mu_max: a fit that moves is not known to better than that.
+        gone_astray: whether the fits have been: their evidence is not believed, and any of them may be right.
     """
     best = max(log_evidence)
     raw = [exp(max(each - best, -50.0)) for each in log_evidence]
@@ -81,7 +88,7 @@ def mixture(
     of_lambda = doubt(seen, count == 1)
     of_mu = (1.0, mu_floor)
     if count > 1:
-        of_mu = (1.0 if seen else UNSEEN_FACTOR, hypot(_MU_FLOOR, mu_floor))
+        of_mu = (1.0 if seen and not gone_astray else UNSEEN_FACTOR, hypot(_MU_FLOOR, mu_floor))
     for index, (factor, floor) in ((Unknown.LOG_LAMBDA_MAX, of_lambda), (Unknown.LOG_MU_MAX, of_mu)):
         values = [float(each[index]) for each in unknowns]
         mean = sum(w * value for w, value in zip(weights, values, strict=True))
@@ -89,7 +96,8 @@ def mixture(
             w * (float(c[index, index]) + (value - mean) ** 2)
             for w, value, c in zip(weights, values, covariances, strict=True)
         )
-        found.append((mean, hypot(factor * sqrt(variance), floor)))
+        apart = max(values) - min(values) if gone_astray else 0.0
+        found.append((mean, hypot(factor * sqrt(variance), floor, apart)))
     moving = sqrt(sum(w * step**2 for w, step in zip(weights, unsettled or [0.0] * count, strict=True)))
     return Peak(found[0][0], found[1][0], found[0][1], hypot(found[1][1], _STILL_TO_GO * moving), tuple(weights))
 

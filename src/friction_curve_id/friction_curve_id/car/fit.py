@@ -226,6 +226,16 @@ class CurveFit:
             memory * past.spread + at.spread,
             likelihood,
         )
+        self._carry(nodes, number)
+
+    def forget(self, nodes: Nodes, number: int) -> None:
+        """Let the oldest `number` nodes leave, and forget what they and older ones said."""
+        n = self.z.size
+        self.past = Quadratic(np.zeros((n, n)), np.zeros(n), self.z.copy(), np.zeros((n, n)))
+        self._carry(nodes, number)
+
+    def _carry(self, nodes: Nodes, number: int) -> None:
+        """Keep the state of the motion that the oldest `number` nodes leave."""
         leaving = nodes.subset(slice(0, number + 1))
         leaving = replace(leaving, wheel_speed=leaving.wheel_speed + self._at_nodes(leaving))
         moved = motion(self._car, leaving, self.unknowns, self.carried)

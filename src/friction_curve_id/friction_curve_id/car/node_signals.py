@@ -26,6 +26,11 @@ Array = NDArray[np.float64]
 
 TURNING = 0.3
 """Speed of a wheel over that of the car from which on it surely turns."""
+_DEPARTURE, _DEPARTURE_SLIP, _DEPARTURE_TIME = 1.5, 0.07, 0.1
+"""Least change of a wheel's speed beside its car's [m/s], and over the car's speed [-], and the time of both [s].
+
+In ordinary driving one of the two is below 0.7 of its limit; a wheel that comes back on snow makes 1.4 of both.
+"""
 
 
 @dataclass(frozen=True)
@@ -128,6 +133,18 @@ def delayed(samples: BrakingSamples, nodes: Nodes, start: Start, delay: float) -
     rates /= t[before + 1] - t[before]
     near = samples.torque[:, at]
     return np.einsum("wkn,kn->wn", near, weights), np.einsum("wkn,kn->wn", near, rates)
+
+
+def departs(car: CarConstants, nodes: Nodes) -> bool:
+    """Whether the speed of a wheel that turns changes beside that of its car as only a wheel beyond its peak does.
+
+    What friction loses there goes into the wheel, and back when the brake is released. A driver's pedal makes less.
+    """
+    size = max(round(_DEPARTURE_TIME / max(float(np.median(nodes.interval)), 1e-4)), 1)
+    beside = car.radius * nodes.wheel_speed - nodes.speed_change
+    turning = nodes.turning[:, size:] & nodes.turning[:, :-size]
+    least = np.maximum(_DEPARTURE, _DEPARTURE_SLIP * (nodes.start_speed + nodes.speed_change[size:]))
+    return bool((turning & (np.abs(beside[:, size:] - beside[:, :-size]) > least)).any())
 
 
 def rolling_noise(wheel_speed: Array, least: float) -> Array:
