@@ -6,6 +6,7 @@ between, the present slip is followed with the last fit. What leaves the window 
 quadratic, which fades.
 """
 
+from dataclasses import replace
 from math import exp, expm1, hypot, inf, isfinite, isnan, nan, sqrt
 
 import numpy as np
@@ -18,6 +19,7 @@ from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_value
 from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability, reaching_up, unresolved
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
+from friction_curve_id.car.new_road import axle_on_new_road, told_of_roads
 from friction_curve_id.car.node_signals import TURNING, Start, delayed, node_signals, rolling_noise
 from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
@@ -47,6 +49,8 @@ _FIRST_STEP = 0.03
 _BRAKES, _RELEASED = 0.2, 0.15
 """Deceleration by the brakes at which a braking begins, and ends [m/s^2]."""
 _RELEASE_TIME = 0.15
+_COMES_BACK, _FAR_BEHIND = 0.6, 0.8
+"""A braking goes on for so long without brakes [s] while a wheel is slower than this share of the car."""
 _SAME_TIME = 1e-6
 """Times are equal within this [s]."""
 _PASSED = 1.05
@@ -63,6 +67,10 @@ _SURPRISE = 3.0
 """Most deviations by which the sum of the squared unknowns of every family may exceed what the prior lets expect."""
 _ASTRAY, _STEPS_BACK = 50.0, 5
 """A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
+_LATER = 0.01
+"""By so much the wheels of the other axle may come later to another road than their distance says [s]."""
+_LEAST_MU = 0.05
+"""Of any road."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""
 
@@ -168,13 +176,13 @@ class CarEstimator:
             self._gathered_turn = np.zeros(len(index))
         if float((self._radii[index] * speed).max()) < self._p.minimum_speed and not self._braking:
             return Refusal(Reason.LOW_SPEED, f"the car is slower than {self._p.minimum_speed} m/s")
-        self._watch_brakes(sample.time, braking_by)
+        self._watch_brakes(sample.time, braking_by, speed)
         if not self._braking:
             text = "the speed at the start of the braking is not known" if self._unknown_start else "no braking"
             return Refusal(Reason.NO_EXCITATION, text)
         if complete and sample.time - self._stepped_at >= _STEP_INTERVAL * len(index):
             self._step(sample.time)
-            while self._peak is None and self._turn < len(self._fits):  # the first answer needs all families
+            while self._peak is None and 0 < self._turn < len(self._fits):  # the first answer needs all families
                 self._step(sample.time)
         return self._answer(sample.time, speed)
 
@@ -182,13 +190,13 @@ class CarEstimator:
         samples = self._samples
         if self._braking:
             if samples.count == _CAPACITY:
-                self._fold()
+                self._fold(_FOLDED)
         else:
             while (samples.count > 1 and time - samples.time[1] > _BEFORE) or samples.count == _CAPACITY:
                 samples.drop_oldest(max(int(np.searchsorted(samples.time, time - _BEFORE)) - 1, 1))
         samples.append(time, speed, torque, acceleration, self._gained, self._braking)
 
-    def _watch_brakes(self, time: float, braking_by: float) -> None:
+    def _watch_brakes(self, time: float, braking_by: float, speed: Array) -> None:
         """Begin and end brakings."""
         if not self._braking and not self._unknown_start:
             if braking_by > _BRAKES:
@@ -201,8 +209,14 @@ class CarEstimator:
             self._released_at = inf
         elif self._released_at == inf:
             self._released_at = time
-        if time - self._released_at > _RELEASE_TIME:
+        released_for = time - self._released_at
+        if released_for > _RELEASE_TIME and not (released_for < _COMES_BACK and self._slips_far(speed)):
             self._begin_again(self._present)
+
+    def _slips_far(self, speed: Array) -> bool:
+        """Whether a wheel is far behind the car: an anti-lock system has opened its brake, not the driver."""
+        moved = float(self._samples.speed_change[-1]) - self._start.speed_change
+        return float((self._radii[self._index] * speed).min()) < _FAR_BEHIND * (self._start.speed + moved)
 
     def _begin_braking(self, time: float) -> None:
         samples, p = self._samples, self._p
@@ -230,6 +244,11 @@ class CarEstimator:
         ]
         self._families = tuple(p.families())
         self._mu_floor = radius_deviation(self._vehicle)
+        self._silent_until = np.full((len(self._present), 1), -inf)
+        self._begin_road()
+
+    def _begin_road(self) -> None:
+        """Nothing is known of the road."""
         self._peak: Peak | None = None
         self._surprised = False
         self._road_watch, self._two_roads = RoadWatch(), ""
@@ -239,16 +258,17 @@ class CarEstimator:
         self._move = [inf] * len(self._fits)
         self._gone_back = [0] * len(self._fits)
 
-    def _fold(self) -> None:
+    def _fold(self, number: int) -> None:
         """Let the oldest samples leave the window."""
         nodes = self._nodes()
-        memory = exp(-float(nodes.time[_FOLDED] - nodes.time[0]) / _MEMORY)
+        memory = exp(-float(nodes.time[number] - nodes.time[0]) / _MEMORY)
         for fit in self._fits:
-            fit.fold(self._samples, nodes, self._start, _FOLDED, memory)
-        self._samples.drop_oldest(_FOLDED)
+            fit.fold(self._samples, nodes, self._start, number, memory)
+        self._samples.drop_oldest(number)
 
     def _nodes(self) -> Nodes:
-        return node_signals(self._car, self._samples, self._start, self._rolling_noise, self._p.counted)
+        nodes = node_signals(self._car, self._samples, self._start, self._rolling_noise, self._p.counted)
+        return replace(nodes, turning=nodes.turning & (nodes.time >= self._silent_until))
 
     def _step(self, time: float) -> None:
         """Move the fit whose turn it is."""
@@ -266,6 +286,7 @@ class CarEstimator:
         known = self._samples.time[-1] - max(float(fit.unknowns[Unknown.PRESSURE_DELAY]), 0.0) - self._start.time
         keep = int(np.searchsorted(nodes.time + 0.5 * nodes.interval, known + _SAME_TIME))
         if keep < 5:
+            self._turn = 0
             return
         try:
             self._move[which] = fit.step(self._samples, nodes.subset(slice(0, keep)), self._start)
@@ -296,11 +317,39 @@ class CarEstimator:
     def _watch_road(self, fit: CurveFit, nodes: Nodes) -> None:
         delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
         torque, _ = delayed(self._samples, nodes, self._start, delay)
-        used, fitted = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
-        misfit = misfit_at_peak(used, fitted, exp(float(fit.unknowns[Unknown.LOG_MU_MAX])), nodes.time)
+        mu_max = exp(float(fit.unknowns[Unknown.LOG_MU_MAX]))
+        used, fitted, comparable = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
+        told = told_of_roads(fit.moved, fitted, mu_max) & (nodes.time >= self._silent_until)
+        found, since = axle_on_new_road(self._car, nodes, used, fitted, told)
+        if found.any():
+            self._begin_anew(nodes, found, since, used * told, fit)
+            return
+        used, fitted = used * comparable, fitted * comparable
+        misfit = misfit_at_peak(used, fitted, mu_max, nodes.time)
         self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time, misfit)
         if not isnan(misfit):
             self._misfit = misfit
+
+    def _begin_anew(self, nodes: Nodes, on_it: NDArray[np.bool_], since: float, used: Array, fit: CurveFit) -> None:
+        """Begin the curve anew, as of the time [s] since which some wheels are on another road; the car stays known."""
+        first = int(np.searchsorted(nodes.time, since))
+        newest = used[on_it, first:]
+        mu = float(np.median(newest[newest > 0.0])) if (newest > 0.0).any() else _LEAST_MU
+        if first >= 2:
+            self._fold(first)
+        if not on_it[self._car.front[:, 0] == 0.0].any():
+            self._silent_until[~on_it] = since + self._way_of_wheelbase(nodes.time[first:], fit.moved.speed[first:])
+        for each in self._fits:
+            each.begin_anew(max(mu, _LEAST_MU))
+        self._begin_road()
+        self._began_at, self._turn = float(nodes.time[-1]) + self._start.time, 0
+        self._cause = RestartCause.SURFACE
+
+    def _way_of_wheelbase(self, time: Array, speed: Array) -> float:
+        """Return how long the rear wheels take [s] to where the front ones were at the first of these times [s]."""
+        slows = max(float(speed[0] - speed[-1]) / max(float(time[-1] - time[0]), 1e-3), 0.0)
+        way = min(self._vehicle.wheelbase / float(speed[0]), 1.0)
+        return way * (1.0 + 0.5 * slows * way / float(speed[0])) + _LATER
 
     def _time_beyond(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> float:
         """Time for which the slips of turning wheels were surely beyond the peak, summed over the wheels [s].
