@@ -320,7 +320,7 @@ class CarEstimator:
         mu_max = exp(float(fit.unknowns[Unknown.LOG_MU_MAX]))
         used, fitted, comparable = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
         told = told_of_roads(fit.moved, fitted, mu_max) & (nodes.time >= self._silent_until)
-        found, since = axle_on_new_road(self._car, nodes, used, fitted, told)
+        found, since = axle_on_new_road(self._car, nodes.time, used, fitted, told)
         if found.any():
             self._begin_anew(nodes, found, since, used * told, fit)
             return

@@ -217,7 +217,7 @@ class CurveFit:
         information, gradient, spread = past.information, past.gradient, past.spread
         self.z = self.z.copy()
         for unknown in _OF_CURVE:
-            information, gradient, spread = _forgotten(information, gradient, spread, unknown)
+            information, gradient, spread = forgotten(information, gradient, spread, unknown)
             self.z[unknown] = 0.0
         # What the forgotten said of the families' odds was said of another road.
         self.past = Quadratic(information, gradient, past.reference, spread)
@@ -313,7 +313,7 @@ def _loosened(information: Array, gradient: Array, index: int, variance: float) 
     return information - np.outer(gain, column), gradient - gain * gradient[index]
 
 
-def _forgotten(information: Array, gradient: Array, spread: Array, index: int) -> tuple[Array, Array, Array]:
+def forgotten(information: Array, gradient: Array, spread: Array, index: int) -> tuple[Array, Array, Array]:
     """Return the quadratic, and the variance of its gradient, for the others whatever unknown `index` is."""
     column = information[:, index]
     if not column[index] > 0.0:

@@ -11,7 +11,7 @@ from math import log, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.car.car_model import CarConstants, Motion, Nodes
+from friction_curve_id.car.car_model import CarConstants, Motion
 
 Array = NDArray[np.float64]
 
@@ -39,27 +39,27 @@ def told_of_roads(moved: Motion, fitted: Array, mu_max: float) -> NDArray[np.boo
     return np.asarray(comparable & (moved.speed > _LEAST_SPEED))
 
 
-def axle_on_new_road(car: CarConstants, nodes: Nodes, used: Array, fitted: Array, told: NDArray[np.bool_]) -> tuple[
-    NDArray[np.bool_], float
-]:
+def axle_on_new_road(
+    car: CarConstants, time: Array, used: Array, fitted: Array, told: NDArray[np.bool_]
+) -> tuple[NDArray[np.bool_], float]:
     """Return the wheels that have come to another road, shape (W,), and since when [s]; none and NaN where none has.
 
     Args:
         car: nominal values.
-        nodes: measured signals.
+        time: of the nodes [s], shape (n,).
         used: friction that the wheels have used, shape (W, n).
         fitted: that of the curve at their slips, shape (W, n).
         told: nodes that tell, shape (W, n).
     """
     found = np.zeros(car.wheels, dtype=bool)
-    newest = nodes.time > nodes.time[-1] - _NEWEST
+    newest = time > time[-1] - _NEWEST
     for front in (1.0, 0.0):
         axle = np.flatnonzero(car.front[:, 0] == front)
-        since = [_since(nodes.time, used[each], fitted[each], told[each] & newest) for each in axle]
+        since = [_since(time, used[each], fitted[each], told[each] & newest) for each in axle]
         signs = {sign for _, sign in since}
         if len(axle) > 1 and signs in ({1}, {-1}):
             found[axle] = True
-            return found, min(time for time, _ in since)
+            return found, min(begin for begin, _ in since)
     return found, nan
 
 
