@@ -15,7 +15,7 @@ from corner_sim.car.tyre import TYRES
 from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.car.car_model import CarConstants
 from friction_curve_id.car.fit import forgotten
-from friction_curve_id.car.new_road import axle_on_new_road
+from friction_curve_id.car.new_road import NewRoad, axle_on_new_road
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -29,9 +29,8 @@ TOLD = np.ones(FITTED.shape, dtype=bool)
 SEED, WAY = 77_000, 15.0
 
 
-def found(used: Array, told: NDArray[np.bool_] = TOLD) -> tuple[list[bool], float]:
-    wheels, since = axle_on_new_road(CONSTANTS, TIME, used, FITTED, told)
-    return wheels.tolist(), since
+def found(used: Array, told: NDArray[np.bool_] = TOLD) -> NewRoad | None:
+    return axle_on_new_road(CONSTANTS, TIME, used, FITTED, told)
 
 
 def from_node(first: int, share: Array | float, last: int = TIME.size) -> Array:
@@ -43,15 +42,36 @@ def from_node(first: int, share: Array | float, last: int = TIME.size) -> Array:
 
 @pytest.mark.parametrize("share", [0.15, 0.5, 2.0, 6.0])
 def test_an_axle_that_uses_much_less_or_more_is_on_another_road_since_then(share: float) -> None:
-    assert found(from_node(34, share)) == (FRONT.tolist(), TIME[34])
+    road = found(from_node(34, share))
+    assert road is not None
+    assert road.wheels.tolist() == FRONT.tolist()
+    assert (road.known_until, road.since) == (TIME[33], TIME[34])
+
+
+def test_the_old_road_is_known_until_a_wheel_last_told_it() -> None:
+    told = TOLD.copy()
+    told[:, 25:34] = False
+    road = found(from_node(30, 0.15), told)
+    assert road is not None
+    assert (road.known_until, road.since) == (TIME[24], TIME[34])
 
 
 def test_what_the_wheels_tell_before_they_stand_is_enough() -> None:
     told = TOLD.copy()
     told[:, 37:] = False
-    assert found(from_node(34, 0.15), told) == (FRONT.tolist(), TIME[34])
+    road = found(from_node(34, 0.15), told)
+    assert road is not None and road.since == TIME[34]
     told[:, 36:] = False
-    assert not any(found(from_node(34, 0.15), told)[0]), "two samples may be a bump"
+    told[:, :34] = False
+    assert found(from_node(34, 0.15), told) is None, "two samples may be a bump"
+
+
+def test_teeth_that_come_slowly_hide_no_road() -> None:
+    """A wheel that hardly turns gains and loses speed by whole teeth."""
+    used = from_node(34, 0.15)
+    used[:, 36], used[:, 37] = FITTED[:, 36], -0.7 * FITTED[:, 37]
+    road = found(used)
+    assert road is not None and road.since == TIME[34]
 
 
 @pytest.mark.parametrize(
@@ -65,11 +85,11 @@ def test_what_the_wheels_tell_before_they_stand_is_enough() -> None:
     ],
 )
 def test_an_error_of_the_car_a_sensor_that_fails_or_a_split_road_is_none(share: Array | float) -> None:
-    assert not any(found(from_node(30, share))[0])
+    assert found(from_node(30, share)) is None
 
 
 def test_a_bump_is_none() -> None:
-    assert not any(found(from_node(37, 0.15, last=39))[0])
+    assert found(from_node(38, 0.4)) is None
 
 
 def test_the_forgotten_is_as_if_it_had_never_been_known() -> None:

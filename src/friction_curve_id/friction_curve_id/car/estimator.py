@@ -19,7 +19,7 @@ from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_value
 from friction_curve_id.car.evidence import Peak, doubt, mixture, normal_probability, reaching_up, unresolved
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
-from friction_curve_id.car.new_road import axle_on_new_road, told_of_roads
+from friction_curve_id.car.new_road import NewRoad, axle_on_new_road, told_of_roads
 from friction_curve_id.car.node_signals import TURNING, Start, delayed, node_signals, rolling_noise
 from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
@@ -61,6 +61,9 @@ _SEEN_TIME = 0.1
 """Time beyond the peak, summed over wheels, that makes a peak seen [s]."""
 _LARGEST_STDDEV = 0.25
 _EARLIEST_VALID = 0.1
+_EARLIEST_ANEW = 0.5
+"""Time of a braking, or on another road within it, before which nothing is valid [s]. There the axles come one after the
+other, and most of what their wheels do first is too fast to tell."""
 _LEAST_AGE = 0.1
 """Time since the slip first was beyond the peak before it is seen [s]."""
 _SURPRISE = 3.0
@@ -69,6 +72,8 @@ _ASTRAY, _STEPS_BACK = 50.0, 5
 """A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
 _LATER = 0.01
 """By so much the wheels of the other axle may come later to another road than their distance says [s]."""
+_KNOWN_MU = 0.1
+"""Relative deviation of mu_max below which another road is told from the present one."""
 _LEAST_MU = 0.05
 """Of any road."""
 _SETTLED = 0.1
@@ -244,6 +249,7 @@ class CarEstimator:
         ]
         self._families = tuple(p.families())
         self._mu_floor = radius_deviation(self._vehicle)
+        self._earliest_valid = _EARLIEST_VALID
         self._silent_until = np.full((len(self._present), 1), -inf)
         self._begin_road()
 
@@ -316,33 +322,47 @@ class CarEstimator:
 
     def _watch_road(self, fit: CurveFit, nodes: Nodes) -> None:
         delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
-        torque, _ = delayed(self._samples, nodes, self._start, delay)
+        torque, rate = delayed(self._samples, nodes, self._start, delay)
         mu_max = exp(float(fit.unknowns[Unknown.LOG_MU_MAX]))
         used, fitted, comparable = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
-        told = told_of_roads(fit.moved, fitted, mu_max) & (nodes.time >= self._silent_until)
-        found, since = axle_on_new_road(self._car, nodes.time, used, fitted, told)
-        if found.any():
-            self._begin_anew(nodes, found, since, used * told, fit)
-            return
+        if self._knows_road():
+            told = told_of_roads(self._car, fit.moved, fitted, mu_max, rate) & (nodes.time >= self._silent_until)
+            new_road = axle_on_new_road(self._car, nodes.time, used, fitted, told)
+            if new_road is not None:
+                self._begin_anew(nodes, new_road, used * told, fit)
+                return
         used, fitted = used * comparable, fitted * comparable
         misfit = misfit_at_peak(used, fitted, mu_max, nodes.time)
         self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time, misfit)
         if not isnan(misfit):
             self._misfit = misfit
 
-    def _begin_anew(self, nodes: Nodes, on_it: NDArray[np.bool_], since: float, used: Array, fit: CurveFit) -> None:
-        """Begin the curve anew, as of the time [s] since which some wheels are on another road; the car stays known."""
-        first = int(np.searchsorted(nodes.time, since))
-        newest = used[on_it, first:]
+    def _knows_road(self) -> bool:
+        """Whether the curve is known well enough for another road to show beside it."""
+        peak = self._peak
+        settled = max(self._move) < _SETTLED and not self._surprised
+        return peak is not None and settled and peak.log_mu_stddev < _KNOWN_MU
+
+    def _begin_anew(self, nodes: Nodes, road: NewRoad, used: Array, fit: CurveFit) -> None:
+        """Begin the curve anew on another road, from where it is seen; what is known of the car stays.
+
+        `used`: friction that the wheels have used, zero where it tells nothing, shape (W, n).
+        """
+        first = int(np.searchsorted(nodes.time, road.since))
+        newest = used[road.wheels, first:]
         mu = float(np.median(newest[newest > 0.0])) if (newest > 0.0).any() else _LEAST_MU
-        if first >= 2:
-            self._fold(first)
-        if not on_it[self._car.front[:, 0] == 0.0].any():
-            self._silent_until[~on_it] = since + self._way_of_wheelbase(nodes.time[first:], fit.moved.speed[first:])
+        known = int(np.searchsorted(nodes.time, road.known_until, side="right"))
+        if known >= 2:
+            self._fold(known)
+        self._silent_until[road.wheels] = road.since
+        if not road.wheels[self._car.front[:, 0] == 0.0].any():
+            way = self._way_of_wheelbase(nodes.time[first:], fit.moved.speed[first:])
+            self._silent_until[~road.wheels] = road.since + way
         for each in self._fits:
             each.begin_anew(max(mu, _LEAST_MU))
         self._begin_road()
         self._began_at, self._turn = float(nodes.time[-1]) + self._start.time, 0
+        self._earliest_valid = _EARLIEST_ANEW
         self._cause = RestartCause.SURFACE
 
     def _way_of_wheelbase(self, time: Array, speed: Array) -> float:
@@ -443,11 +463,13 @@ class CarEstimator:
 
     def _reason(self, time: float, peak: Peak) -> tuple[Reason, str]:
         since = time - self._began_at
-        if since < _EARLIEST_VALID:
+        if since < _EARLIEST_VALID and self._earliest_valid == _EARLIEST_VALID:
             return Reason.TOO_FEW_SAMPLES, f"{since:.2f} s of braking are too short"
         if self._seen < _SEEN_TIME or time - self._start.time - self._beyond_since < _LEAST_AGE:
             return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {self._seen:.2f} s only"
         best = int(np.argmax(peak.weights))
+        if since < self._earliest_valid:
+            return Reason.UNCERTAIN, f"the wheels came to another road {since:.2f} s ago"
         if self._surprised:
             return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
         if self._two_roads:

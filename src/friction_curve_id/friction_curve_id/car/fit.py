@@ -30,6 +30,8 @@ _DRIFTS = {Unknown.SLOPE: 0.1, Unknown.START_SPEED: 0.05}
 
 _OF_CURVE = (Unknown.LOG_MU_MAX, Unknown.LOG_LAMBDA_MAX, Unknown.SHAPE_1, Unknown.SHAPE_2)
 """What belongs to the road; all else is the car's."""
+_KEPT_OF_CAR = 0.25
+"""Share of what is known of the car that is kept on another road: what the formula of the first curve left out is in it."""
 
 
 @dataclass(frozen=True)
@@ -214,13 +216,16 @@ class CurveFit:
         Comes after a `fold` of what lies before it.
         """
         past, prior = self.past, self._prior
-        information, gradient, spread = past.information, past.gradient, past.spread
+        kept = _KEPT_OF_CAR
+        gradient = kept * (past.gradient + past.information @ (self.z - past.reference))
+        information, spread = kept * past.information, kept * past.spread
+        reference = self.z
         self.z = self.z.copy()
         for unknown in _OF_CURVE:
             information, gradient, spread = forgotten(information, gradient, spread, unknown)
             self.z[unknown] = 0.0
         # What the forgotten said of the families' odds was said of another road.
-        self.past = Quadratic(information, gradient, past.reference, spread)
+        self.past = Quadratic(information, gradient, reference, spread)
         mean, stddev = float(prior.mean[Unknown.LOG_MU_MAX]), float(prior.stddev[Unknown.LOG_MU_MAX])
         self.z[Unknown.LOG_MU_MAX] = (log(mu) - mean) / stddev
         self._last_move = np.zeros_like(self.z)
