@@ -325,7 +325,7 @@ class CarEstimator:
         torque, rate = delayed(self._samples, nodes, self._start, delay)
         mu_max = exp(float(fit.unknowns[Unknown.LOG_MU_MAX]))
         used, fitted, comparable = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
-        if self._knows_road():
+        if self._peak is not None and self._peak.log_mu_stddev < _KNOWN_MU:
             told = told_of_roads(self._car, fit.moved, fitted, mu_max, rate) & (nodes.time >= self._silent_until)
             new_road = axle_on_new_road(self._car, nodes.time, used, fitted, told)
             if new_road is not None:
@@ -336,12 +336,6 @@ class CarEstimator:
         self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time, misfit)
         if not isnan(misfit):
             self._misfit = misfit
-
-    def _knows_road(self) -> bool:
-        """Whether the curve is known well enough for another road to show beside it."""
-        peak = self._peak
-        settled = max(self._move) < _SETTLED and not self._surprised
-        return peak is not None and settled and peak.log_mu_stddev < _KNOWN_MU
 
     def _begin_anew(self, nodes: Nodes, road: NewRoad, used: Array, fit: CurveFit) -> None:
         """Begin the curve anew on another road, from where it is seen; what is known of the car stays.

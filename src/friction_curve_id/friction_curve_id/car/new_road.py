@@ -28,7 +28,7 @@ _LEAST_SHARE = 0.4
 """Least share of mu_max at which friction is compared: below, the slope of the curve and the speed decide."""
 _SLOW = 0.85
 """Slip from which a wheel is so slow that its acceleration is noise, or stands: it would seem to use what it does not."""
-_LEAST_SPEED = 5.0
+_LEAST_SPEED = 8.0
 """Of the car [m/s]; below it slips are vague, and wheels stand within a sample or two."""
 
 _DELAY, _LATE_SHARE = 0.015, 0.25
@@ -64,6 +64,8 @@ def told_of_roads(
         torque_rate: derivative of the brake torque [N m/s], shape (W, n).
     """
     comparable = (fitted > _LEAST_SHARE * mu_max) & (moved.slip < _SLOW) & (moved.speed > _LEAST_SPEED)
+    # A wheel that comes back uses less than its curve says by how much its tyre is late, which is not well known.
+    comparable &= moved.slip >= moved.relaxed
     # The torque is of another moment than the wheel speed, by what is not known of its delay.
     late = np.abs(torque_rate) * _DELAY < _LATE_SHARE * fitted * car.radius * moved.load
     return np.asarray(comparable & late)
