@@ -199,7 +199,9 @@ class Guard:
         Two, as the sensor of one may be dead; by nothing but the wheels, as speed and slip may be wrong.
         """
         least = _STANDS * slowest
-        return slowest > _MOVES and self._radius * seen.wheel_speed < least and any(each < least for each in seen.others)
+        return (
+            slowest > _MOVES and self._radius * seen.wheel_speed < least and any(each < least for each in seen.others)
+        )
 
     def command(self, stamp: int, law: Command, most: Command = Command.INCREASE) -> Command:
         """Return the command that may be given for what the law asks at the stamp [ns] of the last `look`.

@@ -229,7 +229,8 @@ def test_a_release_lasts_longer_only_where_two_wheels_stand_by_what_the_wheels_s
         slip = 1.0 - dived / 20.0
         around = [dived if each < rim + 1.0 else each for each in others]
         guard.look(
-            k * STEP, Seen(speed, torque, 2400.0, around, slip=slip, slip_stddev=0.01, car_speed=20.0, car_is_measured=True)
+            k * STEP,
+            Seen(speed, torque, 2400.0, around, slip=slip, slip_stddev=0.01, car_speed=20.0, car_is_measured=True),
         )
         commands.append(guard.command(k * STEP, Command.DECREASE))
         torque = max(torque - 25.0, 0.0) if commands[-1] is Command.DECREASE else torque

@@ -62,8 +62,8 @@ _SEEN_TIME = 0.1
 _LARGEST_STDDEV = 0.25
 _EARLIEST_VALID = 0.1
 _EARLIEST_ANEW = 0.5
-"""Time of a braking, or on another road within it, before which nothing is valid [s]. There the axles come one after the
-other, and most of what their wheels do first is too fast to tell."""
+"""Time of a braking, or on another road within it, before which nothing is valid [s]. There the axles come one after
+the other, and most of what their wheels do first is too fast to tell."""
 _LEAST_AGE = 0.1
 """Time since the slip first was beyond the peak before it is seen [s]."""
 _SURPRISE = 3.0

@@ -31,7 +31,7 @@ _DRIFTS = {Unknown.SLOPE: 0.1, Unknown.START_SPEED: 0.05}
 _OF_CURVE = (Unknown.LOG_MU_MAX, Unknown.LOG_LAMBDA_MAX, Unknown.SHAPE_1, Unknown.SHAPE_2)
 """What belongs to the road; all else is the car's."""
 _KEPT_OF_CAR = 0.25
-"""Share of what is known of the car that is kept on another road: what the formula of the first curve left out is in it."""
+"""Share of what is known of the car that is kept on another road: what the formula of the first left out is in it."""
 
 
 @dataclass(frozen=True)

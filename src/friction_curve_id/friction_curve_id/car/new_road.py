@@ -1,9 +1,9 @@
 """Whether an axle has come to a road with much less grip, and when: the fit then begins anew within the braking.
 
-A wheel that comes from dry to snow dives, and stands 30 ms later. What it uses on the way, kappa T + J omega_dot + T_drag,
-is a sixth of the curve's friction at its slip, on either side of the axle alike. Nothing else is: a wheel that dives on
-its own road uses what the curve says, wrong gains and inertias make a tenth, bumps are shorter, and a split road or a
-sensor that fails shows at one side.
+A wheel that comes from dry to snow dives, and stands 30 ms later. What it uses on the way, kappa T + J omega_dot +
+T_drag, is a sixth of the curve's friction at its slip, on either side of the axle alike. Nothing else is: a wheel that
+dives on its own road uses what the curve says, wrong gains and inertias make a tenth, bumps are shorter, and a split
+road or a sensor that fails shows at one side.
 """
 
 from math import inf, isfinite, nan
@@ -27,7 +27,7 @@ _SOME = 0.2
 _LEAST_SHARE = 0.4
 """Least share of mu_max at which friction is compared: below, the slope of the curve and the speed decide."""
 _SLOW = 0.85
-"""Slip from which a wheel is so slow that its acceleration is noise, or stands: it would seem to use what it does not."""
+"""Slip from which the acceleration of a wheel is noise, as teeth come slowly, or it stands against its brake."""
 _LEAST_SPEED = 8.0
 """Of the car [m/s]; below it slips are vague, and wheels stand within a sample or two."""
 
@@ -92,7 +92,7 @@ def axle_on_new_road(
 
 
 def _change(time: Array, used: Array, fitted: Array, told: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return until when a wheel was seen to grip as the curve says, and since when much less [s]; NaN: it still does."""
+    """Return until when a wheel was seen to grip as the curve says, and since when much less [s]; NaN: it does."""
     at = np.flatnonzero(told)
     if at.size < _NODES or time[at[-_NODES]] < time[-1] - _NEWEST:
         return nan, nan
