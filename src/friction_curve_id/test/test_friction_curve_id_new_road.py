@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 CAR = load_vehicle("compact_car")
 CONSTANTS = CarConstants(CAR, (0, 1, 2, 3))
 FRONT = CONSTANTS.front[:, 0] == 1.0
-TIME: Array = np.arange(40) * 0.005
+TIME: Array = np.array([0.005 * k for k in range(40)])
 FITTED: Array = np.full((4, TIME.size), 1.1)
 TOLD = np.ones(FITTED.shape, dtype=bool)
 WAY = 18.0
