@@ -33,7 +33,7 @@ class Envelope:
     def __init__(self, corner: CornerParameters, actuator: ActuatorParameters, parameters: EnvelopeParameters) -> None:
         """Choose a wheel, its hydraulics, and the parameters of the evidence and the caps."""
         self.evidence = ReleaseEvidence(corner.radius, parameters.evidence)
-        self.caps = ReleaseCaps(parameters.caps, actuator.apply_rate)
+        self.caps = ReleaseCaps(parameters.caps, actuator)
         self._road = RoadTorque(corner.radius, corner.inertia)
         self._dive = FastDive(corner, actuator)
         self._driver_below = parameters.caps.driver_below
@@ -44,7 +44,7 @@ class Envelope:
         self.evidence.reset()
         self.caps.reset()
         self._road.reset()
-        self._wanted = False
+        self._wanted = self._stands = False
         self.release = Release.NOT_WANTED
         """Verdict on the release that the law asked for."""
         self.refused = 0
@@ -59,6 +59,7 @@ class Envelope:
     def look(self, stamp: int, wheel: Wheel) -> None:
         """Take what is known of the wheel at a stamp [ns], later than the last. Comes before `judge`."""
         self.evidence.update(stamp, wheel)
+        self._stands = wheel.stands
 
     def may_trim(self, car_speed: float, torque: float) -> bool:
         """Whether a brake torque may be lowered to a little below what the road gave when the wheel slipped.
@@ -100,7 +101,8 @@ class Envelope:
             self.release = Release.BY_SLIP
         self.refused += begins and self.release is Release.REFUSED
         release = wanted and self.release is not Release.REFUSED
-        command = self.caps.command(stamp, release, self.evidence.recovering, self.evidence.deep, torque, demand)
+        known = self.evidence
+        command = self.caps.command(stamp, release, known.recovering, known.deep, self._stands, torque, demand)
         # A trim tells nothing of the road: else each would allow the next.
         told = command is Command.DECREASE and not trim
         self._road.update(stamp, told, torque, self.evidence.deceleration, car_speed)

@@ -28,6 +28,8 @@ _ALIKE_STANDING: Final = 0.2
 """Wheels turn alike that differ by less than this share and [m/s]."""
 _SLIDES: Final = 0.5
 """Share by which a sliding wheel turns slower."""
+_STANDS: Final = 0.3
+"""Of the least speed of the car by all of its wheels, below which a wheel stands, or nearly."""
 
 
 class Seen:
@@ -162,6 +164,7 @@ class Guard:
                 car_deceleration=self._trend.deceleration,
                 braked=not strongest < _BRAKED,
                 alike=self._alike(seen),
+                stands=self._stands(seen, slowest),
             ),
         )
         self.may_be_locked = not others and not isfinite(seen.car_speed)
@@ -189,6 +192,16 @@ class Guard:
         rim = self._radius * seen.wheel_speed
         apart = _ALIKE * abs(rim) + _ALIKE_STANDING
         return all(abs(each - rim) < apart for each in seen.others)
+
+    def _stands(self, seen: Seen, slowest: float) -> bool:
+        """Return whether this wheel and another stand, or nearly, while the car moves with `slowest` [m/s] at least.
+
+        Two, as the sensor of one may be dead; by nothing but the wheels, as speed and slip may be wrong.
+        """
+        least = _STANDS * slowest
+        return (
+            slowest > _MOVES and self._radius * seen.wheel_speed < least and any(each < least for each in seen.others)
+        )
 
     def command(self, stamp: int, law: Command, most: Command = Command.INCREASE) -> Command:
         """Return the command that may be given for what the law asks at the stamp [ns] of the last `look`.

@@ -7,6 +7,7 @@ from typing import Final
 
 from abs_supervisor.fsm import Command
 from friction_parameters.parameter import parameter
+from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.nanoseconds import NANOSECONDS
 
 
@@ -26,7 +27,8 @@ class CapParameters:
 
     longest: float = parameter(
         0.3,
-        "longest release at a time, unless the slip is above its threshold and the wheel is seen to recover",
+        "longest release at a time, unless the slip is above its threshold and the wheel is seen to recover, or wheels "
+        "stand that the brake still holds",
         unit="s",
         minimum=0.05,
         maximum=2.0,
@@ -58,14 +60,17 @@ _TIGHT: Final = 0.6
 _REACHED: Final = 0.98
 """Share of the demand at which the pressure has returned."""
 
+_MOST_OPENING: Final = 2.0
+"""Of `longest`, for which wheels that stand may be released until their brakes are open."""
+
 
 class ReleaseCaps:
     """Follows the releases of one wheel."""
 
-    def __init__(self, parameters: CapParameters, apply_rate: float) -> None:
-        """Start without releases; `apply_rate` is the fastest rise of the brake torque [N m/s]."""
-        self._p = parameters
-        self._share = min(parameters.return_rate / apply_rate, 1.0)
+    def __init__(self, parameters: CapParameters, actuator: ActuatorParameters) -> None:
+        """Start without releases; `actuator` are the hydraulics."""
+        self._p, self._actuator = parameters, actuator
+        self._share = min(parameters.return_rate / actuator.apply_rate, 1.0)
         self.reset()
 
     def reset(self) -> None:
@@ -76,13 +81,15 @@ class ReleaseCaps:
         self._released: deque[tuple[int, float]] = deque()
         self._in_window = 0.0
         self._last: int | None = None
-        self._released_for = 0.0
+        self._released_for = self._begun_with = 0.0
         self._released_at: int | None = None
         self._returning: int | None = None
         self._why = Cap.NONE
         self._allowed = 0.0
 
-    def command(self, stamp: int, release: bool, recovering: bool, deep: bool, torque: float, demand: float) -> Command:
+    def command(
+        self, stamp: int, release: bool, recovering: bool, deep: bool, stands: bool, torque: float, demand: float
+    ) -> Command:
         """Return DECREASE, or what takes its place.
 
         Args:
@@ -90,6 +97,7 @@ class ReleaseCaps:
             release: whether a release is asked for, and there is evidence for it.
             recovering: whether the wheel is seen to recover with a slip above the threshold.
             deep: whether the slip is beyond the peak by far.
+            stands: whether the wheel stands in a moving car, and another with it.
             torque: of the brake [N m].
             demand: of the driver [N m].
         """
@@ -112,12 +120,15 @@ class ReleaseCaps:
                 return Command.HOLD
             slow = deep or self._in_window > _TIGHT * self._p.most_in_window
             return self._pulse() if slow else Command.INCREASE
-        self.cap = self._exceeded(stamp, dt, recovering)
+        goes_on = self._goes_on(stamp, dt)
+        if not goes_on:
+            self._begun_with = torque
+        self.cap = self._exceeded(dt, goes_on, recovering, stands)
         if self.cap is not Cap.NONE:
             self.count += 1
             self._why, self._returning, self._allowed = self.cap, stamp, 0.0
             return self._pulse()
-        self._released_for = self._released_for + dt if self._goes_on(stamp, dt) else dt
+        self._released_for = self._released_for + dt if goes_on else dt
         self._released_at = stamp
         self._released.append((stamp, dt))
         self._in_window += dt
@@ -147,10 +158,15 @@ class ReleaseCaps:
         """Whether a release at this stamp belongs to the one before."""
         return self._released_at is not None and stamp - self._released_at <= (_SAME_RELEASE + dt) * NANOSECONDS
 
-    def _exceeded(self, stamp: int, dt: float, recovering: bool) -> Cap:
+    def _exceeded(self, dt: float, goes_on: bool, recovering: bool, stands: bool) -> Cap:
         if self._in_window + dt > self._p.most_in_window:
             return Cap.SHARE
-        if self._goes_on(stamp, dt) and self._released_for + dt > self._p.longest and not recovering:
+        longest = self._p.longest
+        if stands:
+            # Pressure that comes back before the brake is open keeps a wheel standing that it has locked.
+            opens = self._begun_with / self._actuator.release_rate + self._actuator.delay
+            longest = max(longest, min(opens, _MOST_OPENING * longest))
+        if goes_on and self._released_for + dt > longest and not recovering:
             return Cap.CONTINUOUS
         return Cap.NONE
 

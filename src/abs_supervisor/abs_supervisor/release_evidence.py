@@ -69,6 +69,7 @@ class Wheel:
         car_deceleration: float = nan,
         braked: bool = False,
         alike: bool = False,
+        stands: bool = False,
     ) -> None:
         """Hold what is known; NaN where something is not.
 
@@ -82,6 +83,7 @@ class Wheel:
             car_deceleration: [m/s^2].
             braked: whether the brake acts, or the driver demands it.
             alike: whether the other wheels turn like this one, and nothing but the accelerometer says otherwise.
+            stands: whether it and another wheel stand, or nearly, in a car that moves by what its wheels say alone.
         """
         self.speed = speed
         self.slip = slip
@@ -92,6 +94,7 @@ class Wheel:
         self.car_deceleration = car_deceleration
         self.braked = braked
         self.alike = alike
+        self.stands = stands
 
 
 _PEAK_PER_SLIP: Final = 60.0

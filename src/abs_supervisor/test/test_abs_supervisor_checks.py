@@ -213,6 +213,32 @@ def test_speed_of_the_car_that_no_wheel_has_is_believed_where_it_is_measured_or_
     assert (Command.DECREASE in commands) == released
 
 
+@pytest.mark.parametrize(
+    ("rim", "others", "longer"),
+    [(0.0, [0.0, 15.0, 15.0], True), (0.0, [15.0] * 3, False), (0.0, [], False), (8.0, [0.0, 15.0, 15.0], False)],
+)
+def test_a_release_lasts_longer_only_where_two_wheels_stand_by_what_the_wheels_say(
+    rim: float, others: list[float], longer: bool
+) -> None:
+    """One that stands alone may be a dead sensor."""
+    guard, random = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True), np.random.default_rng(1)
+    torque, commands = 2400.0, []
+    for k in range(1, 130):
+        dived = max(20.0 - 1.0 * max(k - 20, 0), rim)
+        speed = dived / CORNER.radius + 0.07 * float(random.standard_normal())
+        slip = 1.0 - dived / 20.0
+        around = [dived if each < rim + 1.0 else each for each in others]
+        guard.look(
+            k * STEP,
+            Seen(speed, torque, 2400.0, around, slip=slip, slip_stddev=0.01, car_speed=20.0, car_is_measured=True),
+        )
+        commands.append(guard.command(k * STEP, Command.DECREASE))
+        torque = max(torque - 25.0, 0.0) if commands[-1] is Command.DECREASE else torque
+    released = commands[commands.index(Command.DECREASE) :]
+    ends = next((k for k, each in enumerate(released) if each is not Command.DECREASE), len(released))
+    assert (ends * 0.005 > 0.35) == longer
+
+
 def test_single_wheel_of_unknown_slip_says_that_it_cannot_tell_a_lock_from_standstill() -> None:
     guard = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True)
     guard.look(STEP, Seen(1.0, torque=100.0, demand=300.0))

@@ -253,6 +253,21 @@ def test_wheel_that_is_seen_to_recover_may_be_released_for_longer_but_not_for_mo
     assert in_two_seconds.max() > 0.5
 
 
+@pytest.mark.parametrize(
+    ("torque", "stands", "released"), [(1900.0, True, 0.39), (1900.0, False, 0.3), (5e4, True, 0.6)]
+)
+def test_wheels_that_stand_are_released_until_their_brakes_are_open(
+    torque: float, stands: bool, released: float
+) -> None:
+    """It takes 0.38 s from 1900 N m, and 10 ms of delay; no torque is a reason for more than twice `longest`."""
+    bench = Bench()
+    commands: list[Command] = []
+    for _ in range(150):
+        falls = commands.count(Command.DECREASE) * DT * 5000.0
+        commands.append(bench.sample(0.0, slip=1.0, torque=max(torque - falls, 0.0), stands=stands))
+    assert longest(commands) == pytest.approx(released, abs=1.5 * DT)
+
+
 def test_cap_is_named_while_it_holds() -> None:
     bench = Bench()
     seen = []

@@ -319,6 +319,18 @@ def test_a_vague_estimate_does_not_displace_a_peak_that_was_seen() -> None:
     assert known.curve is vague
 
 
+def test_of_vague_estimates_of_another_road_the_surest_counts() -> None:
+    known = UsableCurve()
+    known.take(report(STEP, Estimate.VALID))
+    for sample in range(3):
+        known.take(report((sample + 2) * STEP, Estimate.VALID))
+    curves = [road(name) for name in ("snow", "wet", "cobblestone")]
+    for sample, (curve, share) in enumerate(zip(curves, (1.4, 1.5, 0.8), strict=True)):
+        vague = CurveReport((sample + 9) * STEP, Estimate.VAGUE, curve, share * curve.lambda_max, 1.0, 50, 1)
+        known.take(vague)
+        assert known.curve is curves[(0, 0, 2)[sample]]
+
+
 def test_the_old_road_serves_until_the_new_one_has_twenty_samples() -> None:
     known, snow = UsableCurve(), road("snow")
     for sample in range(3):

@@ -1,7 +1,7 @@
 """Which of the estimates of the friction curve the law uses."""
 
 from enum import Enum
-from math import isfinite
+from math import inf, isfinite
 from typing import Final
 
 from abs_supervisor.law.road_curve import RoadCurve
@@ -12,7 +12,8 @@ _FEWEST: Final = 20
 _SEEN_AFTER: Final = 3
 """Valid estimates after which the peak counts as seen."""
 _VAGUE: Final = 0.25
-"""Of lambda_max: once the peak was seen, estimates with a larger standard deviation are left out."""
+"""Of lambda_max: once the peak was seen, estimates with a larger standard deviation are left out, but for one that is
+less vague than the present."""
 _KEPT = round(0.15 * NANOSECONDS)
 """[ns] for which the last curve serves when the estimator has none for another reason than that nothing moves."""
 
@@ -79,6 +80,7 @@ class UsableCurve:
         self.changed = False
         """Whether the last report brought another road."""
         self._restarts = -1
+        self._doubt = inf
         self.valid = 0
         """Valid estimates of this road."""
         self._since = 0
@@ -94,7 +96,8 @@ class UsableCurve:
         self.changed = False
         curve = report.curve
         tells = curve is not None and report.samples >= _FEWEST
-        vague = isfinite(report.stddev) and curve is not None and report.stddev > _VAGUE * curve.lambda_max
+        doubt = report.stddev / curve.lambda_max if curve is not None and isfinite(report.stddev) else 0.0
+        vague = doubt > _VAGUE
         anew = report.restarts != self._restarts
         if self.curve is not None and anew and vague and explained:
             self._since = report.stamp
@@ -104,8 +107,8 @@ class UsableCurve:
                 self._restarts, self.valid, self.seen = report.restarts, 0, False
             self.valid += report.estimate is Estimate.VALID
             self.seen = self.seen or self.valid >= _SEEN_AFTER or report.beyond > 0.5
-            if not (self.seen and vague) or self.curve is None or self.changed:
-                self.curve = curve
+            if not (self.seen and vague) or self.curve is None or self.changed or doubt < self._doubt:
+                self.curve, self._doubt = curve, doubt
             self._since = report.stamp
         elif report.estimate is Estimate.QUIET:
             self._since = report.stamp

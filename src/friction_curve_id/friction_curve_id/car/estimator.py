@@ -6,6 +6,7 @@ between, the present slip is followed with the last fit. What leaves the window 
 quadratic, which fades.
 """
 
+from dataclasses import replace
 from math import exp, expm1, hypot, inf, isfinite, isnan, nan, sqrt
 
 import numpy as np
@@ -26,6 +27,7 @@ from friction_curve_id.car.evidence import (
 )
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
+from friction_curve_id.car.new_road import NewRoad, axle_on_new_road, told_of_roads
 from friction_curve_id.car.node_signals import TURNING, Start, delayed, departs, node_signals, rolling_noise
 from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
@@ -57,6 +59,8 @@ _FIRST_STEP = 0.03
 _BRAKES, _RELEASED = 0.2, 0.15
 """Deceleration by the brakes at which a braking begins, and ends [m/s^2]."""
 _RELEASE_TIME = 0.15
+_COMES_BACK, _FAR_BEHIND = 0.6, 0.8
+"""A braking goes on for so long without brakes [s] while a wheel is slower than this share of the car."""
 _SAME_TIME = 1e-6
 """Times are equal within this [s]."""
 _PASSED = 1.05
@@ -67,6 +71,9 @@ _SEEN_TIME = 0.1
 """Time beyond the peak, summed over wheels, that makes a peak seen [s]."""
 _LARGEST_STDDEV = 0.25
 _EARLIEST_VALID = 0.1
+_EARLIEST_ANEW = 0.5
+"""Time of a braking, or on another road within it, before which nothing is valid [s]. There the axles come one after
+the other, and most of what their wheels do first is too fast to tell."""
 _LEAST_AGE = 0.1
 """Time since the slip first was beyond the peak before it is seen [s]."""
 _SURPRISE = 3.0
@@ -75,6 +82,12 @@ _ASTRAY, _STEPS_BACK = 50.0, 5
 """A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
 _CALM = 0.05
 """Time since the fits were last astray before what they find is valid again [s]: each has made a step since."""
+_LATER = 0.01
+"""By so much the wheels of the other axle may come later to another road than their distance says [s]."""
+_KNOWN_MU = 0.1
+"""Relative deviation of mu_max below which another road is told from the present one."""
+_LEAST_MU = 0.05
+"""Of any road."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""
 
@@ -180,13 +193,13 @@ class CarEstimator:
             self._gathered_turn = np.zeros(len(index))
         if float((self._radii[index] * speed).max()) < self._p.minimum_speed and not self._braking:
             return Refusal(Reason.LOW_SPEED, f"the car is slower than {self._p.minimum_speed} m/s")
-        self._watch_brakes(sample.time, braking_by)
+        self._watch_brakes(sample.time, braking_by, speed)
         if not self._braking:
             text = "the speed at the start of the braking is not known" if self._unknown_start else "no braking"
             return Refusal(Reason.NO_EXCITATION, text)
         if complete and sample.time - self._stepped_at >= _STEP_INTERVAL * len(index):
             self._step(sample.time)
-            while self._peak is None and self._turn < len(self._fits):  # the first answer needs all families
+            while self._peak is None and 0 < self._turn < len(self._fits):  # the first answer needs all families
                 self._step(sample.time)
         return self._answer(sample.time, speed)
 
@@ -201,7 +214,7 @@ class CarEstimator:
                 samples.drop_oldest(max(int(np.searchsorted(samples.time, time - _BEFORE)) - 1, 1))
         samples.append(time, speed, torque, acceleration, self._gained, self._braking)
 
-    def _watch_brakes(self, time: float, braking_by: float) -> None:
+    def _watch_brakes(self, time: float, braking_by: float, speed: Array) -> None:
         """Begin and end brakings."""
         if not self._braking and not self._unknown_start:
             if braking_by > _BRAKES:
@@ -214,8 +227,14 @@ class CarEstimator:
             self._released_at = inf
         elif self._released_at == inf:
             self._released_at = time
-        if time - self._released_at > _RELEASE_TIME:
+        released_for = time - self._released_at
+        if released_for > _RELEASE_TIME and not (released_for < _COMES_BACK and self._slips_far(speed)):
             self._begin_again(self._present)
+
+    def _slips_far(self, speed: Array) -> bool:
+        """Whether a wheel is far behind the car: an anti-lock system has opened its brake, not the driver."""
+        moved = float(self._samples.speed_change[-1]) - self._start.speed_change
+        return float((self._radii[self._index] * speed).min()) < _FAR_BEHIND * (self._start.speed + moved)
 
     def _begin_braking(self, time: float) -> None:
         samples, p = self._samples, self._p
@@ -243,6 +262,12 @@ class CarEstimator:
         ]
         self._families = tuple(p.families())
         self._mu_floor = radius_deviation(self._vehicle)
+        self._earliest_valid = _EARLIEST_VALID
+        self._silent_until = np.full((len(self._present), 1), -inf)
+        self._begin_road()
+
+    def _begin_road(self) -> None:
+        """Nothing is known of the road."""
         self._peak: Peak | None = None
         self._surprised = self._forgot = self._departed = False
         self._surprised_at = -inf
@@ -270,7 +295,8 @@ class CarEstimator:
         self._samples.drop_oldest(number)
 
     def _nodes(self) -> Nodes:
-        return node_signals(self._car, self._samples, self._start, self._rolling_noise, self._p.counted)
+        nodes = node_signals(self._car, self._samples, self._start, self._rolling_noise, self._p.counted)
+        return replace(nodes, turning=nodes.turning & (nodes.time >= self._silent_until))
 
     def _step(self, time: float) -> None:
         """Move the fit whose turn it is."""
@@ -288,6 +314,7 @@ class CarEstimator:
         known = self._samples.time[-1] - max(float(fit.unknowns[Unknown.PRESSURE_DELAY]), 0.0) - self._start.time
         keep = int(np.searchsorted(nodes.time + 0.5 * nodes.interval, known + _SAME_TIME))
         if keep < 5:
+            self._turn = 0
             return
         try:
             self._move[which] = fit.step(self._samples, nodes.subset(slice(0, keep)), self._start)
@@ -331,12 +358,48 @@ class CarEstimator:
 
     def _watch_road(self, fit: CurveFit, nodes: Nodes) -> None:
         delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
-        torque, _ = delayed(self._samples, nodes, self._start, delay)
-        used, fitted = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
-        misfit = misfit_at_peak(used, fitted, exp(float(fit.unknowns[Unknown.LOG_MU_MAX])), nodes.time)
+        torque, rate = delayed(self._samples, nodes, self._start, delay)
+        mu_max = exp(float(fit.unknowns[Unknown.LOG_MU_MAX]))
+        used, fitted, comparable = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
+        if self._peak is not None and self._peak.log_mu_stddev < _KNOWN_MU:
+            told = told_of_roads(self._car, fit.moved, fitted, mu_max, rate) & (nodes.time >= self._silent_until)
+            new_road = axle_on_new_road(self._car, nodes.time, used, fitted, told)
+            if new_road is not None:
+                self._begin_anew(nodes, new_road, used * told, fit)
+                return
+        used, fitted = used * comparable, fitted * comparable
+        misfit = misfit_at_peak(used, fitted, mu_max, nodes.time)
         self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time, misfit)
         if not isnan(misfit):
             self._misfit = misfit
+
+    def _begin_anew(self, nodes: Nodes, road: NewRoad, used: Array, fit: CurveFit) -> None:
+        """Begin the curve anew on another road, from where it is seen; what is known of the car stays.
+
+        `used`: friction that the wheels have used, zero where it tells nothing, shape (W, n).
+        """
+        first = int(np.searchsorted(nodes.time, road.since))
+        newest = used[road.wheels, first:]
+        mu = float(np.median(newest[newest > 0.0])) if (newest > 0.0).any() else _LEAST_MU
+        known = int(np.searchsorted(nodes.time, road.known_until, side="right"))
+        if known >= 2:
+            self._fold(known)
+        self._silent_until[road.wheels] = road.since
+        if not road.wheels[self._car.front[:, 0] == 0.0].any():
+            way = self._way_of_wheelbase(nodes.time[first:], fit.moved.speed[first:])
+            self._silent_until[~road.wheels] = road.since + way
+        for each in self._fits:
+            each.begin_anew(max(mu, _LEAST_MU))
+        self._begin_road()
+        self._began_at, self._turn = float(nodes.time[-1]) + self._start.time, 0
+        self._earliest_valid = _EARLIEST_ANEW
+        self._cause = RestartCause.SURFACE
+
+    def _way_of_wheelbase(self, time: Array, speed: Array) -> float:
+        """Return how long the rear wheels take [s] to where the front ones were at the first of these times [s]."""
+        slows = max(float(speed[0] - speed[-1]) / max(float(time[-1] - time[0]), 1e-3), 0.0)
+        way = min(self._vehicle.wheelbase / float(speed[0]), 1.0)
+        return way * (1.0 + 0.5 * slows * way / float(speed[0])) + _LATER
 
     def _time_beyond(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> float:
         """Time for which the slips of turning wheels were surely beyond the peak, summed over the wheels [s].
@@ -430,11 +493,13 @@ class CarEstimator:
 
     def _reason(self, time: float, peak: Peak) -> tuple[Reason, str]:
         since = time - self._began_at
-        if since < _EARLIEST_VALID:
+        if since < _EARLIEST_VALID and self._earliest_valid == _EARLIEST_VALID:
             return Reason.TOO_FEW_SAMPLES, f"{since:.2f} s of braking are too short"
         if self._seen < _SEEN_TIME or time - self._start.time - self._beyond_since < _LEAST_AGE:
             return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {self._seen:.2f} s only"
         best = int(np.argmax(peak.weights))
+        if since < self._earliest_valid:
+            return Reason.UNCERTAIN, f"the wheels came to another road {since:.2f} s ago"
         if self._unexplained or not self._calm(time):
             return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
         if self._two_roads:

@@ -5,7 +5,7 @@ prior in z = (unknown - mean) / stddev, with what older samples said as a quadra
 """
 
 from dataclasses import dataclass, replace
-from math import inf, sqrt
+from math import inf, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,11 @@ LOAD_VARIATIONS = np.array([0.002, 0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 
 _LOAD_CORRELATION = 0.02
 _DRIFTS = {Unknown.SLOPE: 0.1, Unknown.START_SPEED: 0.05}
 """Standard deviation by which the road's slope [m/s^2] and the speed [m/s] leave the model within a second."""
+
+_OF_CURVE = (Unknown.LOG_MU_MAX, Unknown.LOG_LAMBDA_MAX, Unknown.SHAPE_1, Unknown.SHAPE_2)
+"""What belongs to the road; all else is the car's."""
+_KEPT_OF_CAR = 0.25
+"""Share of what is known of the car that is kept on another road: what the formula of the first left out is in it."""
 
 
 @dataclass(frozen=True)
@@ -205,6 +210,27 @@ class CurveFit:
         self._damping = 0.0
         self._last_move = np.zeros_like(self.z)
 
+    def begin_anew(self, mu: float) -> None:
+        """Forget the curve, and keep what is known of the car: another road, that gives about the friction `mu`.
+
+        Comes after a `fold` of what lies before it.
+        """
+        past, prior = self.past, self._prior
+        kept = _KEPT_OF_CAR
+        gradient = kept * (past.gradient + past.information @ (self.z - past.reference))
+        information, spread = kept * past.information, kept * past.spread
+        reference = self.z
+        self.z = self.z.copy()
+        for unknown in _OF_CURVE:
+            information, gradient, spread = forgotten(information, gradient, spread, unknown)
+            self.z[unknown] = 0.0
+        # What the forgotten said of the families' odds was said of another road.
+        self.past = Quadratic(information, gradient, reference, spread)
+        mean, stddev = float(prior.mean[Unknown.LOG_MU_MAX]), float(prior.stddev[Unknown.LOG_MU_MAX])
+        self.z[Unknown.LOG_MU_MAX] = (log(mu) - mean) / stddev
+        self._last_move = np.zeros_like(self.z)
+        self._damping, self.steps = 0.0, 0
+
     def fold(self, samples: BrakingSamples, nodes: Nodes, start: Start, number: int, memory: float) -> None:
         """Keep what the oldest `number` nodes say as a quadratic; `memory`: share kept of what was said before."""
         at = self.linearise(samples, nodes.subset(slice(0, number)), start, adapt=False)
@@ -300,6 +326,17 @@ def _loosened(information: Array, gradient: Array, index: int, variance: float) 
     column = information[:, index]
     gain = column * (variance / (1.0 + variance * column[index]))
     return information - np.outer(gain, column), gradient - gain * gradient[index]
+
+
+def forgotten(information: Array, gradient: Array, spread: Array, index: int) -> tuple[Array, Array, Array]:
+    """Return the quadratic, and the variance of its gradient, for the others whatever unknown `index` is."""
+    column = information[:, index]
+    if not column[index] > 0.0:
+        return information, gradient, spread
+    gain = column / column[index]
+    spread = spread - np.outer(gain, spread[index])
+    spread = spread - np.outer(spread[:, index], gain)
+    return information - np.outer(gain, column), gradient - gain * gradient[index], spread
 
 
 def _spread(white: Array, load_stddev: Array, interval: Array) -> Array:

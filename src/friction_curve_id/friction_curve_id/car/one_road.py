@@ -51,8 +51,8 @@ _MOST_SPIN = 0.5
 
 def used_and_fitted(
     car: CarConstants, nodes: Nodes, moved: Motion, torque: Array, family: Family, unknowns: Array
-) -> tuple[Array, Array]:
-    """Return friction used, and that of the curve at the slips, shape (W, n) each; zero where they say nothing.
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Return friction used, that of the curve at the slips, and where they can be compared; shape (W, n) each.
 
     Args:
         car: nominal values.
@@ -73,7 +73,7 @@ def used_and_fitted(
     fitted = exp(float(p[Unknown.LOG_MU_MAX])) * share
     steady = np.abs(spinning) < _MOST_SPIN * fitted * car.radius * moved.load
     told = nodes.turning & steady & (share > _LEAST_SHARE)
-    return np.where(told, used, 0.0), np.where(told, fitted, 0.0)
+    return used, fitted, np.asarray(told)
 
 
 def change_of_friction(used: Array, fitted: Array, time: Array) -> float:

@@ -45,6 +45,9 @@ _OVER_ORACLE = 1.04
 """Distance where the road changes over that of the oracle, at most."""
 CAR_CHANGES = ("dry to snow",)
 """Roads that change under a car with four wheels."""
+_NOTICED = 0.025
+"""[s] by which a lock there may outlast the bound's, whose brakes know of the road: 10 ms for which evidence must last,
+10 ms of delay of the brake, a sample."""
 _CHANGE_LOCK = {"dry to snow": 0.12}
 """[s] longest lock there, at most: the brake takes 0.23 s to come down to what snow gives. Elsewhere none is set."""
 
@@ -129,7 +132,7 @@ def _made(car: str, law: str, seeds: int, road: str, case: Trouble, judged: bool
         setup = CarSetup(car, road, case)
         found, bound = car_stops(setup, drawn, law), car_bound(setup)
         limit = bound.utilisation - (_CAR_BELOW_BOUND if case is NONE else _BELOW_BOUND).get(road, 0.01)
-        failures = _failures(found, limit, max(LOCK_TIME, bound.longest_lock))
+        failures = _failures(found, limit, max(LOCK_TIME, bound.longest_lock + _NOTICED))
         extra = {"bound_longest_lock_s": bound.longest_lock} if road in CAR_CHANGES else {}
     return {
         "car": car,

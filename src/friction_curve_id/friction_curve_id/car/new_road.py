@@ -1,0 +1,106 @@
+"""Whether an axle has come to a road with much less grip, and when: the fit then begins anew within the braking.
+
+A wheel that comes from dry to snow dives, and stands 30 ms later. What it uses on the way, kappa T + J omega_dot +
+T_drag, is a sixth of the curve's friction at its slip, on either side of the axle alike. Nothing else is: a wheel that
+dives on its own road uses what the curve says, wrong gains and inertias make a tenth, bumps are shorter, and a split
+road or a sensor that fails shows at one side.
+"""
+
+from math import inf, isfinite, nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.car.car_model import CarConstants, Motion
+
+Array = NDArray[np.float64]
+
+_MUCH_LESS = 0.6
+"""Of the curve's friction, below which it is that of another road."""
+_LASTS, _NODES = 0.02, 3
+"""Time [s], and at least so many nodes, of the newest that must show it: a wheel that dives has no more before it
+stands."""
+_NEWEST = 0.06
+"""Time within which they lie [s]."""
+_SOME = 0.2
+"""Least share of it that is missing in the mean since the road has changed."""
+_LEAST_SHARE = 0.4
+"""Least share of mu_max at which friction is compared: below, the slope of the curve and the speed decide."""
+_SLOW = 0.85
+"""Slip from which the acceleration of a wheel is noise, as teeth come slowly, or it stands against its brake."""
+_LEAST_SPEED = 8.0
+"""Of the car [m/s]; below it slips are vague, and wheels stand within a sample or two."""
+
+_DELAY, _LATE_SHARE = 0.015, 0.25
+"""A torque that may be wrong by this share of the tyre's does not tell, if its time is wrong by so much [s]."""
+
+
+class NewRoad:
+    """An axle that has come to another road."""
+
+    def __init__(self, wheels: NDArray[np.bool_], known_until: float, since: float) -> None:
+        """Hold what was found.
+
+        Args:
+            wheels: those that are on it, shape (W,).
+            known_until: the last time at which they were seen to be on the old road [s].
+            since: the first time at which they were seen to be on the new one [s].
+        """
+        self.wheels = wheels
+        self.known_until = known_until
+        self.since = since
+
+
+def told_of_roads(
+    car: CarConstants, moved: Motion, fitted: Array, mu_max: float, torque_rate: Array
+) -> NDArray[np.bool_]:
+    """Return the nodes that tell one road from another, shape (W, n).
+
+    Args:
+        car: nominal values.
+        moved: motion at the nodes.
+        fitted: friction of the curve at the slips, shape (W, n).
+        mu_max: of the curve [-].
+        torque_rate: derivative of the brake torque [N m/s], shape (W, n).
+    """
+    comparable = (fitted > _LEAST_SHARE * mu_max) & (moved.slip < _SLOW) & (moved.speed > _LEAST_SPEED)
+    # A wheel that comes back uses less than its curve says by how much its tyre is late, which is not well known.
+    comparable &= moved.slip >= moved.relaxed
+    # The torque is of another moment than the wheel speed, by what is not known of its delay.
+    late = np.abs(torque_rate) * _DELAY < _LATE_SHARE * fitted * car.radius * moved.load
+    return np.asarray(comparable & late)
+
+
+def axle_on_new_road(
+    car: CarConstants, time: Array, used: Array, fitted: Array, told: NDArray[np.bool_]
+) -> NewRoad | None:
+    """Return an axle that has come to another road; None where none has.
+
+    Args:
+        car: nominal values.
+        time: of the nodes [s], shape (n,).
+        used: friction that the wheels have used, shape (W, n).
+        fitted: that of the curve at their slips, shape (W, n).
+        told: nodes that tell, shape (W, n).
+    """
+    for front in (1.0, 0.0):
+        wheels = car.front[:, 0] == front
+        found = [_change(time, used[each], fitted[each], told[each]) for each in np.flatnonzero(wheels)]
+        if len(found) > 1 and all(isfinite(since) for _, since in found):
+            return NewRoad(wheels, min(known for known, _ in found), min(since for _, since in found))
+    return None
+
+
+def _change(time: Array, used: Array, fitted: Array, told: NDArray[np.bool_]) -> tuple[float, float]:
+    """Return until when a wheel was seen to grip as the curve says, and since when much less [s]; NaN: it does."""
+    at = np.flatnonzero(told)
+    if at.size < _NODES or time[at[-_NODES]] < time[-1] - _NEWEST:
+        return nan, nan
+    used, fitted = used[at], fitted[at]
+    newest = max(int(np.count_nonzero(time[at] > time[at[-1]] - _LASTS)), _NODES)
+    if not float(used[-newest:].sum()) < _MUCH_LESS * float(fitted[-newest:].sum()):
+        return nan, nan
+    # What is missing adds up backwards as far as the new road goes, and is lost again before.
+    missing = np.cumsum((1.0 - used / fitted - _SOME)[::-1])
+    first = at.size - 1 - int(np.argmax(missing))
+    return float(time[at[first - 1]]) if first else -inf, float(time[at[first]])
