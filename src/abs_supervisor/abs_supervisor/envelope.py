@@ -15,6 +15,8 @@ from friction_parameters.parameter import group
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.single_corner import CornerParameters
 
+_STANDS: Final = 0.75
+"""[m/s] Speed of the car down to which a pressure that is near what the road gave is kept from the driver's."""
 _TELLS_ABOVE: Final = 8.0
 """[m/s] A wheel that is kept from every dive below no longer tells the speed of its car, and then stood."""
 
@@ -92,7 +94,11 @@ class Envelope:
         if law is Command.NONE or slow:
             self.release = Release.REFUSED if wanted else Release.NOT_WANTED
             self.caps.driver(stamp, slow)
-            self._road.reset()
+            enough = torque < demand and self._road.is_near(torque) and car_speed > _STANDS
+            if law in (Command.HOLD, Command.DECREASE) and enough:
+                return Command.HOLD
+            if law is Command.NONE:
+                self._road.reset()
             return Command.NONE
         self.release = self.evidence.verdict if wanted else Release.NOT_WANTED
         trim = self.release is Release.REFUSED and self.may_trim(car_speed, torque)

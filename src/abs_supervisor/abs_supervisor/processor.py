@@ -263,6 +263,9 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         law = self._end_of_stop.ask(COMMANDS[self._supervisor.state], known.grips, seen.car_speed, seen.torque)
         control = self._curve_control
         if control is not None and isfinite(seen.wheel_speed):
+            if self._reason is Reason.LOW_SPEED and evidence.braking and not self._gives_up():
+                # The machine has ended; how the driver gets the brake back is the envelope's matter.
+                law = Command.INCREASE
             trims = self._guard.envelope.may_trim(seen.car_speed, seen.torque)
             answered = known.verdict is not Release.REFUSED or known.dives or trims
             law = control.ask(sample.stamp, seen, law, answered, self._guard.deceleration)

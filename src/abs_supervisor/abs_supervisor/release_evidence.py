@@ -208,7 +208,7 @@ class ReleaseEvidence:
         known = isfinite(wheel.slip)
         slip = self._slip = wheel.slip if known else wheel.behind
         self.allows_hold = slip + doubt > min(base, _HOLD_SLIP)
-        self.may_slip = known and max(slip, 0.0) + p.sigmas * doubt > min(base, _HOLD_SLIP)
+        self.may_slip = not known or max(slip, 0.0) + p.sigmas * doubt > min(base, _HOLD_SLIP)
         self.grips = slip > base
         follows = isfinite(wheel.car_deceleration) and abs(self.deceleration - own) < _STEADY + error
         self._steady_since = _since(self._steady_since, stamp, follows)

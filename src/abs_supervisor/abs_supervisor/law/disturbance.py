@@ -17,18 +17,19 @@ class DisturbanceFilter:
 
     def reset(self) -> None:
         """Forget it."""
-        self._slow = 0.0
+        self.slow = 0.0
+        """Slow part [N m]."""
 
     def learn(self, disturbance: float, dt: float) -> None:
         """Take the disturbance torque [N m] of a sample, `dt` [s] after the last, into the slow part."""
-        self._slow += (disturbance - self._slow) * min(dt / _TIME, 1.0)
+        self.slow += (disturbance - self.slow) * min(dt / _TIME, 1.0)
 
     def followed(self, disturbance: float, steady: float) -> float:
         """Return the torque to follow [N m] of a disturbance torque [N m]; `steady` is that at the set-point [N m].
 
         Continuous: nothing of a fast part below a quarter of `steady`, all of it above a half.
         """
-        fast = disturbance - self._slow
+        fast = disturbance - self.slow
         size = abs(fast)
         share = min(max(2.0 * (size - _NOISE * steady), 0.0), size)
-        return self._slow + (share if fast > 0.0 else -share)
+        return self.slow + (share if fast > 0.0 else -share)
