@@ -128,7 +128,7 @@ class CurveLaw:
         if known:
             if braking and curve is not None and speed > _LEARNS_ABOVE:
                 self._explained.update(stamp, self._unexplained)
-        blind = not known and speed < _LEARNS_ABOVE
+        blind = not known and isfinite(speed) and speed < _LEARNS_ABOVE
         law = self.choice.update(stamp, braking, known or blind, curve is not None, self._explained.holds)
         if not braking:
             return Command.NONE
