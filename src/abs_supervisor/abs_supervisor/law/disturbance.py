@@ -4,6 +4,8 @@ from typing import Final
 
 _TIME: Final = 0.3
 """[s] of the slow part."""
+_FIRST: Final = 0.05
+"""[s] of it when it begins: the observer's own, in which its noise is averaged."""
 _NOISE: Final = 0.25
 """Of the torque at the set-point: a faster part up to this counts as noise."""
 
@@ -19,10 +21,12 @@ class DisturbanceFilter:
         """Forget it."""
         self.slow = 0.0
         """Slow part [N m]."""
+        self._learned = _FIRST
 
     def learn(self, disturbance: float, dt: float) -> None:
         """Take the disturbance torque [N m] of a sample, `dt` [s] after the last, into the slow part."""
-        self.slow += (disturbance - self.slow) * min(dt / _TIME, 1.0)
+        self._learned = min(self._learned + dt, _TIME)
+        self.slow += (disturbance - self.slow) * min(dt / self._learned, 1.0)
 
     def followed(self, disturbance: float, steady: float) -> float:
         """Return the torque to follow [N m] of a disturbance torque [N m]; `steady` is that at the set-point [N m].
