@@ -84,12 +84,6 @@ class Envelope:
         return self.evidence.grips and self._dive.outruns_brake(car_speed, torque)
 
     def judge(self, stamp: int, law: Command, car_speed: float, torque: float, demand: float) -> Command:
-        """Return the command that may be given; arguments as below."""
-        command = self._judged(stamp, law, car_speed, torque, demand)
-        self._line.order(stamp, command, demand)
-        return command
-
-    def _judged(self, stamp: int, law: Command, car_speed: float, torque: float, demand: float) -> Command:
         """Return the command that may be given.
 
         Args:
@@ -99,6 +93,11 @@ class Envelope:
             torque: of the brake [N m].
             demand: of the driver [N m].
         """
+        command = self._judged(stamp, law, car_speed, torque, demand)
+        self._line.order(stamp, command, demand)
+        return command
+
+    def _judged(self, stamp: int, law: Command, car_speed: float, torque: float, demand: float) -> Command:
         coming = self._line.torque_at(torque, stamp, stamp + self._delay)
         slow = car_speed < self._driver_below
         wanted = law is Command.DECREASE

@@ -158,7 +158,9 @@ class ReleaseEvidence:
         A hold takes nothing away, so the error of the slip counts for it, not against it.
         """
         self.may_slip = False
-        """Whether the slip, with `sigmas` deviations of its error, may be one with which the pressure may be held."""
+        """Whether the slip, with `sigmas` deviations of its error, may be one with which the pressure may be held.
+
+        One that is not known may be."""
         self.grips = False
         """Whether the slip, as it is stated, is above the threshold without its error: more pressure gains little."""
         self.release_slip = nan

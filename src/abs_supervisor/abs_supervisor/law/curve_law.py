@@ -21,7 +21,7 @@ from vehicle_models.single_corner import CornerParameters
 
 _LEARNS_ABOVE = 5.0
 """[m/s] below this speed of the car the slow part of the disturbance is kept, and whether the curve explains the wheel:
-an error of the slip looks like a torque there."""
+an error of the slip looks like a torque there. Nor is slip needed to keep the torque that the road takes."""
 _NEAR = 0.5
 """Of the set-point: the slow part is learned while the slip is nearer to it."""
 _LONGEST_STEP = 0.02
@@ -125,9 +125,8 @@ class CurveLaw:
         self.slip_set_point = self.torque_set_point = nan
         if isfinite(speed):
             self._observer.update(stamp, wheel_speed, speed, torque, curve)
-        if known:
-            if braking and curve is not None and speed > _LEARNS_ABOVE:
-                self._explained.update(stamp, self._unexplained)
+        if known and braking and curve is not None and speed > _LEARNS_ABOVE:
+            self._explained.update(stamp, self._unexplained)
         blind = not known and isfinite(speed) and speed < _LEARNS_ABOVE
         law = self.choice.update(stamp, braking, known or blind, curve is not None, self._explained.holds)
         if not braking:
@@ -145,7 +144,7 @@ class CurveLaw:
         ahead = self._observer.ahead(curve)
         wanted = slip_set_point(curve, self.known.seen, ahead.speed)
         disturbance = self._observer.disturbance
-        if speed > _LEARNS_ABOVE and self.known.seen and abs(slip - wanted) < _NEAR * wanted:
+        if speed > _LEARNS_ABOVE and abs(slip - wanted) < _NEAR * wanted:
             self._filter.learn(disturbance, dt)
         followed = self._filter.followed(disturbance, steady_torque(self._corner, curve, wanted))
         aim = torque_set_point(self._corner, self._actuator, curve, ahead, wanted, followed, disturbance)
