@@ -8,13 +8,17 @@ from typing import Final
 
 from abs_supervisor.fast_dive import FastDive
 from abs_supervisor.fsm import Command
+from abs_supervisor.law.brake_line import BrakeLine
 from abs_supervisor.release_caps import Cap, CapParameters, ReleaseCaps
 from abs_supervisor.release_evidence import EvidenceParameters, Release, ReleaseEvidence, Wheel
 from abs_supervisor.road_torque import RoadTorque
 from friction_parameters.parameter import group
 from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import CornerParameters
 
+_STANDS: Final = 0.75
+"""[m/s] Speed of the car down to which a pressure that is near what the road gave is kept from the driver's."""
 _TELLS_ABOVE: Final = 8.0
 """[m/s] A wheel that is kept from every dive below no longer tells the speed of its car, and then stood."""
 
@@ -36,6 +40,8 @@ class Envelope:
         self.caps = ReleaseCaps(parameters.caps, actuator)
         self._road = RoadTorque(corner.radius, corner.inertia)
         self._dive = FastDive(corner, actuator)
+        self._line = BrakeLine(actuator)
+        self._delay = round(actuator.delay * NANOSECONDS)
         self._driver_below = parameters.caps.driver_below
         self.reset()
 
@@ -44,6 +50,7 @@ class Envelope:
         self.evidence.reset()
         self.caps.reset()
         self._road.reset()
+        self._line.reset()
         self._wanted = self._stands = False
         self.release = Release.NOT_WANTED
         """Verdict on the release that the law asked for."""
@@ -87,13 +94,23 @@ class Envelope:
             torque: of the brake [N m].
             demand: of the driver [N m].
         """
+        command = self._judged(stamp, law, car_speed, torque, demand)
+        self._line.order(stamp, command, demand)
+        return command
+
+    def _judged(self, stamp: int, law: Command, car_speed: float, torque: float, demand: float) -> Command:
+        coming = self._line.torque_at(torque, stamp, stamp + self._delay)
         slow = car_speed < self._driver_below
         wanted = law is Command.DECREASE
         begins, self._wanted = wanted and not self._wanted, wanted
         if law is Command.NONE or slow:
             self.release = Release.REFUSED if wanted else Release.NOT_WANTED
             self.caps.driver(stamp, slow)
-            self._road.reset()
+            enough = torque < demand and self._road.is_near(coming) and car_speed > _STANDS
+            if law in (Command.HOLD, Command.DECREASE) and enough:
+                return Command.HOLD
+            if law is Command.NONE:
+                self._road.reset()
             return Command.NONE
         self.release = self.evidence.verdict if wanted else Release.NOT_WANTED
         trim = self.release is Release.REFUSED and self.may_trim(car_speed, torque)
@@ -107,7 +124,7 @@ class Envelope:
         told = command is Command.DECREASE and not trim
         self._road.update(stamp, told, torque, self.evidence.deceleration, car_speed)
         dives = wanted and not release and self.evidence.dives
-        near = self.evidence.allows_hold or (self.evidence.may_slip and self._road.is_near(torque))
+        near = self.evidence.allows_hold or (self.evidence.may_slip and self._road.is_near(coming))
         held = law is Command.HOLD and near
         full = law is Command.INCREASE and self.caps.cap is Cap.NONE and self._road.is_reached(torque)
         if full and self._is_critical(car_speed, torque):

@@ -263,6 +263,9 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         law = self._end_of_stop.ask(COMMANDS[self._supervisor.state], known.grips, seen.car_speed, seen.torque)
         control = self._curve_control
         if control is not None and isfinite(seen.wheel_speed):
+            if self._reason is Reason.LOW_SPEED and evidence.braking and isfinite(seen.car_speed):
+                # The machine has ended; the envelope gives the brake back, and the law goes on until it has.
+                law = Command.INCREASE
             trims = self._guard.envelope.may_trim(seen.car_speed, seen.torque)
             answered = known.verdict is not Release.REFUSED or known.dives or trims
             law = control.ask(sample.stamp, seen, law, answered, self._guard.deceleration)

@@ -161,7 +161,9 @@ class ReleaseEvidence:
         A hold takes nothing away, so the error of the slip counts for it, not against it.
         """
         self.may_slip = False
-        """Whether the slip, with `sigmas` deviations of its error, may be one with which the pressure may be held."""
+        """Whether the slip, with `sigmas` deviations of its error, may be one with which the pressure may be held.
+
+        One that is not known may be."""
         self.grips = False
         """Whether the slip, as it is stated, is above the threshold without its error: more pressure gains little."""
         self.release_slip = nan
@@ -211,7 +213,7 @@ class ReleaseEvidence:
         known = isfinite(wheel.slip)
         slip = self._slip = wheel.slip if known else wheel.behind
         self.allows_hold = slip + doubt > min(base, _HOLD_SLIP)
-        self.may_slip = known and max(slip, 0.0) + p.sigmas * doubt > min(base, _HOLD_SLIP)
+        self.may_slip = not known or max(slip, 0.0) + p.sigmas * doubt > min(base, _HOLD_SLIP)
         self.grips = slip > base
         follows = isfinite(wheel.car_deceleration) and abs(self.deceleration - own) < _STEADY + error
         self._steady_since = _since(self._steady_since, stamp, follows)

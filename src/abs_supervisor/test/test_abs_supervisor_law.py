@@ -171,14 +171,28 @@ def test_an_error_of_the_brake_gain_cancels() -> None:
 
 def test_slow_disturbances_are_followed_and_fast_ones_only_where_they_are_large() -> None:
     found = DisturbanceFilter()
-    for _ in range(60):
+    for _ in range(300):
         found.learn(40.0, DT)
-    slow = 40.0 * (1.0 - (1.0 - DT / 0.3) ** 60)
-    assert slow == pytest.approx(40.0 * (1.0 - exp(-1.0)), rel=0.02)
+    slow = found.slow
+    assert slow == pytest.approx(40.0, rel=0.02)
     assert found.followed(slow, 800.0) == pytest.approx(slow)
     assert found.followed(slow + 190.0, 800.0) == pytest.approx(slow)
     assert found.followed(slow + 300.0, 800.0) == pytest.approx(slow + 200.0)
     assert found.followed(slow - 500.0, 800.0) == pytest.approx(slow - 500.0)
+
+
+def test_the_slow_part_is_learned_at_once_and_forgotten_in_its_own_time() -> None:
+    """A load that is 20 % off is so from the first sample on; a bump later is not."""
+    found = DisturbanceFilter()
+    for _ in range(12):
+        found.learn(400.0, DT)
+    assert found.slow > 0.5 * 400.0
+    for _ in range(300):
+        found.learn(400.0, DT)
+    before = found.slow
+    for _ in range(12):
+        found.learn(0.0, DT)
+    assert found.slow == pytest.approx(before * exp(-0.2), rel=0.02)
 
 
 @given(st.floats(-1e4, 1e4), st.floats(0.0, 1e4))
@@ -299,6 +313,32 @@ def test_a_fit_that_began_anew_displaces_a_curve_that_explains_the_wheel_only_wh
         assert known.changed is not explained
     known.take(report(5 * STEP, Estimate.VAGUE, other, restarts=2), explained=True)
     assert known.curve is other
+
+
+@pytest.mark.parametrize(
+    ("peak", "level", "stddev", "displaces"),
+    [
+        (0.4, 1.0, 0.006, False),  # a fit that is less sure than the one before
+        (0.4, 1.0, 0.0001, True),  # surer
+        (2.0, 1.0, 0.03, False),
+        (0.4, 0.6, 0.006, True),  # the road gives less
+    ],
+)
+def test_on_one_road_a_fit_that_began_anew_tells_the_level_of_friction_and_not_another_peak(
+    peak: float, level: float, stddev: float, displaces: bool
+) -> None:
+    known = UsableCurve()
+    for sample in range(3):
+        known.take(report(sample * STEP, Estimate.VALID))
+    shape = curve_through(peak * DRY.lambda_max, DRY.mu_max)
+    scale = level * DRY.mu_max / shape.friction(DRY.lambda_max)
+    other = RoadCurve(scale * shape.theta_1, shape.theta_2, scale * shape.theta_3, shape.lambda_max)
+    for sample in range(3, 10):
+        known.take(report(sample * STEP, Estimate.VALID, other, stddev, restarts=1), explained=True)
+        assert known.changed == (sample == 3)
+    assert known.curve is not None
+    assert known.curve.lambda_max == pytest.approx(other.lambda_max if displaces else DRY.lambda_max)
+    assert known.curve.friction(DRY.lambda_max) == pytest.approx(level * DRY.mu_max)
 
 
 def test_a_curve_stays_while_newer_fits_are_not_sure() -> None:
@@ -455,6 +495,20 @@ def test_until_a_curve_is_known_the_drivers_pressure_passes() -> None:
     assert set(asked) == {Command.INCREASE}
     assert law.ask(40 * STEP, 100.0, 30.0, 0.0, 100.0, 1000.0, True) is None
     assert law.choice.cause is Change.NO_CURVE
+
+
+@pytest.mark.parametrize(("speed", "keeps"), [(4.0, True), (20.0, False), (nan, False)])
+def test_at_the_end_of_a_stop_the_torque_is_kept_when_slip_is_lost(speed: float, keeps: bool) -> None:
+    """At 4 m/s it is enough to know what the road gives; faster, or without a speed, the driver's pressure passes."""
+    law, slip = CurveLaw(CORNER, ACTUATOR, CurveLawParameters()), 0.92 * DRY.lambda_max
+    torque = 0.99 * steady_torque(CORNER, DRY, slip)
+    for k in range(1, 100):
+        law.learn(report(k * STEP, Estimate.VALID))
+        law.ask(k * STEP, 4.0 * (1.0 - slip) / CORNER.radius, 4.0, slip, torque, 2000.0, True)
+        law.commanded(k * STEP, Command.HOLD, 2000.0)
+    asked = [law.ask(k * STEP, 10.0, speed, nan, torque, 2000.0, True) for k in range(100, 110)]
+    assert set(asked) == ({Command.HOLD} if keeps else {Command.INCREASE, None})
+    assert law.choice.law is (Law.CURVE if keeps else Law.SLOPE_SIGN)
 
 
 @pytest.mark.parametrize(("name", "gives_way"), [("snow", True), ("dry", False)])

@@ -8,9 +8,10 @@ from abs_supervisor.law.choice import Law, LawChoice
 from abs_supervisor.law.disturbance import DisturbanceFilter
 from abs_supervisor.law.explained import LITTLE, Explained
 from abs_supervisor.law.released_wheel import ReleasedWheel
+from abs_supervisor.law.road_curve import RoadCurve
 from abs_supervisor.law.set_point import slip_set_point
 from abs_supervisor.law.three_commands import command_towards
-from abs_supervisor.law.torque_set_point import steady_torque, torque_set_point
+from abs_supervisor.law.torque_set_point import most_torque, steady_torque, torque_set_point
 from abs_supervisor.law.usable_curve import CurveReport, UsableCurve
 from abs_supervisor.law.wheel_observer import WheelObserver
 from friction_parameters.parameter import parameter
@@ -20,7 +21,7 @@ from vehicle_models.single_corner import CornerParameters
 
 _LEARNS_ABOVE = 5.0
 """[m/s] below this speed of the car the slow part of the disturbance is kept, and whether the curve explains the wheel:
-an error of the slip looks like a torque there."""
+an error of the slip looks like a torque there. Nor is slip needed to keep the torque that the road takes."""
 _NEAR = 0.5
 """Of the set-point: the slow part is learned while the slip is nearer to it."""
 _LONGEST_STEP = 0.02
@@ -122,15 +123,18 @@ class CurveLaw:
         curve = self.known.curve
         known = isfinite(slip) and isfinite(speed)
         self.slip_set_point = self.torque_set_point = nan
-        if known:
+        if isfinite(speed):
             self._observer.update(stamp, wheel_speed, speed, torque, curve)
-            if braking and curve is not None and speed > _LEARNS_ABOVE:
-                self._explained.update(stamp, self._unexplained)
-        law = self.choice.update(stamp, braking, known, curve is not None, self._explained.holds)
+        if known and braking and curve is not None and speed > _LEARNS_ABOVE:
+            self._explained.update(stamp, self._unexplained)
+        blind = not known and isfinite(speed) and speed < _LEARNS_ABOVE
+        law = self.choice.update(stamp, braking, known or blind, curve is not None, self._explained.holds)
         if not braking:
             return Command.NONE
         if law is not Law.CURVE:
             return None
+        if blind and curve is not None:
+            return self._without_slip(curve, demand)
         if not known or curve is None:
             # Not yet a reason for the other law: the driver's demand passes.
             return Command.INCREASE
@@ -140,12 +144,20 @@ class CurveLaw:
         ahead = self._observer.ahead(curve)
         wanted = slip_set_point(curve, self.known.seen, ahead.speed)
         disturbance = self._observer.disturbance
-        if speed > _LEARNS_ABOVE and self.known.seen and abs(slip - wanted) < _NEAR * wanted:
+        if speed > _LEARNS_ABOVE and abs(slip - wanted) < _NEAR * wanted:
             self._filter.learn(disturbance, dt)
         followed = self._filter.followed(disturbance, steady_torque(self._corner, curve, wanted))
         aim = torque_set_point(self._corner, self._actuator, curve, ahead, wanted, followed, disturbance)
         self.slip_set_point, self.torque_set_point = wanted, min(aim, demand)
         return command_towards(aim, ahead.torque, demand, self._band)
+
+    def _without_slip(self, curve: RoadCurve, demand: float) -> Command:
+        """Return what is asked for at the end of a stop while slip is unknown: the torque alone is enough there."""
+        ahead = self._observer.ahead(curve)
+        aim = most_torque(self._corner, curve, ahead.speed, self._filter.slow)
+        self.torque_set_point = min(aim, demand)
+        asked = command_towards(aim, ahead.torque, demand, self._band)
+        return Command.HOLD if asked is Command.DECREASE else asked
 
     def commanded(self, stamp: int, command: Command, demand: float) -> None:
         """Note the command that was given at a stamp [ns], with the driver's demand [N m]."""

@@ -59,10 +59,18 @@ def torque_set_point(
         road = corner.radius * corner.vertical_load * curve.friction(ahead.slip)
         torque = min(torque, road + disturbance - _RETURN * steady)
     if ahead.speed < _SLOW:
-        peak = steady_torque(corner, curve, curve.lambda_max)
-        share = max((ahead.speed - _SLOWEST) / (_SLOW - _SLOWEST), 0.0)
-        torque = min(torque, (_SLOW_SHARE + (1.0 - _SLOW_SHARE) * share) * (peak + min(followed, 0.0)))
+        torque = min(torque, most_torque(corner, curve, ahead.speed, followed))
     return max(torque, 0.0)
+
+
+def most_torque(corner: CornerParameters, curve: RoadCurve, speed: float, followed: float) -> float:
+    """Return the most brake torque [N m] near the end of a stop, at a speed of the car [m/s] up to 5 m/s.
+
+    `followed` [N m] as above.
+    """
+    peak = steady_torque(corner, curve, curve.lambda_max)
+    share = max((speed - _SLOWEST) / (_SLOW - _SLOWEST), 0.0)
+    return (_SLOW_SHARE + (1.0 - _SLOW_SHARE) * share) * (peak + min(followed, 0.0))
 
 
 def _approach(corner: CornerParameters, actuator: ActuatorParameters, error: float, speed: float) -> float:

@@ -1,7 +1,7 @@
 """Which of the estimates of the friction curve the law uses."""
 
 from enum import Enum
-from math import inf, isfinite
+from math import isfinite
 from typing import Final
 
 from abs_supervisor.law.road_curve import RoadCurve
@@ -14,6 +14,8 @@ _SEEN_AFTER: Final = 3
 _VAGUE: Final = 0.25
 """Of lambda_max: once the peak was seen, estimates with a larger standard deviation are left out, but for one that is
 less vague than the present."""
+_ALIKE: Final = 1.25
+"""Ratio of the friction of two curves at one slip, up to which they may be of one road."""
 _KEPT = round(0.15 * NANOSECONDS)
 """[ns] for which the last curve serves when the estimator has none for another reason than that nothing moves."""
 
@@ -79,8 +81,8 @@ class UsableCurve:
         """Whether the slip has passed its peak."""
         self.changed = False
         """Whether the last report brought another road."""
-        self._restarts = -1
-        self._doubt = inf
+        self._restarts = self._level_restarts = -1
+        self._doubt = 0.0
         self.valid = 0
         """Valid estimates of this road."""
         self._since = 0
@@ -90,18 +92,25 @@ class UsableCurve:
 
         Args:
             report: of the estimator.
-            explained: whether the present curve explains how the wheel moves. A fit that began anew is then no reason
-                to believe in another road until it is sure of one.
+            explained: whether the present curve explains how the wheel moves. A fit that began anew then displaces it
+                only if it says another friction at the known peak, or is surer of its own. Else its samples are of the
+                slips that the law held: they tell the level of friction, hardly the peak.
         """
         self.changed = False
-        curve = report.curve
+        curve, known = report.curve, self.curve
         tells = curve is not None and report.samples >= _FEWEST
         doubt = report.stddev / curve.lambda_max if curve is not None and isfinite(report.stddev) else 0.0
         vague = doubt > _VAGUE
         anew = report.restarts != self._restarts
-        if self.curve is not None and anew and vague and explained:
-            self._since = report.stamp
-        elif tells and report.estimate in (Estimate.VALID, Estimate.VAGUE):
+        if curve is not None and known is not None and anew and explained:
+            level = curve.friction(known.lambda_max) / known.mu_max
+            same = doubt > self._doubt and 1.0 / _ALIKE < level < _ALIKE
+            if vague or same:
+                self._since = report.stamp
+                if tells and not vague:
+                    self._take_level(report.restarts, known, level)
+                return
+        if tells and report.estimate in (Estimate.VALID, Estimate.VAGUE):
             if anew:
                 self.changed = self._restarts >= 0
                 self._restarts, self.valid, self.seen = report.restarts, 0, False
@@ -114,3 +123,9 @@ class UsableCurve:
             self._since = report.stamp
         elif report.stamp - self._since > _KEPT:
             self.curve = None
+
+    def _take_level(self, restarts: int, known: RoadCurve, level: float) -> None:
+        """Take from a fit, the one that follows so many restarts, what it says of the friction at the known peak."""
+        self.changed = restarts != self._level_restarts
+        self._level_restarts = restarts
+        self.curve = RoadCurve(known.theta_1 * level, known.theta_2, known.theta_3 * level, known.lambda_max)
