@@ -18,7 +18,7 @@ from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
 from wheel_slip.speed_parameters import VehicleSpeedParameters
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.unit_check import UnitCheck
-from wheel_slip.vehicle_speed import VehicleSpeed, radius_share
+from wheel_slip.vehicle_speed import VehicleSpeed
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
 
@@ -125,7 +125,7 @@ class SlipEstimator:
         ]
         self._relative.update(stretch._replace(rim_speeds=with_file))
         self.radii, self.radius_variances = self._relative.radii, self._relative.variances
-        self.vehicle.know_radii(radius_share(self._car), self._relative.covariance)
+        self.vehicle.radii.know(self.vehicle.radii.common, self._relative.covariance)
 
     def _use_calibrated(self, found: Radii) -> None:
         """Take radii and deviations of the calibration in place of what the vehicle file says."""
@@ -133,7 +133,7 @@ class SlipEstimator:
         shares = [stddev / radius for stddev, radius in zip(found.stddevs, found.radii, strict=True)]
         self.radius_variances = [share**2 for share in shares]
         # The speed sensor's own error of scale is in all of them alike, and not known.
-        self.vehicle.know_radii(max(shares), [[0.0] * len(shares)] * len(shares))
+        self.vehicle.radii.know(max(shares), [[0.0] * len(shares)] * len(shares))
 
     @property
     def radius_text(self) -> str:
