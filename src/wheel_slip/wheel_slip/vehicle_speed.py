@@ -16,7 +16,7 @@ from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
-from vehicle_models.stated_deviations import absolute_deviation, deviation_of, stated_deviation
+from vehicle_models.stated_deviations import deviation_of, stated_deviation
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.accelerometer_watch import AccelerometerWatch
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
@@ -29,6 +29,8 @@ from wheel_slip.speed_parameters import VehicleSpeedParameters
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.wheel_bounds import WheelBounds
 
+_SURE_OF_DELAY: Final = 2.0
+"""Deviations by which the accelerometer may be later than the vehicle file states."""
 _AT_REST: Final = 2.5
 """Deviations of the offset that a car reads at most while it stands."""
 
@@ -46,11 +48,12 @@ class VehicleSpeed:
         """
         self._p = parameters = replace(parameters, speed_filter=_of_car(parameters.speed_filter, vehicle))
         self._rim_speed_variance = (wheel_speed_stddev * max(vehicle.radii)) ** 2
+        mounting = vehicle.accelerometer
         self._filter = SpeedFilter(
             parameters.speed_filter,
             _gain_stddev(vehicle),
-            vehicle.accelerometer.delay,
-            absolute_deviation(vehicle.accelerometer.deviations, "delay"),
+            mounting.delay,
+            stated_deviation(mounting.deviations, "delay"),
         )
         self.radii = RadiusDoubt(vehicle)
         """How far the radii make the speed wrong."""
@@ -62,7 +65,10 @@ class VehicleSpeed:
             parameters.slip_per_acceleration,
             self._p.slide.blind_below,
         )
-        self._accelerometer = AccelerometerWatch(parameters.slide)
+        self._accelerometer = AccelerometerWatch(
+            parameters.slide,
+            mounting.delay + _SURE_OF_DELAY * deviation_of(mounting.deviations, "delay", 0.0),
+        )
         self._sensor = SensorWatch(parameters.sensor)
         driven = [wheel.driven for wheel in vehicle.wheels]
         self._free = [index for index, by_engine in enumerate(driven) if not by_engine] if any(driven) else []
@@ -155,7 +161,9 @@ class VehicleSpeed:
             self.reset()
         dt = (stamp - self._last) / NANOSECONDS if self._last is not None else self._p.rolling.correlation
         self._last = stamp
-        if self._accelerometer.leaves_out(stamp, acceleration, smooth_rim_speeds, any(self._slide.rolling)):
+        if self._accelerometer.leaves_out(
+            stamp, acceleration, smooth_rim_speeds, self._slide.rolling, self._filter.offset
+        ):
             acceleration = None
         self._predict(stamp, dt, acceleration, smooth_rim_speeds, rim_accelerations)
         at_wheels = self._at_wheels(rim_speeds)
