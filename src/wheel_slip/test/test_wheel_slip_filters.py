@@ -212,7 +212,7 @@ def test_how_late_an_accelerometer_may_be_moves_nothing_and_counts_as_far_as_cor
     error = unsure.speed - late_filter(0.0, 0.0, 0.0, seen=True)[0].speed
     assert (unsure.speed, unsure.offset) == (sure.speed, sure.offset)
     assert 0.05 < error < 8.0 * 0.05
-    assert unsure.speed_variance - sure.speed_variance == pytest.approx(error**2, rel=0.01)
+    assert unsure.speed_variance - sure.speed_variance == pytest.approx(error**2, rel=0.2)
 
 
 def test_limit_lowers_the_uncertainty_to_its_value_and_moves_nothing() -> None:

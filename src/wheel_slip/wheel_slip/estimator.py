@@ -19,6 +19,7 @@ from wheel_slip.speed_parameters import VehicleSpeedParameters
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.unit_check import UnitCheck
 from wheel_slip.vehicle_speed import VehicleSpeed
+from wheel_slip.wheel_noise import WheelNoise
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
 
@@ -57,6 +58,7 @@ class SlipEstimator:
         self._units.reset()
         self._wheels = [WheelSpeedFilter(p.wheel_filter, p.max_gap, each.encoder_teeth) for each in self._car.wheels]
         self.vehicle = VehicleSpeed(self._car, p.vehicle_speed, p.wheel_filter.speed_stddev)
+        self._noise = WheelNoise(p.wheel_filter.speed_stddev**2)
         self._relative.reset()
         self._free.reset()
         self.radii = self._car.radii
@@ -99,6 +101,7 @@ class SlipEstimator:
             rim_speeds.append(nan if wheel.in_gap else measured * radius)
             smooth_rim_speeds.append(wheel.speed * radius if known else nan)
             rim_accelerations.append(wheel.acceleration * radius)
+        self._watch_noise(stamp, wheel_speeds, smooth_rim_speeds)
         self.vehicle.update(stamp, rim_speeds, smooth_rim_speeds, rim_accelerations, acceleration, measured_speeds)
         newest = measured_speeds[-1].speed if measured_speeds else None
         in_use = None if self.vehicle.accelerometer_text else acceleration
@@ -111,6 +114,16 @@ class SlipEstimator:
                 self._wheels, wheel_speeds, radii, self._unlike(smooth_rim_speeds), self.radius_variances, strict=True
             )
         ]
+
+    def _watch_noise(self, stamp: int, wheel_speeds: Sequence[float], smooth_rim_speeds: Sequence[float]) -> None:
+        """Use the noise that wheels that turn alike show, from this sample on."""
+        before = self._noise.variance
+        alike = self._p.vehicle_speed.slide.are_alike(sorted(smooth_rim_speeds))
+        self._noise.update(stamp, wheel_speeds, alike and not any([wheel.in_gap for wheel in self._wheels]))
+        if self._noise.variance != before:
+            for wheel in self._wheels:
+                wheel.know_noise(self._noise.variance)
+            self.vehicle.know_noise(self._noise.variance)
 
     def _learn_radii(self, stamp: int, smooth_rim_speeds: Sequence[float], acceleration: float | None) -> None:
         """Learn from the next stretch without force; the radii are used from the next sample on."""

@@ -47,7 +47,8 @@ class VehicleSpeed:
             wheel_speed_stddev: noise of a wheel speed [rad/s].
         """
         self._p = parameters = replace(parameters, speed_filter=_of_car(parameters.speed_filter, vehicle))
-        self._rim_speed_variance = (wheel_speed_stddev * max(vehicle.radii)) ** 2
+        self._largest_radius = max(vehicle.radii)
+        self._rim_speed_variance = (wheel_speed_stddev * self._largest_radius) ** 2
         mounting = vehicle.accelerometer
         self._filter = SpeedFilter(
             parameters.speed_filter,
@@ -93,6 +94,11 @@ class VehicleSpeed:
         self.radii.reset()
         self._not_yet_believed: deque[tuple[int, float, float]] = deque()
         self._last: int | None = None
+
+    def know_noise(self, variance: float) -> None:
+        """Take the variance of a wheel speed [rad^2/s^2] in place of the stated one."""
+        self._rim_speed_variance = variance * self._largest_radius**2
+        self._bounds.know_noise(self._rim_speed_variance)
 
     @property
     def speed(self) -> float:
