@@ -116,10 +116,11 @@ class SlipEstimator:
         ]
 
     def _watch_noise(self, stamp: int, wheel_speeds: Sequence[float], smooth_rim_speeds: Sequence[float]) -> None:
-        """Use the noise that wheels that turn alike show, from this sample on."""
+        """Use the noise that wheels show which turn alike and no brake cycles, from this sample on."""
         before = self._noise.variance
-        alike = self._p.vehicle_speed.slide.are_alike(sorted(smooth_rim_speeds))
-        self._noise.update(stamp, wheel_speeds, alike and not any([wheel.in_gap for wheel in self._wheels]))
+        steady = self.vehicle.is_unbraked and not any([wheel.in_gap for wheel in self._wheels])
+        alike = steady and self._p.vehicle_speed.slide.are_alike(sorted(smooth_rim_speeds))
+        self._noise.update(stamp, wheel_speeds, alike)
         if self._noise.variance != before:
             for wheel in self._wheels:
                 wheel.know_noise(self._noise.variance)

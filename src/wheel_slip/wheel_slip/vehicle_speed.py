@@ -31,6 +31,8 @@ from wheel_slip.wheel_bounds import WheelBounds
 
 _SURE_OF_DELAY: Final = 2.0
 """Deviations by which the accelerometer may be later than the vehicle file states."""
+_BRAKED: Final = -0.5
+"""Acceleration below which wheels may be braked [m/s^2]."""
 _AT_REST: Final = 2.5
 """Deviations of the offset that a car reads at most while it stands."""
 
@@ -119,6 +121,11 @@ class VehicleSpeed:
     def offset(self) -> float:
         """Offset of the accelerometer [m/s^2]."""
         return self._filter.offset
+
+    @property
+    def is_unbraked(self) -> bool:
+        """Whether the accelerometer reads that no brake or engine forces the wheels much; so where there is none."""
+        return _BRAKED < (self._slide.acceleration or 0.0) < self._p.slide.roll_below
 
     @property
     def disagreement(self) -> float:
