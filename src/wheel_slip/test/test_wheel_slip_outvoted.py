@@ -66,9 +66,12 @@ def run(reading: float, slip: float = 0.0) -> tuple[SlipEstimator, float, float]
     return estimator, max(errors), max(z)
 
 
-def test_a_dead_accelerometer_in_a_braking_is_named_and_the_speed_is_the_sensors() -> None:
-    estimator, error, z = run(reading=0.0)
-    assert "speed sensor and the wheels" in estimator.vehicle.accelerometer_text
+@pytest.mark.parametrize(("reading", "named"), [(-1.0, "speed sensor and the wheels"), (0.0, "no force")])
+def test_one_that_reads_too_little_in_a_braking_is_named_and_the_speed_is_the_sensors(
+    reading: float, named: str
+) -> None:
+    estimator, error, z = run(reading)
+    assert named in estimator.vehicle.accelerometer_text
     assert error < 0.5 and z < 4.0
 
 

@@ -60,7 +60,8 @@ class CarriedWheels:
         self._p = parameters
         self._swinging = parameters.swinging**2
         self._count = count
-        self._noise = rim_speed_variance
+        self.noise = rim_speed_variance
+        """Variance of a rim speed [m^2/s^2]."""
         self.reset()
 
     def reset(self) -> None:
@@ -79,7 +80,7 @@ class CarriedWheels:
         Returns:
             Mean gaps of the wheels that are carried [m/s].
         """
-        gain, quiet = dt / (self._p.time + dt), self._p.quiet * self._noise
+        gain, quiet = dt / (self._p.time + dt), self._p.quiet * self.noise
         means, variances = self._means, self._variances
         carried: list[float] = []
         for index, rim_speed in enumerate(rim_speeds):
@@ -96,4 +97,4 @@ class CarriedWheels:
 
     def gap_variance(self, dt: float) -> float:
         """Noise of a mean gap [m^2/s^2] at sample time `dt` [s]."""
-        return self._noise * dt / (2.0 * self._p.time + dt)
+        return self.noise * dt / (2.0 * self._p.time + dt)

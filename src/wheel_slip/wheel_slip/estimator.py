@@ -18,7 +18,8 @@ from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
 from wheel_slip.speed_parameters import VehicleSpeedParameters
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.unit_check import UnitCheck
-from wheel_slip.vehicle_speed import VehicleSpeed, radius_share
+from wheel_slip.vehicle_speed import VehicleSpeed
+from wheel_slip.wheel_noise import WheelNoise
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
 
@@ -57,6 +58,7 @@ class SlipEstimator:
         self._units.reset()
         self._wheels = [WheelSpeedFilter(p.wheel_filter, p.max_gap, each.encoder_teeth) for each in self._car.wheels]
         self.vehicle = VehicleSpeed(self._car, p.vehicle_speed, p.wheel_filter.speed_stddev)
+        self._noise = WheelNoise(p.wheel_filter.speed_stddev**2)
         self._relative.reset()
         self._free.reset()
         self.radii = self._car.radii
@@ -99,6 +101,7 @@ class SlipEstimator:
             rim_speeds.append(nan if wheel.in_gap else measured * radius)
             smooth_rim_speeds.append(wheel.speed * radius if known else nan)
             rim_accelerations.append(wheel.acceleration * radius)
+        self._watch_noise(stamp, wheel_speeds, smooth_rim_speeds)
         self.vehicle.update(stamp, rim_speeds, smooth_rim_speeds, rim_accelerations, acceleration, measured_speeds)
         newest = measured_speeds[-1].speed if measured_speeds else None
         in_use = None if self.vehicle.accelerometer_text else acceleration
@@ -111,6 +114,17 @@ class SlipEstimator:
                 self._wheels, wheel_speeds, radii, self._unlike(smooth_rim_speeds), self.radius_variances, strict=True
             )
         ]
+
+    def _watch_noise(self, stamp: int, wheel_speeds: Sequence[float], smooth_rim_speeds: Sequence[float]) -> None:
+        """Use the noise that wheels show which turn alike and no brake cycles, from this sample on."""
+        before = self._noise.variance
+        steady = self.vehicle.is_unbraked and not any([wheel.in_gap for wheel in self._wheels])
+        alike = steady and self._p.vehicle_speed.slide.are_alike(sorted(smooth_rim_speeds))
+        self._noise.update(stamp, wheel_speeds, alike)
+        if self._noise.variance != before:
+            for wheel in self._wheels:
+                wheel.know_noise(self._noise.variance)
+            self.vehicle.know_noise(self._noise.variance)
 
     def _learn_radii(self, stamp: int, smooth_rim_speeds: Sequence[float], acceleration: float | None) -> None:
         """Learn from the next stretch without force; the radii are used from the next sample on."""
@@ -125,7 +139,7 @@ class SlipEstimator:
         ]
         self._relative.update(stretch._replace(rim_speeds=with_file))
         self.radii, self.radius_variances = self._relative.radii, self._relative.variances
-        self.vehicle.know_radii(radius_share(self._car), self._relative.covariance)
+        self.vehicle.radii.know(self.vehicle.radii.common, self._relative.covariance)
 
     def _use_calibrated(self, found: Radii) -> None:
         """Take radii and deviations of the calibration in place of what the vehicle file says."""
@@ -133,7 +147,7 @@ class SlipEstimator:
         shares = [stddev / radius for stddev, radius in zip(found.stddevs, found.radii, strict=True)]
         self.radius_variances = [share**2 for share in shares]
         # The speed sensor's own error of scale is in all of them alike, and not known.
-        self.vehicle.know_radii(max(shares), [[0.0] * len(shares)] * len(shares))
+        self.vehicle.radii.know(max(shares), [[0.0] * len(shares)] * len(shares))
 
     @property
     def radius_text(self) -> str:

@@ -15,6 +15,7 @@ from typing import Final
 
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
+from wheel_slip.sensor_age import SensorAge
 from wheel_slip.speed_sample import SpeedSample
 
 _AGREE: Final = 2.0
@@ -53,10 +54,13 @@ class SensorWatch:
     def __init__(self, parameters: SensorWatchParameters) -> None:
         """Start without samples."""
         self._p = parameters
+        self.age = SensorAge()
+        """How old its samples are, by wheels that the road makes faster."""
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
+        self.age.reset()
         self.contradicted = False
         """Whether wheels and accelerometer contradict it."""
         self.undecided = 0.0
@@ -69,17 +73,24 @@ class SensorWatch:
         self._value: float | None = None
         self._travelled = 0.0
         self._first = 0
-        self.repeats = False
-        """Whether it repeats one value that the accelerometer contradicts."""
+        self._is_old = False
         self._off_since: int | None = None
+
+    @property
+    def left_out(self) -> bool:
+        """Whether it may not be used at all."""
+        return self.contradicted or self.age.late > 0.0
 
     @property
     def text(self) -> str:
         """Names what is wrong, empty where nothing is."""
+        late = self.age.late
+        if late and not self._is_old:
+            return f"some {late:.1f} s behind the wheels; left out: the doctor tells its age, speed_sensor.latency"
         if self.contradicted:
             told = "" if self._agreed else ", or the radii are wrong"
             return f"{self._difference:.1f} m/s from wheels and accelerometer; left out{told}"
-        return "repeats one value that the accelerometer contradicts; left out" if self.repeats else ""
+        return "repeats one value that the accelerometer contradicts; left out" if self._is_old else ""
 
     def is_old(self, sample: SpeedSample, travelled: float | None, offset: float) -> bool:
         """Whether a sample repeats the last one though the speed has changed.
@@ -92,11 +103,11 @@ class SensorWatch:
         if travelled is None or sample.speed != self._value:
             self._value = sample.speed if travelled is not None else None
             self._first, self._travelled = sample.stamp, travelled or 0.0
-            self.repeats = False
+            self._is_old = False
             return False
         change = travelled - self._travelled - offset * (sample.stamp - self._first) / NANOSECONDS
-        self.repeats = abs(change) > self._p.frozen + 3.0 * sample.variance**0.5
-        return self.repeats
+        self._is_old = abs(change) > self._p.frozen + 3.0 * sample.variance**0.5
+        return self._is_old
 
     def compare(self, stamp: int, difference: float, deviation: float, of_slip: float) -> bool:
         """Compare a sample with wheels that roll.

@@ -7,9 +7,10 @@ a speed measurement separates from a_m and nothing else can. k is the error of i
 c is the slip of rolling wheels per deceleration of the car: such wheels measure v (1 + c v_dot). An accelerometer is
 low-passed before it is sampled, so a sample is taken to hold for the whole interval it ends. Where it reads what was
 some time tau = tau_0 + e ago, v grows by tau times each change of a_m besides; tau_0 is stated. e is not estimated, as
-slip that grows with the deceleration looks the same: it is 0 with a variance that nothing lowers (Schmidt's consider
-parameter). Without an accelerometer a_m is 0, b is minus the acceleration of the car, and n_b is as strong as the
-changes of acceleration of a braking car.
+slip that grows with the deceleration looks the same, and moves no estimate: what an e would have done to the state is
+followed, as corrections leave it, and is in the variance (a consider parameter that is left out of the gains). Without
+an accelerometer a_m is 0, b is minus the acceleration of the car, and n_b is as strong as the changes of acceleration
+of a braking car.
 
 While nothing observes the offset, the road may change its slope unseen. What that may have done to speed and offset is
 kept apart, in a second covariance (the unseen part), and so is what k has done to the speed; the sum of all is the
@@ -35,8 +36,8 @@ _FIRST_SPEED_VARIANCE: Final = 1e6
 _GAP: Final = 0.1
 """Longer steps between samples are gaps [s]."""
 _NOTHING = (0.0, 0.0, 0.0)
-_ALL: Final = range(5)
-_OTHERS: Final = range(1, 5)
+_ALL: Final = range(4)
+_OTHERS: Final = range(1, 4)
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,13 @@ class SpeedFilterParameters:
     gain_stddev: float = parameter(
         0.02,
         "deviation of the accelerometer's scale and of the pitch of the body, as a share of the acceleration",
+        minimum=0.0,
+        maximum=0.5,
+    )
+    delay_stddev: float = parameter(
+        0.1,
+        "deviation of the accelerometer's age against the wheels, where the vehicle file states none",
+        unit="s",
         minimum=0.0,
         maximum=0.5,
     )
@@ -100,14 +108,14 @@ class SpeedFilterParameters:
 
 
 class SpeedFilter:
-    """State (v, b, k, c) and its covariance, with that of e."""
+    """State (v, b, k, c) and its covariance, and what e has done to it."""
 
     def __init__(
         self,
         parameters: SpeedFilterParameters,
         gain_stddev: float | None = None,
         delay: float = 0.0,
-        delay_stddev: float = 0.0,
+        delay_stddev: float | None = None,
     ) -> None:
         """Start with nothing known.
 
@@ -115,10 +123,11 @@ class SpeedFilter:
             parameters: of noise, offset, slip.
             gain_stddev: as in the parameters, where the car's is known.
             delay: age tau_0 of a reading of the accelerometer against the wheel speeds [s].
-            delay_stddev: deviation of e [s].
+            delay_stddev: deviation of e [s], where the car's is known.
         """
         self._parameters = parameters
-        self._delay, self._delay_variance = delay, delay_stddev**2
+        self._delay = delay
+        self._delay_variance = (parameters.delay_stddev if delay_stddev is None else delay_stddev) ** 2
         self._gain_variance = (parameters.gain_stddev if gain_stddev is None else gain_stddev) ** 2
         self.reset()
 
@@ -137,9 +146,9 @@ class SpeedFilter:
         """Last innovation over its standard deviation [-]."""
         self.by_wheels = 1.0
         """Share of an error that all radii have in common which the speed has: 1 from wheels alone, 0 from a sensor."""
-        self._p = _diagonal(
-            _FIRST_SPEED_VARIANCE, p.offset_stddev**2, self._gain_variance, p.compliance_stddev**2, self._delay_variance
-        )
+        self._p = _diagonal(_FIRST_SPEED_VARIANCE, p.offset_stddev**2, self._gain_variance, p.compliance_stddev**2)
+        self._by_age = [0.0] * len(_ALL)
+        """Errors of the state by an e of 1 s."""
         self._unseen = _NOTHING
         self._unseen_gain = 0.0
         """What a gain of 1 would have done to the speed unseen [m/s]."""
@@ -151,7 +160,7 @@ class SpeedFilter:
     @property
     def speed_variance(self) -> float:
         """[m^2/s^2]"""
-        return self._p[0][0] + self._unseen[0] + self._by_gain()
+        return self._p[0][0] + self._unseen[0] + self._by_gain() + self._by_delay()
 
     @property
     def offset_variance(self) -> float:
@@ -189,6 +198,7 @@ class SpeedFilter:
         self._see()
         self.speed, self.by_wheels = speed, by_wheels
         self._forget(0, variance)
+        self._by_age[0] = 0.0
 
     def predict(self, stamp: int, measured: float | None, *, observed: bool = True) -> None:
         """Go to `stamp` [ns], later than the last.
@@ -210,7 +220,8 @@ class SpeedFilter:
             change = dt * (measured or 0.0) + self._delay * step
             driving = change - dt * self.offset
             self.speed += driving * (1.0 if measured is None else 1.0 - self.gain)
-            self._predict_covariance(dt, walk, step)
+            self._by_age[0] += step - dt * self._by_age[1]
+            self._predict_covariance(dt, walk)
             self._p[0][0] += dt * dt * noise
             if measured is not None and abs(measured - self.offset) > p.telling:
                 self._unseen_gain -= driving
@@ -226,21 +237,25 @@ class SpeedFilter:
         while self._history[0][0] < stamp - _HISTORY:
             self._history.popleft()
 
+    def _by_delay(self) -> float:
+        return self._by_age[0] ** 2 * self._delay_variance
+
     def _by_gain(self) -> float:
         g, p = self._unseen_gain, self._p
         return g * (2.0 * p[0][2] + g * p[2][2])
 
-    def _predict_covariance(self, dt: float, walk: float, step: float) -> None:
+    def _predict_covariance(self, dt: float, walk: float) -> None:
         p, parameters = self._p, self._parameters
-        row = [p[0][j] - dt * p[1][j] + step * p[4][j] for j in _ALL]
-        p[0][0] = row[0] - dt * row[1] + step * row[4] + walk * dt**3 / 3.0
+        row = [p[0][j] - dt * p[1][j] for j in _ALL]
+        p[0][0] = row[0] - dt * row[1] + walk * dt**3 / 3.0
         for j in _OTHERS:
             p[0][j] = p[j][0] = row[j]
         p[0][1] = p[1][0] = row[1] - 0.5 * walk * dt * dt
         p[1][1] += walk * dt
         stay = exp(-dt / parameters.compliance_time)
         self.compliance = parameters.compliance + stay * (self.compliance - parameters.compliance)
-        for j in (0, 1, 2, 4):
+        self._by_age[3] *= stay
+        for j in (0, 1, 2):
             p[3][j] = p[j][3] = stay * p[3][j]
         p[3][3] = stay * stay * p[3][3] + (1.0 - stay * stay) * parameters.compliance_stddev**2
 
@@ -281,16 +296,18 @@ class SpeedFilter:
         offset and gain: said at every sample, it would make certain what they are taken to be.
         """
         uv, uc, ub = self._unseen
-        pv, by_gain = self._p[0][0], self._by_gain()
-        total = pv + uv + by_gain
+        pv, by_gain, by_delay = self._p[0][0], self._by_gain(), self._by_delay()
+        total = pv + uv + by_gain + by_delay
         if total <= variance:
             return
         if pv < variance:
-            share = (total - variance) / (uv + by_gain)
+            share = (total - variance) / (uv + by_gain + by_delay)
             self._unseen = (uv - share * uv, uc - share * uc, ub - share * uc * uc / uv if uv else ub)
             self._unseen_gain *= sqrt(1.0 - share)
+            self._by_age[0] *= sqrt(1.0 - share)
         else:
             self._see()
+            self._by_age[0] = 0.0
             p, share = self._p, sqrt(variance / self._p[0][0])
             for j in _ALL:
                 p[0][j] *= share
@@ -304,7 +321,7 @@ class SpeedFilter:
         then = self.speed - driving * self._scale
         rolling = 1.0 - self.compliance * effort
         by_gain = rolling * driving if abs(driving) > self._parameters.telling * age else 0.0
-        h = (rolling, rolling * age, by_gain, -then * effort, -rolling * step)
+        h = (rolling, rolling * age, by_gain, -then * effort)
         ph = [sum(p[i][j] * h[j] for j in _ALL) for i in _ALL]
         total = sum(h[i] * ph[i] for i in _ALL) + variance
         if not isfinite(total):
@@ -316,10 +333,11 @@ class SpeedFilter:
         self.offset += ph[1] / total * innovation
         self.gain += ph[2] / total * innovation
         self.compliance += ph[3] / total * innovation
+        of_age = (sum(h[i] * self._by_age[i] for i in _ALL) - rolling * step) / total
         for i in _ALL:
+            self._by_age[i] -= ph[i] * of_age
             for j in _ALL:
                 p[i][j] -= ph[i] * ph[j] / total
-        p[4][4] = self._delay_variance
         if self.compliance < 0.0:
             self._keep_compliance()
         return True

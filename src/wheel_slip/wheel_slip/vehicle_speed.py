@@ -16,12 +16,12 @@ from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
-from vehicle_models.stated_deviations import absolute_deviation, stated_deviation
+from vehicle_models.stated_deviations import deviation_of, stated_deviation
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.accelerometer_watch import AccelerometerWatch
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
 from wheel_slip.mode import Cause, transition
-from wheel_slip.sensor_age import SensorAge
+from wheel_slip.radius_doubt import RadiusDoubt
 from wheel_slip.sensor_watch import SensorWatch
 from wheel_slip.slide_detector import SlideDetector
 from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
@@ -29,6 +29,10 @@ from wheel_slip.speed_parameters import VehicleSpeedParameters
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.wheel_bounds import WheelBounds
 
+_SURE_OF_DELAY: Final = 2.0
+"""Deviations by which the accelerometer may be later than the vehicle file states."""
+_BRAKED: Final = -0.5
+"""Acceleration below which wheels may be braked [m/s^2]."""
 _AT_REST: Final = 2.5
 """Deviations of the offset that a car reads at most while it stands."""
 
@@ -45,15 +49,17 @@ class VehicleSpeed:
             wheel_speed_stddev: noise of a wheel speed [rad/s].
         """
         self._p = parameters = replace(parameters, speed_filter=_of_car(parameters.speed_filter, vehicle))
-        self._rim_speed_variance = (wheel_speed_stddev * max(vehicle.radii)) ** 2
+        self._largest_radius = max(vehicle.radii)
+        self._rim_speed_variance = (wheel_speed_stddev * self._largest_radius) ** 2
+        mounting = vehicle.accelerometer
         self._filter = SpeedFilter(
             parameters.speed_filter,
             _gain_stddev(vehicle),
-            vehicle.accelerometer.delay,
-            absolute_deviation(vehicle.accelerometer.deviations, "delay"),
+            mounting.delay,
+            stated_deviation(mounting.deviations, "delay"),
         )
-        self._radius_share = radius_share(vehicle)
-        self._radius_covariance: Sequence[Sequence[float]] = [[0.0] * len(vehicle.wheels)] * len(vehicle.wheels)
+        self.radii = RadiusDoubt(vehicle)
+        """How far the radii make the speed wrong."""
         self._slide = SlideDetector(parameters.slide, parameters.slope, [wheel.driven for wheel in vehicle.wheels])
         self._bounds = WheelBounds(
             parameters.bounds,
@@ -62,9 +68,11 @@ class VehicleSpeed:
             parameters.slip_per_acceleration,
             self._p.slide.blind_below,
         )
-        self._accelerometer = AccelerometerWatch(parameters.slide)
+        self._accelerometer = AccelerometerWatch(
+            parameters.slide,
+            mounting.delay + _SURE_OF_DELAY * deviation_of(mounting.deviations, "delay", 0.0),
+        )
         self._sensor = SensorWatch(parameters.sensor)
-        self._sensor_age = SensorAge()
         driven = [wheel.driven for wheel in vehicle.wheels]
         self._free = [index for index, by_engine in enumerate(driven) if not by_engine] if any(driven) else []
         self.reset()
@@ -76,7 +84,6 @@ class VehicleSpeed:
         self._bounds.reset()
         self._accelerometer.reset()
         self._sensor.reset()
-        self._sensor_age.reset()
         self.mode = Mode.WAITING
         """Mode at the last sample."""
         self.cause = Cause.STARTED
@@ -86,10 +93,14 @@ class VehicleSpeed:
         self._sensor_stamp: int | None = None
         self._surprise = 0.0
         self._doubted: int | None = None
-        self._believed: list[int] = []
-        self._wheels_share = 0.0
+        self.radii.reset()
         self._not_yet_believed: deque[tuple[int, float, float]] = deque()
         self._last: int | None = None
+
+    def know_noise(self, variance: float) -> None:
+        """Take the variance of a wheel speed [rad^2/s^2] in place of the stated one."""
+        self._rim_speed_variance = variance * self._largest_radius**2
+        self._bounds.know_noise(self._rim_speed_variance)
 
     @property
     def speed(self) -> float:
@@ -112,6 +123,11 @@ class VehicleSpeed:
         return self._filter.offset
 
     @property
+    def is_unbraked(self) -> bool:
+        """Whether the accelerometer reads that no brake or engine forces the wheels much; so where there is none."""
+        return _BRAKED < (self._slide.acceleration or 0.0) < self._p.slide.roll_below
+
+    @property
     def disagreement(self) -> float:
         """Spread of the wheels about the speed [m/s]."""
         return self._slide.spread
@@ -121,19 +137,19 @@ class VehicleSpeed:
         """Variance of the speed [m^2/s^2], with what does not average out: radii, and what is known of the sensor."""
         known = self._filter.speed_variance + (self._p.radius_uncertainty * self._filter.speed) ** 2
         known += self._sensor.undecided**2
-        of_age = self._skew_variance + self._sensor_age.error**2
+        of_age = self._skew_variance + self._sensor.age.error**2
         return known + of_age if self.source is SpeedSource.SENSOR else known
 
     @property
     def stated_variance(self) -> float:
         """The same with what the radii have in common [m^2/s^2], which the slip of a wheel contains as far as not."""
-        by_radii = (self._radius_share**2 + self._wheels_share) * self._filter.by_wheels**2
+        by_radii = (self.radii.common**2 + self.radii.of_mean) * self._filter.by_wheels**2
         return self.variance + by_radii * self._filter.speed**2
 
     @property
     def radii_against_speed(self) -> float:
         """Deviation of what all radii have in common against the speed, as a share: that of every slip."""
-        return self._radius_share * (1.0 - self._filter.by_wheels)
+        return self.radii.common * (1.0 - self._filter.by_wheels)
 
     def update(
         self,
@@ -158,7 +174,9 @@ class VehicleSpeed:
             self.reset()
         dt = (stamp - self._last) / NANOSECONDS if self._last is not None else self._p.rolling.correlation
         self._last = stamp
-        if self._accelerometer.leaves_out(stamp, acceleration, smooth_rim_speeds, any(self._slide.rolling)):
+        if self._accelerometer.leaves_out(
+            stamp, acceleration, smooth_rim_speeds, self._slide.rolling, self._filter.offset
+        ):
             acceleration = None
         self._predict(stamp, dt, acceleration, smooth_rim_speeds, rim_accelerations)
         at_wheels = self._at_wheels(rim_speeds)
@@ -217,7 +235,7 @@ class VehicleSpeed:
     def _change_mode(self, stamp: int, smooth_rim_speeds: Sequence[float], speed_at_wheels: bool) -> None:
         """Make the transition of this sample, and what comes with it."""
         before, slid = self.mode, self._is_sliding
-        sensor = self._sensor_is_fresh(stamp) and not self._sensor.contradicted and not self._sensor_age.late
+        sensor = self._sensor_is_fresh(stamp) and not self._sensor.left_out
         evidence = self._slide.evidence(sensor, speed_at_wheels)
         self.mode, cause = transition(before, evidence, self._p.slide)
         self._doubt_road(stamp)
@@ -243,9 +261,6 @@ class VehicleSpeed:
     @property
     def sensor_text(self) -> str:
         """Names what is wrong with the speed sensor, empty where nothing is."""
-        late = self._sensor_age.late
-        if late and not self._sensor.repeats:
-            return f"some {late:.1f} s behind the wheels; left out: the doctor tells its age, speed_sensor.latency"
         return self._sensor.text
 
     @property
@@ -282,7 +297,7 @@ class VehicleSpeed:
         """Learn the age of the samples; return those that repeat no old one. `gauged`: there is an accelerometer."""
         if not measured or self.mode is Mode.WAITING:
             return measured
-        car, age, before = self._filter, self._sensor_age, self._sensor_age.late
+        car, age, before = self._filter, self._sensor.age, self._sensor.age.late
         travelled = [car.travelled_at(each.stamp) if gauged else None for each in measured]
         new = [
             each
@@ -306,10 +321,9 @@ class VehicleSpeed:
         self, measured: Sequence[SpeedSample], at_wheels: tuple[float, list[int]] | None, gauged: bool
     ) -> Sequence[SpeedSample]:
         """Return the samples that may be used, beside `at_wheels`; `gauged`: there is an accelerometer."""
-        if self._sensor_age.late and self.mode is Mode.WAITING:
-            return ()
+        late = self._sensor.age.late > 0.0
         if not measured or self.mode is Mode.WAITING:
-            return measured
+            return () if late else measured
         car, watch, effort = self._filter, self._sensor, self._effort()
         usable: list[SpeedSample] = []
         for sample in measured:
@@ -319,7 +333,7 @@ class VehicleSpeed:
             noise = sample.variance + self._skew_variance
             if at_wheels is not None and gauged and self._slide.has_rolled:
                 rolling = at_wheels[0] * (1.0 + self._p.speed_filter.compliance * effort)
-                shares = self._radius_share**2 + self._wheels_share + self._p.radius_uncertainty**2
+                shares = self.radii.common**2 + self.radii.of_mean + self._p.radius_uncertainty**2
                 deviation = sqrt(shares * rolling**2 + self._p.rolling.blind_stddev**2 + noise)
                 slip = abs(self._p.speed_filter.compliance_stddev * effort * rolling)
                 fits = watch.compare(sample.stamp, sample.speed + change - rolling, deviation, slip)
@@ -328,7 +342,7 @@ class VehicleSpeed:
                 fits = watch.fits(sample.stamp, sample.speed + change - car.speed, of_both)
             if fits:
                 usable.append(sample)
-        return () if self._sensor_age.late else usable
+        return () if late else usable
 
     def _count_votes(
         self,
@@ -338,7 +352,7 @@ class VehicleSpeed:
         rim_accelerations: Sequence[float],
     ) -> None:
         """Compare the samples of the sensor with the speed and with wheels that turn alike."""
-        if not measured or self.mode is Mode.WAITING or self._sensor_age.late:
+        if not measured or self.mode is Mode.WAITING or self._sensor.age.late:
             return
         car = self._filter
         known = [index for index, speed in enumerate(smooth_rim_speeds) if isfinite(speed)]
@@ -346,7 +360,7 @@ class VehicleSpeed:
         middle = median([smooth_rim_speeds[index] for index in known]) if alike else 0.0
         rate = median([rim_accelerations[index] for index in known]) if alike else 0.0
         of_age = (self._p.sensor.latency_stddev * rate) ** 2
-        of_radii = (self._radius_share**2 + self._p.radius_uncertainty**2) * middle**2
+        of_radii = (self.radii.common**2 + self._p.radius_uncertainty**2) * middle**2
         for sample in measured:
             change = car.change_since(sample.stamp)
             if change is None:
@@ -383,10 +397,7 @@ class VehicleSpeed:
     def _use_wheels(self, stamp: int, dt: float, at_wheels: tuple[float, list[int]] | None, starting: bool) -> None:
         if at_wheels is not None:
             speed, wheels = at_wheels
-            count = len(wheels)
-            if wheels != self._believed:
-                self._believed = wheels
-                self._weigh_radii()
+            self.radii.use(wheels)
             slip = (
                 self._p.slip_per_acceleration
                 * speed
@@ -396,7 +407,7 @@ class VehicleSpeed:
             noise = (
                 self._p.rolling.blind_stddev**2 * many
                 if abs(speed) < self._p.slide.blind_below
-                else self._rim_speed_variance / count
+                else self._rim_speed_variance / len(wheels)
             )
             variance = noise + slip**2 * many
             if starting:
@@ -411,22 +422,6 @@ class VehicleSpeed:
                 variance += self._filter.slip_noise
             if self._filter.correct(speed, variance, when, effort):
                 self._watch_offset(dt)
-
-    def know_radii(self, common_share: float, covariance: Sequence[Sequence[float]]) -> None:
-        """Take how well the radii are known.
-
-        Args:
-            common_share: deviation that all of them have in common, as a share.
-            covariance: of each beside that, as shares, shape (wheels, wheels).
-        """
-        self._radius_share, self._radius_covariance = common_share, covariance
-        self._weigh_radii()
-
-    def _weigh_radii(self) -> None:
-        """Note the variance of the mean radius of the wheels that gave the speed last, as a share."""
-        wheels, covariance = self._believed, self._radius_covariance
-        total = sum([covariance[one][other] for one in wheels for other in wheels])
-        self._wheels_share = total / len(wheels) ** 2 if wheels else 0.0
 
     def _start_at_wheels(self, speed: float, variance: float, effort: float) -> None:
         """Take the speed from wheels that slip by an effort, as far as that is known."""
@@ -484,7 +479,7 @@ class VehicleSpeed:
 
 def _of_car(parameters: SpeedFilterParameters, vehicle: Vehicle) -> SpeedFilterParameters:
     """Return the parameters with the deviation of the offset that the vehicle file states, if it is a larger one."""
-    stated = stated_deviation(vehicle.accelerometer.deviations, "offset") or 0.0
+    stated = deviation_of(vehicle.accelerometer.deviations, "offset", 0.0)
     return replace(parameters, offset_stddev=max(parameters.offset_stddev, stated))
 
 
@@ -494,9 +489,4 @@ def _gain_stddev(vehicle: Vehicle) -> float | None:
     scale = stated_deviation(mounting.deviations, "scale")
     if scale is None:
         return None
-    return hypot(scale / mounting.scale, GRAVITY * (stated_deviation(mounting.deviations, "pitch_gain") or 0.0))
-
-
-def radius_share(vehicle: Vehicle) -> float:
-    """Deviation of the radii as a share, 0 where the vehicle file states none."""
-    return max((stated_deviation(each.deviations, "radius") or 0.0) / each.radius for each in vehicle.wheels)
+    return hypot(scale / mounting.scale, GRAVITY * deviation_of(mounting.deviations, "pitch_gain", 0.0))

@@ -86,6 +86,10 @@ class WheelBounds:
         self._carried.reset()
         self._beyond = 0.0
 
+    def know_noise(self, rim_speed_variance: float) -> None:
+        """Take the noise of a rim speed [m^2/s^2]."""
+        self._variance = self._carried.noise = rim_speed_variance
+
     def begin_slide(self) -> None:
         """Know of no wheel that it is carried."""
         self._carried.reset()

@@ -109,6 +109,10 @@ class WheelSpeedFilter:
         if self._gap is not None:
             self._gap.reset()
 
+    def know_noise(self, variance: float) -> None:
+        """Take the variance of a wheel speed [rad^2/s^2] in place of the stated one."""
+        self._variance = variance
+
     def update(self, stamp: int, measured: float) -> None:
         """Take a wheel speed [rad/s], finite, at a stamp [ns] later than the last."""
         dt = 0.0 if self._stamp is None else (stamp - self._stamp) / NANOSECONDS

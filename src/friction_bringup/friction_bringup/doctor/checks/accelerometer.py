@@ -16,7 +16,7 @@ from friction_bringup.doctor.motion import Motion, free_rims
 from friction_bringup.doctor.shift import Shift, shift, stretches
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
-from vehicle_models.stated_deviations import stated_deviation
+from vehicle_models.stated_deviations import deviation_of, stated_deviation
 from wheel_slip.accelerometer_age import AccelerometerAge
 from wheel_slip.mode import SlideParameters
 
@@ -147,7 +147,7 @@ def _age_and_scale(drive: Drive, compared: Shift, of_wheels: float) -> list[Find
     remedy = "--write, or 'latency' in the signal map" if verdict is Verdict.WARN else ""
     findings = [Finding("skew", IMU, verdict, text, 1e3 * age, 1e3 * doubt, "ms", remedy, learned)]
     scale, doubt = compared.gain, hypot(compared.gain_stddev, _SCALE_FLOOR)
-    of_pitch = GRAVITY * (stated_deviation(stated, "pitch_gain") or 0.0)
+    of_pitch = GRAVITY * deviation_of(stated, "pitch_gain", 0.0)
     verdict = against_file(scale, hypot(doubt, of_pitch), accelerometer.scale, stated_deviation(stated, "scale"), 0.02)
     text = f"reads {scale:.3f} of the wheels' acceleration, without pitch ({accelerometer.scale:.3f})"
     learned = {"accelerometer.scale": (scale, hypot(doubt, of_pitch))}
