@@ -231,6 +231,18 @@ def test_a_gap_in_a_braking_ends_the_estimate_until_the_brakes_are_released() ->
     assert "start of the braking" in last.text
 
 
+def test_a_car_that_is_first_heard_with_its_brakes_on_is_followed_once_they_are_released() -> None:
+    estimator, speed, said = CarEstimator(CAR), 20.0, []
+    for k in range(200):
+        force = 1.5 if k < 60 else 0.0
+        speed -= force * 0.005
+        refused = estimator.update(CarSample(0.005 * k, np.full(4, speed / 0.3), np.full(4, force * 5.6e5), -force))[0]
+        assert isinstance(refused, Refusal)
+        said.append(refused.text)
+    assert "start of the braking" in said[50]
+    assert said[-1] == "no braking"
+
+
 def test_memory_and_answers_stay_bounded_in_a_long_braking() -> None:
     estimator, speed = CarEstimator(CAR), 30.0
     for k in range(3000):

@@ -228,7 +228,8 @@ class CarEstimator:
         elif self._released_at == inf:
             self._released_at = time
         released_for = time - self._released_at
-        if released_for > _RELEASE_TIME and not (released_for < _COMES_BACK and self._slips_far(speed)):
+        comes_back = self._braking and released_for < _COMES_BACK and self._slips_far(speed)
+        if released_for > _RELEASE_TIME and not comes_back:
             self._begin_again(self._present)
 
     def _slips_far(self, speed: Array) -> bool:
