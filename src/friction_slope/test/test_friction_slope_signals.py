@@ -227,7 +227,7 @@ def test_a_sign_beyond_the_peak_that_is_contradicted_within_its_trial_is_withdra
     for k, (indicator, growing) in enumerate(steps):
         detector.update(indicator, growing, lambda: 0.1, k + 1, trial=3)
         signs.append(detector.sign)
-    assert signs == [-1, 0, 0, -1, -1, -1, -1, -1]
+    assert signs == [-1, 0, 0, -1, 0, 0, 0, 1]
     assert detector.crossings == 0
 
 

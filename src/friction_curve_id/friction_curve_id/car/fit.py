@@ -64,6 +64,8 @@ class Linearised:
     """C^-1 of the Jacobian in z and, last, of the error, shape (W n, P + 1)."""
     of_node: Array
     """What each node adds to the cost of those before it, of all wheels, shape (n,)."""
+_LEAST_SCATTER = 1e-9
+"""Of the sum of the squared unknowns, where nothing is found."""
 
 
 class CurveFit:
@@ -175,7 +177,9 @@ class CurveFit:
         inverse = np.tril(inverse) + np.tril(inverse, -1).T
         sd = self._prior.stddev
         found = np.eye(size) - inverse
-        self._expected, self._scatter = float(np.trace(found)), sqrt(2.0 * float((found * found).sum()))
+        self._expected = float(np.trace(found))
+        # Where no node tells anything any more, unknowns that are still off are a surprise.
+        self._scatter = max(sqrt(2.0 * float((found * found).sum())), _LEAST_SCATTER)
         inverse += inverse @ (at.spread + past.spread) @ inverse
         self.covariance = inverse * np.outer(sd, sd)
         before = float(offset @ (0.5 * past.information @ offset + past.gradient)) + 0.5 * float(self.z @ self.z)
