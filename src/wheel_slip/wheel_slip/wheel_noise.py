@@ -20,8 +20,8 @@ _MEMORY: Final = 2.0
 """Time [s] of the mean."""
 _FIRST: Final = 10
 """Differences from which on there is one."""
-_MORE: Final = 2.0
-"""Times the stated variance, from which on what is seen counts in its place."""
+_MORE: Final = 9.0
+"""Times the stated variance, from which on what is seen counts in its place; a wheel filter of too much noise lags."""
 
 
 class WheelNoise:

@@ -64,6 +64,8 @@ class Linearised:
     """C^-1 of the Jacobian in z and, last, of the error, shape (W n, P + 1)."""
     of_node: Array
     """What each node adds to the cost of those before it, of all wheels, shape (n,)."""
+
+
 _LEAST_SCATTER = 1e-9
 """Of the sum of the squared unknowns, where nothing is found."""
 
