@@ -270,7 +270,7 @@ class CarEstimator:
     def _begin_road(self) -> None:
         """Nothing is known of the road."""
         self._peak: Peak | None = None
-        self._surprised = self._forgot = self._departed = False
+        self._surprised = self._forgot = self._departed = self._was_valid = False
         self._surprised_at = -inf
         self._road_watch, self._two_roads = RoadWatch(), ""
         self._misfit = self._unresolved = 0.0
@@ -282,16 +282,18 @@ class CarEstimator:
     def _fold(self, number: int) -> None:
         """Let the oldest `number` samples leave the window.
 
-        What fits that have gone astray make of them would hold them there.
+        What fits that went astray before they were ever valid make of them would hold them there. After that it holds the
+        curve that was valid, which an accelerometer that fails in mid-stop must not take from a law.
         """
+        astray = self._surprised and not self._was_valid
         nodes = self._nodes()
         memory = exp(-float(nodes.time[number] - nodes.time[0]) / _MEMORY)
         for fit in self._fits:
-            if self._surprised:
+            if astray:
                 fit.forget(nodes, number)
             else:
                 fit.fold(self._samples, nodes, self._start, number, memory)
-        if self._surprised:
+        if astray:
             self._forgot = True
         self._samples.drop_oldest(number)
 
@@ -428,6 +430,7 @@ class CarEstimator:
             return [CurveEstimate(count, nan, restart_cause=cause, text=text)] * len(self._index)
         slips, beyond = self._slips(time, speed, peak)
         reason, text = self._reason(time, peak)
+        self._was_valid = self._was_valid or reason is Reason.OK
         lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
         best = int(np.argmax(peak.weights))
         surprised = self._unexplained or bool(self._two_roads)
