@@ -282,8 +282,8 @@ class CarEstimator:
     def _fold(self, number: int) -> None:
         """Let the oldest `number` samples leave the window.
 
-        What fits that went astray before they were ever valid make of them would hold them there. After that it holds the
-        curve that was valid, which an accelerometer that fails in mid-stop must not take from a law.
+        What fits that went astray before they were ever valid make of them would hold them there. After that it holds
+        the curve that was valid, which an accelerometer that fails in mid-stop must not take from a law.
         """
         astray = self._surprised and not self._was_valid
         nodes = self._nodes()
