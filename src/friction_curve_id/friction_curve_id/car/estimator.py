@@ -7,13 +7,14 @@ quadratic, which fades.
 """
 
 from dataclasses import replace
-from math import exp, expm1, hypot, inf, isfinite, isnan, nan, sqrt
+from math import exp, hypot, inf, isfinite, isnan, nan
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_curve_id.car.astray import Astray
 from friction_curve_id.car.braking_samples import BrakingSamples
-from friction_curve_id.car.car_model import LEAST_RELAXATION, SPEED_UNKNOWNS, CarConstants, Nodes
+from friction_curve_id.car.car_model import CarConstants, Nodes
 from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
 from friction_curve_id.car.evidence import (
@@ -21,18 +22,19 @@ from friction_curve_id.car.evidence import (
     Peak,
     doubt,
     mixture,
-    normal_probability,
     reaching_up,
     unresolved,
 )
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
-from friction_curve_id.car.new_road import NewRoad, axle_on_new_road, told_of_roads
-from friction_curve_id.car.node_signals import TURNING, Start, delayed, departs, node_signals, rolling_noise
+from friction_curve_id.car.new_road import NewRoad, axle_on_new_road, friction_there, silenced, told_of_roads
+from friction_curve_id.car.node_signals import Start, delayed, node_signals, rolling_noise
 from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
+from friction_curve_id.car.passing import Passing
+from friction_curve_id.car.present_slip import present_slip
 from friction_curve_id.car.prior import car_prior, radius_deviation
-from friction_curve_id.car.unknowns import SHARED, Unknown
+from friction_curve_id.car.unknowns import Unknown
 from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate, Reason, Refusal, RestartCause
 from vehicle_models.vehicle import Vehicle
 
@@ -50,8 +52,6 @@ _LIFT = 0.15
 """The throttle is taken as closed for this time before the brakes act [s]."""
 _CAPACITY, _FOLDED = 260, 40
 """Most samples of the window, and how many leave it at a time."""
-_CAPACITY_ASTRAY = 160
-"""Most samples of the window while the fits have gone astray: the sooner they are rid of what led them there."""
 _MEMORY = 3.0
 """Time with which what has left the window fades [s]."""
 _FIRST_STEP = 0.03
@@ -63,31 +63,15 @@ _COMES_BACK, _FAR_BEHIND = 0.6, 0.8
 """A braking goes on for so long without brakes [s] while a wheel is slower than this share of the car."""
 _SAME_TIME = 1e-6
 """Times are equal within this [s]."""
-_PASSED = 1.05
-"""Slip over lambda_max that counts as beyond the peak for validity."""
-_SURE = 1.645
-"""Deviations of one-sided 95 %."""
-_SEEN_TIME = 0.1
-"""Time beyond the peak, summed over wheels, that makes a peak seen [s]."""
 _LARGEST_STDDEV = 0.25
 _EARLIEST_VALID = 0.1
 _EARLIEST_ANEW = 0.5
 """Time of a braking, or on another road within it, before which nothing is valid [s]. There the axles come one after
 the other, and most of what their wheels do first is too fast to tell."""
-_LEAST_AGE = 0.1
-"""Time since the slip first was beyond the peak before it is seen [s]."""
-_SURPRISE = 3.0
-"""Most deviations by which the sum of the squared unknowns of every family may exceed what the prior lets expect."""
 _ASTRAY, _STEPS_BACK = 50.0, 5
 """A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
-_CALM = 0.05
-"""Time since the fits were last astray before what they find is valid again [s]: each has made a step since."""
-_LATER = 0.01
-"""By so much the wheels of the other axle may come later to another road than their distance says [s]."""
 _KNOWN_MU = 0.1
 """Relative deviation of mu_max below which another road is told from the present one."""
-_LEAST_MU = 0.05
-"""Of any road."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""
 
@@ -206,7 +190,7 @@ class CarEstimator:
     def _keep(self, time: float, speed: Array, torque: Array, acceleration: float) -> None:
         samples = self._samples
         if self._braking:
-            capacity = _CAPACITY_ASTRAY if self._forgot and self._surprised else _CAPACITY
+            capacity = self._astray.capacity(_CAPACITY)
             if samples.count >= capacity:
                 self._fold(((samples.count - capacity) // _FOLDED + 1) * _FOLDED)
         else:
@@ -270,35 +254,29 @@ class CarEstimator:
     def _begin_road(self) -> None:
         """Nothing is known of the road."""
         self._peak: Peak | None = None
-        self._surprised = self._forgot = self._departed = self._was_valid = False
-        self._surprised_at = -inf
+        self._astray = Astray()
         self._road_watch, self._two_roads = RoadWatch(), ""
         self._misfit = self._unresolved = 0.0
-        self._seen = 0.0
-        self._beyond_since = inf
+        self._passing = Passing()
         self._move = [inf] * len(self._fits)
         self._gone_back = [0] * len(self._fits)
 
     def _fold(self, number: int) -> None:
-        """Let the oldest `number` samples leave the window.
-
-        What fits that went astray before they were ever valid make of them would hold them there. After that it holds
-        the curve that was valid, which an accelerometer that fails in mid-stop must not take from a law.
-        """
-        astray = self._surprised and not self._was_valid
+        """Let the oldest `number` samples leave the window."""
         nodes = self._nodes()
         memory = exp(-float(nodes.time[number] - nodes.time[0]) / _MEMORY)
         for fit in self._fits:
-            if astray:
+            if self._astray.forgets:
                 fit.forget(nodes, number)
             else:
                 fit.fold(self._samples, nodes, self._start, number, memory)
-        if astray:
-            self._forgot = True
+        self._astray.forgot = self._astray.forgot or self._astray.forgets
         self._samples.drop_oldest(number)
 
     def _nodes(self) -> Nodes:
         nodes = node_signals(self._car, self._samples, self._start, self._rolling_noise, self._p.counted)
+        if not (nodes.time[0] < self._silent_until).any():
+            return nodes
         return replace(nodes, turning=nodes.turning & (nodes.time >= self._silent_until))
 
     def _step(self, time: float) -> None:
@@ -326,22 +304,18 @@ class CarEstimator:
             return
         if all(each.steps for each in self._fits):
             fits = self._fits
-            self._surprised = min(each.surprise for each in fits) > _SURPRISE
-            if self._surprised:
-                self._surprised_at = time
-            if self._forgot and not self._departed:
-                self._departed = departs(self._car, nodes)
+            self._astray.stepped(time, fits, self._car, nodes)
             found = [each.unknowns for each in fits], [each.covariance for each in fits]
             evidence = self._log_evidence()
-            self._peak = mixture(*found, evidence, self._mu_floor, True, gone_astray=self._forgot)
+            self._peak = mixture(*found, evidence, self._mu_floor, True, gone_astray=self._astray.forgot)
             self._unresolved = 0.0
-            self._seen = self._time_beyond(fit, self._peak, nodes.subset(slice(0, keep)))
-            if self._seen < _SEEN_TIME:
+            self._passing.update(fit, self._peak, nodes.subset(slice(0, keep)))
+            if not self._passing.seen:
                 self._peak = mixture(*found, evidence, self._mu_floor, False, [each.unsettled for each in fits])
             else:
                 if len(fits) > 1:  # what is between the samples is known where the formula is
                     self._unresolved = unresolved(fit.moved.relaxed, exp(self._peak.log_lambda_max))
-                if self._calm(time):
+                if self._astray.calm(time):
                     self._watch_road(fit, nodes.subset(slice(0, keep)))
         self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
 
@@ -349,15 +323,6 @@ class CarEstimator:
         """Log evidence of the fits for the nodes that all of them have seen."""
         common = min(fit.newest for fit in self._fits)
         return [fit.log_evidence_until(common) for fit in self._fits]
-
-    @property
-    def _unexplained(self) -> bool:
-        """Whether the fits have gone astray; once they have, what they find needs a wheel that leaves its car."""
-        return self._surprised or (self._forgot and not self._departed)
-
-    def _calm(self, time: float) -> bool:
-        """Whether the fits have not been astray for long enough."""
-        return time - self._surprised_at >= _CALM
 
     def _watch_road(self, fit: CurveFit, nodes: Nodes) -> None:
         delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
@@ -381,45 +346,19 @@ class CarEstimator:
 
         `used`: friction that the wheels have used, zero where it tells nothing, shape (W, n).
         """
-        first = int(np.searchsorted(nodes.time, road.since))
-        newest = used[road.wheels, first:]
-        mu = float(np.median(newest[newest > 0.0])) if (newest > 0.0).any() else _LEAST_MU
+        mu = friction_there(road, nodes.time, used)
         known = int(np.searchsorted(nodes.time, road.known_until, side="right"))
         if known >= 2:
             self._fold(known)
-        self._silent_until[road.wheels] = road.since
-        if not road.wheels[self._car.front[:, 0] == 0.0].any():
-            way = self._way_of_wheelbase(nodes.time[first:], fit.moved.speed[first:])
-            self._silent_until[~road.wheels] = road.since + way
+        self._silent_until = silenced(
+            self._silent_until, road, self._car, self._vehicle.wheelbase, nodes.time, fit.moved.speed
+        )
         for each in self._fits:
-            each.begin_anew(max(mu, _LEAST_MU))
+            each.begin_anew(mu)
         self._begin_road()
         self._began_at, self._turn = float(nodes.time[-1]) + self._start.time, 0
         self._earliest_valid = _EARLIEST_ANEW
         self._cause = RestartCause.SURFACE
-
-    def _way_of_wheelbase(self, time: Array, speed: Array) -> float:
-        """Return how long the rear wheels take [s] to where the front ones were at the first of these times [s]."""
-        slows = max(float(speed[0] - speed[-1]) / max(float(time[-1] - time[0]), 1e-3), 0.0)
-        way = min(self._vehicle.wheelbase / float(speed[0]), 1.0)
-        return way * (1.0 + 0.5 * slows * way / float(speed[0])) + _LATER
-
-    def _time_beyond(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> float:
-        """Time for which the slips of turning wheels were surely beyond the peak, summed over the wheels [s].
-
-        A node near one at which a wheel may stand says nothing of a torque, but its own slip is known.
-        """
-        moved = fit.moved
-        limit = _PASSED * exp(peak.log_lambda_max)
-        speed_variance = fit.covariance[Unknown.START_SPEED, Unknown.START_SPEED]
-        stddev = np.hypot(limit * peak.log_lambda_stddev, sqrt(speed_variance) / moved.speed)
-        turning = nodes.turning | (moved.slip < 1.0 - TURNING)
-        beyond = turning & (moved.relaxed > limit + _SURE * stddev)
-        if beyond.any() and self._beyond_since == inf:
-            self._beyond_since = float(nodes.time[int(np.argmax(beyond.any(axis=0)))])
-        if not beyond.any():
-            self._beyond_since = inf
-        return float((beyond * nodes.interval).sum())
 
     def _answer(self, time: float, speed: Array) -> list[CurveEstimate]:
         cause, self._cause = self._cause, RestartCause.NONE
@@ -430,10 +369,10 @@ class CarEstimator:
             return [CurveEstimate(count, nan, restart_cause=cause, text=text)] * len(self._index)
         slips, beyond = self._slips(time, speed, peak)
         reason, text = self._reason(time, peak)
-        self._was_valid = self._was_valid or reason is Reason.OK
+        self._astray.was_valid = self._astray.was_valid or reason is Reason.OK
         lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
         best = int(np.argmax(peak.weights))
-        surprised = self._unexplained or bool(self._two_roads)
+        surprised = self._astray.unexplained or bool(self._two_roads)
         u = self._fits[best].unknowns
         shape = (float(u[Unknown.SHAPE_1]), float(u[Unknown.SHAPE_2]))
         curve = curve_values(self._families[best], peak.log_lambda_max, shape, slips / lambda_max)
@@ -465,46 +404,30 @@ class CarEstimator:
         wheels = len(self._index)
         mean = np.zeros(wheels)
         beyond = [0.0] * wheels
-        factor, floor = doubt(self._seen >= _SEEN_TIME, len(self._fits) == 1)
-        if self._seen < _SEEN_TIME:  # a formula may be as wrong as the two of them differ
+        factor, floor = doubt(self._passing.seen, len(self._fits) == 1)
+        if not self._passing.seen:  # a formula may be as wrong as the two of them differ
             log_peaks = [float(fit.unknowns[Unknown.LOG_LAMBDA_MAX]) for fit in self._fits]
             floor = hypot(floor, max(log_peaks) - min(log_peaks))
-        changed = float(self._samples.speed_change[-1]) + self._gained
+        ahead = time - self._node[0]
+        changed = float(self._samples.speed_change[-1]) + self._gained - self._node[1]
         for weight, fit in zip(peak.weights, self._fits, strict=True):
-            p, moved = fit.unknowns, fit.moved
-            ahead = time - self._node[0]
-            own = (changed - self._node[1] - p[Unknown.ACCELEROMETER_OFFSET] * ahead) / (
-                1.0 + p[Unknown.ACCELEROMETER_SCALE]
-            )
-            velocity = max(float(moved.speed[-1]) + own - p[Unknown.SLOPE] * ahead, 0.5)
-            rolling = self._car.radius[:, 0] * speed / velocity
-            slip = 1.0 - rolling + p[SHARED:] + self._car.left[:, 0] * p[Unknown.CURVE]
-            # The force of a tyre follows its relaxed slip, from that of the last node on.
-            x = max(velocity * ahead / max(float(p[Unknown.RELAXATION_LENGTH]), LEAST_RELAXATION), 1e-6)
-            keep, decay = exp(-x), -expm1(-x) / x
-            relaxed = keep * moved.relaxed[:, -1] + (decay - keep) * moved.slip[:, -1] + (1.0 - decay) * slip
-            limit = exp(p[Unknown.LOG_LAMBDA_MAX])
-            rows = np.zeros((wheels, p.size))
-            rows[:, SPEED_UNKNOWNS] = np.outer(rolling / velocity, moved.speed_gradient[:, -1])
-            rows[:, Unknown.LOG_LAMBDA_MAX] = -limit * factor
-            rows[:, Unknown.CURVE] = self._car.left[:, 0]
-            rows[range(wheels), SHARED + np.arange(wheels)] = 1.0
-            variance = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows) + (floor * limit) ** 2
+            slip, probability = present_slip(self._car, fit, ahead, changed, speed, factor, floor)
             mean += weight * slip
             for each in range(wheels):
-                beyond[each] += weight * normal_probability(float((relaxed[each] - limit) / sqrt(variance[each])))
+                beyond[each] += weight * probability[each]
         return mean, beyond
 
     def _reason(self, time: float, peak: Peak) -> tuple[Reason, str]:
         since = time - self._began_at
         if since < _EARLIEST_VALID and self._earliest_valid == _EARLIEST_VALID:
             return Reason.TOO_FEW_SAMPLES, f"{since:.2f} s of braking are too short"
-        if self._seen < _SEEN_TIME or time - self._start.time - self._beyond_since < _LEAST_AGE:
-            return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {self._seen:.2f} s only"
+        if not (self._passing.seen and self._passing.long_ago(time - self._start.time)):
+            lasted = self._passing.time_beyond
+            return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {lasted:.2f} s only"
         best = int(np.argmax(peak.weights))
         if since < self._earliest_valid:
             return Reason.UNCERTAIN, f"the wheels came to another road {since:.2f} s ago"
-        if self._unexplained or not self._calm(time):
+        if self._astray.unexplained or not self._astray.calm(time):
             return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
         if self._two_roads:
             return Reason.UNCERTAIN, self._two_roads

@@ -7,6 +7,7 @@ road or a sensor that fails shows at one side.
 """
 
 from math import inf, isfinite, nan
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,24 +32,23 @@ _SLOW = 0.85
 _LEAST_SPEED = 8.0
 """Of the car [m/s]; below it slips are vague, and wheels stand within a sample or two."""
 
+_LATER = 0.01
+"""By so much the wheels of the other axle may come later to another road than their distance says [s]."""
+_LEAST_MU = 0.05
+"""Of any road."""
 _DELAY, _LATE_SHARE = 0.015, 0.25
 """A torque that may be wrong by this share of the tyre's does not tell, if its time is wrong by so much [s]."""
 
 
-class NewRoad:
+class NewRoad(NamedTuple):
     """An axle that has come to another road."""
 
-    def __init__(self, wheels: NDArray[np.bool_], known_until: float, since: float) -> None:
-        """Hold what was found.
-
-        Args:
-            wheels: those that are on it, shape (W,).
-            known_until: the last time at which they were seen to be on the old road [s].
-            since: the first time at which they were seen to be on the new one [s].
-        """
-        self.wheels = wheels
-        self.known_until = known_until
-        self.since = since
+    wheels: NDArray[np.bool_]
+    """Those that are on it, shape (W,)."""
+    known_until: float
+    """The last time at which they were seen to be on the old road [s]."""
+    since: float
+    """The first time at which they were seen to be on the new one [s]."""
 
 
 def told_of_roads(
@@ -89,6 +89,44 @@ def axle_on_new_road(
         if len(found) > 1 and all(isfinite(since) for _, since in found):
             return NewRoad(wheels, min(known for known, _ in found), min(since for _, since in found))
     return None
+
+
+def friction_there(road: NewRoad, time: Array, used: Array) -> float:
+    """Return about which friction another road gives.
+
+    Args:
+        road: what was found.
+        time: of the nodes [s], shape (n,).
+        used: friction that the wheels have used, zero where it tells nothing, shape (W, n).
+    """
+    newest = used[road.wheels, int(np.searchsorted(time, road.since)) :]
+    return max(float(np.median(newest[newest > 0.0])), _LEAST_MU) if (newest > 0.0).any() else _LEAST_MU
+
+
+def silenced(until: Array, road: NewRoad, car: CarConstants, wheelbase: float, time: Array, speed: Array) -> Array:
+    """Return until when each wheel says nothing of another road [s], shape (W, 1): it is not there yet.
+
+    Args:
+        until: the same, so far.
+        road: what was found.
+        car: nominal values.
+        wheelbase: [m].
+        time: of the nodes [s], shape (n,).
+        speed: of the car at them [m/s], shape (n,).
+    """
+    until = until.copy()
+    until[road.wheels] = road.since
+    if not road.wheels[car.front[:, 0] == 0.0].any():
+        first = int(np.searchsorted(time, road.since))
+        until[~road.wheels] = road.since + _way_of_wheelbase(wheelbase, time[first:], speed[first:])
+    return until
+
+
+def _way_of_wheelbase(wheelbase: float, time: Array, speed: Array) -> float:
+    """Return how long the rear wheels take [s] to where the front ones were at the first of these times [s]."""
+    slows = max(float(speed[0] - speed[-1]) / max(float(time[-1] - time[0]), 1e-3), 0.0)
+    way = min(wheelbase / float(speed[0]), 1.0)
+    return way * (1.0 + 0.5 * slows * way / float(speed[0])) + _LATER
 
 
 def _change(time: Array, used: Array, fitted: Array, told: NDArray[np.bool_]) -> tuple[float, float]:

@@ -1,0 +1,47 @@
+"""The slips of now by the fit of some milliseconds ago, and whether they are beyond the peak."""
+
+from math import exp, expm1, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_curve_id.car.car_model import LEAST_RELAXATION, SPEED_UNKNOWNS, CarConstants
+from friction_curve_id.car.evidence import normal_probability
+from friction_curve_id.car.fit import CurveFit
+from friction_curve_id.car.unknowns import SHARED, Unknown
+
+Array = NDArray[np.float64]
+
+
+def present_slip(
+    car: CarConstants, fit: CurveFit, ahead: float, changed: float, speed: Array, factor: float, floor: float
+) -> tuple[Array, list[float]]:
+    """Return the slip of each wheel [-], shape (W,), and the probability that it is beyond the peak.
+
+    Args:
+        car: nominal values.
+        fit: after its last step.
+        ahead: time since its last node [s].
+        changed: integral of the measured acceleration since then [m/s].
+        speed: present wheel speeds [rad/s], shape (W,).
+        factor: by which the deviation of lambda_max counts more than the fit says.
+        floor: least relative deviation of lambda_max.
+    """
+    p, moved = fit.unknowns, fit.moved
+    wheels = speed.size
+    own = (changed - p[Unknown.ACCELEROMETER_OFFSET] * ahead) / (1.0 + p[Unknown.ACCELEROMETER_SCALE])
+    velocity = max(float(moved.speed[-1]) + own - p[Unknown.SLOPE] * ahead, 0.5)
+    rolling = car.radius[:, 0] * speed / velocity
+    slip = 1.0 - rolling + p[SHARED:] + car.left[:, 0] * p[Unknown.CURVE]
+    # The force of a tyre follows its relaxed slip, from that of the last node on.
+    x = max(velocity * ahead / max(float(p[Unknown.RELAXATION_LENGTH]), LEAST_RELAXATION), 1e-6)
+    keep, decay = exp(-x), -expm1(-x) / x
+    relaxed = keep * moved.relaxed[:, -1] + (decay - keep) * moved.slip[:, -1] + (1.0 - decay) * slip
+    limit = exp(p[Unknown.LOG_LAMBDA_MAX])
+    rows = np.zeros((wheels, p.size))
+    rows[:, SPEED_UNKNOWNS] = np.outer(rolling / velocity, moved.speed_gradient[:, -1])
+    rows[:, Unknown.LOG_LAMBDA_MAX] = -limit * factor
+    rows[:, Unknown.CURVE] = car.left[:, 0]
+    rows[range(wheels), SHARED + np.arange(wheels)] = 1.0
+    variance = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows) + (floor * limit) ** 2
+    return slip, [normal_probability(float((relaxed[each] - limit) / sqrt(variance[each]))) for each in range(wheels)]
