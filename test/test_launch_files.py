@@ -13,7 +13,7 @@ from ament_index_python.packages import get_package_share_directory
 
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, make_processors, read_parameters
 from friction_bringup import graph
-from friction_bringup.demo_drive import CALIBRATION, plant_of_demo
+from friction_bringup.demo_drive import CALIBRATION, WAITED_FOR, plant_of_demo
 from friction_bringup.node_start import (
     WATCHING,
     commanding,
@@ -211,6 +211,15 @@ def test_one_process_takes_what_is_decided_for_each_of_its_nodes(tmp_path: Path)
     assert {word.split(":")[0] for word in made if ":=" in word} == set(graph.COMPOSED)
 
 
+def test_the_plant_waits_for_each_subscription_to_wheel_states_that_there_will_be() -> None:
+    car = load_vehicle(CAR)
+    made = {node: make_processors(read_parameters([node], (), silent), car, silent) for node in ESTIMATORS}
+    readers = {node for node in made if any("wheel_states" in each.sensors for each in made[node])}
+    assert readers == set(graph.WHEEL_STATES_READERS)
+    assert graph.wheel_states_subscriptions(composed=False) == len(readers)
+    assert graph.wheel_states_subscriptions(composed=True) == 1 + len(readers - set(graph.COMPOSED))
+
+
 SHARED = ["friction_bringup", *(node for node in graph.NODES if node not in graph.COMPOSED)]
 """Packages of the processes where the estimators share one."""
 needs_launch = pytest.mark.skipif(
@@ -252,6 +261,26 @@ def test_launch_file_starts_nodes_of_the_one_list(name: str, nodes: list[str], a
     watches = name != "demo" and graph.SUPERVISOR in nodes
     notes = [part.text for made in actions if isinstance(made, LogInfo) for part in made.msg]
     assert any("shadow mode" in note for note in notes) == watches
+
+
+@needs_launch
+@pytest.mark.parametrize("composed", ["false", "true"])
+def test_launched_demo_starts_its_plant_when_all_are_there(composed: str, tmp_path: Path) -> None:
+    from launch import LaunchContext
+    from launch_ros.actions import Node
+    from launch_ros.utilities import evaluate_parameters
+
+    def waited_for(**more: str) -> Any:
+        (plant,) = (
+            made
+            for made in launched("demo", composed=composed, **more)
+            if isinstance(made, Node) and made.node_package == graph.PLANT
+        )
+        given = evaluate_parameters(LaunchContext(), plant._Node__parameters)
+        return next((each[WAITED_FOR] for each in given if isinstance(each, dict) and WAITED_FOR in each), None)
+
+    assert waited_for() == graph.wheel_states_subscriptions(composed == "true")
+    assert waited_for(params_file=write(tmp_path, {"/**/corner_sim": {WAITED_FOR: 7}})) is None
 
 
 @needs_launch

@@ -21,6 +21,8 @@ CARS = {"car": "compact_car", "corner": "chapter_corner"}
 """Vehicle files of the cars to choose from by one word."""
 CALIBRATION = "calibration_file"
 """Parameter of smart_tyre_forces that a user's file decides, where it does; else the tyres are those of the plant."""
+WAITED_FOR = "wait_for_subscribers"
+"""Parameter of the plant that a user's file decides, where it does; else all that take part are waited for."""
 _ROLLING_SPEED = 8.0
 """Speed [m/s] at which the smart tyres find their zero."""
 _ROLLING_TIME = 5.0

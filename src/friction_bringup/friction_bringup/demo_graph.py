@@ -14,7 +14,7 @@ from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.drive_page.recorded_run import has_wheel_states
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE
 from friction_bringup import graph
-from friction_bringup.demo_drive import CALIBRATION, plant_of_demo
+from friction_bringup.demo_drive import CALIBRATION, WAITED_FOR, plant_of_demo
 from friction_bringup.discovery import local_discovery
 from friction_bringup.node_start import WATCHING, Decided, commanding, composed_arguments, left_to_file, node_starts
 from friction_bringup.processes import ProcessGroup
@@ -24,6 +24,8 @@ from vehicle_models.vehicle_file import load_vehicle
 
 _RECORDER = "recorder"
 _PLAYER = "player"
+_LISTENERS = 2
+"""Subscribers of wheel_states beside the graph: recorder and live view."""
 _LAST_ANSWERS = ("/abs_supervisor", "/friction_curve")
 """The estimates that no other node waits for: when they are there, a sample is done."""
 _DISCOVERY_LIMIT = 10.0
@@ -162,8 +164,10 @@ def _decided(options: DemoOptions) -> Decided:
     if options.bag:
         return WATCHING
     of_demo = plant_of_demo(options.surface, options.vehicle)
-    plant = {**of_demo[graph.PLANT], "exit_when_done": True, "autostart": False}
-    decided = {**commanding(options.law, options.vehicle), **of_demo, graph.PLANT: plant}
+    waited_for = graph.wheel_states_subscriptions(composed=True) + _LISTENERS
+    plant = {**of_demo[graph.PLANT], "exit_when_done": True, "autostart": False, WAITED_FOR: waited_for}
+    decided: Decided = {**commanding(options.law, options.vehicle), **of_demo, graph.PLANT: plant}
+    decided = left_to_file(decided, graph.PLANT, WAITED_FOR, str(options.params_file))
     return left_to_file(decided, SMART_TYRE, CALIBRATION, str(options.params_file))
 
 

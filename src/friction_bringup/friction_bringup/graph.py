@@ -22,6 +22,8 @@ COMPOSED = ("wheel_slip", "friction_slope", "smart_tyre_forces", "friction_curve
 """Estimators that may share a process, in the order in which they are served: the last one when nothing else waits."""
 COMPOSED_PROCESS = "estimators"
 """Name of the process of these."""
+WHEEL_STATES_READERS = ("wheel_slip", "friction_slope", "friction_curve_id", SUPERVISOR)
+"""Nodes that take wheel_states."""
 ESTIMATES = ("slip", "friction_slope", "slope_vote", "friction_curve", "abs_supervisor", "contact_patch", "tyre_force")
 """Topics of the estimators below each wheel."""
 COMMAND = "brake_command"
@@ -54,6 +56,16 @@ def parameter_class(node: str) -> type:
 def parameter_files(node: str, params_file: Path | None) -> list[Path]:
     """Return the parameter files of a node: the shipped one, then the one that overrides it."""
     return [shipped_file(node), *([params_file] if params_file else [])]
+
+
+def wheel_states_subscriptions(composed: bool) -> int:
+    """Return how many subscribe to wheel_states when all nodes are there: those that share a process do once.
+
+    Args:
+        composed: whether those of COMPOSED share a process.
+    """
+    shared = sum(node in COMPOSED for node in WHEEL_STATES_READERS) if composed else 1
+    return len(WHEEL_STATES_READERS) - shared + 1
 
 
 def executable(node: str) -> str:

@@ -11,7 +11,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction
 
 from friction_bags.offline.estimators import SMART_TYRE
 from friction_bringup import graph
-from friction_bringup.demo_drive import CALIBRATION, CARS, ROADS, plant_of_demo
+from friction_bringup.demo_drive import CALIBRATION, CARS, ROADS, WAITED_FOR, plant_of_demo
 from friction_bringup.launching import (
     argument,
     common_arguments,
@@ -27,12 +27,17 @@ from friction_runtime.shipped_files import shipped_file
 
 def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     of_demo = plant_of_demo(argument(context, "surface"), argument(context, "vehicle_file"))
-    plant = {**of_demo[graph.PLANT], "publish_clock": uses_sim_time(context), "use_sim_time": False}
+    composed = is_composed(context)
+    plant = {
+        **of_demo[graph.PLANT],
+        "publish_clock": uses_sim_time(context),
+        "use_sim_time": False,
+        WAITED_FOR: graph.wheel_states_subscriptions(composed),
+    }
     decided = {**commanding(argument(context, "law"), argument(context, "vehicle_file")), **of_demo, graph.PLANT: plant}
     files = argument(context, "params_file"), full_namespace(context)
-    return node_actions(
-        context, graph.NODES, left_to_file(decided, SMART_TYRE, CALIBRATION, *files), is_composed(context)
-    )
+    decided = left_to_file(decided, graph.PLANT, WAITED_FOR, *files)
+    return node_actions(context, graph.NODES, left_to_file(decided, SMART_TYRE, CALIBRATION, *files), composed)
 
 
 def generate_launch_description() -> LaunchDescription:
