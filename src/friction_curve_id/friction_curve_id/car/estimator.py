@@ -1,9 +1,9 @@
 """The friction curve of a car that is not known exactly, sample by sample.
 
 One curve is fitted for all wheels of the car: that they are on the same road is an assumption. While the car brakes,
-each family of curves takes one Gauss-Newton step in turn, with four wheels every 18 ms at most whatever the rate; in
-between, the present slip is followed with the last fit. What leaves the window of the newest second stays as a
-quadratic, which fades.
+each family of curves takes one Gauss-Newton step in turn, with four wheels every 18 ms at most whatever the rate, 9 ms
+while a fit is far from where it goes; in between, the present slip is followed with the last fit. What leaves the
+window of the newest second stays as a quadratic, which fades.
 """
 
 from dataclasses import replace
@@ -43,6 +43,8 @@ _INTERVAL = 0.0045
 """Least time between two samples of the window [s]; faster ones are averaged."""
 _STEP_INTERVAL = 0.0045
 """Least time between two Gauss-Newton steps for each wheel of the car [s]: what they cost goes with the wheels."""
+_PROMISE = 20.0
+"""Gain in ln of the likelihood that a step promises from which on steps come twice as often: the fit is on its way."""
 _BEFORE = 0.4
 """Time before the braking that is kept [s]."""
 _LEAST_BEFORE = 0.1
@@ -79,7 +81,9 @@ _LEAST_AGE = 0.1
 _SURPRISE = 3.0
 """Most deviations by which the sum of the squared unknowns of every family may exceed what the prior lets expect."""
 _ASTRAY, _STEPS_BACK = 50.0, 5
-"""A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
+"""A fit that arrives where its log evidence is that much lower is in a minimum of its own; steps that it has for it."""
+_LONGER = 2
+"""What a fit that has gone back has to arrive once more, in its steps until then: its formula may be the wrong one."""
 _CALM = 0.05
 """Time since the fits were last astray before what they find is valid again [s]: each has made a step since."""
 _LATER = 0.01
@@ -197,7 +201,8 @@ class CarEstimator:
         if not self._braking:
             text = "the speed at the start of the braking is not known" if self._unknown_start else "no braking"
             return Refusal(Reason.NO_EXCITATION, text)
-        if complete and sample.time - self._stepped_at >= _STEP_INTERVAL * len(index):
+        on_its_way = any(fit.promise > _PROMISE for fit in self._fits)
+        if complete and sample.time - self._stepped_at >= _STEP_INTERVAL * len(index) * (0.5 if on_its_way else 1.0):
             self._step(sample.time)
             while self._peak is None and 0 < self._turn < len(self._fits):  # the first answer needs all families
                 self._step(sample.time)
@@ -277,7 +282,7 @@ class CarEstimator:
         self._seen = 0.0
         self._beyond_since = inf
         self._move = [inf] * len(self._fits)
-        self._gone_back = [0] * len(self._fits)
+        self._may_go_back = [_STEPS_BACK] * len(self._fits)
 
     def _fold(self, number: int) -> None:
         """Let the oldest `number` samples leave the window.
@@ -309,9 +314,10 @@ class CarEstimator:
         fit = self._fits[which]
         evidence = self._log_evidence()
         best = int(np.argmax(evidence))
-        if fit.steps - self._gone_back[which] >= _STEPS_BACK and evidence[which] < evidence[best] - _ASTRAY:
+        arrived = fit.promise < _PROMISE and fit.steps >= self._may_go_back[which]
+        if arrived and evidence[which] < evidence[best] - _ASTRAY:
             fit.begin_at(self._fits[best])
-            self._gone_back[which] = fit.steps
+            self._may_go_back[which] = _LONGER * max(fit.steps, _STEPS_BACK)
         nodes = self._nodes()
         # The torque of the newest nodes has not been measured yet where pressures come late.
         known = self._samples.time[-1] - max(float(fit.unknowns[Unknown.PRESSURE_DELAY]), 0.0) - self._start.time
