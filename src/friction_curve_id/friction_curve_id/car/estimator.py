@@ -267,6 +267,7 @@ class CarEstimator:
             for family, shape in p.families().items()
         ]
         self._families = tuple(p.families())
+        self._newest = [(0.0, 0.0)] * len(self._fits)  # time and change of speed of the newest node of the last step
         self._mu_floor = radius_deviation(self._vehicle)
         self._earliest_valid = _EARLIEST_VALID
         self._silent_until = np.full((len(self._present), 1), -inf)
@@ -349,7 +350,11 @@ class CarEstimator:
                     self._unresolved = unresolved(fit.moved.relaxed, exp(self._peak.log_lambda_max))
                 if self._calm(time):
                     self._watch_road(fit, nodes.subset(slice(0, keep)))
-        self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
+        newest = keep - 1
+        self._newest[which] = (
+            float(nodes.time[newest]) + self._start.time,
+            float(nodes.speed_change[newest]) + self._start.speed_change,
+        )
 
     def _log_evidence(self) -> list[float]:
         """Log evidence of the fits for the nodes that all of them have seen."""
@@ -476,10 +481,10 @@ class CarEstimator:
             log_peaks = [float(fit.unknowns[Unknown.LOG_LAMBDA_MAX]) for fit in self._fits]
             floor = hypot(floor, max(log_peaks) - min(log_peaks))
         changed = float(self._samples.speed_change[-1]) + self._gained
-        for weight, fit in zip(peak.weights, self._fits, strict=True):
+        for weight, fit, (since, changed_then) in zip(peak.weights, self._fits, self._newest, strict=True):
             p, moved = fit.unknowns, fit.moved
-            ahead = time - self._node[0]
-            own = (changed - self._node[1] - p[Unknown.ACCELEROMETER_OFFSET] * ahead) / (
+            ahead = time - since
+            own = (changed - changed_then - p[Unknown.ACCELEROMETER_OFFSET] * ahead) / (
                 1.0 + p[Unknown.ACCELEROMETER_SCALE]
             )
             velocity = max(float(moved.speed[-1]) + own - p[Unknown.SLOPE] * ahead, 0.5)
