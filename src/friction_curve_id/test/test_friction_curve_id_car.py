@@ -184,10 +184,30 @@ def test_wheels_that_slip_under_their_engine_before_the_brakes_act_are_not_the_s
     car = believed_car("pacejka", "snow", engine_drag=80.0)
     for seed in (74_000, 74_001):
         run = record(car, SlipCycle(car, Cycling()), seed, duration=2.4)
+        valid = [each for each in estimates(follow(samples(run, passing(run) + AFTER))) if each.valid]
+        assert valid
+        assert abs(valid[-1].lambda_max - run.lambda_max[0]) < 1.96 * valid[-1].lambda_max_stddev
+        assert abs(valid[-1].mu_max - run.mu_max[0]) < 1.96 * valid[-1].mu_max_stddev
+
+
+def test_the_slip_does_not_depend_on_which_formula_was_fitted_last() -> None:
+    """They take turns: the speed of the other one was too old by a step, and the slip went up and down by 0.0015."""
+    car = believed_car("burckhardt", "dry")
+    half = [0.5 * each for each in peak_pressures(car)]
+    run = record(car, PressureProfile((0.7, 1.0), (0.0, half[0])), 74_100, duration=1.8)
+    error = np.array([each.slip for each in estimates(follow(samples(run)))[-120:]]) - run.slip[-120:, 0]
+    assert error.std() < 7e-4
+
+
+def test_a_pressure_that_comes_late_on_snow_leaves_the_formula_of_the_tyre_the_likelier_one() -> None:
+    """A delay of 20 ms is found from the passing on, in large steps: the other formula, 25 % off, was believed."""
+    car = believed_car("burckhardt", "snow")
+    car = replace(car, sensors=replace(car.sensors, pressure_delay=0.02))
+    for seed in (300_017, 300_019):
+        run = record(car, SlipCycle(car, Cycling()), seed, duration=2.0)
         last = estimates(follow(samples(run, passing(run) + AFTER)))[-1]
-        assert last.valid, last.text
         assert abs(last.lambda_max - run.lambda_max[0]) < 1.96 * last.lambda_max_stddev
-        assert abs(last.mu_max - run.mu_max[0]) < 1.96 * last.mu_max_stddev
+        assert abs(last.lambda_max / run.lambda_max[0] - 1.0) < 0.15
 
 
 def test_garbage_is_refused_by_name_and_leaves_the_fit_as_it_was() -> None:

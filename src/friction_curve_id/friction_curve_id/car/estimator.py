@@ -1,9 +1,9 @@
 """The friction curve of a car that is not known exactly, sample by sample.
 
 One curve is fitted for all wheels of the car: that they are on the same road is an assumption. While the car brakes,
-each family of curves takes one Gauss-Newton step in turn, with four wheels every 18 ms at most whatever the rate; in
-between, the present slip is followed with the last fit. What leaves the window of the newest second stays as a
-quadratic, which fades.
+each family of curves takes one Gauss-Newton step in turn, with four wheels every 18 ms at most whatever the rate, 9 ms
+while a fit is far from where it goes; in between, the present slip is followed with the last fit. What leaves the
+window of the newest second stays as a quadratic, which fades.
 """
 
 from dataclasses import replace
@@ -45,6 +45,8 @@ _INTERVAL = 0.0045
 """Least time between two samples of the window [s]; faster ones are averaged."""
 _STEP_INTERVAL = 0.0045
 """Least time between two Gauss-Newton steps for each wheel of the car [s]: what they cost goes with the wheels."""
+_PROMISE = 20.0
+"""Gain in ln of the likelihood that a step promises from which on steps come twice as often: the fit is on its way."""
 _BEFORE = 0.4
 """Time before the braking that is kept [s]."""
 _LEAST_BEFORE = 0.1
@@ -69,7 +71,9 @@ _EARLIEST_ANEW = 0.5
 """Time of a braking, or on another road within it, before which nothing is valid [s]. There the axles come one after
 the other, and most of what their wheels do first is too fast to tell."""
 _ASTRAY, _STEPS_BACK = 50.0, 5
-"""A fit whose log evidence is that much lower is in a minimum of its own, and the steps that it has to come back."""
+"""A fit that arrives where its log evidence is that much lower is in a minimum of its own; steps that it has for it."""
+_LONGER = 2
+"""What a fit that has gone back has to arrive once more, in its steps until then: its formula may be the wrong one."""
 _KNOWN_MU = 0.1
 """Relative deviation of mu_max below which another road is told from the present one."""
 _SETTLED = 0.1
@@ -181,7 +185,8 @@ class CarEstimator:
         if not self._braking:
             text = "the speed at the start of the braking is not known" if self._unknown_start else "no braking"
             return Refusal(Reason.NO_EXCITATION, text)
-        if complete and sample.time - self._stepped_at >= _STEP_INTERVAL * len(index):
+        on_its_way = any(fit.promise > _PROMISE for fit in self._fits)
+        if complete and sample.time - self._stepped_at >= _STEP_INTERVAL * len(index) * (0.5 if on_its_way else 1.0):
             self._step(sample.time)
             while self._peak is None and 0 < self._turn < len(self._fits):  # the first answer needs all families
                 self._step(sample.time)
@@ -246,6 +251,7 @@ class CarEstimator:
             for family, shape in p.families().items()
         ]
         self._families = tuple(p.families())
+        self._newest = [(0.0, 0.0)] * len(self._fits)  # time and change of speed of the newest node of the last step
         self._mu_floor = radius_deviation(self._vehicle)
         self._earliest_valid = _EARLIEST_VALID
         self._silent_until = np.full((len(self._present), 1), -inf)
@@ -259,7 +265,7 @@ class CarEstimator:
         self._misfit = self._unresolved = 0.0
         self._passing = Passing()
         self._move = [inf] * len(self._fits)
-        self._gone_back = [0] * len(self._fits)
+        self._may_go_back = [_STEPS_BACK] * len(self._fits)
 
     def _fold(self, number: int) -> None:
         """Let the oldest `number` samples leave the window."""
@@ -287,9 +293,10 @@ class CarEstimator:
         fit = self._fits[which]
         evidence = self._log_evidence()
         best = int(np.argmax(evidence))
-        if fit.steps - self._gone_back[which] >= _STEPS_BACK and evidence[which] < evidence[best] - _ASTRAY:
+        arrived = fit.promise < _PROMISE and fit.steps >= self._may_go_back[which]
+        if arrived and evidence[which] < evidence[best] - _ASTRAY:
             fit.begin_at(self._fits[best])
-            self._gone_back[which] = fit.steps
+            self._may_go_back[which] = _LONGER * max(fit.steps, _STEPS_BACK)
         nodes = self._nodes()
         # The torque of the newest nodes has not been measured yet where pressures come late.
         known = self._samples.time[-1] - max(float(fit.unknowns[Unknown.PRESSURE_DELAY]), 0.0) - self._start.time
@@ -317,7 +324,11 @@ class CarEstimator:
                     self._unresolved = unresolved(fit.moved.relaxed, exp(self._peak.log_lambda_max))
                 if self._astray.calm(time):
                     self._watch_road(fit, nodes.subset(slice(0, keep)))
-        self._node = (nodes.time[keep - 1] + self._start.time, nodes.speed_change[keep - 1] + self._start.speed_change)
+        newest = keep - 1
+        self._newest[which] = (
+            float(nodes.time[newest]) + self._start.time,
+            float(nodes.speed_change[newest]) + self._start.speed_change,
+        )
 
     def _log_evidence(self) -> list[float]:
         """Log evidence of the fits for the nodes that all of them have seen."""
@@ -408,10 +419,9 @@ class CarEstimator:
         if not self._passing.seen:  # a formula may be as wrong as the two of them differ
             log_peaks = [float(fit.unknowns[Unknown.LOG_LAMBDA_MAX]) for fit in self._fits]
             floor = hypot(floor, max(log_peaks) - min(log_peaks))
-        ahead = time - self._node[0]
-        changed = float(self._samples.speed_change[-1]) + self._gained - self._node[1]
-        for weight, fit in zip(peak.weights, self._fits, strict=True):
-            slip, probability = present_slip(self._car, fit, ahead, changed, speed, factor, floor)
+        changed = float(self._samples.speed_change[-1]) + self._gained
+        for weight, fit, (since, changed_then) in zip(peak.weights, self._fits, self._newest, strict=True):
+            slip, probability = present_slip(self._car, fit, time - since, changed - changed_then, speed, factor, floor)
             mean += weight * slip
             for each in range(wheels):
                 beyond[each] += weight * probability[each]

@@ -28,6 +28,8 @@ _LOAD_CORRELATION = 0.02
 _DRIFTS = {Unknown.SLOPE: 0.1, Unknown.START_SPEED: 0.05}
 """Standard deviation by which the road's slope [m/s^2] and the speed [m/s] leave the model within a second."""
 
+_LONGEST_OF_CURVE, _LONGEST = 0.4, 1.0
+"""Longest step in ln mu_max and ln lambda_max, and of any other unknown, in deviations of its prior."""
 _OF_CURVE = (Unknown.LOG_MU_MAX, Unknown.LOG_LAMBDA_MAX, Unknown.SHAPE_1, Unknown.SHAPE_2)
 """What belongs to the road; all else is the car's."""
 _KEPT_OF_CAR = 0.25
@@ -97,6 +99,8 @@ class CurveFit:
         self._expected, self._scatter = 0.0, inf
         self.unsettled = 0.0
         """Length of the last full step in ln mu_max."""
+        self.promise = 0.0
+        """By how much the last step was to lower the cost: small where the fit has arrived."""
 
     @property
     def unknowns(self) -> Array:
@@ -191,8 +195,9 @@ class CurveFit:
         of_curve = np.abs(move[:2] * sd[:2])
         self.unsettled = float(of_curve[Unknown.LOG_MU_MAX])
         curve = float(of_curve.max())
-        longest = max(curve / 0.4, float(np.abs(move[2:]).max()) / 1.5, 1.0)
+        longest = max(curve / _LONGEST_OF_CURVE, float(np.abs(move[2:]).max()) / _LONGEST, 1.0)
         move /= longest
+        self.promise = -float(gradient @ move + 0.5 * move @ information @ move)
         # Steps that turn back overshoot: damp them.
         last = self._last_move
         lengths = float(np.sqrt((move @ move) * (last @ last)))
@@ -283,15 +288,24 @@ class CurveFit:
         return found
 
     def _adapt(self, equation: WheelEquation, error: Array, noise: "WheelSpeedNoise") -> None:
-        """Move the load variation by at most a step towards the maximum of its likelihood."""
-        here = self.load_variation
-        candidates = [each for each in (here - 1, here, here + 1) if 0 <= each < LOAD_VARIATIONS.size]
-        costs = []
-        for each in candidates:
-            pivots, factors, log_determinant = noise.factorised(equation, LOAD_VARIATIONS[each])
+        """Move the load variation towards the maximum of its likelihood: up by at most a step, down all the way.
+
+        What a bad step of the fit makes it rise by would else make this family the less likely one for ten steps more.
+        """
+
+        def cost(variation: int) -> float:
+            pivots, factors, log_determinant = noise.factorised(equation, LOAD_VARIATIONS[variation])
             white, _ = dpttrs(pivots, factors, error.ravel())
-            costs.append(float(error.ravel() @ white) + log_determinant)
-        self.load_variation = candidates[int(np.argmin(costs))]
+            return float(error.ravel() @ white) + log_determinant
+
+        here = self.load_variation
+        least = cost(here)
+        if here + 1 < LOAD_VARIATIONS.size and cost(here + 1) < least:
+            self.load_variation = here + 1
+            return
+        while here > 0 and (lower := cost(here - 1)) < least:
+            here, least = here - 1, lower
+        self.load_variation = here
 
 
 class WheelSpeedNoise:

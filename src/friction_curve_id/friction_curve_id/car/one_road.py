@@ -8,7 +8,7 @@ curve says and the other less. Both are ratios of means over time, in which the 
 averages out.
 """
 
-from math import exp, isnan, log, nan
+from math import exp, inf, isnan, log, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +29,8 @@ MOST_DIFFERENCE = 0.035
 """The same between the sides of the car, over the whole window: there up to 0.025."""
 STILL_DIFFERENT = 0.02
 """The same once it has been more."""
-_LASTING = 4
-"""Steps of the fits with more than that after which it is no bump."""
+_LASTING, _STEP = 0.07, 0.02
+"""Time with more than that after which it is no bump, and the longest of it that a step of the fits stands for [s]."""
 _LEAST_TIME = 0.1
 """Least time of what it is compared with [s], of all wheels together."""
 _LEAST_AT_PEAK = 0.04
@@ -122,7 +122,7 @@ class RoadWatch:
 
     def __init__(self) -> None:
         """Begin with the braking."""
-        self._steps = 0
+        self._updated, self._lasted = -inf, 0.0
         self._changed = self._different = self._misfits = False
         self._lasting = ""
 
@@ -144,11 +144,13 @@ class RoadWatch:
             found = "the sides of the car are on different roads"
         elif self._changed:
             found = "the road has changed during the braking"
+        since = min(float(time[-1]) - self._updated, _STEP)
+        self._updated = float(time[-1])
         if not found:
-            self._steps = 0
+            self._lasted = 0.0
         elif change_shows or (difference_shows and not isnan(change)):
-            self._steps += 1
-        if self._steps >= _LASTING:
+            self._lasted += since
+        if self._lasted >= _LASTING:
             self._lasting = found
         if not found and self._misfits:
             found = "the newest friction near the peak is not that of the curve"
