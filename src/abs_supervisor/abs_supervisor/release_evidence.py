@@ -236,7 +236,9 @@ class ReleaseEvidence:
         dives = slips and hard
         self._dive_since = _since(self._dive_since, stamp, dives)
         gain, least_gain = -self.deceleration, _RECOVERING + error
-        if self._lasts(self._dive_since, stamp):
+        unseen = not known and self.verdict is Release.BY_SLIP and gain < least_gain
+        if unseen or self._lasts(self._dive_since, stamp):
+            # A wheel that slips does so until it is seen to come back, also where its slip is not known any more.
             self._dived, self._largest_gain = True, 0.0
         elif known:
             # Once the wheel gains speed, a known slip alone decides.

@@ -166,6 +166,17 @@ def test_wheels_that_are_locked_together_are_released() -> None:
     assert Command.DECREASE in dive[300:], "once the caps allow it"
 
 
+def test_wheels_that_stand_stay_released_where_their_slip_is_not_known_any_more() -> None:
+    """And get their pressure back when they turn again."""
+    bench = Bench()
+    for k in range(50):
+        rim = max(SPEED - 200.0 * DT * k, 0.0)
+        bench.sample(rim, slip=1.0 - rim / SPEED)
+    assert {bench.sample(0.0, car=7.0) for _ in range(10)} == {Command.DECREASE}
+    back = [bench.sample(min(100.0 * DT * k, 0.9 * SPEED - 5.0 * DT * k)) for k in range(80)]
+    assert Command.DECREASE not in back[60:]
+
+
 def test_known_slip_is_believed_in_place_of_other_wheels() -> None:
     assert Command.DECREASE not in Bench().slipping(0.05, 40, behind=0.5)
 
