@@ -51,7 +51,7 @@ class Envelope:
         self.caps.reset()
         self._road.reset()
         self._line.reset()
-        self._wanted = self._stands = False
+        self._wanted = False
         self.release = Release.NOT_WANTED
         """Verdict on the release that the law asked for."""
         self.refused = 0
@@ -66,7 +66,6 @@ class Envelope:
     def look(self, stamp: int, wheel: Wheel) -> None:
         """Take what is known of the wheel at a stamp [ns], later than the last. Comes before `judge`."""
         self.evidence.update(stamp, wheel)
-        self._stands = wheel.stands
 
     def may_trim(self, car_speed: float, torque: float) -> bool:
         """Whether a brake torque may be lowered to a little below what the road gave when the wheel slipped.
@@ -94,11 +93,6 @@ class Envelope:
             torque: of the brake [N m].
             demand: of the driver [N m].
         """
-        command = self._judged(stamp, law, car_speed, torque, demand)
-        self._line.order(stamp, command, demand)
-        return command
-
-    def _judged(self, stamp: int, law: Command, car_speed: float, torque: float, demand: float) -> Command:
         coming = self._line.torque_at(torque, stamp, stamp + self._delay)
         slow = car_speed < self._driver_below
         wanted = law is Command.DECREASE
@@ -118,8 +112,9 @@ class Envelope:
             self.release = Release.BY_SLIP
         self.refused += begins and self.release is Release.REFUSED
         release = wanted and self.release is not Release.REFUSED
-        known = self.evidence
-        command = self.caps.command(stamp, release, known.recovering, known.deep, self._stands, torque, demand)
+        command = self.caps.command(
+            stamp, release, self.evidence.recovering, self.evidence.deep, self.evidence.stands, torque, demand
+        )
         # A trim tells nothing of the road: else each would allow the next.
         told = command is Command.DECREASE and not trim
         self._road.update(stamp, told, torque, self.evidence.deceleration, car_speed)
@@ -134,3 +129,7 @@ class Envelope:
             # Not yet a lock, perhaps the brake's own rise: that is stopped, which a slow brake needs in time.
             return Command.HOLD
         return command
+
+    def commanded(self, stamp: int, command: Command, demand: float) -> None:
+        """Note the command that was given at the stamp [ns] of the last `judge`, with the driver's demand [N m]."""
+        self._line.order(stamp, command, demand)

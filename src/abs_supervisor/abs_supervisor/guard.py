@@ -216,6 +216,7 @@ class Guard:
         command = self.envelope.judge(stamp, asked, self._car_speed, torque, demand)
         if command is Command.INCREASE or (command is Command.HOLD and most is Command.DECREASE):
             command = most
+        self.envelope.commanded(stamp, command, demand)
         self._pressure.commanded(stamp, demand, command)
         return command
 

@@ -176,6 +176,8 @@ class ReleaseEvidence:
         """What speaks for a release at the last sample: BY_SLIP, BY_DECELERATION, or REFUSED."""
         self.recovering = False
         """Whether the slip is above the threshold and the wheel is seen to gain speed."""
+        self.stands = False
+        """Whether the wheel and another one stand, or nearly, in a car that moves by what its wheels say alone."""
 
     @property
     def deep(self) -> bool:
@@ -195,6 +197,7 @@ class ReleaseEvidence:
     def update(self, stamp: int, wheel: Wheel) -> None:
         """Take what is known at a stamp [ns], later than the last."""
         p, motion = self._p, self._motion
+        self.stands = wheel.stands
         motion.update(stamp, wheel.speed)
         stated = wheel.slip_stddev * wheel.slip_stddev if isfinite(wheel.slip_stddev) else 0.0
         self._scatter.update(stamp, wheel.braked, wheel.speed, motion.rate, wheel.slip, stated)

@@ -39,7 +39,9 @@ class Bench:
         for name, value in known.items():
             setattr(wheel, name, value)
         self.envelope.look(self.stamp, wheel)
-        return self.envelope.judge(self.stamp, self.law, car, torque, DEMAND)
+        command = self.envelope.judge(self.stamp, self.law, car, torque, DEMAND)
+        self.envelope.commanded(self.stamp, command, DEMAND)
+        return command
 
     def slipping(self, slip: float, count: int, torque: float = 300.0, **known: float) -> list[Command]:
         return [self.sample(SPEED * (1.0 - slip), torque=torque, slip=slip, **known) for _ in range(count)]
