@@ -19,6 +19,8 @@ from vehicle_models.single_corner import CornerParameters
 
 _STANDS: Final = 0.75
 """[m/s] Speed of the car down to which a pressure that is near what the road gave is kept from the driver's."""
+_LATE: Final = 0.03
+"""[s] by which a brake may be later than stated."""
 _TELLS_ABOVE: Final = 8.0
 """[m/s] A wheel that is kept from every dive below no longer tells the speed of its car, and then stood."""
 
@@ -41,7 +43,7 @@ class Envelope:
         self._road = RoadTorque(corner.radius, corner.inertia)
         self._dive = FastDive(corner, actuator)
         self._line = BrakeLine(actuator)
-        self._delay = round(actuator.delay * NANOSECONDS)
+        self._delay, self._apply_rate = round(actuator.delay * NANOSECONDS), actuator.apply_rate
         self._driver_below = parameters.caps.driver_below
         self.reset()
 
@@ -112,8 +114,11 @@ class Envelope:
             self.release = Release.BY_SLIP
         self.refused += begins and self.release is Release.REFUSED
         release = wanted and self.release is not Release.REFUSED
+        # The pressure takes its time: a wheel that is back before it needs it on its way.
+        late = _LATE + self._delay / NANOSECONDS + self._road.lacks(coming) / self._apply_rate
+        deep = self.evidence.deep and self.evidence.back_in(car_speed) > late
         command = self.caps.command(
-            stamp, release, self.evidence.recovering, self.evidence.deep, self.evidence.stands, torque, demand
+            stamp, release, self.evidence.recovering, deep, self.evidence.stands, torque, demand
         )
         # A trim tells nothing of the road: else each would allow the next.
         told = command is Command.DECREASE and not trim

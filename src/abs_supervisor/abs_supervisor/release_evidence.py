@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from enum import IntEnum
-from math import isfinite, nan, sqrt
+from math import inf, isfinite, nan, sqrt
 from typing import Final
 
 from abs_supervisor.own_fall import OwnFall
@@ -183,6 +183,14 @@ class ReleaseEvidence:
     def deep(self) -> bool:
         """Whether the wheel is beyond the peak: the slip speaks for a release by far, or it dived and is not back."""
         return self._away or (self.verdict is Release.BY_SLIP and self._slip > _DEEP * self.release_slip)
+
+    def back_in(self, car_speed: float) -> float:
+        """Return the time [s] after which a wheel that is seen to recover, as it does now, has the car's speed [m/s].
+
+        Infinite where it does not recover, or nothing is known of its slip.
+        """
+        behind = self._slip * car_speed
+        return behind / -self.deceleration if self.recovering and isfinite(behind) else inf
 
     @property
     def falls(self) -> bool:

@@ -339,6 +339,20 @@ def test_a_hold_needs_a_slip_that_may_well_be_that_of_a_release(slip: float, std
     assert set(commands) == {expected}
 
 
+@pytest.mark.parametrize(("gain", "raised"), [(20.0, False), (100.0, True)])
+def test_a_wheel_that_is_back_before_its_brake_gets_pressure_on_its_way(gain: float, raised: bool) -> None:
+    """At a slip of 0.6 and 20 m/s it needs 0.6 s, or 0.12 s; the brake 0.02 s, 0.03 s, and 0.1 s for 500 N m."""
+    bench = Bench()
+    bench.slipping(0.1, 10)
+    bench.slipping(0.7, 20, torque=800.0)
+    bench.law, lowest = Command.INCREASE, 0.4 * SPEED
+    given = [
+        bench.sample(rim, torque=300.0, slip=1.0 - rim / SPEED)
+        for rim in (lowest + gain * DT * (k - 10) for k in range(11))
+    ]
+    assert given[-1] is (Command.INCREASE if raised else Command.HOLD)
+
+
 def test_a_hold_is_not_counted_as_a_release() -> None:
     bench = Bench(Command.HOLD)
     bench.slipping(0.12, 600, lambda_max=0.17)
