@@ -199,10 +199,9 @@ class SlideDetector:
         Wheels may keep a steady slip while they are braked: they do not become right because the speed has become
         uncertain.
         """
-        allowed = self._p.agreement * abs(middle)
         if abs(self._strength) > self._p.calm_below:
-            stddev = min(stddev, allowed)
-        return abs(middle - speed) <= stddev + allowed + self._p.agreement_at_rest
+            stddev = 0.0
+        return abs(middle - speed) <= stddev + self._p.agreement * abs(middle) + self._p.agreement_at_rest
 
     def _watch_steadiness(self, stamp: int, judged: list[int], rim_speeds: Sequence[float], middle: float) -> None:
         """Note since when the wheels turn alike and hardly change."""
