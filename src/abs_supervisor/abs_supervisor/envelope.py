@@ -19,6 +19,8 @@ from vehicle_models.single_corner import CornerParameters
 
 _STANDS: Final = 0.75
 """[m/s] Speed of the car down to which a pressure that is near what the road gave is kept from the driver's."""
+_LATE: Final = 0.03
+"""[s] by which a brake may be later than stated."""
 _TELLS_ABOVE: Final = 8.0
 """[m/s] A wheel that is kept from every dive below no longer tells the speed of its car, and then stood."""
 
@@ -41,7 +43,7 @@ class Envelope:
         self._road = RoadTorque(corner.radius, corner.inertia)
         self._dive = FastDive(corner, actuator)
         self._line = BrakeLine(actuator)
-        self._delay = round(actuator.delay * NANOSECONDS)
+        self._delay, self._apply_rate = round(actuator.delay * NANOSECONDS), actuator.apply_rate
         self._driver_below = parameters.caps.driver_below
         self.reset()
 
@@ -51,7 +53,7 @@ class Envelope:
         self.caps.reset()
         self._road.reset()
         self._line.reset()
-        self._wanted = self._stands = False
+        self._wanted = False
         self.release = Release.NOT_WANTED
         """Verdict on the release that the law asked for."""
         self.refused = 0
@@ -66,7 +68,6 @@ class Envelope:
     def look(self, stamp: int, wheel: Wheel) -> None:
         """Take what is known of the wheel at a stamp [ns], later than the last. Comes before `judge`."""
         self.evidence.update(stamp, wheel)
-        self._stands = wheel.stands
 
     def may_trim(self, car_speed: float, torque: float) -> bool:
         """Whether a brake torque may be lowered to a little below what the road gave when the wheel slipped.
@@ -94,11 +95,6 @@ class Envelope:
             torque: of the brake [N m].
             demand: of the driver [N m].
         """
-        command = self._judged(stamp, law, car_speed, torque, demand)
-        self._line.order(stamp, command, demand)
-        return command
-
-    def _judged(self, stamp: int, law: Command, car_speed: float, torque: float, demand: float) -> Command:
         coming = self._line.torque_at(torque, stamp, stamp + self._delay)
         slow = car_speed < self._driver_below
         wanted = law is Command.DECREASE
@@ -118,8 +114,12 @@ class Envelope:
             self.release = Release.BY_SLIP
         self.refused += begins and self.release is Release.REFUSED
         release = wanted and self.release is not Release.REFUSED
-        known = self.evidence
-        command = self.caps.command(stamp, release, known.recovering, known.deep, self._stands, torque, demand)
+        # The pressure takes its time: a wheel that is back before it needs it on its way.
+        late = _LATE + self._delay / NANOSECONDS + self._road.lacks(coming) / self._apply_rate
+        deep = self.evidence.deep and self.evidence.back_in(car_speed) > late
+        command = self.caps.command(
+            stamp, release, self.evidence.recovering, deep, self.evidence.stands, torque, demand
+        )
         # A trim tells nothing of the road: else each would allow the next.
         told = command is Command.DECREASE and not trim
         self._road.update(stamp, told, torque, self.evidence.deceleration, car_speed)
@@ -134,3 +134,7 @@ class Envelope:
             # Not yet a lock, perhaps the brake's own rise: that is stopped, which a slow brake needs in time.
             return Command.HOLD
         return command
+
+    def commanded(self, stamp: int, command: Command, demand: float) -> None:
+        """Note the command that was given at the stamp [ns] of the last `judge`, with the driver's demand [N m]."""
+        self._line.order(stamp, command, demand)

@@ -135,12 +135,11 @@ class Guard:
         """Take what is known at a stamp [ns], later than the last. The wheel speed is finite."""
         self._seen = seen
         others = seen.others
-        fastest = self._radius * seen.wheel_speed
-        for rim in others:
-            fastest = max(fastest, rim)
-        # Wheels that all stand after a dive are locked: without its own speed the car is not slow for that.
-        slowest = self._slowest.update(stamp, fastest)
-        self._car_speed = seen.car_speed if isfinite(seen.car_speed) else slowest
+        rims = sorted([self._radius * seen.wheel_speed, *others])
+        # Wheels that all stand after a dive are locked: the car is not slow for that, whatever is made of their speeds.
+        slowest = self._slowest.update(stamp, rims[-_WITNESSES if len(others) >= _WITNESSES else -1])
+        known = isfinite(seen.car_speed) and (seen.car_is_measured or seen.car_speed > slowest)
+        self._car_speed = seen.car_speed if known else slowest
         self._trend.update(stamp, self._car_speed if others or isfinite(seen.car_speed) else nan)
         strongest = seen.torque
         if isfinite(seen.demand) and not seen.demand <= strongest:
@@ -217,6 +216,7 @@ class Guard:
         command = self.envelope.judge(stamp, asked, self._car_speed, torque, demand)
         if command is Command.INCREASE or (command is Command.HOLD and most is Command.DECREASE):
             command = most
+        self.envelope.commanded(stamp, command, demand)
         self._pressure.commanded(stamp, demand, command)
         return command
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from enum import IntEnum
-from math import isfinite, nan, sqrt
+from math import inf, isfinite, nan, sqrt
 from typing import Final
 
 from abs_supervisor.own_fall import OwnFall
@@ -176,11 +176,21 @@ class ReleaseEvidence:
         """What speaks for a release at the last sample: BY_SLIP, BY_DECELERATION, or REFUSED."""
         self.recovering = False
         """Whether the slip is above the threshold and the wheel is seen to gain speed."""
+        self.stands = False
+        """Whether the wheel and another one stand, or nearly, in a car that moves by what its wheels say alone."""
 
     @property
     def deep(self) -> bool:
         """Whether the wheel is beyond the peak: the slip speaks for a release by far, or it dived and is not back."""
         return self._away or (self.verdict is Release.BY_SLIP and self._slip > _DEEP * self.release_slip)
+
+    def back_in(self, car_speed: float) -> float:
+        """Return the time [s] after which a wheel that is seen to recover, as it does now, has the car's speed [m/s].
+
+        Infinite where it does not recover, or nothing is known of its slip.
+        """
+        behind = self._slip * car_speed
+        return behind / -self.deceleration if self.recovering and isfinite(behind) else inf
 
     @property
     def falls(self) -> bool:
@@ -195,6 +205,7 @@ class ReleaseEvidence:
     def update(self, stamp: int, wheel: Wheel) -> None:
         """Take what is known at a stamp [ns], later than the last."""
         p, motion = self._p, self._motion
+        self.stands = wheel.stands
         motion.update(stamp, wheel.speed)
         stated = wheel.slip_stddev * wheel.slip_stddev if isfinite(wheel.slip_stddev) else 0.0
         self._scatter.update(stamp, wheel.braked, wheel.speed, motion.rate, wheel.slip, stated)
@@ -236,7 +247,9 @@ class ReleaseEvidence:
         dives = slips and hard
         self._dive_since = _since(self._dive_since, stamp, dives)
         gain, least_gain = -self.deceleration, _RECOVERING + error
-        if self._lasts(self._dive_since, stamp):
+        unseen = not known and self.verdict is Release.BY_SLIP and gain < least_gain
+        if unseen or self._lasts(self._dive_since, stamp):
+            # A wheel that slips does so until it is seen to come back, also where its slip is not known any more.
             self._dived, self._largest_gain = True, 0.0
         elif known:
             # Once the wheel gains speed, a known slip alone decides.

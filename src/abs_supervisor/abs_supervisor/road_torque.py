@@ -61,6 +61,10 @@ class RoadTorque:
         """Whether a torque [N m] may be lowered and stays near what the road gave."""
         return torque >= _TRIMMED * self._torque
 
+    def lacks(self, torque: float) -> float:
+        """Return by how much a torque [N m] is below what the road gave [N m], >= 0, 0 where that is not known."""
+        return max(self._torque - torque, 0.0) if isfinite(self._torque) else 0.0
+
     def is_reached(self, torque: float) -> bool:
         """Whether a torque [N m] is what the road gave, or more."""
         return torque >= self._torque

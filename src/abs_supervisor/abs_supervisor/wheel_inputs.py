@@ -17,7 +17,7 @@ from friction_runtime.reason_text import of_topic
 from friction_runtime.slip_fault import speed_is_known
 from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
-from vehicle_models.plausible import HIGHEST_SLIP, HIGHEST_SPEED
+from vehicle_models.plausible import HIGHEST_SLIP
 from vehicle_models.vehicle import Vehicle
 
 _SPEED_SENSOR, _UNCERTAIN = int(WheelSlip.SPEED_SENSOR), int(WheelSlip.UNCERTAIN)
@@ -105,7 +105,7 @@ class WheelInputs:
     def _uncertain(self, message: WheelSlip) -> tuple[float, float]:
         """Return slip [-] and its variance where wheel_slip is not sure of it: here its error is weighed."""
         speed, radius = message.vehicle_speed, self._radii[self._index]
-        if not 0.0 < speed <= HIGHEST_SPEED:
+        if not (speed_is_known(message) and speed > 0.0):
             return nan, nan
         share = radius * message.wheel_speed / speed
         variance = message.vehicle_speed_variance * (share / speed) ** 2

@@ -247,16 +247,32 @@ def test_single_wheel_of_unknown_slip_says_that_it_cannot_tell_a_lock_from_stand
     assert "locked" not in guard.unchecked
 
 
-def test_all_wheels_that_lock_without_a_known_speed_of_the_car_are_no_standstill() -> None:
+@pytest.mark.parametrize("follows", [False, True])
+def test_all_wheels_that_lock_are_no_standstill_without_a_speed_of_the_car_or_with_one_that_follows_them(
+    follows: bool,
+) -> None:
     guard, random = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True), np.random.default_rng(1)
     commands = []
     for k in range(100):
         rim = max(20.0 - 0.5 * max(k - 50, 0), 0.0)
         speed = rim / CORNER.radius + 0.07 * float(random.standard_normal())
-        guard.look(k * STEP + STEP, Seen(speed, torque=900.0, demand=900.0, others=[rim] * 3))
+        car = rim if follows else nan
+        guard.look(k * STEP + STEP, Seen(speed, torque=900.0, demand=900.0, others=[rim] * 3, car_speed=car))
         commands.append(guard.command(k * STEP + STEP, Command.DECREASE))
     assert Command.DECREASE not in commands[:50]
     assert commands[-1] is Command.DECREASE
+
+
+def test_one_wheel_that_is_stuck_at_its_speed_does_not_keep_the_brake_from_the_driver_at_the_end_of_a_stop() -> None:
+    guard = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True)
+    for k in range(400):
+        rim = max(20.0 - 0.06 * k, 1.0)
+        guard.look(
+            k * STEP + STEP,
+            Seen(rim / CORNER.radius, torque=900.0, demand=900.0, others=[rim, rim, 20.0], car_speed=rim),
+        )
+        command = guard.command(k * STEP + STEP, Command.INCREASE)
+    assert command is Command.NONE
 
 
 def test_unknown_torque_makes_no_jump_of_a_wheel_that_stops() -> None:

@@ -39,7 +39,9 @@ class Bench:
         for name, value in known.items():
             setattr(wheel, name, value)
         self.envelope.look(self.stamp, wheel)
-        return self.envelope.judge(self.stamp, self.law, car, torque, DEMAND)
+        command = self.envelope.judge(self.stamp, self.law, car, torque, DEMAND)
+        self.envelope.commanded(self.stamp, command, DEMAND)
+        return command
 
     def slipping(self, slip: float, count: int, torque: float = 300.0, **known: float) -> list[Command]:
         return [self.sample(SPEED * (1.0 - slip), torque=torque, slip=slip, **known) for _ in range(count)]
@@ -164,6 +166,17 @@ def test_wheels_that_are_locked_together_are_released() -> None:
     ]
     assert Command.DECREASE in dive[:80]
     assert Command.DECREASE in dive[300:], "once the caps allow it"
+
+
+def test_wheels_that_stand_stay_released_where_their_slip_is_not_known_any_more() -> None:
+    """And get their pressure back when they turn again."""
+    bench = Bench()
+    for k in range(50):
+        rim = max(SPEED - 200.0 * DT * k, 0.0)
+        bench.sample(rim, slip=1.0 - rim / SPEED)
+    assert {bench.sample(0.0, car=7.0) for _ in range(10)} == {Command.DECREASE}
+    back = [bench.sample(min(100.0 * DT * k, 0.9 * SPEED - 5.0 * DT * k)) for k in range(80)]
+    assert Command.DECREASE not in back[60:]
 
 
 def test_known_slip_is_believed_in_place_of_other_wheels() -> None:
@@ -324,6 +337,20 @@ def test_parameters_in_the_wrong_order_are_refused() -> None:
 def test_a_hold_needs_a_slip_that_may_well_be_that_of_a_release(slip: float, stddev: float, expected: Command) -> None:
     commands = Bench(Command.HOLD).slipping(slip, 40, lambda_max=0.17, slip_stddev=stddev)
     assert set(commands) == {expected}
+
+
+@pytest.mark.parametrize(("gain", "raised"), [(20.0, False), (100.0, True)])
+def test_a_wheel_that_is_back_before_its_brake_gets_pressure_on_its_way(gain: float, raised: bool) -> None:
+    """At a slip of 0.6 and 20 m/s it needs 0.6 s, or 0.12 s; the brake 0.02 s, 0.03 s, and 0.1 s for 500 N m."""
+    bench = Bench()
+    bench.slipping(0.1, 10)
+    bench.slipping(0.7, 20, torque=800.0)
+    bench.law, lowest = Command.INCREASE, 0.4 * SPEED
+    given = [
+        bench.sample(rim, torque=300.0, slip=1.0 - rim / SPEED)
+        for rim in (lowest + gain * DT * (k - 10) for k in range(11))
+    ]
+    assert given[-1] is (Command.INCREASE if raised else Command.HOLD)
 
 
 def test_a_hold_is_not_counted_as_a_release() -> None:

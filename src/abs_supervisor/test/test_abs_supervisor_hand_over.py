@@ -32,7 +32,9 @@ class Bench:
         turns = car * (1.0 - (slip if isfinite(slip) else 0.1)) / RADIUS
         wheel = Wheel(turns, slip=slip, slip_stddev=0.003, car_deceleration=0.0, braked=True)
         self.envelope.look(self.stamp, wheel)
-        return self.envelope.judge(self.stamp, law, car, torque, demand)
+        command = self.envelope.judge(self.stamp, law, car, torque, demand)
+        self.envelope.commanded(self.stamp, command, demand)
+        return command
 
 
 @pytest.mark.parametrize("law", [Command.HOLD, Command.DECREASE])
@@ -69,6 +71,15 @@ def test_a_hold_without_slip_passes_near_what_the_road_gave(slipped: bool, share
     bench = Bench(slipped)
     given = [bench.judge(Command.HOLD, 4.0, share * ROAD) for _ in range(5)][-1]
     assert given is (Command.HOLD if held else Command.INCREASE)
+
+
+def test_an_order_that_was_not_given_brings_no_torque() -> None:
+    """As where the other wheel of the axle allows a hold only."""
+    bench = Bench()
+    for _ in range(8):
+        bench.judge(Command.INCREASE, 4.0, 0.6 * ROAD)
+        bench.envelope.commanded(bench.stamp, Command.HOLD, DEMAND)
+    assert bench.judge(Command.HOLD, 4.0, 0.75 * ROAD) is Command.INCREASE
 
 
 def test_a_hold_counts_at_the_torque_that_the_orders_under_way_will_bring() -> None:

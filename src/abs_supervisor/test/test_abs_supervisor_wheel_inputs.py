@@ -1,5 +1,8 @@
 """What the supervisor reads beside the law's inputs does not depend on the order in which messages arrive."""
 
+from math import isfinite
+
+import pytest
 from friction_msgs.msg import SlopeVote, WheelSlip
 
 from abs_supervisor.wheel_inputs import WheelInputs
@@ -23,3 +26,17 @@ def test_a_vote_is_told_why_its_own_slip_is_not_valid_whatever_slip_came_last() 
     assert told == [f"{WHEEL}/slip: {text}" for text in ("not valid", "too slow", "too slow", "no speed", "no speed")]
     inputs.read(inputs.slip, WheelSlip(header=header_at(STEP, WHEEL), reason_text="a new run"))
     assert inputs.observe(AlignedSample(STEP, SlopeVote(), {}, {}, False), 0.0).slip_text.endswith("a new run")
+
+
+@pytest.mark.parametrize(("speed", "stddev", "tells"), [(20.0, 6.0, True), (20.0, 7.0, False), (0.2, 0.9, True)])
+def test_a_speed_of_the_car_counts_with_a_deviation_up_to_a_third_of_it_or_a_metre_a_second(
+    speed: float, stddev: float, tells: bool
+) -> None:
+    inputs = WheelInputs(WHEEL, load_vehicle("chapter_corner"), silent, fine=True)
+    message = WheelSlip(header=header_at(STEP, WHEEL), reason=WheelSlip.UNCERTAIN, vehicle_speed=speed)
+    message.vehicle_speed_variance, message.wheel_speed = stddev * stddev, 0.01
+    read = inputs.read(inputs.slip, message)
+    assert not isinstance(read, str)
+    sample = AlignedSample(STEP, SlopeVote(), {inputs.slip: read[1]}, {}, False)
+    seen = inputs.observe(sample, 0.0)
+    assert (seen.car_speed == speed, isfinite(seen.slip)) == (tells, tells)

@@ -3,7 +3,7 @@
 from friction_msgs.msg import WheelSlip
 
 from friction_runtime.reason_text import of_topic
-from vehicle_models.plausible import HIGHEST_SLIP, HIGHEST_SLIP_RATE, HIGHEST_SPEED
+from vehicle_models.plausible import HIGHEST_SLIP, HIGHEST_SLIP_RATE, HIGHEST_SPEED, is_vague
 
 _ORDINARY = (int(WheelSlip.OK), int(WheelSlip.NOT_READY), int(WheelSlip.LOW_SPEED))
 """Reasons that belong to ordinary driving."""
@@ -20,5 +20,6 @@ def slip_is_known(message: WheelSlip) -> bool:
 
 
 def speed_is_known(message: WheelSlip) -> bool:
-    """Whether the message says how fast the car is; NaN does not."""
-    return bool(abs(message.vehicle_speed) <= HIGHEST_SPEED)
+    """Whether the message says how fast the car is; NaN does not, nor a speed that is vague."""
+    speed = message.vehicle_speed
+    return bool(abs(speed) <= HIGHEST_SPEED and not is_vague(speed, message.vehicle_speed_variance))

@@ -297,6 +297,44 @@ def test_silent_imu_wheels_serve_while_they_roll_and_a_slide_is_not_bridged_in_s
     assert np.all((error < 3.0 * deviation) | refused | ~slid) or refused.mean() > 0.5
 
 
+@pytest.mark.parametrize("stuck", [False, True])
+def test_wheels_that_keep_a_slip_in_a_hard_stop_whose_imu_went_are_not_taken_for_rolling(
+    stuck: bool, estimator: SlipEstimator
+) -> None:
+    d = drive(lambda t: -10.0 if t > 3.0 else 0.0, lambda t: 0.16 * min(max((t - 3.0) / 0.3, 0.0), 1.0), 5.0, 30.0)
+    gone = 700
+    estimates = [
+        estimator.update(
+            (k + 1) * STEP,
+            omega.tolist(),
+            float(d.acceleration[min(k, gone) if stuck else k]) if stuck or k < gone else None,
+        )[0]
+        for k, omega in enumerate(d.wheel_speed)
+    ]
+    assert "repeats" in estimator.vehicle.accelerometer_text or not stuck
+    valid = [k for k in range(gone, len(estimates)) if estimates[k].reason is Reason.OK]
+    assert len(valid) > 20, "the last reading serves for a while"
+    assert all(abs(estimates[k].slip - 0.16) < 3.0 * sqrt(estimates[k].slip_variance) + 0.01 for k in valid)
+    assert estimates[-1].reason is Reason.UNCERTAIN
+
+
+def test_where_the_speed_is_vague_wheels_that_have_become_slow_have_no_slip(estimator: SlipEstimator) -> None:
+    """To first order their slip would be near 1 with a small deviation, whatever the speed may be."""
+    d = drive(
+        lambda t: -10.0 if 3.0 < t < 5.9 else 0.0,
+        lambda t: (0.08 + 0.07 * np.sin(20.0 * t)) * min(max((t - 3.0) / 0.3, 0.0), 1.0),
+        6.0,
+        30.0,
+    )
+    estimates = [
+        estimator.update((k + 1) * STEP, omega.tolist(), float(d.acceleration[k]) if k < 600 else None)
+        for k, omega in enumerate(d.wheel_speed)
+    ]
+    slow = [each for row in estimates[1100:] for each in row]
+    assert all(each.reason is Reason.UNCERTAIN for each in slow)
+    assert "vehicle speed" in slow[-1].text
+
+
 def test_stuck_imu_is_left_out_and_said(estimator: SlipEstimator) -> None:
     d = drive(lambda t: -2.0 if t > 3.0 else 0.0, lambda _t: 0.0, 6.0, 25.0)
     stuck = np.where(np.arange(d.speed.size) > 500, d.acceleration[500], d.acceleration)

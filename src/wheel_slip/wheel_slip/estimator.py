@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from friction_parameters import shared
 from friction_parameters.parameter import group, parameter
-from vehicle_models.plausible import HIGHEST_SLIP
+from vehicle_models.plausible import HIGHEST_SLIP, is_vague
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimate import Mode, Reason, WheelEstimate
 from wheel_slip.free_rolling import FreeRolling
@@ -172,6 +172,9 @@ class SlipEstimator:
             text = "no vehicle speed: no sensor, and the wheels have not shown to roll yet"
             return _Motion((nan, nan), (nan, nan), nan, mode, Reason.NO_SPEED, text)
         speed, acceleration = (vehicle.speed, vehicle.variance), (vehicle.acceleration, vehicle.acceleration_variance)
+        if is_vague(vehicle.speed, vehicle.stated_variance):
+            text = f"standard deviation of the vehicle speed is {sqrt(vehicle.stated_variance):.1f} m/s"
+            return _Motion(speed, acceleration, vehicle.stated_variance, mode, Reason.UNCERTAIN, text)
         if vehicle.speed < lowest:
             text = f"vehicle speed is below {lowest} m/s"
             return _Motion(speed, acceleration, vehicle.stated_variance, mode, Reason.LOW_SPEED, text)

@@ -11,6 +11,7 @@ a slide on snow, where the car hardly decelerates, and does not use the integrat
 from collections import deque
 from collections.abc import Sequence
 from math import exp, isfinite, nan
+from statistics import median
 from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -48,6 +49,8 @@ class SlideDetector:
         """Which wheels roll."""
         self.acceleration: float | None = None
         """Acceleration [m/s^2] with the lag of the wheel filters."""
+        self._strength = 0.0
+        """The same [m/s^2]; without an accelerometer how the wheels change: those that slow down are braked."""
         self.spread = nan
         """Largest difference between rim speeds [m/s]."""
         self._history: deque[tuple[int, float, Sequence[float]]] = deque()
@@ -91,6 +94,7 @@ class SlideDetector:
         middle = 0.5 * (known[(len(known) - 1) // 2] + known[len(known) // 2]) if known else nan
         self._watch_slope(stamp, rim_speeds, middle)
         self.rolling = self._roll(rim_speeds, rim_accelerations, middle)
+        self._strength = self.acceleration if self.acceleration is not None else self._change_of_wheels(stamp, middle)
         self._judge(stamp, rim_speeds, middle, integrated)
 
     @property
@@ -146,6 +150,13 @@ class SlideDetector:
             for speed, earlier in zip(rim_speeds, before, strict=True)
         ]
 
+    def _change_of_wheels(self, stamp: int, middle: float) -> float:
+        """Return how fast the median of the rim speeds, `middle` now, has changed over the window [m/s^2]."""
+        begin, _, before = self._history[0]
+        known = [speed for speed in before if isfinite(speed)]
+        time = (stamp - begin) / NANOSECONDS
+        return (middle - median(known)) / time if known and time >= 0.5 * self._p.window else 0.0
+
     def begin_slide(self) -> None:
         """Count the times of rolling from the next sample on."""
         self._rolled_since: int | None = None
@@ -167,7 +178,7 @@ class SlideDetector:
     def _judge(
         self, stamp: int, rim_speeds: Sequence[float], middle: float, integrated: tuple[float, float] | None
     ) -> None:
-        a = self.acceleration or 0.0
+        a = self._strength
         # Free wheels roll while the engine pulls, however strongly.
         self._pulled = len(self._free) < len(self._all) and bool(self._free) and a > -0.5
         judged = [index for index in (self._free if self._pulled else self._all) if isfinite(rim_speeds[index])]
@@ -188,10 +199,9 @@ class SlideDetector:
         Wheels may keep a steady slip while they are braked: they do not become right because the speed has become
         uncertain.
         """
-        allowed = self._p.agreement * abs(middle)
-        if abs(self.acceleration or 0.0) > self._p.calm_below:
-            stddev = min(stddev, allowed)
-        return abs(middle - speed) <= stddev + allowed + self._p.agreement_at_rest
+        if abs(self._strength) > self._p.calm_below:
+            stddev = 0.0
+        return abs(middle - speed) <= stddev + self._p.agreement * abs(middle) + self._p.agreement_at_rest
 
     def _watch_steadiness(self, stamp: int, judged: list[int], rim_speeds: Sequence[float], middle: float) -> None:
         """Note since when the wheels turn alike and hardly change."""
