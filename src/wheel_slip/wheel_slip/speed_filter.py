@@ -369,6 +369,13 @@ class SpeedFilter:
             p[1][1] += ub
             self._unseen = _NOTHING
 
+    def correct_course(self, speed: float, variance: float, offset: float, offset_variance: float) -> None:
+        """Take speed [m/s] and offset [m/s^2] with their variances in place of those that wrong samples have made."""
+        self._see()
+        self.speed, self.offset = speed, offset
+        self._forget(0, variance)
+        self._forget(1, offset_variance)
+
     def doubt_offset(self, variance: float) -> None:
         """Widen the variance of the offset to at least `variance` [m^2/s^4]: it has changed."""
         self._see()

@@ -91,6 +91,7 @@ class VehicleSpeed:
         self._since: int | None = None
         self._force: float | None = None
         self._sensor_stamp: int | None = None
+        self._used: int | None = None
         self._surprise = 0.0
         self._doubted: int | None = None
         self.radii.reset()
@@ -136,7 +137,8 @@ class VehicleSpeed:
     def variance(self) -> float:
         """Variance of the speed [m^2/s^2], with what does not average out: radii, and what is known of the sensor."""
         known = self._filter.speed_variance + (self._p.radius_uncertainty * self._filter.speed) ** 2
-        known += self._sensor.undecided**2
+        if not self._sensor.late:
+            known += self._sensor.undecided**2
         of_age = self._skew_variance + self._sensor.age.error**2
         return known + of_age if self.source is SpeedSource.SENSOR else known
 
@@ -179,6 +181,8 @@ class VehicleSpeed:
         ):
             acceleration = None
         self._predict(stamp, dt, acceleration, smooth_rim_speeds, rim_accelerations)
+        if acceleration is not None:
+            self._sensor.skew.follow(stamp, self._filter.travelled_at(stamp) or 0.0)
         at_wheels = self._at_wheels(rim_speeds)
         measured = self._new_samples(stamp, measured, smooth_rim_speeds, acceleration is not None)
         starting = self.mode is Mode.WAITING
@@ -304,6 +308,8 @@ class VehicleSpeed:
             for each, so_far in zip(measured, travelled, strict=True)
             if not self._sensor.is_old(each, so_far, car.offset)
         ]
+        if gauged:
+            self._learn_skew(new)
         free = sorted([smooth_rim_speeds[index] for index in self._free])
         if len(free) > 1 and self._p.slide.are_alike(free):
             speed = sum(free) / len(free)
@@ -314,14 +320,24 @@ class VehicleSpeed:
             if age.late and not before and self._sensor_is_fresh(stamp):
                 # Speed and offset are by samples that were old.
                 car.reset()
+                self._sensor.skew.start_again()
                 self.mode, self._sensor_stamp = Mode.WAITING, None
         return new
+
+    def _learn_skew(self, measured: Sequence[SpeedSample]) -> None:
+        """Compare samples with the accelerometer; where that shows that they are old, take away what they have done."""
+        skew = self._sensor.skew
+        for sample in measured:
+            was_late = skew.late
+            skew.update(sample.stamp, sample.speed, sample.variance)
+            if skew.late and not was_late:
+                self._filter.correct_course(*skew.motion())
 
     def _judge_sensor(
         self, measured: Sequence[SpeedSample], at_wheels: tuple[float, list[int]] | None, gauged: bool
     ) -> Sequence[SpeedSample]:
         """Return the samples that may be used, beside `at_wheels`; `gauged`: there is an accelerometer."""
-        late = self._sensor.age.late > 0.0
+        late = self._sensor.late > 0.0
         if not measured or self.mode is Mode.WAITING:
             return () if late else measured
         car, watch, effort = self._filter, self._sensor, self._effort()
@@ -352,14 +368,14 @@ class VehicleSpeed:
         rim_accelerations: Sequence[float],
     ) -> None:
         """Compare the samples of the sensor with the speed and with wheels that turn alike."""
-        if not measured or self.mode is Mode.WAITING or self._sensor.age.late:
+        if not measured or self.mode is Mode.WAITING or self._sensor.late:
             return
         car = self._filter
         known = [index for index, speed in enumerate(smooth_rim_speeds) if isfinite(speed)]
         alike = self._p.slide.are_alike(sorted([smooth_rim_speeds[index] for index in known]))
         middle = median([smooth_rim_speeds[index] for index in known]) if alike else 0.0
         rate = median([rim_accelerations[index] for index in known]) if alike else 0.0
-        of_age = (self._p.sensor.latency_stddev * rate) ** 2
+        of_age = self._skew_variance
         of_radii = (self.radii.common**2 + self._p.radius_uncertainty**2) * middle**2
         for sample in measured:
             change = car.change_since(sample.stamp)
@@ -373,13 +389,18 @@ class VehicleSpeed:
     @property
     def _skew_variance(self) -> float:
         """Variance of a speed of the sensor by its age, which errs alike in all samples [m^2/s^2]."""
-        return (self._p.sensor.latency_stddev * (self._slide.acceleration or 0.0)) ** 2
+        return self._sensor.skew.variance(self._slide.acceleration)
 
     def _use_sensor(self, sample: SpeedSample, starting: bool) -> None:
         if starting:
             self._filter.start(sample.speed, sample.variance, 0.0)
         else:
-            self._filter.correct(sample.speed, sample.variance, sample.stamp, by_wheels=0.0)
+            # Over a short time an age is one error, as the slip of a rolling wheel is.
+            since = (sample.stamp - self._used) / NANOSECONDS if self._used is not None else 0.0
+            many = max(self._p.rolling.correlation / since, 1.0) if since > 0.0 else 1.0
+            of_age = many * self._sensor.skew.spread if self._slide.acceleration is not None else 0.0
+            self._filter.correct(sample.speed, sample.variance + of_age, sample.stamp, by_wheels=0.0)
+        self._used = sample.stamp
 
     def _at_wheels(self, rim_speeds: Sequence[float]) -> tuple[float, list[int]] | None:
         """Return the mean of the wheels that are believed [m/s] and which these are; None where they tell nothing."""
