@@ -41,7 +41,7 @@ class SensorWatchParameters:
         maximum=10.0,
     )
     latency_stddev: float = parameter(
-        0.1,
+        0.07,
         "deviation of the age of its samples, until a change of the acceleration has shown it",
         unit="s",
         minimum=0.0,
@@ -95,7 +95,9 @@ class SensorWatch:
         """Names what is wrong, empty where nothing is."""
         if self.late and not self._is_old:
             beside = "wheels" if self.age.late else "accelerometer"
-            return f"some {self.late:.1f} s behind the {beside}; left out: the doctor tells its age, speed_sensor.latency"
+            return (
+                f"some {self.late:.1f} s behind the {beside}; left out: the doctor tells its age, speed_sensor.latency"
+            )
         if self.contradicted:
             told = "" if self._agreed else ", or the radii are wrong"
             return f"{self._difference:.1f} m/s from wheels and accelerometer; left out{told}"
