@@ -50,13 +50,30 @@ def test_wheel_filter_is_as_uncertain_as_it_says(rate: int) -> None:
     assert np.all(np.abs(mean - 1.0) < 5.0 * np.sqrt(2.0 / 60.0))
 
 
+@pytest.mark.parametrize("rate", [50, 100, 200, 500, 1000])
+def test_wheel_filter_is_settled_after_the_same_time_and_knows_the_acceleration_then(rate: int) -> None:
+    rng = np.random.default_rng(6)
+    wheel, found = wheel_filter(), []
+    for _ in range(40):
+        wheel.reset()
+        stamp = MS
+        while not wheel.settled:
+            stamp += round(1e9 / rate)
+            wheel.update(stamp, 80.0 - 30.0 * stamp * 1e-9 + 0.07 * rng.normal())
+        assert 18 * MS <= stamp - MS - round(1e9 / rate) <= 20 * MS
+        found.append(wheel.acceleration + 30.0)
+    assert np.std(found) < 6.0
+
+
 def test_burst_of_near_equal_stamps_averages_and_a_gap_starts_again() -> None:
     wheel = wheel_filter()
     for k in range(5):
         wheel.update(MS + k, 50.0 + (-1.0) ** k * 0.07)
     assert wheel.speed == pytest.approx(50.0, abs=0.03)
+    assert not wheel.settled
+    wheel.update(MS + 20 * MS, 50.0)
     assert wheel.settled
-    wheel.update(MS + 200 * MS, 40.0)
+    wheel.update(MS + 220 * MS, 40.0)
     assert not wheel.settled
     assert wheel.restarted_by_gap
     assert wheel.speed == 40.0

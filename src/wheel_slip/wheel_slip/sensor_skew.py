@@ -7,8 +7,8 @@ not. With T its integral and t_m the stamp of a sample, the age tau_j is that of
 
 b is the offset of the accelerometer, which changes with the slope and, by its gain, with the acceleration. For each of
 some ages a Kalman filter follows delta and b, and its innovations say how probable the age is; those that no age
-explains say nothing. While the car keeps its acceleration all ages are alike. An accelerometer that is late itself makes
-the sensor look younger: what both are late by is not seen here.
+explains say nothing. While the car keeps its acceleration all ages are alike. An accelerometer that is late itself
+makes the sensor look younger: what both are late by is not seen here.
 """
 
 from collections import deque
