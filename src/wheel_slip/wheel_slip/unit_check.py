@@ -20,7 +20,7 @@ _LEAST_AGREEING: Final = 0.7
 _MOST_AGREEING: Final = 1.4
 """Ratios of two sensors of one motion lie between [-]: short of the middles to the nearest units, 0.28 and 2.24."""
 _NEAR: Final = 0.08
-"""Share by which a ratio may miss that of a unit: another tyre, rolling slip. Of units nearer than that all are named."""
+"""Share by which a ratio may miss that of a unit: another tyre, slip. Of units nearer than that all are named."""
 _SURE_AFTER: Final = 0.2
 """Time of agreement [s] after which a speed sensor is trusted for good: more than a few wrong samples at 20 Hz."""
 _LONGEST_STEP: Final = 0.1
