@@ -80,7 +80,8 @@ def test_in_a_stop_too_gentle_to_tell_an_age_that_nobody_stated_is_in_the_deviat
 
     car = load_vehicle("compact_car")
     car = replace(car, accelerometer=replace(car.accelerometer, delay=0.0, deviations={}))
-    estimator, rng, speed, inside = SlipEstimator(car), np.random.default_rng(4), 23.0, []
+    estimator, rng, speed = SlipEstimator(car), np.random.default_rng(4), 23.0
+    inside: list[bool] = []
     while speed > 4.0:
         time = 0.005 * (len(inside) + 1)
         speed += 0.005 * gentle(time)
