@@ -1,11 +1,14 @@
 """An accelerometer that reads no force while all wheels dive is left out; one that is in time is not."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.vehicle_file import load_vehicle
+from wheel_slip.estimator import SlipEstimator
 from wheel_slip.unfelt_dive import UnfeltDive
 
 STEP = 5_000_000
@@ -68,3 +71,24 @@ def test_wheels_that_lose_what_others_gain_and_one_that_fails_say_nothing() -> N
     assert not coasting(curve).holds(1)
     assert not coasting(lambda time: [SPEED, SPEED, SPEED, 0.0 if time > 1.0 else SPEED]).holds(1)
     assert coasting(lambda time: [SPEED - 5.0 * max(time - 1.0, 0.0)] * 3 + [SPEED]).holds(1)
+
+
+@pytest.mark.parametrize("late", [0.0, 0.1, 0.2, 0.25])
+def test_in_a_stop_too_gentle_to_tell_an_age_that_nobody_stated_is_in_the_deviations(late: float) -> None:
+    def gentle(time: float) -> float:
+        return -6.0 * min(max((time - 3.0) / 0.5, 0.0), 1.0)
+
+    car = load_vehicle("compact_car")
+    car = replace(car, accelerometer=replace(car.accelerometer, delay=0.0, deviations={}))
+    estimator, rng, speed = SlipEstimator(car), np.random.default_rng(4), 23.0
+    inside: list[bool] = []
+    while speed > 4.0:
+        time = 0.005 * (len(inside) + 1)
+        speed += 0.005 * gentle(time)
+        slip = -0.006 * gentle(time)
+        omega = speed * (1.0 - slip) / np.array(car.radii) + 0.07 * rng.normal(size=4)
+        answer = estimator.update(round(time * NANOSECONDS), omega.tolist(), gentle(time - late) + 0.1 * rng.normal())[
+            0
+        ]
+        inside.append(bool(answer.reason) or abs(answer.slip - slip) < 1.96 * answer.slip_variance**0.5)
+    assert np.mean(inside[600:]) > 0.9

@@ -19,44 +19,44 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle_models.stated_deviations import stated_deviation
+from vehicle_models.stated_deviations import STATED, stated_deviation
 from vehicle_models.vehicle import REAR, Vehicle
 from wheel_slip.free_rolling import Stretch
 
 Array = NDArray[np.float64]
 
-_UNSTATED = 0.003
-"""Deviation of a radius, as a share, where the vehicle file states none: tolerance, pressure, wear."""
+_UNSTATED = 0.5 * STATED["radius"]
+"""Deviation of a radius from the others, as a share, where the file states none: half is what all have in common."""
 _LEAST_DEVIATION = 0.001
-"""The smallest one that is taken from a file: tyres warm up."""
+"""The smallest one that is taken from a file, as a share: tyres do not warm up alike."""
 _OPEN = 0.2
-"""Deviation of a radius, as a share, before anything is known: none to speak of is assumed."""
+"""Deviation of a radius, as a share, in what the wheels alone say: more than tyres that fit, so that no file counts."""
 _ANY_SPEED = 1.0
-"""Deviation of the logarithm of the speed: that of any speed."""
+"""Deviation of the logarithm of the speed [-]: that of any speed, against which no radius weighs."""
 _LATERAL = 2.5
-"""Lateral acceleration of a car in traffic, standard deviation [m/s^2]."""
+"""Lateral acceleration of a car in traffic, standard deviation [m/s^2]: a quarter of the grip of a dry road."""
 _TIGHTEST = 0.1
-"""Curvature of slow turns, standard deviation [1/m]."""
+"""Curvature of slow turns, standard deviation [1/m]: a street corner has a radius of 10 m."""
 _CURVE_TIME = 4.0
-"""Time in which a curve comes and goes [s]."""
+"""Time in which a curve comes and goes [s]: 55 m of a country road."""
 _SLIP_PER_FORCE = 0.008
 """Slip of the driven wheels per force of all tyres over the mass [s^2/m]: half the weight, slip stiffness of 25."""
 _SLIP_DEVIATION = (0.003, 0.015)
 """Its standard deviation without force, and per force [s^2/m]: soft snow, the offset of the accelerometer."""
 _SLIP_TIME = 20.0
-"""Time in which that slip changes [s]."""
+"""Time in which that slip changes [s]: the drag of a road speed, the pull of a gear."""
 _NOISE = 0.001
-"""Deviation of the mean of one stretch: bumps, noise of the wheel speeds."""
+"""Deviation of the mean of one stretch (free_rolling.py), as a share: bumps; noise of the wheel speeds at 3 m/s."""
 _WALK = 1e-4
 """Change of a radius in the square root of a second, as a share: temperature, a slow puncture."""
 _FAR = 0.05
-"""Deviation of the radius of a wheel that is far off, as a share."""
+"""Deviation of the radius of a wheel that is far off, as a share: worn out, another size, hardly any air."""
 _RARE = 1e-3
-"""Probability that one certain wheel is far off."""
+"""Probability that one certain wheel is far off: one car in 250."""
 _SURE = 0.95
-"""Probability from which on a wheel is named."""
+"""Probability from which on a wheel is named: that of every interval stated here."""
 _NAMED = 0.01
-"""Smallest error of a radius that is named, as a share."""
+"""Smallest error of a radius that is named, as a share: more than wear and pressure of a car that is looked after."""
 
 
 class RelativeRadii:

@@ -16,6 +16,7 @@ from typing import Final
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 from wheel_slip.sensor_age import SensorAge
+from wheel_slip.sensor_skew import SensorSkew
 from wheel_slip.speed_sample import SpeedSample
 
 _AGREE: Final = 2.0
@@ -40,8 +41,8 @@ class SensorWatchParameters:
         maximum=10.0,
     )
     latency_stddev: float = parameter(
-        0.02,
-        "deviation of the age of its samples beside the wheels, the same for all of them",
+        0.07,
+        "deviation of the age of its samples, until a change of the acceleration has shown it",
         unit="s",
         minimum=0.0,
         maximum=0.5,
@@ -56,11 +57,14 @@ class SensorWatch:
         self._p = parameters
         self.age = SensorAge()
         """How old its samples are, by wheels that the road makes faster."""
+        self.skew = SensorSkew(parameters.latency_stddev)
+        """The same by the accelerometer."""
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
         self.age.reset()
+        self.skew.reset()
         self.contradicted = False
         """Whether wheels and accelerometer contradict it."""
         self.undecided = 0.0
@@ -79,14 +83,21 @@ class SensorWatch:
     @property
     def left_out(self) -> bool:
         """Whether it may not be used at all."""
-        return self.contradicted or self.age.late > 0.0
+        return self.contradicted or self.late > 0.0
+
+    @property
+    def late(self) -> float:
+        """Age with which it is left out [s], 0 where it is not."""
+        return max(self.age.late, self.skew.late)
 
     @property
     def text(self) -> str:
         """Names what is wrong, empty where nothing is."""
-        late = self.age.late
-        if late and not self._is_old:
-            return f"some {late:.1f} s behind the wheels; left out: the doctor tells its age, speed_sensor.latency"
+        if self.late and not self._is_old:
+            beside = "wheels" if self.age.late else "accelerometer"
+            return (
+                f"some {self.late:.1f} s behind the {beside}; left out: the doctor tells its age, speed_sensor.latency"
+            )
         if self.contradicted:
             told = "" if self._agreed else ", or the radii are wrong"
             return f"{self._difference:.1f} m/s from wheels and accelerometer; left out{told}"
@@ -134,7 +145,8 @@ class SensorWatch:
         if known is not None and stamp - self._since >= lasting:
             self.contradicted = not known
             self._agreed = self._agreed or known
-        self.undecided = self._difference if self.contradicted and not self._agreed else 0.0
+        settled = self._agreed or (known and not self.contradicted)
+        self.undecided = 0.0 if settled else self._difference
         return known is not False and not self.contradicted
 
     def fits(self, stamp: int, innovation: float, deviation: float) -> bool:

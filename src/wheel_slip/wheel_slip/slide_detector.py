@@ -36,7 +36,8 @@ class SlideDetector:
             driven: which wheels the engine drives. All and none come to the same: no wheel is freer than another.
         """
         self._p = parameters
-        self._free = [index for index, by_engine in enumerate(driven) if not by_engine]
+        self.free = [index for index, by_engine in enumerate(driven) if not by_engine] if any(driven) else []
+        """The wheels that the engine does not drive, where it drives others."""
         self._all = list(range(len(driven)))
         self._road = slope
         self.slope = SlopeWatch(slope)
@@ -104,12 +105,12 @@ class SlideDetector:
 
     def believed(self) -> list[int]:
         """Return the wheels to take the speed from: those that roll, without the driven ones if a free one is left."""
-        free = [index for index in self._free if self.rolling[index]]
+        free = [index for index in self.free if self.rolling[index]]
         return free or [index for index in self._all if self.rolling[index]]
 
     def free_believed(self) -> bool:
         """Whether the wheels that are believed are not driven, and some are."""
-        return len(self._free) < len(self._all) and any(self.rolling[index] for index in self._free)
+        return any(self.rolling[index] for index in self.free)
 
     def _integrate(self, stamp: int, acceleration: float | None) -> None:
         if acceleration is None:
@@ -180,8 +181,8 @@ class SlideDetector:
     ) -> None:
         a = self._strength
         # Free wheels roll while the engine pulls, however strongly.
-        self._pulled = len(self._free) < len(self._all) and bool(self._free) and a > -0.5
-        judged = [index for index in (self._free if self._pulled else self._all) if isfinite(rim_speeds[index])]
+        self._pulled = bool(self.free) and a > -0.5
+        judged = [index for index in (self.free if self._pulled else self._all) if isfinite(rim_speeds[index])]
         allowed = 1 if len(judged) >= 3 else 0
         self._wheels_roll = bool(judged) and len([index for index in judged if not self.rolling[index]]) <= allowed
         self._agree = integrated is None or self._agrees(middle, *integrated)

@@ -35,6 +35,8 @@ _FIRST_SPEED_VARIANCE: Final = 1e6
 """Variance of an unknown speed [m^2/s^2]."""
 _GAP: Final = 0.1
 """Longer steps between samples are gaps [s]."""
+_AVERAGED: Final = 0.75
+"""Time over which the readings are averaged for what an e does, as a share of the deviation of e."""
 _NOTHING = (0.0, 0.0, 0.0)
 _ALL: Final = range(4)
 _OTHERS: Final = range(1, 4)
@@ -71,7 +73,7 @@ class SpeedFilterParameters:
         maximum=0.5,
     )
     delay_stddev: float = parameter(
-        0.1,
+        0.2,
         "deviation of the accelerometer's age against the wheels, where the vehicle file states none",
         unit="s",
         minimum=0.0,
@@ -128,6 +130,7 @@ class SpeedFilter:
         self._parameters = parameters
         self._delay = delay
         self._delay_variance = (parameters.delay_stddev if delay_stddev is None else delay_stddev) ** 2
+        self._averaged = _AVERAGED * sqrt(self._delay_variance)
         self._gain_variance = (parameters.gain_stddev if gain_stddev is None else gain_stddev) ** 2
         self.reset()
 
@@ -153,6 +156,8 @@ class SpeedFilter:
         self._unseen_gain = 0.0
         """What a gain of 1 would have done to the speed unseen [m/s]."""
         self._measured: float | None = 0.0
+        self._mean = 0.0
+        """Mean of the last readings [m/s^2]: an e makes the integral wrong by as much of them as it lasts."""
         self._travelled = 0.0
         self._history: deque[tuple[int, float, float]] = deque()
         self._kept = (0.0, p.offset_stddev**2)
@@ -220,7 +225,9 @@ class SpeedFilter:
             change = dt * (measured or 0.0) + self._delay * step
             driving = change - dt * self.offset
             self.speed += driving * (1.0 if measured is None else 1.0 - self.gain)
-            self._by_age[0] += step - dt * self._by_age[1]
+            before = self._mean
+            self._mean += dt / (self._averaged + dt) * ((measured or 0.0) - before)
+            self._by_age[0] += self._mean - before - dt * self._by_age[1]
             self._predict_covariance(dt, walk)
             self._p[0][0] += dt * dt * noise
             if measured is not None and abs(measured - self.offset) > p.telling:
@@ -233,7 +240,7 @@ class SpeedFilter:
             if dt > _GAP:
                 self._p[0][0] += p.unknown_acceleration**2 * dt**2
         self._measured = measured
-        self._history.append((stamp, self._travelled, measured or 0.0))
+        self._history.append((stamp, self._travelled, self._mean))
         while self._history[0][0] < stamp - _HISTORY:
             self._history.popleft()
 
@@ -369,6 +376,13 @@ class SpeedFilter:
             p[1][1] += ub
             self._unseen = _NOTHING
 
+    def correct_course(self, speed: float, variance: float, offset: float, offset_variance: float) -> None:
+        """Take speed [m/s] and offset [m/s^2] with their variances in place of those that wrong samples have made."""
+        self._see()
+        self.speed, self.offset = speed, offset
+        self._forget(0, variance)
+        self._forget(1, offset_variance)
+
     def doubt_offset(self, variance: float) -> None:
         """Widen the variance of the offset to at least `variance` [m^2/s^4]: it has changed."""
         self._see()
@@ -408,7 +422,7 @@ class SpeedFilter:
         return None if then is None else then[0]
 
     def _at(self, stamp: int) -> tuple[float, float] | None:
-        """Return that integral and the reading at `stamp`."""
+        """Return that integral and the mean of the readings at `stamp`."""
         later: tuple[int, float, float] | None = None
         for known in reversed(self._history):
             if known[0] == stamp:

@@ -13,16 +13,18 @@ from vehicle_models.acceleration_unit import GENTLE, AccelerationUnit
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _ALIKE: Final = 0.03
-"""Share by which the speeds of wheels that roll may differ."""
+"""Share by which the speeds of wheels that roll may differ: radii, curves; as `slide.spread`."""
 _LOWEST_SPEED: Final = 2.0
-"""Lowest speed at the rim at which ratios are judged [m/s]."""
+"""Lowest speed at the rim at which ratios are judged [m/s]: noise of both sensors is some percent of it."""
 _LEAST_AGREEING: Final = 0.7
 _MOST_AGREEING: Final = 1.4
-"""Ratios of two sensors of one motion lie between."""
+"""Ratios of two sensors of one motion lie between [-]: short of the middles to the nearest units, 0.28 and 2.24."""
 _NEAR: Final = 0.08
-"""Share by which a ratio may miss that of a unit."""
+"""Share by which a ratio may miss that of a unit: another tyre, slip. Of units nearer than that all are named."""
 _SURE_AFTER: Final = 0.2
-"""Time of agreement after which a speed sensor is trusted for good [s]."""
+"""Time of agreement [s] after which a speed sensor is trusted for good: more than a few wrong samples at 20 Hz."""
+_LONGEST_STEP: Final = 0.1
+"""Longest time [s] for which one sample counts as agreement."""
 
 
 class UnitCheck:
@@ -71,7 +73,7 @@ class UnitCheck:
             acceleration: of the accelerometer, forward positive [m/s^2]; None if there is none.
             measured_speed: newest sample of the speed sensor [m/s], None where no new one has come.
         """
-        dt = 0.0 if self._last is None else min((stamp - self._last) / NANOSECONDS, 0.1)
+        dt = 0.0 if self._last is None else min((stamp - self._last) / NANOSECONDS, _LONGEST_STEP)
         self._last = stamp
         if self._agreed >= _SURE_AFTER:
             measured_speed = None

@@ -22,11 +22,11 @@ from wheel_slip.accelerometer_watch import AccelerometerWatch
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
 from wheel_slip.mode import Cause, transition
 from wheel_slip.radius_doubt import RadiusDoubt
-from wheel_slip.sensor_watch import SensorWatch
 from wheel_slip.slide_detector import SlideDetector
 from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
 from wheel_slip.speed_parameters import VehicleSpeedParameters
 from wheel_slip.speed_sample import SpeedSample
+from wheel_slip.speed_sensor import SpeedSensor
 from wheel_slip.wheel_bounds import WheelBounds
 
 _SURE_OF_DELAY: Final = 2.0
@@ -72,9 +72,7 @@ class VehicleSpeed:
             parameters.slide,
             mounting.delay + _SURE_OF_DELAY * deviation_of(mounting.deviations, "delay", 0.0),
         )
-        self._sensor = SensorWatch(parameters.sensor)
-        driven = [wheel.driven for wheel in vehicle.wheels]
-        self._free = [index for index, by_engine in enumerate(driven) if not by_engine] if any(driven) else []
+        self._sensor = SpeedSensor(self._p, self._filter, self._slide, self.radii)
         self.reset()
 
     def reset(self) -> None:
@@ -90,7 +88,6 @@ class VehicleSpeed:
         """Why it was entered."""
         self._since: int | None = None
         self._force: float | None = None
-        self._sensor_stamp: int | None = None
         self._surprise = 0.0
         self._doubted: int | None = None
         self.radii.reset()
@@ -136,9 +133,8 @@ class VehicleSpeed:
     def variance(self) -> float:
         """Variance of the speed [m^2/s^2], with what does not average out: radii, and what is known of the sensor."""
         known = self._filter.speed_variance + (self._p.radius_uncertainty * self._filter.speed) ** 2
-        known += self._sensor.undecided**2
-        of_age = self._skew_variance + self._sensor.age.error**2
-        return known + of_age if self.source is SpeedSource.SENSOR else known
+        known += self._sensor.undecided_variance
+        return known + self._sensor.age_variance if self.source is SpeedSource.SENSOR else known
 
     @property
     def stated_variance(self) -> float:
@@ -179,18 +175,17 @@ class VehicleSpeed:
         ):
             acceleration = None
         self._predict(stamp, dt, acceleration, smooth_rim_speeds, rim_accelerations)
-        at_wheels = self._at_wheels(rim_speeds)
-        measured = self._new_samples(stamp, measured, smooth_rim_speeds, acceleration is not None)
-        starting = self.mode is Mode.WAITING
         if acceleration is not None:
-            self._count_votes(stamp, measured, smooth_rim_speeds, rim_accelerations)
-        measured = self._judge_sensor(measured, at_wheels, acceleration is not None)
+            self._sensor.follow(stamp)
+        at_wheels = self._at_wheels(rim_speeds)
         if measured:
-            self._sensor_stamp = measured[-1].stamp
+            gauged = acceleration is not None
+            measured = self._judged(stamp, measured, at_wheels, smooth_rim_speeds, rim_accelerations, gauged)
+        starting = self.mode is Mode.WAITING
         self._change_mode(stamp, smooth_rim_speeds, at_wheels is not None)
         if self.mode is not Mode.WAITING:
             for sample in measured:
-                self._use_sensor(sample, starting)
+                self._sensor.use(sample, starting)
                 starting = False
         # Without an accelerometer only a speed sensor can distinguish a slide from braking.
         if self.mode is Mode.ROLLING or (self.mode is Mode.SENSOR_ROLLING and acceleration is not None):
@@ -232,11 +227,31 @@ class VehicleSpeed:
         else:
             self._force = before + share * (acceleration - before)
 
+    def _judged(
+        self,
+        stamp: int,
+        measured: Sequence[SpeedSample],
+        at_wheels: tuple[float, list[int]] | None,
+        smooth_rim_speeds: Sequence[float],
+        rim_accelerations: Sequence[float],
+        gauged: bool,
+    ) -> Sequence[SpeedSample]:
+        """Return the samples of the sensor that may be used; `gauged`: there is an accelerometer."""
+        sensor = self._sensor
+        if self.mode is not Mode.WAITING:
+            measured, begins_anew = sensor.take(stamp, measured, smooth_rim_speeds, gauged)
+            if begins_anew:
+                self.mode = Mode.WAITING
+        started, variance = self.mode is not Mode.WAITING, self.stated_variance
+        if gauged and started:
+            votes = self._accelerometer.votes
+            sensor.vote(votes, stamp, measured, smooth_rim_speeds, rim_accelerations, variance)
+        return sensor.judge(measured, at_wheels, self._effort(), variance, started, gauged)
+
     def _change_mode(self, stamp: int, smooth_rim_speeds: Sequence[float], speed_at_wheels: bool) -> None:
         """Make the transition of this sample, and what comes with it."""
         before, slid = self.mode, self._is_sliding
-        sensor = self._sensor_is_fresh(stamp) and not self._sensor.left_out
-        evidence = self._slide.evidence(sensor, speed_at_wheels)
+        evidence = self._slide.evidence(self._sensor.speaks(stamp), speed_at_wheels)
         self.mode, cause = transition(before, evidence, self._p.slide)
         self._doubt_road(stamp)
         if cause is Cause.NONE:
@@ -282,104 +297,6 @@ class VehicleSpeed:
             "accelerometer offset [m/s^2]": f"{known.offset:.3f}",
             "accelerometer offset standard deviation [m/s^2]": f"{sqrt(known.offset_variance):.3f}",
         }
-
-    def _sensor_is_fresh(self, stamp: int) -> bool:
-        timeout = self._p.sensor_timeout * NANOSECONDS
-        return self._sensor_stamp is not None and stamp - self._sensor_stamp <= timeout
-
-    def _new_samples(
-        self,
-        stamp: int,
-        measured: Sequence[SpeedSample],
-        smooth_rim_speeds: Sequence[float],
-        gauged: bool,
-    ) -> Sequence[SpeedSample]:
-        """Learn the age of the samples; return those that repeat no old one. `gauged`: there is an accelerometer."""
-        if not measured or self.mode is Mode.WAITING:
-            return measured
-        car, age, before = self._filter, self._sensor.age, self._sensor.age.late
-        travelled = [car.travelled_at(each.stamp) if gauged else None for each in measured]
-        new = [
-            each
-            for each, so_far in zip(measured, travelled, strict=True)
-            if not self._sensor.is_old(each, so_far, car.offset)
-        ]
-        free = sorted([smooth_rim_speeds[index] for index in self._free])
-        if len(free) > 1 and self._p.slide.are_alike(free):
-            speed = sum(free) / len(free)
-            for sample in measured:
-                change = car.change_since(sample.stamp)
-                if change is not None:
-                    age.update(sample.stamp, sample.speed + change - speed, speed, sample.variance)
-            if age.late and not before and self._sensor_is_fresh(stamp):
-                # Speed and offset are by samples that were old.
-                car.reset()
-                self.mode, self._sensor_stamp = Mode.WAITING, None
-        return new
-
-    def _judge_sensor(
-        self, measured: Sequence[SpeedSample], at_wheels: tuple[float, list[int]] | None, gauged: bool
-    ) -> Sequence[SpeedSample]:
-        """Return the samples that may be used, beside `at_wheels`; `gauged`: there is an accelerometer."""
-        late = self._sensor.age.late > 0.0
-        if not measured or self.mode is Mode.WAITING:
-            return () if late else measured
-        car, watch, effort = self._filter, self._sensor, self._effort()
-        usable: list[SpeedSample] = []
-        for sample in measured:
-            change = car.change_since(sample.stamp)
-            if change is None:
-                continue
-            noise = sample.variance + self._skew_variance
-            if at_wheels is not None and gauged and self._slide.has_rolled:
-                rolling = at_wheels[0] * (1.0 + self._p.speed_filter.compliance * effort)
-                shares = self.radii.common**2 + self.radii.of_mean + self._p.radius_uncertainty**2
-                deviation = sqrt(shares * rolling**2 + self._p.rolling.blind_stddev**2 + noise)
-                slip = abs(self._p.speed_filter.compliance_stddev * effort * rolling)
-                fits = watch.compare(sample.stamp, sample.speed + change - rolling, deviation, slip)
-            else:
-                of_both = sqrt(noise + self.stated_variance)
-                fits = watch.fits(sample.stamp, sample.speed + change - car.speed, of_both)
-            if fits:
-                usable.append(sample)
-        return () if late else usable
-
-    def _count_votes(
-        self,
-        stamp: int,
-        measured: Sequence[SpeedSample],
-        smooth_rim_speeds: Sequence[float],
-        rim_accelerations: Sequence[float],
-    ) -> None:
-        """Compare the samples of the sensor with the speed and with wheels that turn alike."""
-        if not measured or self.mode is Mode.WAITING or self._sensor.age.late:
-            return
-        car = self._filter
-        known = [index for index, speed in enumerate(smooth_rim_speeds) if isfinite(speed)]
-        alike = self._p.slide.are_alike(sorted([smooth_rim_speeds[index] for index in known]))
-        middle = median([smooth_rim_speeds[index] for index in known]) if alike else 0.0
-        rate = median([rim_accelerations[index] for index in known]) if alike else 0.0
-        of_age = (self._p.sensor.latency_stddev * rate) ** 2
-        of_radii = (self.radii.common**2 + self._p.radius_uncertainty**2) * middle**2
-        for sample in measured:
-            change = car.change_since(sample.stamp)
-            if change is None:
-                continue
-            then = middle - rate * (stamp - sample.stamp) / NANOSECONDS
-            at_wheels = (sample.speed - then, of_radii + of_age) if alike else None
-            at_speed = (sample.speed + change - car.speed, self.stated_variance + of_age)
-            self._accelerometer.votes.note(sample.stamp, sample.variance, at_speed, at_wheels)
-
-    @property
-    def _skew_variance(self) -> float:
-        """Variance of a speed of the sensor by its age, which errs alike in all samples [m^2/s^2]."""
-        return (self._p.sensor.latency_stddev * (self._slide.acceleration or 0.0)) ** 2
-
-    def _use_sensor(self, sample: SpeedSample, starting: bool) -> None:
-        if starting:
-            self._filter.start(sample.speed, sample.variance, 0.0)
-        else:
-            self._filter.correct(sample.speed, sample.variance, sample.stamp, by_wheels=0.0)
 
     def _at_wheels(self, rim_speeds: Sequence[float]) -> tuple[float, list[int]] | None:
         """Return the mean of the wheels that are believed [m/s] and which these are; None where they tell nothing."""

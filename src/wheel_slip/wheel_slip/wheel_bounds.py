@@ -126,7 +126,9 @@ class WheelBounds:
         if a < -p.effort_above:
             beyond = known[-1 - second] - margin - car.speed
             if known[-1 - second] > (1.0 - p.close) * car.speed:
-                car.limit((0.5 * p.close * car.speed) ** 2 + margin**2)
+                # A speed that is too high is so by no more than that wheel is behind.
+                behind = max(car.speed - known[-1 - second], 0.5 * p.close * car.speed)
+                car.limit(behind**2 + margin**2)
         elif a > p.effort_above:
             beyond = car.speed - known[second] - margin
         self._beyond = self._beyond + dt if beyond > 0.0 else 0.0

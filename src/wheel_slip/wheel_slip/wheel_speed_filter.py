@@ -27,7 +27,10 @@ from wheel_slip.ring_gap import RingGap
 _FIRST_ACCELERATION_VARIANCE: Final = 100.0**2
 """Variance of an unknown acceleration [rad^2/s^4]: ten times that of a wheel that rolls in a hard stop, squared."""
 _MEMORY: Final = 0.3
-"""Share of the newest sample in the mean squared innovation: six samples, of which noise seldom makes twice its own."""
+"""Share of the newest sample in the mean squared innovation: six samples, of which noise seldom makes twice its own.
+
+A number of samples at any rate, for so many squares of noise have that mean.
+"""
 _KNEE: Final = 2.0
 """Mean squared innovation above which the wheel is no longer quiet."""
 _LARGEST_GAIN: Final = 1e4
@@ -36,8 +39,8 @@ _SLOWEST: Final = 1e-3
 """Speed of a wheel that stands [rad/s]."""
 _AGE_SHARE: Final = 0.35
 """Deviation of the age as a share of it: the last edge is anywhere within a tooth."""
-_SAMPLES_TO_SETTLE: Final = 5
-"""Samples after which the acceleration is measured, not assumed."""
+_SETTLE_TIME: Final = round(0.018 * NANOSECONDS)
+"""Time [ns] after which the acceleration is measured, not assumed: to 5 rad/s^2 in five samples at 200 Hz."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +108,7 @@ class WheelSpeedFilter:
         self._covariance = 0.0
         self._unrest = 1.0
         self._stamp: int | None = None
-        self._samples = 0
+        self._begin = 0
         if self._gap is not None:
             self._gap.reset()
 
@@ -121,11 +124,11 @@ class WheelSpeedFilter:
             self.reset()
             self.restarted_by_gap = gap
             self.speed = measured
+            self._begin = stamp
         else:
             self._step(dt, measured)
         self._stamp = stamp
-        self._samples += 1
-        self.settled = self._samples >= _SAMPLES_TO_SETTLE
+        self.settled = stamp - self._begin >= _SETTLE_TIME
 
     def _step(self, dt: float, measured: float) -> None:
         """Predict over `dt` [s] and correct by the measured wheel speed [rad/s]."""
