@@ -7,7 +7,7 @@ import numpy as np
 
 from corner_sim.car.ordinary_driving import OrdinaryDriver
 from corner_sim.car.random_car import random_car
-from corner_sim.car.recording import record
+from corner_sim.car.recording import Recording, record
 from friction_evaluation.real_car.answers import follow
 from friction_evaluation.real_car.stops import ALARM
 from friction_evaluation.rows import Row, at_most, not_judged
@@ -44,14 +44,18 @@ class DriveResult:
     """Largest slip of a tyre over its lambda_max, braking or driving."""
 
 
-def make_drive(drive: Drive) -> DriveResult:
-    """Drive, estimate and count."""
+def record_drive(drive: Drive) -> Recording:
+    """Drive; the estimator is not used."""
     # the drive has hills of its own: on snow no car with two driven wheels climbs more
     car = replace(random_car(drive.seed, drive.road, drive.family).parameters, slope=0.0)
     driver = OrdinaryDriver(car, drive.seed)
-    run = record(car, driver, drive.seed, speed=15.0, duration=drive.duration, surroundings=driver.surroundings)
-    found = follow(drive.method, run, len(run.time))
-    lasting = round(LASTING * car.sensors.sample_rate)
+    return record(car, driver, drive.seed, speed=15.0, duration=drive.duration, surroundings=driver.surroundings)
+
+
+def curves_of_drive(run: Recording, method: str) -> DriveResult:
+    """Estimate the curves of a drive and count what is claimed."""
+    found = follow(method, run, len(run.time))
+    lasting = round(LASTING * run.parameters.sensors.sample_rate)
     return DriveResult(
         hours=float(run.time[-1]) / 3600.0,
         valid_peaks=len(run_lengths(found.valid == 1.0)),

@@ -1,17 +1,15 @@
 """Slope signs in ordinary driving of random cars: wheel_slip without a speed sensor, and friction_slope behind it."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from friction_msgs.msg import FrictionSlope
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
-from corner_sim.car.ordinary_driving import OrdinaryDriver
-from corner_sim.car.random_car import random_car
-from corner_sim.car.recording import Recording, record
+from corner_sim.car.recording import Recording
 from friction_evaluation.real_car.answers import VEHICLE
-from friction_evaluation.real_car.driving import LASTING, Drive
+from friction_evaluation.real_car.driving import LASTING
 from friction_evaluation.rows import Row, at_most, not_judged
 from friction_evaluation.run_lengths import run_lengths
 from friction_evaluation.slope.detection import METHODS, shipped_settings
@@ -35,11 +33,8 @@ class SlopeDrive:
     """Time with the sign -1, of all wheels together [s]."""
 
 
-def make_slope_drive(drive: Drive) -> SlopeDrive:
-    """Drive, let the processors follow and count; the estimator of the drive is not used."""
-    car = replace(random_car(drive.seed, drive.road, drive.family).parameters, slope=0.0)
-    driver = OrdinaryDriver(car, drive.seed)
-    run = record(car, driver, drive.seed, speed=15.0, duration=drive.duration, surroundings=driver.surroundings)
+def signs_of_drive(run: Recording) -> SlopeDrive:
+    """Let the processors follow a drive and count the signs."""
     vehicle, settings = load_vehicle(VEHICLE), shipped_settings(imu=True)
     slip, _ = settings.processors(vehicle, vehicle.wheel_names[0])
     slopes = [settings.processors(vehicle, wheel)[1] for wheel in vehicle.wheel_names]
