@@ -25,6 +25,7 @@ SLOWEST = 1.0
 _REST = 0.02
 """A braked car slower than this stands still [m/s]."""
 _SIDE = (1.0, -1.0, 1.0, -1.0)
+_ALL = [1.0] * 4
 
 
 class Car:
@@ -56,20 +57,40 @@ class Car:
     @property
     def vertical_load(self) -> list[float]:
         """Loads [N], >= 0: at rest, moved by pitch and by lateral acceleration, and varied by the road."""
+        uneven = self._relative_load[self._steps % len(self._relative_load)]
+        return [max(load * variation, 0.0) for load, variation in zip(self._even_load, uneven, strict=True)]
+
+    @property
+    def _even_load(self) -> list[float]:
+        """Loads [N] on an even road."""
         p = self._p
         pitched = -0.5 * p.mass * p.height / p.wheelbase * self.pitch.load_acceleration
         rolled = -p.mass * self.speed**2 * self._curvature * p.height / p.track  # a left turn loads the right
-        uneven = self._relative_load[self._steps % len(self._relative_load)]
         weight = p.mass * GRAVITY
         return [
-            max((weight * share + end * pitched + side * rolled * share * 2.0) * variation, 0.0)
-            for share, end, side, variation in zip(self._shares, (1.0, 1.0, -1.0, -1.0), _SIDE, uneven, strict=True)
+            weight * share + end * pitched + side * rolled * share * 2.0
+            for share, end, side in zip(self._shares, (1.0, 1.0, -1.0, -1.0), _SIDE, strict=True)
+        ]
+
+    @property
+    def grip(self) -> list[float]:
+        """Friction of each tyre over that at its load at rest."""
+        p = self._p
+        if p.load_sensitivity == 0.0:
+            return _ALL
+        weight = p.mass * GRAVITY
+        return [
+            1.0 - p.load_sensitivity * (load / (weight * share) - 1.0)
+            for load, share in zip(self._even_load, self._shares, strict=True)
         ]
 
     @property
     def friction(self) -> list[float]:
         """Fx / Fz of each tyre, braking positive."""
-        return [tyre.friction(slip)[0] for tyre, slip in zip(self.tyres, self.tyre_slip, strict=True)]
+        return [
+            grip * tyre.friction(slip)[0]
+            for grip, tyre, slip in zip(self.grip, self.tyres, self.tyre_slip, strict=True)
+        ]
 
     @property
     def tyre_slip(self) -> list[float]:
@@ -103,7 +124,7 @@ class Car:
         p, h = self._p, STEP
         gh = GAMMA * h
         self._curvature = curvature
-        loads = self.vertical_load
+        loads, grips = self.vertical_load, self.grip
         stub = self._stub_ratio(curvature)
         rear = engine_torque if engine_torque > 0.0 else -p.engine_drag
         v = self.speed
@@ -118,6 +139,7 @@ class Car:
             rest = (v * stub[i] - radius * self.wheel_speed[i]) / slip_speed - self._relaxed_slip[i]
             damped = self._damped_share(slip_speed, i)
             mu, mu_slope = self.tyres[i].friction(self._relaxed_slip[i] + damped * rest)
+            mu, mu_slope = grips[i] * mu, grips[i] * mu_slope
             force_1 += load * mu
             torque = (rear if i > 1 else 0.0) - brake_torque[i]
             wheel = (radius * load * mu + torque) / inertia
@@ -140,7 +162,7 @@ class Car:
             slip_speed = max(v_2 * stub[i], SLOWEST)
             rest = (v_2 * stub[i] - radius * omega_2) / slip_speed - slip_2
             damped = self._damped_share(slip_speed, i)
-            mu = self.tyres[i].friction(slip_2 + damped * rest)[0]
+            mu = grips[i] * self.tyres[i].friction(slip_2 + damped * rest)[0]
             force_2 += load * mu
             wheel = (radius * load * mu + torque) / inertia - 2.0 * k_wheel
             relax = slip_speed * rest / p.relaxation_length[i] - 2.0 * k_relax

@@ -90,6 +90,8 @@ class CarParameters:
     """Pitch, nose down, over steady deceleration [rad s^2/m]; see PITCH_GAIN."""
     load_variation: float = 0.0
     """RMS of the load of each wheel over its mean, by the unevenness of the road."""
+    load_sensitivity: float = 0.0
+    """Share of its friction that a tyre loses where its load, without the road's unevenness, is twice that at rest."""
     slope: float = 0.0
     """Sine of the angle of the road, uphill positive."""
     sensors: SensorParameters = field(default_factory=SensorParameters)

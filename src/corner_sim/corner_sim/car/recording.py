@@ -65,7 +65,7 @@ class Recording:
     lambda_max: Array
     """Peak slip of each tyre on its road, (4,)."""
     mu_max: Array
-    """Peak friction of each tyre on its road, (4,)."""
+    """Peak friction of each tyre on its road, at its load without the road's unevenness, (N, 4)."""
     parameters: CarParameters
 
 
@@ -101,6 +101,7 @@ def record(
                 [
                     *(m.time, *m.wheel_speed, *m.brake_pressure, m.acceleration),
                     *(car.speed, *car.slip, *car.tyre_slip, *car.friction, *car.vertical_load, car.acceleration),
+                    *car.grip,
                 ]
             )
         if car.speed <= END_SPEED:
@@ -122,6 +123,6 @@ def record(
         vertical_load=table[:, 23:27],
         true_acceleration=table[:, 27],
         lambda_max=peaks[:, 0],
-        mu_max=peaks[:, 1],
+        mu_max=peaks[:, 1] * table[:, 28:32],
         parameters=parameters,
     )

@@ -34,6 +34,7 @@ from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.passing import Passing
 from friction_curve_id.car.present_slip import present_slip
 from friction_curve_id.car.prior import car_prior, radius_deviation
+from friction_curve_id.car.tyre_deviations import LAMBDA_MAX, mu_max_deviations
 from friction_curve_id.car.unknowns import Unknown
 from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate, Reason, Refusal, RestartCause
 from vehicle_models.vehicle import Vehicle
@@ -388,6 +389,10 @@ class CarEstimator:
         shape = (float(u[Unknown.SHAPE_1]), float(u[Unknown.SHAPE_2]))
         curve = curve_values(self._families[best], peak.log_lambda_max, shape, slips / lambda_max)
         mu, slope = mu_max * curve.value, mu_max / lambda_max * curve.slope
+        of_lambda, of_mu = 0.0, np.zeros(len(self._index))
+        if len(self._fits) > 1:  # with one formula given, the tyres are given to be of it
+            of_lambda, of_mu = LAMBDA_MAX, mu_max_deviations(self._fits[best].moved)
+        log_mu_stddev = hypot(peak.log_mu_stddev, self._misfit, UNRESOLVED_HEIGHT * self._unresolved)
         theta = UNKNOWN_THETA
         if self._families[best] is Family.BURCKHARDT:
             theta = burckhardt_theta(peak, shape[0])
@@ -397,8 +402,8 @@ class CarEstimator:
                 float(slips[each]),
                 lambda_max,
                 mu_max,
-                lambda_max * hypot(peak.log_lambda_stddev, self._unresolved),
-                mu_max * reaching_up(hypot(peak.log_mu_stddev, self._misfit, UNRESOLVED_HEIGHT * self._unresolved)),
+                lambda_max * hypot(peak.log_lambda_stddev, self._unresolved, of_lambda),
+                mu_max * reaching_up(hypot(log_mu_stddev, float(of_mu[each]))),
                 theta,
                 mu=float(mu[each]),
                 slope=float(slope[each]),

@@ -44,9 +44,9 @@ def make_rise(rise: Rise) -> list[tuple[float, float, bool]]:
             if not each[:, wheel].any():
                 continue
             k = int(each[:, wheel].argmax())
-            error = found.mu_max[k, wheel] - run.mu_max[wheel]
+            error = found.mu_max[k, wheel] - run.mu_max[k, wheel]
             inside = abs(error) <= 1.96 * found.mu_max_stddev[k, wheel]
-            results.append((share, error / run.mu_max[wheel], bool(inside)))
+            results.append((share, error / run.mu_max[k, wheel], bool(inside)))
     return results
 
 

@@ -83,9 +83,9 @@ def judge(run: Recording, found: Answers, first: float) -> StopResult:
     time, beyond = run.time[:n], (run.tyre_slip > run.lambda_max)[:n]
     valid = found.valid == 1.0
     lambda_error = found.lambda_max / run.lambda_max - 1.0
-    mu_error = found.mu_max / run.mu_max - 1.0
+    mu_error = found.mu_max / run.mu_max[:n] - 1.0
     lambda_inside = np.abs(found.lambda_max - run.lambda_max) <= _INTERVAL * found.lambda_max_stddev
-    mu_inside = np.abs(found.mu_max - run.mu_max) <= _INTERVAL * found.mu_max_stddev
+    mu_inside = np.abs(found.mu_max - run.mu_max[:n]) <= _INTERVAL * found.mu_max_stddev
     at = min(int(np.searchsorted(time, first + JUDGED)), n - 1)
     some = valid.any(axis=1)
     passings = np.where(beyond.any(axis=0), time[beyond.argmax(axis=0)], np.inf)

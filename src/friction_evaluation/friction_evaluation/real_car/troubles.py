@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
+from corner_sim.car.other_tyres import BRUSH_TYRES, Scaled
 from corner_sim.car.pressure_prescription import Cycling
 from corner_sim.car.tyre import TYRES
 from friction_curve_id.methods import DEFAULT
@@ -48,6 +49,9 @@ TROUBLES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "wheel stamps 10 ms late": {"wheel_delay": 0.01},
         "48 teeth at 100 Hz": {"encoder_teeth": 48, "sample_rate": 100},
         "Pacejka": {"family": "pacejka"},
+        "brush tyres": {"family": "brush"},
+        "tyres with load sensitivity 10 %": {"load_sensitivity": 0.1},
+        "other tyres at the rear": {"rear": {"friction_factor": 1.06, "slip_factor": 1.1}},
         "load varying 5 % RMS": {"load_variation": 0.05},
         "first rise of 3 s": {"ramp": 3.0},
         "50 Hz": {"sample_rate": 50},
@@ -61,8 +65,9 @@ def troubled_car(trouble: str, road: str, method: str) -> tuple[CarParameters, C
     """Make the car of a trouble on a road, for a method of BELIEVED, and the way it is braked."""
     changes = dict(TROUBLES[trouble])
     cycling = Cycling(ramp=changes.pop("ramp", Cycling.ramp))
-    tyre = TYRES[changes.pop("family", "burckhardt")][road]
+    tyre = {**TYRES, "brush": BRUSH_TYRES}[changes.pop("family", "burckhardt")][road]
+    rear = Scaled(tyre, **changes.pop("rear")) if "rear" in changes else tyre
     believed = BELIEVED[method]
     of_sensors = {name: changes.pop(name) for name in list(changes) if hasattr(SensorParameters, name)}
     sensors = replace(believed.sensors, **of_sensors)
-    return replace(believed, tyres=(tyre,) * 4, sensors=sensors, **changes), cycling
+    return replace(believed, tyres=(tyre, tyre, rear, rear), sensors=sensors, **changes), cycling
