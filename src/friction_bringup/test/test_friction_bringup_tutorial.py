@@ -74,7 +74,7 @@ def test_the_doctor_learns_the_car_of_the_log_and_its_estimates_become_right(tmp
     assert vehicle.brake_pressure_delay == pytest.approx(PRESSURE_AGE, abs=2e-3)
 
     truth = drive()
-    lambda_max, mu_max = truth.lambda_max[0], truth.mu_max[0]
+    lambda_max, mu_max = truth.lambda_max[0], truth.mu_max[-1, 0]
     stop = last_part(car / "bag", car / "stop")
     before = estimates(stop, car / "my_car.yaml", car / "before")
     after = estimates(stop, learned, car / "after")
