@@ -190,7 +190,8 @@ class SlipEstimator:
         radius_variance: float,
     ) -> WheelEstimate:
         car_speed, car_acceleration, _, mode, reason, text = car
-        omega = (wheel.speed + wheel.age * wheel.acceleration, wheel.speed_variance + wheel.age_variance)
+        omega_variance = wheel.speed_variance + wheel.lag_variance + wheel.age_variance
+        omega = (wheel.speed + wheel.age * wheel.acceleration, omega_variance)
         slip_found = rate = variance = rate_variance = nan
         if not isfinite(measured):
             reason, text = Reason.BAD_INPUT, "wheel speed is missing or not finite"

@@ -10,7 +10,8 @@ innovation over the last samples, in units of what it is for a quiet wheel,
 
     q = q_0 max(1, m / 2)^2
 
-Noise alone hardly reaches m = 2, so that the smoothing of a quiet wheel stays what q_0 makes it.
+Noise alone hardly reaches m = 2, so that the smoothing of a quiet wheel stays what q_0 makes it. Above 200 Hz one
+innovation says little of a lag, and what is squared is their mean over 5 ms.
 
 A speed from the times of edges is that of a time before its stamp: by half a sample, or half a tooth where there are
 fewer, and half a tooth more. What the wheel has done since is not seen, and is in the variance.
@@ -29,8 +30,10 @@ _FIRST_ACCELERATION_VARIANCE: Final = 100.0**2
 _MEMORY: Final = 0.3
 """Share of the newest sample in the mean squared innovation: six samples, of which noise seldom makes twice its own.
 
-A number of samples at any rate, for so many squares of noise have that mean.
+A number of samples up to 200 Hz, for so many squares of noise have that mean, and of the times _TOGETHER above.
 """
+_TOGETHER: Final = 0.0045
+"""Time over which innovations are averaged before they are squared [s]: a lag makes all of them alike, noise none."""
 _KNEE: Final = 2.0
 """Mean squared innovation above which the wheel is no longer quiet."""
 _LARGEST_GAIN: Final = 1e4
@@ -97,6 +100,8 @@ class WheelSpeedFilter:
         """Age of a speed at its stamp [s]."""
         self.age_variance = 0.0
         """Of what the wheel has done since [rad^2/s^2]."""
+        self.lag_variance = 0.0
+        """Square of what the mean innovation shows of a lag, above 200 Hz [rad^2/s^2]; the filter's own has none."""
         self.acceleration_variance = _FIRST_ACCELERATION_VARIANCE
         """[rad^2/s^4]"""
         self.in_gap = False
@@ -107,6 +112,8 @@ class WheelSpeedFilter:
         """Whether there are enough samples since start or gap."""
         self._covariance = 0.0
         self._unrest = 1.0
+        self._mean_innovation = 0.0
+        self._mean_weight = 1.0
         self._stamp: int | None = None
         self._begin = 0
         if self._gap is not None:
@@ -146,13 +153,19 @@ class WheelSpeedFilter:
             self.speed_variance, self._covariance, self.acceleration_variance = p11, p12, p22
         else:
             quiet = 1.6 * r + 1.5 * q0 * dt**3
-            self._unrest += _MEMORY * (innovation**2 / quiet - self._unrest)
+            newest = min(dt / _TOGETHER, 1.0)
+            self._mean_innovation = (1.0 - newest) * self._mean_innovation + newest * innovation
+            self._mean_weight = (1.0 - newest) ** 2 * self._mean_weight + newest**2
+            of_mean = quiet * self._mean_weight
+            self._unrest += _MEMORY * newest * (self._mean_innovation**2 / of_mean - self._unrest)
             gain, acceleration_gain = p11 / (p11 + r), p12 / (p11 + r)
             self.speed = speed + gain * innovation
             self.acceleration += acceleration_gain * innovation
             self.speed_variance = gain * r
             self._covariance = acceleration_gain * r
             self.acceleration_variance = p22 - acceleration_gain * p12
+            if newest < 1.0:
+                self.lag_variance = (1.0 - gain) ** 2 * max(self._mean_innovation**2 - of_mean, 0.0)
         if self._pitch:
             tooth = min(self._pitch / max(abs(self.speed), _SLOWEST), self._max_gap)
             self.age = 0.5 * (max(dt, tooth) + tooth)
