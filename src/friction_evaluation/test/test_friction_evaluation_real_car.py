@@ -206,6 +206,12 @@ def test_a_bound_is_a_few_percent_and_snow_leaves_most() -> None:
     assert snow[0] > dry[0] and snow[1] > dry[1]
 
 
+def test_hours_made_in_parts_are_those_made_at_once() -> None:
+    whole = part.drives(0.2, 1, "car")
+    assert sum(drive.duration for drive in whole) == pytest.approx(720.0)
+    assert part.drives(0.1, 1, "car") + part.drives(0.1, 4, "car") == whole
+
+
 def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(part, "ROADS", ("wet",))
     monkeypatch.setattr(part, "CHANGES", (("dry", "wet"),))

@@ -52,6 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
     parser.add_argument("--seeds", type=count, default=50, help="seeds a trouble and road; random cars a road")
     parser.add_argument("--hours", type=positive, default=0.2, help="hours of ordinary driving")
+    parser.add_argument("--first-drive", type=count, default=1, help="number of the first drive: long ones in parts")
     parser.add_argument("--method", choices=METHODS, default=DEFAULT, help="the estimator that is judged")
     parser.add_argument("--studies", nargs="+", choices=_STUDIES, default=list(_STUDIES), help="what to study")
     parser.add_argument("--troubles", nargs="+", choices=TROUBLES, default=list(TROUBLES), help="for 'troubles'")
@@ -131,15 +132,18 @@ def _road_change(options: argparse.Namespace) -> list[Row]:
 
 
 def _driving(options: argparse.Namespace) -> list[Row]:
-    total = 3600.0 * options.hours
-    jobs = [
-        Drive(_FIRST_SEED + k, ROADS[k // 2 % len(ROADS)], _family(k), options.method, min(DRIVE, total - k * DRIVE))
-        for k in range(int(-(-total // DRIVE)))
-    ]
-    if not jobs:
-        return []
+    jobs = drives(options.hours, options.first_drive, options.method)
     results = in_processes(_one_drive, jobs, "ordinary driving", options.processes)
     return drive_rows([curves for curves, _ in results]) + slope_drive_rows([signs for _, signs in results])
+
+
+def drives(hours: float, first: int, method: str) -> list[Drive]:
+    """Drives of `hours` together, from the one with the number `first` >= 1 on; their cars go by number."""
+    seconds = 3600.0 * hours
+    return [
+        Drive(_FIRST_SEED + k, ROADS[k // 2 % len(ROADS)], _family(k), method, min(DRIVE, seconds - done * DRIVE))
+        for done, k in enumerate(range(first - 1, first - 1 + int(-(-seconds // DRIVE))))
+    ]
 
 
 def _one_drive(drive: Drive) -> tuple[DriveResult, SlopeDrive]:
