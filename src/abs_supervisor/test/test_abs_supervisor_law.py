@@ -404,7 +404,7 @@ def test_the_slope_takes_over_when_something_is_lost_and_gives_back(
 ) -> None:
     choice = LawChoice()
     good = {"braking": True, "slip": True, "curve": True}
-    choice.update(0, **good)
+    choice.update(0, **{**good, **lost, "slip": True})
     stamps = range(STEP, round(after * 1e9) + STEP, STEP) or [STEP]
     for stamp in stamps:
         assert choice.law is Law.CURVE
@@ -412,6 +412,17 @@ def test_the_slope_takes_over_when_something_is_lost_and_gives_back(
     assert (choice.law, choice.cause) == (Law.SLOPE_SIGN, cause)
     choice.update(stamps[-1] + STEP, **good)
     assert (choice.law, choice.cause) == (Law.CURVE, Change.RETURNED)
+
+
+def test_a_curve_that_is_lost_within_a_braking_gives_way_at_once() -> None:
+    """It was kept for 0.15 s already: the driver's pressure for as long again locks a wheel."""
+    choice = LawChoice()
+    assert choice.update(STEP, braking=True, slip=True, curve=True) is Law.CURVE
+    assert choice.update(2 * STEP, braking=True, slip=True, curve=False) is Law.SLOPE_SIGN
+    assert choice.cause is Change.NO_CURVE
+    assert choice.update(3 * STEP, braking=True, slip=True, curve=True) is Law.CURVE
+    choice.update(4 * STEP, braking=False, slip=True, curve=False)
+    assert choice.update(5 * STEP, braking=True, slip=True, curve=False) is Law.CURVE
 
 
 def test_a_curve_that_does_not_explain_its_wheel_gives_way_at_once_and_is_back_when_it_does() -> None:

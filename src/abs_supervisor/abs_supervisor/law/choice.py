@@ -6,7 +6,8 @@ from vehicle_models.nanoseconds import NANOSECONDS
 
 _WITHOUT_SLIP = round(0.02 * NANOSECONDS)
 _WITHOUT_CURVE = round(0.15 * NANOSECONDS)
-"""[ns] of braking."""
+"""[ns] of braking until the first curve. One that is lost was kept for as long already: to wait once more with the
+driver's pressure gave a wheel on snow 600 N m too much, and it locked."""
 
 
 class Law(IntEnum):
@@ -39,6 +40,7 @@ class LawChoice:
         """Of the last change."""
         self._slip_at: int | None = None
         self._curve_at: int | None = None
+        self._had_curve = False
 
     def update(self, stamp: int, braking: bool, slip: bool, curve: bool, explains: bool = True) -> Law:
         """Return the law for a sample.
@@ -54,10 +56,11 @@ class LawChoice:
             self._slip_at = stamp
         if curve or not braking or self._curve_at is None:
             self._curve_at = stamp
+        self._had_curve = braking and (curve or self._had_curve)
         lost = Change.NONE
         if stamp - self._slip_at >= _WITHOUT_SLIP:
             lost = Change.SLIP_LOST
-        elif not explains or stamp - self._curve_at >= _WITHOUT_CURVE:
+        elif not explains or (self._had_curve and not curve) or stamp - self._curve_at >= _WITHOUT_CURVE:
             lost = Change.NO_CURVE
         if self.law is Law.CURVE and lost is not Change.NONE:
             self.law, self.cause = Law.SLOPE_SIGN, lost
