@@ -315,6 +315,17 @@ def test_a_fit_that_began_anew_displaces_a_curve_that_explains_the_wheel_only_wh
     assert known.curve is other
 
 
+def test_a_curve_that_was_vague_itself_is_not_kept_by_fits_that_began_anew() -> None:
+    """From dry to snow a fit went astray to a peak of 0.78 and ended; the law then held a slip of 0.46 to the end."""
+    astray, other = road("cobblestone"), road("snow")
+    known = UsableCurve()
+    known.take(report(STEP, Estimate.VAGUE, astray, stddev=0.3 * astray.lambda_max))
+    for sample in range(2, 40):
+        vague = report(sample * STEP, Estimate.VAGUE, other, stddev=2.0 * other.lambda_max, restarts=1)
+        known.take(vague, explained=True)
+        assert known.curve is (astray if sample * STEP <= STEP + 0.15e9 else other)
+
+
 @pytest.mark.parametrize(
     ("peak", "level", "stddev", "displaces"),
     [

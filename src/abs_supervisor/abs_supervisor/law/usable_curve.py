@@ -94,7 +94,8 @@ class UsableCurve:
             report: of the estimator.
             explained: whether the present curve explains how the wheel moves. A fit that began anew then displaces it
                 only if it says another friction at the known peak, or is surer of its own. Else its samples are of the
-                slips that the law held: they tell the level of friction, hardly the peak.
+                slips that the law held: they tell the level of friction, hardly the peak. A present curve that was
+                vague itself holds for _KEPT only.
         """
         self.changed = False
         curve, known = report.curve, self.curve
@@ -102,11 +103,14 @@ class UsableCurve:
         doubt = report.stddev / curve.lambda_max if curve is not None and isfinite(report.stddev) else 0.0
         vague = doubt > _VAGUE
         anew = report.restarts != self._restarts
-        if curve is not None and known is not None and anew and explained:
+        sure = self._doubt <= _VAGUE
+        kept = sure or report.stamp - self._since <= _KEPT
+        if curve is not None and known is not None and anew and explained and kept:
             level = curve.friction(known.lambda_max) / known.mu_max
             same = doubt > self._doubt and 1.0 / _ALIKE < level < _ALIKE
             if vague or same:
-                self._since = report.stamp
+                if sure:  # a peak that was vague itself is not kept by what says nothing of it
+                    self._since = report.stamp
                 if tells and not vague:
                     self._take_level(report.restarts, known, level)
                 return
