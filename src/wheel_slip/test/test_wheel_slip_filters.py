@@ -70,6 +70,15 @@ def test_wheels_that_are_cycled_through_the_peak_are_within_their_intervals_at_h
     assert np.mean(inside) > 0.88
 
 
+def test_what_a_fast_sample_showed_of_a_lag_ends_with_the_next_slow_one() -> None:
+    wheel = wheel_filter()
+    for k in range(40):
+        wheel.update(MS + k * MS, 80.0 - 1.0 * max(k - 36, 0))
+    assert wheel.lag_variance > 0.0
+    wheel.update(MS + 45 * MS, 70.0)
+    assert wheel.lag_variance == 0.0
+
+
 def test_a_burst_of_samples_after_a_surprise_does_not_unsettle_the_filter() -> None:
     wheels = [wheel_filter(), wheel_filter()]
     for number, wheel in enumerate(wheels):

@@ -11,7 +11,7 @@ innovation over the last samples, in units of what it is for a quiet wheel,
     q = q_0 max(1, m / 2)^2
 
 Noise alone hardly reaches m = 2, so that the smoothing of a quiet wheel stays what q_0 makes it. Above 200 Hz one
-innovation says little of a lag, and what is squared is their mean over 5 ms.
+innovation says little of a lag, and what is squared is their mean over 4.5 ms.
 
 A speed from the times of edges is that of a time before its stamp: by half a sample, or half a tooth where there are
 fewer, and half a tooth more. What the wheel has done since is not seen, and is in the variance.
@@ -164,8 +164,8 @@ class WheelSpeedFilter:
             self.speed_variance = gain * r
             self._covariance = acceleration_gain * r
             self.acceleration_variance = p22 - acceleration_gain * p12
-            if newest < 1.0:
-                self.lag_variance = (1.0 - gain) ** 2 * max(self._mean_innovation**2 - of_mean, 0.0)
+            seen = max(self._mean_innovation**2 - of_mean, 0.0) if newest < 1.0 else 0.0
+            self.lag_variance = (1.0 - gain) ** 2 * seen
         if self._pitch:
             tooth = min(self._pitch / max(abs(self.speed), _SLOWEST), self._max_gap)
             self.age = 0.5 * (max(dt, tooth) + tooth)
