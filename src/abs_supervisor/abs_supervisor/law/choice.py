@@ -39,8 +39,8 @@ class LawChoice:
         self.cause = Change.NONE
         """Of the last change."""
         self._slip_at: int | None = None
-        self._curve_at: int | None = None
-        self._had_curve = False
+        self._curve_by: int | None = None
+        """[ns] from when on the lack of a curve counts: at once where one has been there in this braking."""
 
     def update(self, stamp: int, braking: bool, slip: bool, curve: bool, explains: bool = True) -> Law:
         """Return the law for a sample.
@@ -54,13 +54,14 @@ class LawChoice:
         """
         if slip or self._slip_at is None:
             self._slip_at = stamp
-        if curve or not braking or self._curve_at is None:
-            self._curve_at = stamp
-        self._had_curve = braking and (curve or self._had_curve)
+        if braking and curve:
+            self._curve_by = stamp
+        elif not braking or self._curve_by is None:
+            self._curve_by = stamp + _WITHOUT_CURVE
         lost = Change.NONE
         if stamp - self._slip_at >= _WITHOUT_SLIP:
             lost = Change.SLIP_LOST
-        elif not explains or (self._had_curve and not curve) or stamp - self._curve_at >= _WITHOUT_CURVE:
+        elif not explains or (not curve and stamp >= self._curve_by):
             lost = Change.NO_CURVE
         if self.law is Law.CURVE and lost is not Change.NONE:
             self.law, self.cause = Law.SLOPE_SIGN, lost
