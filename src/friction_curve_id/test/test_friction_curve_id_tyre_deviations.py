@@ -1,6 +1,6 @@
 """What a tyre has of its own is in the interval of its wheel."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,10 +10,16 @@ from corner_sim.car.car_parameters import CarParameters
 from corner_sim.car.other_tyres import BRUSH_TYRES, Scaled
 from corner_sim.car.pressure_prescription import SlipCycle
 from corner_sim.car.random_car import random_car
-from corner_sim.car.recording import record
+from corner_sim.car.recording import Recording, record
 from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
-from friction_curve_id.interface import CurveEstimate
+from friction_curve_id.interface import CurveEstimate, Refusal
 from vehicle_models.vehicle_file import load_vehicle
+
+
+def follow(run: Recording, family: str = "any") -> Iterator[Sequence[CurveEstimate | Refusal]]:
+    estimator = CarEstimator(load_vehicle("compact_car"), CarEstimatorParameters(family=family))
+    for k, time in enumerate(run.time.tolist()):
+        yield estimator.update(CarSample(time, run.wheel_speed[k], run.brake_pressure[k], float(run.acceleration[k])))
 
 
 def with_brushes(car: CarParameters) -> CarParameters:
@@ -39,10 +45,8 @@ def test_intervals_of_all_wheels_hold_on_tyres_that_the_fit_knows_nothing_of(
         car = random_car(seed, "dry", ("burckhardt", "pacejka")[seed % 2])
         parameters = changed(car.parameters)
         run = record(parameters, SlipCycle(parameters, car.cycling), seed, duration=2.6)
-        estimator = CarEstimator(load_vehicle("compact_car"))
-        for k, time in enumerate(run.time.tolist()):
-            sample = CarSample(time, run.wheel_speed[k], run.brake_pressure[k], float(run.acceleration[k]))
-            for wheel, each in enumerate(estimator.update(sample)):
+        for k, answers in enumerate(follow(run)):
+            for wheel, each in enumerate(answers):
                 if isinstance(each, CurveEstimate) and each.valid:
                     lambda_error = abs(each.lambda_max - run.lambda_max[wheel])
                     mu_error = abs(each.mu_max - run.mu_max[k, wheel])
@@ -57,10 +61,7 @@ def test_load_that_moves_widens_the_interval_and_a_stated_formula_leaves_tyres_n
     run = record(parameters, SlipCycle(parameters, car.cycling), 71_004, duration=2.2)
 
     def last(family: str) -> list[CurveEstimate]:
-        estimator = CarEstimator(load_vehicle("compact_car"), CarEstimatorParameters(family=family))
-        for k, time in enumerate(run.time.tolist()):
-            sample = CarSample(time, run.wheel_speed[k], run.brake_pressure[k], float(run.acceleration[k]))
-            answers = estimator.update(sample)
+        *_, answers = follow(run, family)
         return [each for each in answers if isinstance(each, CurveEstimate)]
 
     relative = {family: [each.mu_max_stddev / each.mu_max for each in last(family)] for family in ("any", "burckhardt")}

@@ -25,7 +25,7 @@ SLOWEST = 1.0
 _REST = 0.02
 """A braked car slower than this stands still [m/s]."""
 _SIDE = (1.0, -1.0, 1.0, -1.0)
-_ALL = [1.0] * 4
+_FULL_GRIP = [1.0] * 4
 
 
 class Car:
@@ -77,7 +77,7 @@ class Car:
         """Friction of each tyre over that at its load at rest."""
         p = self._p
         if p.load_sensitivity == 0.0:
-            return _ALL
+            return _FULL_GRIP
         weight = p.mass * GRAVITY
         return [
             1.0 - p.load_sensitivity * (load / (weight * share) - 1.0)
