@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
+from corner_sim.car.ordinary_driving import OrdinaryDriver
 from corner_sim.car.pressure_prescription import Cycling, PressureProfile, SlipCycle, peak_pressures
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
@@ -129,6 +130,19 @@ def test_ordinary_braking_never_shows_a_peak() -> None:
         found = follow(samples(run))
         assert len(estimates(found)) > 200
         assert not any(each.valid for each in estimates(found))
+
+
+def test_a_driver_who_begins_to_turn_while_he_brakes_shows_no_peak() -> None:
+    # the path bends more and more: wheels left and right part as they do on a curve that has no more to give
+    car = replace(random_car(40_479, "snow", "pacejka").parameters, slope=0.0)
+    driver = OrdinaryDriver(car, 40_479)
+    run = record(car, driver, 40_479, speed=15.0, duration=3.0, surroundings=driver.surroundings)
+    found = estimates(follow(samples(run)))
+    assert len(found) > 250
+    assert not any(each.valid or each.probability_beyond_peak > 0.9 for each in found)
+    last = found[-1]
+    assert abs(last.lambda_max - run.lambda_max[0]) < 1.96 * last.lambda_max_stddev
+    assert last.slip == pytest.approx(float(run.slip[-1, 0]), abs=0.01)
 
 
 def test_without_accelerometer_and_with_one_wheel_the_interval_is_wider_and_holds() -> None:

@@ -350,6 +350,29 @@ def test_a_fit_forgets_what_older_samples_said_but_not_how_its_car_moved() -> No
     assert fits[1].carried.pitched == fits[0].carried.pitched
 
 
+def test_a_path_that_begins_to_bend_anew_stays_as_bent_as_it_was() -> None:
+    """What is known of the bend when samples leave the window stays, and how it will grow is known less."""
+    samples, start = samples_of_a_braking()
+    car = CarConstants(CAR, WHEELS)
+    nodes = node_signals(car, samples, start, np.full(4, 0.01), True)
+    prior = car_prior(CAR, WHEELS, SHAPE_PRIORS[Family.BURCKHARDT], 0.023, True)
+    fit = CurveFit(car, prior, Family.BURCKHARDT, 5.0, True)
+    fit.step(samples, nodes.subset(slice(0, 80)), start)
+    told = fit.linearise(samples, nodes.subset(slice(0, 40)), start, adapt=False).information
+    fit.fold(samples, nodes, start, 40, 1.0)
+
+    def stddev(information: Array, time: float) -> float:
+        along = np.zeros_like(prior.stddev)
+        along[Unknown.CURVE] = prior.stddev[Unknown.CURVE]
+        along[Unknown.CURVE_RATE] = time * prior.stddev[Unknown.CURVE_RATE]
+        return float(np.sqrt(along @ np.linalg.solve(information + np.eye(along.size), along)))
+
+    left = float(nodes.time[40])
+    unchanged, later = (stddev(told, time) for time in (left, left + 1.0))
+    assert stddev(fit.past.information, left) == pytest.approx(unchanged, rel=0.05)
+    assert stddev(fit.past.information, left + 1.0) > 1.01 * later
+
+
 def test_intervals_after_going_astray_count_how_far_the_formulas_are_apart() -> None:
     low, high, covariance = np.zeros(SHARED + 4), np.zeros(SHARED + 4), np.eye(SHARED + 4) * 1e-4
     high[[Unknown.LOG_LAMBDA_MAX, Unknown.LOG_MU_MAX]] = 0.2, 0.06

@@ -4,7 +4,7 @@ Nodes lie between neighbouring wheel speeds. A speed from an encoder is the mean
 it, so that the node of samples k and k + 1 is the stamp of k. At the nodes:
 
     v = r omega_0 + v_0 + (integral of (a - b + G p) + tau_a (a - a_0)) / (1 + c) - g theta t,    p: see pitch
-    lambda_i = 1 - r_i omega_i / v + offset_i
+    lambda_i = 1 - r_i omega_i / v + offset_i +- (curve + curve_rate t)     left, right
     s_i' = (lambda_i - s_i) v / sigma                 relaxation, solved exactly for lambda linear between nodes
     Fz_i = m (g share_i + transfer_i q),  q: see pitch
 """
@@ -146,6 +146,8 @@ class Motion:
     """d s / d SPEED_UNKNOWNS, shape (6, W, n)."""
     relaxed_by_offset: Array
     """d s / d offset of the slip of the wheel [-], shape (n,)."""
+    relaxed_by_growth: Array
+    """d s / d growth of the offset of the slip since time 0 [s], shape (n,)."""
     relaxed_by_length: Array
     """d s / d relaxation length [1/m], shape (W, n)."""
     load: Array
@@ -202,7 +204,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
     pitch = pitch_of_body(force, float(np.median(nodes.interval)), p, carried.pitch or _at_rest(force))
     speed, gradient = speeds(nodes, p, pitch.pitch, carried.pitched)
     rolling = car.radius * nodes.wheel_speed / speed
-    slip = 1.0 - rolling + p[SHARED:, np.newaxis] + car.left * p[Unknown.CURVE]
+    slip = 1.0 - rolling + p[SHARED:, np.newaxis] + car.left * (p[Unknown.CURVE] + p[Unknown.CURVE_RATE] * nodes.time)
 
     interval = np.diff(nodes.time)
     length = max(float(p[Unknown.RELAXATION_LENGTH]), LEAST_RELAXATION)
@@ -210,12 +212,13 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
     keep = np.exp(-x)
     mean_decay = -np.expm1(-x) / x
     before, after = mean_decay - keep, 1.0 - mean_decay
-    inputs = np.empty((7 * wheels + 1, n))
+    inputs = np.empty((7 * wheels + 2, n))
     slip_by_speed = rolling / speed
     inputs[:wheels] = slip
     inputs[wheels : 7 * wheels] = (gradient[:, np.newaxis, :] * slip_by_speed).reshape(6 * wheels, n)
     inputs[7 * wheels] = 1.0
-    held = np.empty((n, 7 * wheels + 1), order="F")
+    inputs[7 * wheels + 1] = nodes.time
+    held = np.empty((n, 7 * wheels + 2), order="F")
     held.T[:, 1:] = before * inputs[:, :-1] + after * inputs[:, 1:]
     held.T[:, 0] = inputs[:, 0]
     if carried.slip is not None:
@@ -243,6 +246,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
         s,
         relaxed[wheels : 7 * wheels].reshape(6, wheels, n),
         relaxed[7 * wheels],
+        relaxed[7 * wheels + 1],
         by_length,
         load,
         load_by_height,

@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 LOAD_VARIATIONS = np.array([0.002, 0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 0.075, 0.11])
 """Values that the variation of the wheel load may take [-]."""
 _LOAD_CORRELATION = 0.02
-_DRIFTS = {Unknown.SLOPE: 0.1, Unknown.START_SPEED: 0.05}
-"""Standard deviation by which the road's slope [m/s^2] and the speed [m/s] leave the model within a second."""
+_DRIFTS = {Unknown.SLOPE: 0.1, Unknown.START_SPEED: 0.05, Unknown.CURVE_RATE: 0.004}
+"""Standard deviation by which they leave the model within a second, in their units."""
 
 _LONGEST_OF_CURVE, _LONGEST = 0.4, 1.0
 """Longest step in ln mu_max and ln lambda_max, and of any other unknown, in deviations of its prior."""
@@ -251,11 +251,14 @@ class CurveFit:
         likelihood = memory * (past.log_likelihood - said) - at.cost
         duration = float(nodes.interval[:number].sum())
         information = memory * past.information + at.information
+        sd = self._prior.stddev
         for unknown, rate in _DRIFTS.items():
-            if self._prior.stddev[unknown] > 0.0:
-                information, gradient = _loosened(
-                    information, gradient, unknown, (rate / float(self._prior.stddev[unknown])) ** 2 * duration
-                )
+            if sd[unknown] > 0.0:
+                step = np.zeros_like(sd)
+                step[unknown] = 1.0 / sd[unknown]
+                if unknown is Unknown.CURVE_RATE:  # the curve until now stays as it is
+                    step[Unknown.CURVE] = -float(nodes.time[number]) / sd[Unknown.CURVE]
+                information, gradient = _loosened(information, gradient, step, rate**2 * duration)
         self.past = Quadratic(
             information,
             gradient,
@@ -341,11 +344,11 @@ class WheelSpeedNoise:
         return np.asarray(-self._variance * gradient)
 
 
-def _loosened(information: Array, gradient: Array, index: int, variance: float) -> tuple[Array, Array]:
-    """Return the quadratic after unknown `index` has moved by a random step of this variance in z."""
-    column = information[:, index]
-    gain = column * (variance / (1.0 + variance * column[index]))
-    return information - np.outer(gain, column), gradient - gain * gradient[index]
+def _loosened(information: Array, gradient: Array, step: Array, variance: float) -> tuple[Array, Array]:
+    """Return the quadratic after z has moved along `step`, shape (P,), at random with this variance."""
+    column = information @ step
+    gain = column * (variance / (1.0 + variance * float(column @ step)))
+    return information - np.outer(gain, column), gradient - gain * float(gradient @ step)
 
 
 def forgotten(information: Array, gradient: Array, spread: Array, index: int) -> tuple[Array, Array, Array]:

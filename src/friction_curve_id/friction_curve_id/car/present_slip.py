@@ -32,7 +32,8 @@ def present_slip(
     own = (changed - p[Unknown.ACCELEROMETER_OFFSET] * ahead) / (1.0 + p[Unknown.ACCELEROMETER_SCALE])
     velocity = max(float(moved.speed[-1]) + own - p[Unknown.SLOPE] * ahead, 0.5)
     rolling = car.radius[:, 0] * speed / velocity
-    slip = 1.0 - rolling + p[SHARED:] + car.left[:, 0] * p[Unknown.CURVE]
+    time = fit.newest + ahead
+    slip = 1.0 - rolling + p[SHARED:] + car.left[:, 0] * (p[Unknown.CURVE] + p[Unknown.CURVE_RATE] * time)
     # The force of a tyre follows its relaxed slip, from that of the last node on.
     x = max(velocity * ahead / max(float(p[Unknown.RELAXATION_LENGTH]), LEAST_RELAXATION), 1e-6)
     keep, decay = exp(-x), -expm1(-x) / x
@@ -42,6 +43,7 @@ def present_slip(
     rows[:, SPEED_UNKNOWNS] = np.outer(rolling / velocity, moved.speed_gradient[:, -1])
     rows[:, Unknown.LOG_LAMBDA_MAX] = -limit * factor
     rows[:, Unknown.CURVE] = car.left[:, 0]
+    rows[:, Unknown.CURVE_RATE] = car.left[:, 0] * time
     rows[range(wheels), SHARED + np.arange(wheels)] = 1.0
     variance = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows) + (floor * limit) ** 2
     return slip, [normal_probability(float((relaxed[each] - limit) / sqrt(variance[each]))) for each in range(wheels)]

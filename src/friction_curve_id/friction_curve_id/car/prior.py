@@ -34,6 +34,8 @@ _PITCH = {
 _START_SPEED_STDDEV = 0.05
 _CURVE_STDDEV = 0.006
 """Half the track over the radius of the curve: 125 m."""
+_CURVE_RATE_STDDEV = 0.006
+"""Of its growth [1/s]: a driver who begins to turn while he brakes."""
 _FADING_STDDEV = 0.08
 _OTHER_WHEELS = 0.15
 """Relative deviation of the deceleration of the car from that of the wheels that are measured."""
@@ -98,6 +100,7 @@ def car_prior(
     put(Unknown.START_SPEED, 0.0, _START_SPEED_STDDEV)
     sides = {wheel.side for wheel in wheels}
     put(Unknown.CURVE, 0.0, _CURVE_STDDEV if len(sides) > 1 else 0.0)
+    put(Unknown.CURVE_RATE, 0.0, _CURVE_RATE_STDDEV if len(sides) > 1 else 0.0)
     put(Unknown.SLOPE, 0.0, slope_stddev * GRAVITY)
     if with_accelerometer:
         put(Unknown.ACCELEROMETER_DELAY, mounting.delay, absolute_deviation(mounting.deviations, "delay"))

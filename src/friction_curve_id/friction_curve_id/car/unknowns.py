@@ -49,9 +49,11 @@ class Unknown(IntEnum):
     """Reading of the accelerometer by the pitch over the specific force that makes it [-]."""
 
     CURVE = 22
-    """Share by which the left wheels run faster than the car, and the right ones slower, on the way [-]."""
+    """Share by which the left wheels run faster than the car, and the right ones slower, at the start [-]."""
     FADING = 23
     """Share of its gain that a brake loses with the work of FADING_WORK [-]."""
+    CURVE_RATE = 24
+    """Growth of CURVE, which is that at the start of the window of the braking [1/s]."""
 
 
 FADING_WORK = 1e5

@@ -117,6 +117,7 @@ def wheel_equation(
     tyre_jacobian[:, :, Unknown.ACCELEROMETER_SCALE] -= per_load * moved.load_by_height / scale
     tyre_jacobian[:, :, Unknown.RELAXATION_LENGTH] = tyre_by_slip * moved.relaxed_by_length
     tyre_jacobian[:, :, Unknown.CURVE] = tyre_by_slip * car.left * moved.relaxed_by_offset
+    tyre_jacobian[:, :, Unknown.CURVE_RATE] = tyre_by_slip * car.left * moved.relaxed_by_growth
     for wheel in range(wheels):
         tyre_jacobian[wheel, :, SHARED + wheel] = tyre_by_slip[wheel] * moved.relaxed_by_offset
     jacobian = weighed(tyre_jacobian, nodes.spread)
