@@ -382,6 +382,18 @@ def test_of_vague_estimates_of_another_road_the_surest_counts() -> None:
         assert known.curve is curves[(0, 0, 2)[sample]]
 
 
+@pytest.mark.parametrize("valid", [False, True])
+def test_a_fit_on_its_way_that_was_sure_for_a_moment_gives_way_to_what_it_says_later(valid: bool) -> None:
+    """From dry to snow three estimates were sure of three times the peak; the law held it until the wheel locked."""
+    known, snow, astray = UsableCurve(), road("snow"), road("dry")
+    sure = Estimate.VALID if valid else Estimate.VAGUE
+    for sample in range(3):
+        known.take(CurveReport(sample * STEP, sure, astray, 0.18 * astray.lambda_max, 0.9, 50, 0))
+    for sample in range(3, 60):
+        known.take(CurveReport(sample * STEP, Estimate.VAGUE, snow, 0.35 * snow.lambda_max, 0.9, 50, 0))
+        assert known.curve is (astray if valid or (sample - 2) * STEP <= 0.15e9 else snow)
+
+
 def test_the_old_road_serves_until_the_new_one_has_twenty_samples() -> None:
     known, snow = UsableCurve(), road("snow")
     for sample in range(3):

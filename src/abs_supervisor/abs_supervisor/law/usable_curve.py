@@ -13,11 +13,13 @@ _SEEN_AFTER: Final = 3
 """Valid estimates after which the peak counts as seen."""
 _VAGUE: Final = 0.25
 """Of lambda_max: once the peak was seen, estimates with a larger standard deviation are left out, but for one that is
-less vague than the present."""
+less vague than the present. Where no estimate has been valid, the present one stays for _KEPT only: a fit on its way
+is sure for a moment of what it gives up the next."""
 _ALIKE: Final = 1.25
 """Ratio of the friction of two curves at one slip, up to which they may be of one road."""
 _KEPT = round(0.15 * NANOSECONDS)
-"""[ns] for which the last curve serves when the estimator has none for another reason than that nothing moves."""
+"""[ns] for which the last curve serves when the estimator has none for another reason than that nothing moves, and one
+that never was valid when newer ones are vaguer."""
 
 
 class Estimate(Enum):
@@ -85,7 +87,7 @@ class UsableCurve:
         self._doubt = 0.0
         self.valid = 0
         """Valid estimates of this road."""
-        self._since = 0
+        self._since = self._taken = 0
 
     def take(self, report: CurveReport, explained: bool = False) -> None:
         """Take a report; their stamps do not go back.
@@ -120,8 +122,9 @@ class UsableCurve:
                 self._restarts, self.valid, self.seen = report.restarts, 0, False
             self.valid += report.estimate is Estimate.VALID
             self.seen = self.seen or self.valid >= _SEEN_AFTER or report.beyond > 0.5
-            if not (self.seen and vague) or self.curve is None or self.changed or doubt < self._doubt:
-                self.curve, self._doubt = curve, doubt
+            recent = self.valid >= _SEEN_AFTER or report.stamp - self._taken <= _KEPT
+            if not (self.seen and vague and recent) or self.curve is None or self.changed or doubt < self._doubt:
+                self.curve, self._doubt, self._taken = curve, doubt, report.stamp
             self._since = report.stamp
         elif report.estimate is Estimate.QUIET:
             self._since = report.stamp
