@@ -13,10 +13,14 @@ from numpy.typing import NDArray
 from friction_curve_id.curve.fitted_curve import probability_negative
 from friction_curve_id.curve.validity import ValidityLimits
 from friction_curve_id.default.braking_window import NewestSlip
-from friction_curve_id.interface import CurveEstimate, RestartCause
+from friction_curve_id.interface import CurveEstimate, Reason, RestartCause
 from vehicle_models import burckhardt_log
 
 Array = NDArray[np.float64]
+
+_LASTS = 0.05
+"""Time for which slips on the stable side of the peak must have been known before it is valid [s]: a fit that began
+beyond the peak learns most from the first of them, and less than its covariance says."""
 
 
 def describe(
@@ -25,10 +29,14 @@ def describe(
     present: NewestSlip,
     samples: int,
     slip_span: tuple[float, float],
+    stable_for: float,
     limits: ValidityLimits,
     cause: RestartCause,
 ) -> CurveEstimate:
-    """Return the estimate of a fit; `covariance` is that of (q, u, omega), shape (5, 5)."""
+    """Return the estimate of a fit; `covariance` is that of (q, u, omega), shape (5, 5).
+
+    `stable_for`: time for which slips on the stable side of the peak have been known [s].
+    """
     theta = burckhardt_log.to_theta(q)
     of_q = covariance[:3, :3]
     jacobian = burckhardt_log.theta_jacobian(theta)
@@ -36,6 +44,8 @@ def describe(
     lambda_stddev = peak.lambda_max * sqrt(max(float(peak.lambda_gradient @ of_q @ peak.lambda_gradient), 0.0))
     mu_stddev = sqrt(max(float(peak.mu_gradient @ of_q @ peak.mu_gradient), 0.0))
     reason, text = limits.judge(samples, slip_span, peak.lambda_max, lambda_stddev)
+    if reason is Reason.OK and stable_for < _LASTS:
+        reason, text = Reason.UNCERTAIN, f"slips below the peak have been known for {stable_for:.3f} s only"
 
     here = burckhardt_log.at(theta, present.slip)
     row = np.array([*here.slope_gradient, here.curvature * present.per_u, here.curvature * present.per_omega])

@@ -5,6 +5,7 @@ speeds and suspect torques are set aside (`torque_watch`), many surprises mean a
 """
 
 from dataclasses import dataclass, field, replace
+from math import inf, isfinite, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,11 @@ _QUIET = 40
 _RELEASED = 10
 """Samples without brake torque and slip that end the braking."""
 _QUIET_SLIP_SPAN = 0.002
+_STANDING = 5.0
+"""Wheel speed, in standard deviations of its noise, up to which a wheel may stand: its brake then holds with less than
+its torque."""
+_MOST_TORQUE = 1.2
+"""Torque of a brake over the one measured, at most."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +55,7 @@ class DefaultEstimator:
 
     def __init__(self, wheel: CornerParameters, parameters: DefaultParameters = DefaultParameters()) -> None:
         """Start from the prior."""
-        self._radius = wheel.radius
+        self._radius, self._inertia = wheel.radius, wheel.inertia
         self._p = parameters
         self._gate = SampleGate(wheel.radius, parameters.gate)
         self._fit = MapFit(wheel, parameters)
@@ -68,8 +74,15 @@ class DefaultEstimator:
     def update(self, sample: Sample) -> CurveEstimate | Refusal:
         """Take the next sample; never raises on bad data."""
         admission = self._gate.admit(sample)
+        stands = self._stands(sample)
         if isinstance(admission, Refusal):
+            if stands and admission.reason is Reason.LOW_SPEED:
+                self._gate.pass_over(sample.time)
+                self._stood_at = sample.time
             return admission
+        if stands:
+            self._stood_at = sample.time
+            return Refusal(Reason.LOW_SPEED, f"wheel speed {sample.wheel_speed:.3g} rad/s: the wheel may stand")
         assert sample.brake_torque is not None
         try:
             return self._take(sample, sample.brake_torque, admission)
@@ -82,6 +95,7 @@ class DefaultEstimator:
         self._monitor.reset()
         self._torque_watch.reset()
         self._suspect = False
+        self._stood_at = nan
         self._fitting = False
         self._count(0)
 
@@ -89,11 +103,13 @@ class DefaultEstimator:
         """Restart the count of samples at `samples`."""
         self._samples = samples
         self._smallest_slip, self._largest_slip = 1.0, 0.0
+        self._stable_since = inf
 
     def _take(self, sample: Sample, torque: float, admission: Admission) -> CurveEstimate | Refusal:
         window = self._fit.window
         since = sample.time - window.time[window.count - 1] if window.count else 0.0
-        if admission is Admission.AFTER_GAP or since > self._p.gate.max_gap:
+        gap = admission is Admission.AFTER_GAP or since > self._p.gate.max_gap
+        if gap and not sample.time - self._stood_at <= self._p.gate.max_gap:
             self._pause(sample.time)
         if self._fitting:
             return self._follow(sample, torque)
@@ -108,7 +124,21 @@ class DefaultEstimator:
         self._fit.lose_speed(time)
         self._torque_watch.reset()
         self._suspect = False
+        self._stood_at = nan
         self._samples = 0
+
+    def _stands(self, sample: Sample) -> bool:
+        """Whether the wheel may stand. A speed of zero that no brake could have brought about is garbage."""
+        window, last = self._fit.window, self._fit.window.count - 1
+        noise = _STANDING * self._fit.noise.wheel_speed
+        if not self._fitting or not abs(sample.wheel_speed) <= noise:
+            return False
+        stood = isfinite(self._stood_at)
+        since = sample.time - (self._stood_at if stood else float(window.time[last]))
+        if not 0.0 < since <= self._p.gate.max_gap:
+            return False
+        loss = _MOST_TORQUE * float(window.torque[last]) / self._inertia * since
+        return stood or float(window.measured_wheel_speed[last]) <= loss + noise
 
     def _stop(self) -> None:
         self._fit.summarise()
@@ -152,6 +182,11 @@ class DefaultEstimator:
 
     def _follow(self, sample: Sample, torque: float) -> CurveEstimate | Refusal:
         window = self._fit.window
+        if isfinite(self._stood_at):
+            self._fit.go_on_after_standing(sample.time, torque)
+            self._torque_watch.reset()
+            self._monitor.reset()
+            self._suspect, self._stood_at = True, nan
         verdict = self._torque_watch.judge(sample.time, torque)
         suspect_before, self._suspect, torque = self._suspect, verdict.suspect, verdict.torque
         if verdict.rehabilitated:
@@ -236,4 +271,15 @@ class DefaultEstimator:
         self._largest_slip = max(self._largest_slip, newest.slip)
         cause, self._cause = self._cause, RestartCause.NONE
         span = (self._smallest_slip, self._largest_slip)
-        return describe(self._fit.q, self._blind_covariance(), newest, self._samples, span, self._p.limits, cause)
+        covariance, stable_for = self._blind_covariance(), self._stable_for()
+        return describe(self._fit.q, covariance, newest, self._samples, span, stable_for, self._p.limits, cause)
+
+    def _stable_for(self) -> float:
+        """Time for which slips on the stable side of the peak have been known [s]."""
+        window = self._fit.window
+        now = float(window.time[window.count - 1])
+        if not self._smallest_slip < burckhardt_log.lambda_max(self._fit.q):
+            self._stable_since = inf
+        elif self._stable_since == inf:
+            self._stable_since = now
+        return max(now - self._stable_since, 0.0)

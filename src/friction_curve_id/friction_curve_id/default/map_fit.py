@@ -133,6 +133,16 @@ class MapFit:
         self._past = self._past.without(MOMENTUM) if time >= self._folded_at else no_evidence()
         self.window.clear()
 
+    def go_on_after_standing(self, time: float, torque: float) -> None:
+        """Let the speed of the vehicle be uncertain by what the brake could have done until `time` [s].
+
+        While the wheel stood its brake held with `torque` [N m] at most, and no less than the road asked for.
+        """
+        self.summarise()
+        window = self.window
+        done = window.impulse_after(time, torque) - float(window.impulse[window.count - 1])
+        self._past = self._past.loosened(MOMENTUM, done**2)
+
     def start(self) -> bool:
         """Begin to fit the samples in the window; return whether evidence of earlier ones remains."""
         window, p = self.window, self._p
