@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from math import inf, isfinite, nan
 from typing import Final
 
+from abs_supervisor.sudden_stop import SuddenStop
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import CornerParameters
 
@@ -83,6 +84,7 @@ class WheelCheck:
         """Choose a wheel with the load that rests on it."""
         self._radius, self._inertia = corner.radius, corner.inertia
         self._grip = _HIGHEST_FRICTION * _LOAD_TRANSFER * corner.radius * corner.vertical_load
+        self._sudden = SuddenStop(corner.radius, _JITTER)
         self.reset()
 
     def reset(self) -> None:
@@ -92,6 +94,7 @@ class WheelCheck:
         self._spikes: deque[int] = deque()
         self._torques: deque[tuple[int, float]] = deque()
         self._dead = False
+        self._sudden.reset()
         self._same: tuple[int, float] | None = None
         self._since: dict[str, int] = {}
         self._braked: int | None = None
@@ -105,6 +108,7 @@ class WheelCheck:
         if self._last is not None and stamp - self._last > _GAP * NANOSECONDS:
             self._same = self._good = self._away_since = None
             self._since.clear()
+            self._sudden.reset()
         self._last = stamp
         torque = self._torque(stamp, around.torque)
         found = self._jump(stamp, wheel_speed, torque) or self._released(stamp, wheel_speed, torque, around)
@@ -137,13 +141,12 @@ class WheelCheck:
             self._good = (stamp, speed)
             return ""
         dt = (stamp - good[0]) / NANOSECONDS
-        lowest = (
-            min(good[1], 0.0)
-            if torque == inf
-            else good[1] - dt * (_TORQUE_MARGIN * torque + _SPARE_TORQUE) / self._inertia
-        )
+        hardest = (_TORQUE_MARGIN * torque + _SPARE_TORQUE) / self._inertia
+        lowest = min(good[1], 0.0) if torque == inf else good[1] - dt * hardest
         highest = good[1] + dt * self._grip / self._inertia
-        if lowest - _JITTER <= speed <= highest + _JITTER and not self._dead:
+        possible = lowest - _JITTER <= speed <= highest + _JITTER
+        self._sudden.update(stamp, speed, stands, possible, hardest)
+        if possible and not self._dead and not self._sudden.suspected:
             self._good, self._away_since = (stamp, speed), None
             return ""
         if self._dead:
