@@ -13,7 +13,7 @@ _STAMP_ERROR: Final = 0.002
 _TURNED: Final = 0.05
 """[s] for which the wheel must have turned before: a spike of a wheel that stands is no fall."""
 _TELLS_ABOVE: Final = 3.0
-"""[m/s] of the circumference that a sensor without an edge may read as 0 below: that of a passive one vanishes there."""
+"""[m/s] of the circumference; below it the signal of a passive sensor vanishes, and it reads 0."""
 
 
 class SuddenStop:

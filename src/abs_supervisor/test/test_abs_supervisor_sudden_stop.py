@@ -64,7 +64,9 @@ def test_wheel_that_locks_on_a_road_without_any_friction_is_never_dead_though_it
     random = np.random.default_rng(7)
     hardest = 1.2 * torque / CORNER.inertia
     rest = (40 + int(70.0 / hardest / DT) + last) * DT
-    speeds = [min(max(rest - k * DT, 0.0) * hardest, 60.0) + NOISE * float(random.standard_normal()) for k in range(400)]
+    speeds = [
+        min(max(rest - k * DT, 0.0) * hardest, 60.0) + NOISE * float(random.standard_normal()) for k in range(400)
+    ]
     stamps = [(k + 1) * STEP + 2_000_000 * (k == int(rest / DT + 1e-9)) for k in range(400)]
     torques = [torque + 3.2 * float(random.standard_normal()) for _ in speeds]
     assert not any("dead" in text for text in texts_of(speeds, torques, stamps))
