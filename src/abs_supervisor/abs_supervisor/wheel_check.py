@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from math import inf, isfinite, nan
 from typing import Final
 
+from abs_supervisor.coming_back import ComingBack
+from abs_supervisor.sudden_stop import SuddenStop
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import CornerParameters
 
@@ -40,11 +42,13 @@ _FASTER, _FASTER_FOR = 0.08, 0.06
 _APART, _APART_FOR = 0.25, 0.5
 """A wheel that rolls freely differs from the car by less than this share, [s] after at most so long."""
 _FREE_FOR: Final = 1.0
-"""[s] after the brake; on ice a locked wheel takes 0.8 s to turn again."""
+"""[s] after the brake."""
 _BRAKED: Final = 50.0
 """[N m]"""
-_RELEASED, _RELEASED_FOR = 40.0, 0.08
-"""[N m] less lets a wheel turn on any road, [s] beyond `_TORQUE_MEMORY`; a locked one has 1 m/s by then."""
+_LEAST_FRICTION: Final = 0.035
+"""Of any road: wet ice has 0.05, the brake may be stronger than its gain says, and the load less."""
+_RELEASED_FOR: Final = 0.08
+"""[s] beyond `_TORQUE_MEMORY`; a locked wheel has 1 m/s by then."""
 _GAP: Final = 0.05
 """[s] after a longer gap between samples the checks start again: what happened in it is not known."""
 _CLEAN: Final = 1.0
@@ -83,6 +87,8 @@ class WheelCheck:
         """Choose a wheel with the load that rests on it."""
         self._radius, self._inertia = corner.radius, corner.inertia
         self._grip = _HIGHEST_FRICTION * _LOAD_TRANSFER * corner.radius * corner.vertical_load
+        self._open = _LEAST_FRICTION * corner.radius * corner.vertical_load
+        self._sudden, self._back = SuddenStop(corner.radius, _JITTER), ComingBack()
         self.reset()
 
     def reset(self) -> None:
@@ -92,6 +98,8 @@ class WheelCheck:
         self._spikes: deque[int] = deque()
         self._torques: deque[tuple[int, float]] = deque()
         self._dead = False
+        self._sudden.reset()
+        self._back.reset()
         self._same: tuple[int, float] | None = None
         self._since: dict[str, int] = {}
         self._braked: int | None = None
@@ -105,6 +113,8 @@ class WheelCheck:
         if self._last is not None and stamp - self._last > _GAP * NANOSECONDS:
             self._same = self._good = self._away_since = None
             self._since.clear()
+            self._sudden.reset()
+            self._back.reset()
         self._last = stamp
         torque = self._torque(stamp, around.torque)
         found = self._jump(stamp, wheel_speed, torque) or self._released(stamp, wheel_speed, torque, around)
@@ -137,13 +147,12 @@ class WheelCheck:
             self._good = (stamp, speed)
             return ""
         dt = (stamp - good[0]) / NANOSECONDS
-        lowest = (
-            min(good[1], 0.0)
-            if torque == inf
-            else good[1] - dt * (_TORQUE_MARGIN * torque + _SPARE_TORQUE) / self._inertia
-        )
+        hardest = (_TORQUE_MARGIN * torque + _SPARE_TORQUE) / self._inertia
+        lowest = min(good[1], 0.0) if torque == inf else good[1] - dt * hardest
         highest = good[1] + dt * self._grip / self._inertia
-        if lowest - _JITTER <= speed <= highest + _JITTER and not self._dead:
+        possible = lowest - _JITTER <= speed <= highest + _JITTER
+        self._sudden.update(stamp, speed, stands, possible, hardest)
+        if possible and not self._dead and not self._sudden.suspected:
             self._good, self._away_since = (stamp, speed), None
             return ""
         if self._dead:
@@ -167,7 +176,7 @@ class WheelCheck:
     def _released(self, stamp: int, speed: float, torque: float, around: Surroundings) -> str:
         # Another wheel that turns shows that the car moves: its own speed may come from this wheel.
         moves = around.car_is_measured or any(each > _MOVES for each in around.others)
-        stands = abs(speed) * self._radius < _STANDS and torque < _RELEASED and moves and around.car_speed > _MOVES
+        stands = abs(speed) * self._radius < _STANDS and torque < self._open and moves and around.car_speed > _MOVES
         return (
             "stands, although its brake is released: dead"
             if self._lasts(stamp, "stands", stands, _RELEASED_FOR)
@@ -200,6 +209,7 @@ class WheelCheck:
         against = max(others) if others else car if around.car_is_measured else nan
         apart = free and against > _MOVES and abs(rim - against) > _APART * against
         apart = apart and not any(abs(rim - each) < _APART * rim for each in others)
+        apart = apart and not self._back.update(apart, rim, against)
         if self._lasts(stamp, "apart", apart, _APART_FOR if abs(rim) > _STANDS else _FASTER_FOR):
             return f"turns with {rim:.1f} m/s, rolling freely, where the car has {against:.1f} m/s"
         return ""

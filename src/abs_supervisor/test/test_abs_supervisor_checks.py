@@ -96,6 +96,38 @@ def test_wheel_that_spins_up_as_a_road_can_make_it_is_healthy() -> None:
     assert first_text(lambda k, true: min(true, max(k - 50, 0) * 2.0)) == (None, "")
 
 
+@pytest.mark.parametrize("others", [0, 3])
+@pytest.mark.parametrize("acceleration", [15.0, 35.0])
+def test_wheel_that_takes_seconds_to_come_back_on_ice_with_its_brake_open_is_healthy(
+    acceleration: float, others: int
+) -> None:
+    check, random = WheelCheck(CORNER), np.random.default_rng(1)
+    for k in range(-40, 1200):
+        rim = min(CORNER.radius * acceleration * DT * max(k, 0), 25.0)
+        speed = rim / CORNER.radius + 0.07 * float(random.standard_normal())
+        around = Surroundings(600.0 if k < 0 else 0.0, [25.0] * others, 25.0, not others)
+        assert check.update((k + 41) * STEP, speed, around) == ""
+
+
+@pytest.mark.parametrize("acceleration", [-3.0, 0.0, 3.0])
+def test_sensor_that_reads_half_of_a_speed_that_changes_is_named_where_the_wheel_rolls_freely(
+    acceleration: float,
+) -> None:
+    check, random, texts = WheelCheck(CORNER), np.random.default_rng(1), []
+    for k in range(400):
+        car = 25.0 + acceleration * DT * k
+        speed = 0.5 * car / CORNER.radius + 0.07 * float(random.standard_normal())
+        texts.append(check.update((k + 1) * STEP, speed, Surroundings(0.0, [car] * 3, car)))
+    assert "rolling freely" in texts[-1]
+
+
+@pytest.mark.parametrize("car", ["chapter_corner", "compact_car"])
+def test_wheel_that_a_small_torque_keeps_locked_on_ice_is_not_dead(car: str) -> None:
+    corner = load_vehicle(car).corner("front_left")
+    check, torque = WheelCheck(corner), 0.045 * corner.radius * corner.vertical_load
+    assert not any(check.update((k + 1) * STEP, 0.0, Surroundings(torque, [25.0] * 3, 25.0)) for k in range(150))
+
+
 def test_wrong_speed_of_the_car_does_not_blame_wheels_that_agree() -> None:
     check, random = WheelCheck(CORNER), np.random.default_rng(1)
     for k in range(400):
