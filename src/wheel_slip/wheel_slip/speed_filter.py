@@ -353,12 +353,18 @@ class SpeedFilter:
         self.by_wheels += ph[0] / total * (by_wheels - self.by_wheels)
         self.offset += ph[1] / total * innovation
         self.gain += ph[2] / total * innovation
-        self.compliance += ph[3] / total * innovation
+        # Where the tyres have little force it says nothing of c: a slope of the road would become a large one.
+        told = abs(effort) >= self._parameters.telling
+        if told:
+            self.compliance += ph[3] / total * innovation
         of_age = (sum(h[i] * self._by_age[i] for i in _ALL) - rolling * step) / total
+        kept = p[3][3], self._by_age[3]
         for i in _ALL:
             self._by_age[i] -= ph[i] * of_age
             for j in _ALL:
                 p[i][j] -= ph[i] * ph[j] / total
+        if not told:
+            p[3][3], self._by_age[3] = kept
         if self.compliance < 0.0:
             self._keep_compliance()
         return True
