@@ -10,10 +10,11 @@ L. So a step counts from the first metres of a slide on, and over a long one suc
 """
 
 from math import exp
+from typing import Final
 
 Covariance = tuple[float, float, float]
 """Of speed [m^2/s^2], of both [m^2/s^3], of the offset [m^2/s^4]."""
-_NOTHING: Covariance = (0.0, 0.0, 0.0)
+_NOTHING: Final[Covariance] = (0.0, 0.0, 0.0)
 
 
 class UnseenRoad:
