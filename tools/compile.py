@@ -23,7 +23,7 @@ COMPILED = {
     "wheel_slip": "accelerometer_age accelerometer_watch carried_wheels estimate estimator free_rolling mode "
     "online_radii outvoted processor radius_calibration radius_doubt ring_gap sensor_age sensor_skew sensor_watch "
     "slide_detector slip slope_watch speed_filter speed_parameters speed_queue speed_sample speed_sensor stuck_sensor "
-    "unfelt_dive unit_check vehicle_speed wheel_bounds wheel_noise wheel_speed_filter",
+    "unfelt_dive unit_check unseen_road vehicle_speed wheel_bounds wheel_noise wheel_speed_filter",
     "friction_slope": "crossing detector doubt estimate indicator messages processor signals told_slips "
     "tyre_relaxation vote",
     "abs_supervisor": "braking braking_log coming_back curve_control curve_queue curve_report end_of_stop envelope "

@@ -9,9 +9,9 @@ from friction_evaluation.measured_data import BMW, data_directory
 from friction_evaluation.protocol import CORNER, DT
 from friction_evaluation.rows import failures
 from friction_evaluation.slip import part as slip
-from friction_evaluation.slip.car_drives import cases, drive
+from friction_evaluation.slip.car_drives import cases, deviates, drive
 from friction_evaluation.slip.following import follow, follow_bmw, shipped
-from friction_evaluation.slip.honesty import judge
+from friction_evaluation.slip.honesty import Judged, case_rows, judge
 from friction_evaluation.slip.stops import CAR, CRUISE, Stop, stops
 from friction_evaluation.slip.tables import ACTIVATION_SLIP, LAMBDA_INIT, ROADS, Road, braking, tables
 from vehicle_models.vehicle_file import load_vehicle
@@ -46,6 +46,30 @@ def test_stated_deviations_hold_on_a_car_that_only_its_vehicle_file_describes(na
     assert np.mean(np.abs(found.speed) < 1.96 * found.speed_deviation) > 0.9
     assert np.mean(np.abs(found.slip) < 1.96 * found.slip_deviation) > 0.9
     assert found.valid > 80.0
+
+
+@pytest.mark.parametrize("name", ["step of +10 %, through the peak", "step of -10 %, through the peak"])
+def test_deviations_hold_over_steps_of_slope_in_hard_stops(name: str) -> None:
+    car = load_vehicle("compact_car")
+    runs = [judge(drive(cases()[name], car, seed), car, shipped().estimator) for seed in range(8)]
+    assert failures(case_rows(name, runs)) == []
+
+
+@pytest.mark.parametrize(
+    ("error", "failing"),
+    [(0.3, ["z of the speed, RMS, not less"]), (0.5, []), (1.2, []), (1.4, ["z of the speed, RMS"])],
+)
+def test_deviations_that_are_too_large_fail_as_those_that_are_too_small(error: float, failing: list[str]) -> None:
+    errors, deviations = np.full(10, error), np.ones(10)
+    rows = case_rows("any", [Judged(errors, deviations, errors, deviations, 97.0)])
+    assert [row["quantity"] for row in failures(rows)] == failing
+
+
+@pytest.mark.parametrize(("first", "count"), [(0, 4), (57, 4), (100, 6), (1000, 8)])
+def test_a_few_cars_differ_from_their_vehicle_file_by_as_much_as_it_states(first: int, count: int) -> None:
+    radii = [deviates(seed)["radius"] for seed in range(first, first + count)]
+    assert 0.75 < np.sqrt(np.mean(np.square(radii))) < 1.3
+    assert abs(np.mean(radii)) < 0.5
 
 
 @pytest.mark.parametrize("road", ["dry", "snow"])

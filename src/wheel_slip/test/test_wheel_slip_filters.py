@@ -177,6 +177,22 @@ def test_slip_of_rolling_wheels_is_told_from_the_speed_at_the_onset_of_braking(c
     assert f.speed == pytest.approx(speed, abs=0.15)
 
 
+def test_a_hill_on_which_a_car_coasts_is_an_offset_and_no_slip_of_its_wheels() -> None:
+    f, rng, speed = SpeedFilter(SpeedFilterParameters()), np.random.default_rng(5), 23.0
+    f.predict(5 * MS, -0.4)
+    f.start(speed, 1e-4)
+    for k in range(2, 1200):
+        hill = 0.6 * min(max(k * 0.005 - 2.0, 0.0), 1.0)
+        speed -= 0.005 * (0.4 + hill)
+        f.predict(k * 5 * MS, -0.4 + 0.1 * rng.normal())
+        f.correct(speed + 0.01 * rng.normal(), 0.01**2, k * 5 * MS, 0.1)
+        if hill:
+            f.doubt_offset(0.05**2)
+    assert f.compliance == pytest.approx(SpeedFilterParameters().compliance, abs=1e-6)
+    assert f.offset == pytest.approx(0.6, abs=0.1)
+    assert abs(f.speed - speed) < 2.0 * f.speed_variance**0.5
+
+
 def test_a_gain_that_is_not_known_makes_the_speed_as_uncertain_as_what_was_integrated_and_no_steady_road() -> None:
     f = SpeedFilter(SpeedFilterParameters(blind_offset_walk=1e-4, offset_stddev=1e-3, gain_stddev=0.02), None, 0.0, 0.0)
     f.predict(5 * MS, 0.0)

@@ -13,7 +13,7 @@ an accelerometer a_m is 0, b is minus the acceleration of the car, and n_b is as
 of a braking car.
 
 While nothing observes the offset, the road may change its slope unseen. What that may have done to speed and offset is
-kept apart, in a second covariance (the unseen part), and so is what k has done to the speed; the sum of all is the
+kept apart, in a second covariance (unseen_road.py), and so is what k has done to the speed; the sum of all is the
 uncertainty. `believe` corrects as if the road had kept its slope and leaves the unseen part alone. Every other
 correction takes all together.
 
@@ -28,6 +28,7 @@ from typing import Final
 
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
+from wheel_slip.unseen_road import UnseenRoad
 
 _HISTORY: Final = 1 * NANOSECONDS
 """How far back [ns] a measurement can be used."""
@@ -37,7 +38,6 @@ _GAP: Final = 0.1
 """Longer steps between samples are gaps [s]."""
 _AVERAGED: Final = 0.75
 """Time over which the readings are averaged for what an e does, as a share of the deviation of e."""
-_NOTHING = (0.0, 0.0, 0.0)
 _ALL: Final = range(4)
 _OTHERS: Final = range(1, 4)
 
@@ -61,10 +61,24 @@ class SpeedFilterParameters:
     )
     blind_offset_walk: float = parameter(
         0.06,
-        "the same while the wheels slide and the offset is not observed: change of road slope",
+        "the same while wheels that roll are braked, and a change of road slope looks like their slip",
         unit="m/s^2",
         minimum=1e-4,
         maximum=10.0,
+    )
+    slope_stddev: float = parameter(
+        0.3,
+        "change of the offset by the road's slope while the wheels slide and tell nothing of it",
+        unit="m/s^2",
+        minimum=1e-4,
+        maximum=10.0,
+    )
+    slope_length: float = parameter(
+        5.0,
+        "way on which such a change comes and goes",
+        unit="m",
+        minimum=0.1,
+        maximum=10000.0,
     )
     gain_stddev: float = parameter(
         0.02,
@@ -127,7 +141,8 @@ class SpeedFilter:
             delay: age tau_0 of a reading of the accelerometer against the wheel speeds [s].
             delay_stddev: deviation of e [s], where the car's is known.
         """
-        self._parameters = parameters
+        self._parameters = p = parameters
+        self._road = UnseenRoad(p.blind_offset_walk, p.slope_stddev, p.slope_length)
         self._delay = delay
         self._delay_variance = (parameters.delay_stddev if delay_stddev is None else delay_stddev) ** 2
         self._averaged = _AVERAGED * sqrt(self._delay_variance)
@@ -152,7 +167,7 @@ class SpeedFilter:
         self._p = _diagonal(_FIRST_SPEED_VARIANCE, p.offset_stddev**2, self._gain_variance, p.compliance_stddev**2)
         self._by_age = [0.0] * len(_ALL)
         """Errors of the state by an e of 1 s."""
-        self._unseen = _NOTHING
+        self._road.clear()
         self._unseen_gain = 0.0
         """What a gain of 1 would have done to the speed unseen [m/s]."""
         self._measured: float | None = 0.0
@@ -165,12 +180,12 @@ class SpeedFilter:
     @property
     def speed_variance(self) -> float:
         """[m^2/s^2]"""
-        return self._p[0][0] + self._unseen[0] + self._by_gain() + self._by_delay()
+        return self._p[0][0] + self._road.total[0] + self._by_gain() + self._by_delay()
 
     @property
     def offset_variance(self) -> float:
         """[m^2/s^4]"""
-        return self._p[1][1] + self._unseen[2]
+        return self._p[1][1] + self._road.total[2]
 
     @property
     def steady_road_variance(self) -> float:
@@ -205,13 +220,14 @@ class SpeedFilter:
         self._forget(0, variance)
         self._by_age[0] = 0.0
 
-    def predict(self, stamp: int, measured: float | None, *, observed: bool = True) -> None:
+    def predict(self, stamp: int, measured: float | None, *, observed: bool = True, sliding: bool = False) -> None:
         """Go to `stamp` [ns], later than the last.
 
         Args:
             stamp: new stamp [ns].
             measured: acceleration measured at the stamp [m/s^2], None if there is none.
             observed: whether speed measurements observe the offset at present.
+            sliding: whether nothing does, as the wheels slide.
         """
         if (self._measured is None) != (measured is None):
             self._change_of_input(measured)
@@ -235,7 +251,7 @@ class SpeedFilter:
             if observed:
                 self._see()
             elif measured is not None:
-                self._unseen = _predicted(self._unseen, dt, p.blind_offset_walk**2)
+                self._road.predict(dt, self.speed, sliding=sliding)
             self._travelled += change
             if dt > _GAP:
                 self._p[0][0] += p.unknown_acceleration**2 * dt**2
@@ -302,16 +318,14 @@ class SpeedFilter:
         As a measurement that agrees where that is enough to take away what happened unseen, and else without a word on
         offset and gain: said at every sample, it would make certain what they are taken to be.
         """
-        uv, uc, ub = self._unseen
-        pv, by_gain, by_delay = self._p[0][0], self._by_gain(), self._by_delay()
-        total = pv + uv + by_gain + by_delay
+        pv, total = self._p[0][0], self.speed_variance
         if total <= variance:
             return
         if pv < variance:
-            share = (total - variance) / (uv + by_gain + by_delay)
-            self._unseen = (uv - share * uv, uc - share * uc, ub - share * uc * uc / uv if uv else ub)
-            self._unseen_gain *= sqrt(1.0 - share)
-            self._by_age[0] *= sqrt(1.0 - share)
+            kept = (variance - pv) / (total - pv)
+            self._road.keep(kept)
+            self._unseen_gain *= sqrt(kept)
+            self._by_age[0] *= sqrt(kept)
         else:
             self._see()
             self._by_age[0] = 0.0
@@ -339,12 +353,18 @@ class SpeedFilter:
         self.by_wheels += ph[0] / total * (by_wheels - self.by_wheels)
         self.offset += ph[1] / total * innovation
         self.gain += ph[2] / total * innovation
-        self.compliance += ph[3] / total * innovation
+        # Where the tyres have little force it says nothing of c: a slope of the road would become a large one.
+        told = abs(effort) >= self._parameters.telling
+        if told:
+            self.compliance += ph[3] / total * innovation
         of_age = (sum(h[i] * self._by_age[i] for i in _ALL) - rolling * step) / total
+        kept = p[3][3], self._by_age[3]
         for i in _ALL:
             self._by_age[i] -= ph[i] * of_age
             for j in _ALL:
                 p[i][j] -= ph[i] * ph[j] / total
+        if not told:
+            p[3][3], self._by_age[3] = kept
         if self.compliance < 0.0:
             self._keep_compliance()
         return True
@@ -367,14 +387,14 @@ class SpeedFilter:
             for j in _OTHERS:
                 p[0][j] = p[j][0] = row[j]
             self._unseen_gain = 0.0
-        if self._unseen is not _NOTHING:
-            uv, uc, ub = self._unseen
+        uv, uc, ub = self._road.total
+        if ub:
             p = self._p
             p[0][0] += uv
             p[0][1] += uc
             p[1][0] += uc
             p[1][1] += ub
-            self._unseen = _NOTHING
+            self._road.clear()
 
     def correct_course(self, speed: float, variance: float, offset: float, offset_variance: float) -> None:
         """Take speed [m/s] and offset [m/s^2] with their variances in place of those that wrong samples have made."""
@@ -399,8 +419,7 @@ class SpeedFilter:
 
     def doubt_road(self, variance: float) -> None:
         """Widen the unseen variance of the offset to at least `variance` [m^2/s^4]: the road may have changed."""
-        uv, uc, ub = self._unseen
-        self._unseen = (uv, uc, max(ub, variance))
+        self._road.doubt(variance)
 
     def _forget(self, index: int, variance: float) -> None:
         p = self._p
@@ -450,9 +469,3 @@ class SpeedFilter:
 
 def _diagonal(*variances: float) -> list[list[float]]:
     return [[variance if i == j else 0.0 for j in _ALL] for i, variance in enumerate(variances)]
-
-
-def _predicted(covariance: tuple[float, float, float], dt: float, walk: float) -> tuple[float, float, float]:
-    """Return the covariance (speed, both, offset) after `dt` [s]; the offset walks with density `walk` [m^2/s^5]."""
-    pv, pc, pb = covariance
-    return pv + dt * (dt * (pb + walk * dt / 3.0) - 2.0 * pc), pc - dt * (pb + 0.5 * walk * dt), pb + walk * dt

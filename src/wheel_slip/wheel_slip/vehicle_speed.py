@@ -208,9 +208,9 @@ class VehicleSpeed:
         """Go to the sample, and judge the wheels there."""
         started = self.mode is not Mode.WAITING
         effort = abs(self._slide.acceleration or 0.0)
-        self._filter.predict(
-            stamp, acceleration, observed=not (started and (self._is_sliding or effort > self._p.speed_filter.telling))
-        )
+        observed = not (started and (self._is_sliding or effort > self._p.speed_filter.telling))
+        # In a slide beside a speed sensor that sensor tells of the road.
+        self._filter.predict(stamp, acceleration, observed=observed, sliding=self.mode is Mode.SLIDING)
         self._slide.update(
             stamp,
             smooth_rim_speeds,

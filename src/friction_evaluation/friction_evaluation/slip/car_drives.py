@@ -1,11 +1,15 @@
 """Drives of the independent plant on which speed without a speed sensor is judged: stops, hills, locks, spins.
 
-The estimator has the vehicle file. The plant's radii, pitch, and scale and offset of its accelerometer are drawn with
-the deviations that this file states; a trouble by name is set on top of that.
+The estimator has the vehicle file. The plant's radii, pitch, and scale, offset and delay of its accelerometer have the
+deviations that this file states; a trouble by name is set on top of that. Each of them is one error over a whole drive,
+so that of a few cars drawn at random chance decides what a row says. Those of consecutive seeds are spread evenly
+instead (Kronecker's sequence: multiples of an irrational share, modulo 1, are the probabilities of the deviations).
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from math import sqrt
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -34,6 +38,14 @@ _SPIN = (270.0, 1.5)
 """Torque at each rear wheel [N m], beyond the grip of snow, and its time [s]."""
 _ORDINARY = 60.0
 """Length of an ordinary drive [s]."""
+_SPREAD: Mapping[str, float] = {
+    "radius": (sqrt(5.0) - 1.0) / 2.0,
+    "pitch_gain": sqrt(2.0),
+    "offset": sqrt(3.0),
+    "scale": sqrt(7.0),
+    "delay": sqrt(11.0),
+}
+"""Irrational share by which the probability of each deviation goes on from car to car."""
 Around = Callable[[float, Car], Surroundings]
 
 
@@ -137,8 +149,8 @@ def cases() -> dict[str, Case]:
 
 
 def drive(case: Case, vehicle: Vehicle, seed: int) -> Recording:
-    """Drive one case with a car drawn from the deviations of its vehicle file."""
-    car = _drawn(case, vehicle, seed)
+    """Drive one case with a car that differs from its vehicle file by the deviations stated there."""
+    car = _differing(case, vehicle, seed)
     cycled = case.share is None
     pressures: Prescription = (
         SlipCycle(car, Cycling(start=BEGIN)) if cycled else Held(car, case.share or 0.0, case.until)
@@ -156,12 +168,17 @@ def ordinary_drive(seed: int) -> Recording:
     return record(car, driver, seed, speed=15.0, duration=_ORDINARY, surroundings=driver.surroundings)
 
 
-def _drawn(case: Case, vehicle: Vehicle, seed: int) -> CarParameters:
-    rng = np.random.default_rng([seed, 4])
+def deviates(seed: int) -> dict[str, float]:
+    """Return by how many of its deviations a car differs from its vehicle file, by name; `seed` from 0 on."""
+    return {name: NormalDist().inv_cdf((0.5 + (seed + 1) * share) % 1.0) for name, share in _SPREAD.items()}
+
+
+def _differing(case: Case, vehicle: Vehicle, seed: int) -> CarParameters:
     accelerometer, wheel = vehicle.accelerometer, vehicle.wheels[0]
+    of_car = deviates(seed)
 
     def around(part: Any, name: str) -> float:
-        return float(getattr(part, name) + part.deviations[name].stddev * rng.normal())
+        return float(getattr(part, name) + part.deviations[name].stddev * of_car[name])
 
     values: dict[str, Any] = {
         "radius": (around(wheel, "radius"),) * 4,

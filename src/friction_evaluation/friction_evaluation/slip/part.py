@@ -44,7 +44,7 @@ _FIRST_SEED = 30_000
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
     parser.add_argument("--seeds", type=count, default=100, help="noise seeds a road")
-    parser.add_argument("--cars", type=count, default=2, help="cars drawn for each of the drives")
+    parser.add_argument("--cars", type=count, default=8, help="cars drawn for each of the drives")
     parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES, help="what to run")
     parser.add_argument(
         "--vehicle", default=_CAR_OF_STOPS, help="car of the stops: vehicle file or name of a shipped one"
