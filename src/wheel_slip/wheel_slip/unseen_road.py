@@ -10,11 +10,9 @@ L. So a step counts from the first metres of a slide on, and over a long one suc
 """
 
 from math import exp
-from typing import Final
 
 Covariance = tuple[float, float, float]
 """Of speed [m^2/s^2], of both [m^2/s^3], of the offset [m^2/s^4]."""
-_NOTHING: Final[Covariance] = (0.0, 0.0, 0.0)
 
 
 class UnseenRoad:
@@ -33,7 +31,9 @@ class UnseenRoad:
 
     def clear(self) -> None:
         """Know that nothing has happened unseen."""
-        self._stays = self._passes = self.total = _NOTHING
+        self._stays: Covariance = (0.0, 0.0, 0.0)
+        self._passes: Covariance = (0.0, 0.0, 0.0)
+        self.total: Covariance = (0.0, 0.0, 0.0)
 
     def predict(self, dt: float, speed: float, *, sliding: bool) -> None:
         """Go on by `dt` [s] at a speed [m/s]; `sliding`: the wheels tell nothing of the slope, and else little."""
