@@ -35,7 +35,7 @@ def describe(
 ) -> CurveEstimate:
     """Return the estimate of a fit; `covariance` is that of (q, u, omega), shape (5, 5).
 
-    `stable_for`: time for which slips on the stable side of the peak have been known [s].
+    `stable_for`: time for which slips on the stable side of the peak have been known [s], inf where a fit began there.
     """
     theta = burckhardt_log.to_theta(q)
     of_q = covariance[:3, :3]

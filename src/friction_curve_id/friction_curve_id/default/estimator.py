@@ -103,7 +103,7 @@ class DefaultEstimator:
         """Restart the count of samples at `samples`."""
         self._samples = samples
         self._smallest_slip, self._largest_slip = 1.0, 0.0
-        self._stable_since = inf
+        self._stable_since = -inf
 
     def _take(self, sample: Sample, torque: float, admission: Admission) -> CurveEstimate | Refusal:
         window = self._fit.window
@@ -275,7 +275,7 @@ class DefaultEstimator:
         return describe(self._fit.q, covariance, newest, self._samples, span, stable_for, self._p.limits, cause)
 
     def _stable_for(self) -> float:
-        """Time for which slips on the stable side of the peak have been known [s]."""
+        """Time for which slips on the stable side of the peak have been known [s]; inf for a fit that began there."""
         window = self._fit.window
         now = float(window.time[window.count - 1])
         if not self._smallest_slip < burckhardt_log.lambda_max(self._fit.q):
