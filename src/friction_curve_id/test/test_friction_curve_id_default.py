@@ -308,9 +308,24 @@ def test_what_the_brake_of_a_wheel_that_stands_could_do_is_not_taken_for_frictio
         ]
     assert len(errors) > 200
     z = np.abs(np.array(errors))
-    # on the way back from the lock, at the first slips before the peak, the curve still bends as it is learned
-    assert float((z < 2.5).all(axis=1).mean()) > 0.8
-    assert float(z.max()) < 8.0
+    assert float((z < 2.5).all(axis=1).mean()) > 0.8  # the messages of a stop err together
+    assert float(z.max()) < 5.0
+
+
+def test_a_fit_that_began_beyond_the_peak_is_valid_once_it_was_passed_from_the_stable_side() -> None:
+    """It was valid on the way back, from the bend of a curve that is flat there: off by half, for 5 s of a stop."""
+    samples = lock_and_come_back(0)
+    estimator = DefaultEstimator(CORNER)
+    lowest, restarted = 1.0, False
+    for sample in samples:
+        answer = estimator.update(sample)
+        if not isinstance(answer, CurveEstimate):
+            continue
+        restarted = restarted or answer.restart_cause is RestartCause.SURFACE
+        lowest = min(lowest, answer.slip) if restarted else 1.0
+        if restarted and lowest > 0.05:
+            assert not answer.valid
+    assert restarted and lowest < 0.05
 
 
 @pytest.mark.parametrize("stands", [0.01, 0.1])

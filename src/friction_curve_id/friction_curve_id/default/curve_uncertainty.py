@@ -18,10 +18,6 @@ from vehicle_models import burckhardt_log
 
 Array = NDArray[np.float64]
 
-_LASTS = 0.05
-"""Time for which slips on the stable side of the peak must have been known before it is valid [s]: a fit that began
-beyond the peak learns most from the first of them, and less than its covariance says."""
-
 
 def describe(
     q: Array,
@@ -29,13 +25,14 @@ def describe(
     present: NewestSlip,
     samples: int,
     slip_span: tuple[float, float],
-    stable_for: float,
+    began_beyond: bool,
     limits: ValidityLimits,
     cause: RestartCause,
 ) -> CurveEstimate:
     """Return the estimate of a fit; `covariance` is that of (q, u, omega), shape (5, 5).
 
-    `stable_for`: time for which slips on the stable side of the peak have been known [s], inf where a fit began there.
+    `began_beyond`: whether the fit began beyond the peak, and slips have not been on the stable side since: where the
+    peak is then is told by the bend of a curve that is flat there.
     """
     theta = burckhardt_log.to_theta(q)
     of_q = covariance[:3, :3]
@@ -44,8 +41,9 @@ def describe(
     lambda_stddev = peak.lambda_max * sqrt(max(float(peak.lambda_gradient @ of_q @ peak.lambda_gradient), 0.0))
     mu_stddev = sqrt(max(float(peak.mu_gradient @ of_q @ peak.mu_gradient), 0.0))
     reason, text = limits.judge(samples, slip_span, peak.lambda_max, lambda_stddev)
-    if reason is Reason.OK and stable_for < _LASTS:
-        reason, text = Reason.UNCERTAIN, f"slips below the peak have been known for {stable_for:.3f} s only"
+    if reason is Reason.OK and began_beyond:
+        reason = Reason.UNCERTAIN
+        text = "the fit began beyond the peak, and slips have not come back to its stable side"
 
     here = burckhardt_log.at(theta, present.slip)
     row = np.array([*here.slope_gradient, here.curvature * present.per_u, here.curvature * present.per_omega])

@@ -5,7 +5,7 @@ speeds and suspect torques are set aside (`torque_watch`), many surprises mean a
 """
 
 from dataclasses import dataclass, field, replace
-from math import inf, isfinite, nan
+from math import isfinite, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,9 @@ _QUIET_SLIP_SPAN = 0.002
 _STANDING = 5.0
 """Wheel speed, in standard deviations of its noise, up to which a wheel may stand: its brake then holds with less than
 its torque."""
+_STABLE = 0.6
+"""Slip over lambda_max that is surely on the stable side: nearer the peak a curve is flat, and friction there within
+what its level on either side may be wrong by."""
 _MOST_TORQUE = 1.2
 """Torque of a brake over the one measured, at most."""
 
@@ -103,7 +106,7 @@ class DefaultEstimator:
         """Restart the count of samples at `samples`."""
         self._samples = samples
         self._smallest_slip, self._largest_slip = 1.0, 0.0
-        self._stable_since = -inf
+        self._beyond = False
 
     def _take(self, sample: Sample, torque: float, admission: Admission) -> CurveEstimate | Refusal:
         window = self._fit.window
@@ -267,19 +270,15 @@ class DefaultEstimator:
 
     def _publish(self) -> CurveEstimate:
         newest = self._fit.window.newest_slip(self._fit.momentum_speed)
+        lambda_max = burckhardt_log.lambda_max(self._fit.q)
         self._smallest_slip = min(self._smallest_slip, newest.slip)
         self._largest_slip = max(self._largest_slip, newest.slip)
+        self._beyond = self._beyond or self._smallest_slip >= lambda_max
+        if self._beyond and newest.slip < _STABLE * lambda_max:
+            # From here on it is to be passed as by any rise.
+            self._beyond, self._largest_slip = False, newest.slip
         cause, self._cause = self._cause, RestartCause.NONE
         span = (self._smallest_slip, self._largest_slip)
-        covariance, stable_for = self._blind_covariance(), self._stable_for()
-        return describe(self._fit.q, covariance, newest, self._samples, span, stable_for, self._p.limits, cause)
-
-    def _stable_for(self) -> float:
-        """Time for which slips on the stable side of the peak have been known [s]; inf for a fit that began there."""
-        window = self._fit.window
-        now = float(window.time[window.count - 1])
-        if not self._smallest_slip < burckhardt_log.lambda_max(self._fit.q):
-            self._stable_since = inf
-        elif self._stable_since == inf:
-            self._stable_since = now
-        return max(now - self._stable_since, 0.0)
+        return describe(
+            self._fit.q, self._blind_covariance(), newest, self._samples, span, self._beyond, self._p.limits, cause
+        )
