@@ -209,7 +209,8 @@ class WheelCheck:
         against = max(others) if others else car if around.car_is_measured else nan
         apart = free and against > _MOVES and abs(rim - against) > _APART * against
         apart = apart and not any(abs(rim - each) < _APART * rim for each in others)
-        apart = apart and not self._back.update(apart, rim, against)
+        comes_back = self._back.update(apart, rim, against)
+        apart = apart and not comes_back
         if self._lasts(stamp, "apart", apart, _APART_FOR if abs(rim) > _STANDS else _FASTER_FOR):
             return f"turns with {rim:.1f} m/s, rolling freely, where the car has {against:.1f} m/s"
         return ""

@@ -109,6 +109,22 @@ def test_wheel_that_takes_seconds_to_come_back_on_ice_with_its_brake_open_is_hea
         assert check.update((k + 41) * STEP, speed, around) == ""
 
 
+def test_a_wheel_that_was_far_behind_once_is_later_judged_as_if_it_had_not_been() -> None:
+    def named_after(behind: bool) -> int:
+        """Roll freely far behind the car for 0.2 s, or not; brake again, come back, and read less from 1400 on."""
+        check, random = WheelCheck(CORNER), np.random.default_rng(1)
+        for k in range(2400):
+            rim = min(2.5 + 60.0 * DT * max(k - 500, 0), 25.0) if behind else 25.0
+            if k >= 1400:
+                rim = max(25.0 - 8.0 * DT * (k - 1400), 5.0)
+            around = Surroundings(600.0 if k < 240 or 480 <= k < 520 else 0.0, [25.0] * 3, 25.0)
+            if check.update((k + 1) * STEP, rim / CORNER.radius + 0.07 * float(random.standard_normal()), around):
+                return k
+        raise AssertionError("never named")
+
+    assert named_after(behind=True) == named_after(behind=False) > 1400
+
+
 @pytest.mark.parametrize("acceleration", [-3.0, 0.0, 3.0])
 def test_sensor_that_reads_half_of_a_speed_that_changes_is_named_where_the_wheel_rolls_freely(
     acceleration: float,
