@@ -26,8 +26,8 @@ class SuddenStop:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._turned: tuple[int, float] | None = None
-        self._turns_since: int | None = None
+        self._turned: tuple[int, int, float] | None = None
+        """Stamps [ns] since when, and until when, the wheel is known to have turned, and its last speed [rad/s]."""
         self.suspected = False
         """Whether the wheel stands since a sample at which it cannot have stood."""
 
@@ -44,15 +44,14 @@ class SuddenStop:
         if not stands:
             self.suspected = False
             if trusted:
-                self._turned = (stamp, speed)
-                if self._turns_since is None:
-                    self._turns_since = stamp
+                since = stamp if self._turned is None else self._turned[0]
+                self._turned = (since, stamp, speed)
             return
-        if self._turned is None or self._turns_since is None or self.suspected:
+        if self._turned is None or self.suspected:
             return
-        at, before = self._turned
+        since, at, before = self._turned
         fall = hardest * ((stamp - at) / NANOSECONDS + _STAMP_ERROR) + self._jitter
-        turned = at - self._turns_since >= _TURNED * NANOSECONDS and before * self._radius > _TELLS_ABOVE
+        turned = at - since >= _TURNED * NANOSECONDS and before * self._radius > _TELLS_ABOVE
         self.suspected = turned and before - fall > speed
         if not self.suspected:
-            self._turned = self._turns_since = None
+            self._turned = None

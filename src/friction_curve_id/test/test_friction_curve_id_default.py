@@ -225,22 +225,26 @@ def test_five_wrong_vehicle_speeds_change_nothing(noisy: Brake, name: str) -> No
         assert abs(after.lambda_max - right.lambda_max) <= 0.1 * right.lambda_max_stddev
 
 
+def measured(plant: SingleCorner, time: float, torque: float, generator: np.random.Generator) -> Sample:
+    """Measure speeds and brake torque with the chapter's noise."""
+    noise = CHAPTER_NOISE
+    return Sample(
+        time,
+        float(plant.wheel_speed[0]) + generator.normal(0.0, noise.wheel_speed_variance**0.5),
+        float(plant.speed[0]) + generator.normal(0.0, noise.speed_variance**0.5),
+        torque + generator.normal(0.0, noise.torque_variance**0.5),
+    )
+
+
 def drive_over_a_change(before: str, after: str, seed: int) -> list[Sample]:
     """Manoeuvre B beyond the peak of `before`, then the same torque on `after` until the wheel locks."""
     plant, generator = SingleCorner(CORNER, [30.0]), np.random.default_rng(seed)
-    samples, noise = [], CHAPTER_NOISE
+    samples = []
     for k in range(200):
         if plant.slip[0] > 0.98:
             break
         torque, following = (857.0 * min(t / 0.25, 1.0) for t in (0.005 * k, 0.005 * (k + 1)))
-        samples.append(
-            Sample(
-                0.005 * k,
-                float(plant.wheel_speed[0]) + generator.normal(0.0, noise.wheel_speed_variance**0.5),
-                float(plant.speed[0]) + generator.normal(0.0, noise.speed_variance**0.5),
-                torque + generator.normal(0.0, noise.torque_variance**0.5),
-            )
-        )
+        samples.append(measured(plant, 0.005 * k, torque, generator))
         plant.step(torque, following, surface(before if k < 100 else after), 0.005)
     return samples
 
@@ -269,7 +273,7 @@ def lock_and_come_back(seed: int) -> list[Sample]:
     A wheel that stands has the speed zero, whatever its brake could do.
     """
     plant, generator = SingleCorner(CORNER, [22.0]), np.random.default_rng(seed)
-    samples, noise, torque = [], CHAPTER_NOISE, 0.0
+    samples, torque = [], 0.0
     for k in range(400):
         road = surface("dry" if k < 100 else "snow")
         slip = float(plant.slip[0])
@@ -279,14 +283,7 @@ def lock_and_come_back(seed: int) -> list[Sample]:
             following = max(torque - 25.0, 0.0)
         else:
             following = min(torque + 25.0, 100.0)
-        samples.append(
-            Sample(
-                0.005 * k,
-                float(plant.wheel_speed[0]) + generator.normal(0.0, noise.wheel_speed_variance**0.5),
-                float(plant.speed[0]) + generator.normal(0.0, noise.speed_variance**0.5),
-                torque + generator.normal(0.0, noise.torque_variance**0.5),
-            )
-        )
+        samples.append(measured(plant, 0.005 * k, torque, generator))
         plant.step(torque, following, road, 0.005)
         torque = following
     return samples

@@ -122,8 +122,8 @@ class UsableCurve:
                 self._restarts, self.valid, self.seen = report.restarts, 0, False
             self.valid += report.estimate is Estimate.VALID
             self.seen = self.seen or self.valid >= _SEEN_AFTER or report.beyond > 0.5
-            recent = self.valid >= _SEEN_AFTER or report.stamp - self._taken <= _KEPT
-            if not (self.seen and vague and recent) or self.curve is None or self.changed or doubt < self._doubt:
+            lasts = self.valid >= _SEEN_AFTER or report.stamp - self._taken <= _KEPT
+            if not (self.seen and vague and lasts) or self.curve is None or self.changed or doubt < self._doubt:
                 self.curve, self._doubt, self._taken = curve, doubt, report.stamp
             self._since = report.stamp
         elif report.estimate is Estimate.QUIET:

@@ -256,13 +256,13 @@ class DefaultEstimator:
     def _is_settled(self) -> bool:
         return self._samples >= self._p.limits.min_samples
 
-    def _blind_covariance(self) -> Array:
-        """Covariance of (q, u, omega), honest where all slips lie beyond the peak.
+    def _blind_covariance(self, lambda_max: float) -> Array:
+        """Covariance of (q, u, omega), honest where all slips lie beyond the peak, `lambda_max`.
 
         There th2 has no effect on the data any more, and the quadratic about the fit misses the long tail of steeper
         curves: th2 is then as uncertain as in the prior.
         """
-        if self._smallest_slip <= burckhardt_log.lambda_max(self._fit.q):
+        if self._smallest_slip <= lambda_max:
             return self._fit.covariance
         blind = np.zeros((5, 5))
         blind[1, 1] = self._p.prior.theta_2_log_stddev**2
@@ -279,6 +279,5 @@ class DefaultEstimator:
             self._beyond, self._largest_slip = False, newest.slip
         cause, self._cause = self._cause, RestartCause.NONE
         span = (self._smallest_slip, self._largest_slip)
-        return describe(
-            self._fit.q, self._blind_covariance(), newest, self._samples, span, self._beyond, self._p.limits, cause
-        )
+        covariance = self._blind_covariance(lambda_max)
+        return describe(self._fit.q, covariance, newest, self._samples, span, self._beyond, self._p.limits, cause)
