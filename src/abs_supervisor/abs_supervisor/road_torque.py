@@ -4,13 +4,19 @@ Slip has a standard deviation that grows as 1/v. At the end of a stop it no long
 peak, but how it last slipped does: r Fx = T - J a / r, from (2.15) with a the deceleration of the circumference.
 """
 
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _KEPT: Final = 15.0
 """[m] for which it counts after the last release; another road comes with the distance."""
+_TRIMS: Final = 60.0
+"""[m] for which a torque that is still the same may be trimmed: on snow a wheel creeps from its peak for 50 m."""
+_SAME: Final = 1.25
+"""Of it: up to there it is the same. Beyond 15 m a trim takes no more than that from a brake on another road."""
+_OTHER: Final = 1.5
+"""Of it: a brake that has as much is on another road."""
 _ENOUGH: Final = 0.85
 """Of it: a tyre that slides gives 0.7 to 0.9 of the peak's, so what is held is less than a quarter below the peak."""
 _TRIMMED: Final = 0.95
@@ -27,7 +33,7 @@ class RoadTorque:
 
     def reset(self) -> None:
         """Forget it, as when a braking is over."""
-        self._torque = nan
+        self._torque = self._trimmed = nan
         self._since = 0.0
         self._released = False
         self._stamp: int | None = None
@@ -48,9 +54,11 @@ class RoadTorque:
         if released and isfinite(deceleration):
             road = torque - self._spin * deceleration
             self._torque = max(road, self._torque) if self._released and isfinite(self._torque) else road
-            self._since = 0.0
+            self._trimmed, self._since = self._torque, 0.0
         elif self._since > _KEPT:
             self._torque = nan
+            if self._since > _TRIMS or torque > _OTHER * self._trimmed:
+                self._trimmed = nan
         self._released = released
 
     def is_near(self, torque: float) -> bool:
@@ -59,7 +67,8 @@ class RoadTorque:
 
     def may_fall(self, torque: float) -> bool:
         """Whether a torque [N m] may be lowered and stays near what the road gave."""
-        return torque >= _TRIMMED * self._torque
+        least, most = _TRIMMED * self._trimmed, inf if isfinite(self._torque) else _SAME * self._trimmed
+        return least <= torque <= most
 
     def lacks(self, torque: float) -> float:
         """Return by how much a torque [N m] is below what the road gave [N m], >= 0, 0 where that is not known."""

@@ -79,3 +79,30 @@ def test_reset_forgets_it() -> None:
     wheel.sample(released=True)
     wheel.road.reset()
     assert not wheel.road.is_near(ROAD)
+
+
+@pytest.mark.parametrize(
+    ("way", "share", "trimmed"),
+    [
+        (10.0, 1.4, True),
+        (40.0, 1.0, True),
+        (40.0, 0.9, False),
+        (40.0, 1.4, False),
+        (70.0, 1.0, False),
+    ],
+)
+def test_a_torque_that_is_still_the_same_may_be_trimmed_for_longer(way: float, share: float, trimmed: bool) -> None:
+    """A wheel creeps from its peak on snow for 50 m."""
+    wheel = Wheel()
+    wheel.sample(released=True)
+    for _ in range(round(way / (20.0 * 0.005))):
+        wheel.sample(released=False, speed=20.0)
+    assert wheel.road.may_fall(share * ROAD) is trimmed
+
+
+def test_a_brake_that_had_far_more_since_is_on_another_road() -> None:
+    wheel = Wheel()
+    wheel.sample(released=True)
+    for torque in [ROAD] * 200 + [2.0 * ROAD] * 10 + [ROAD] * 10:
+        wheel.sample(released=False, torque=torque, speed=20.0)
+    assert not wheel.road.may_fall(ROAD)

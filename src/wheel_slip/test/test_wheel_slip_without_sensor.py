@@ -121,7 +121,20 @@ def test_braked_wheels_do_not_agree_with_a_speed_the_more_the_less_it_is_known(
     for k in range(1, 100):
         rims = [14.0 + 0.94 * acceleration * k * 0.005] * 4
         car = (15.0 + acceleration * k * 0.005, 0.9)
-        wheels.update(k * STEP, rims, [acceleration] * 4, acceleration, acceleration, 0.1, car)
+        wheels.update(k * STEP, rims, [acceleration] * 4, acceleration, acceleration, 0.1, 0.1, car)
+    assert wheels.evidence(False, True).wheels_roll
+    assert wheels.evidence(False, True).agree is agree
+
+
+@pytest.mark.parametrize(("undoubted", "agree"), [(0.1, False), (1.0, True)])
+def test_a_wheel_that_creeps_from_its_peak_does_not_roll_by_the_doubt_of_the_slope_that_it_has_made(
+    undoubted: float, agree: bool
+) -> None:
+    """It falls 1.2 m/s^2 faster than its car, and passes the car's speed as it was integrated."""
+    wheels = SlideDetector(SlideParameters(), SlopeParameters(), [False])
+    for k in range(1, 100):
+        rim, car = 3.6 - 2.8 * k * 0.005, 3.0 - 1.6 * k * 0.005
+        wheels.update(k * STEP, [rim], [-2.8], -1.6, -1.6, 1.0, undoubted, (car, 0.4))
     assert wheels.evidence(False, True).wheels_roll
     assert wheels.evidence(False, True).agree is agree
 

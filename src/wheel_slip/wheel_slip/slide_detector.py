@@ -59,7 +59,6 @@ class SlideDetector:
         self._rolled = self._steady = _NOT
         self.begin_slide()
         self._travelled = 0.0
-        self._allowed = self._p.threshold
 
     def update(
         self,
@@ -69,6 +68,7 @@ class SlideDetector:
         acceleration: float | None,
         specific_force: float | None,
         offset_stddev: float,
+        undoubted_stddev: float,
         integrated: tuple[float, float] | None,
     ) -> None:
         """Judge one sample.
@@ -80,6 +80,7 @@ class SlideDetector:
             acceleration: acceleration of the car, corrected for offset [m/s^2]; None without an accelerometer.
             specific_force: reading of the accelerometer [m/s^2]: force of the tyres over the mass of the car.
             offset_stddev: standard deviation of that correction [m/s^2].
+            undoubted_stddev: the same on a road that has not stepped within the slide [m/s^2].
             integrated: integrated speed [m/s] and its standard deviation [m/s]; None if there is none.
         """
         self._integrate(stamp, acceleration)
@@ -89,14 +90,21 @@ class SlideDetector:
         history.append((stamp, self._travelled, rim_speeds))
         while len(history) > 2 and history[1][0] <= begin:
             history.popleft()
-        self._allowed = self._p.threshold + 2.0 * offset_stddev * self._p.window
-        if specific_force is not None and abs(specific_force) < self._road.forceless:
-            self._allowed += self._road.steepest * self._p.window
+        allowed, undoubted = self._allowed(offset_stddev, specific_force), self._allowed(undoubted_stddev, specific_force)
         middle = 0.5 * (known[(len(known) - 1) // 2] + known[len(known) // 2]) if known else nan
-        self._watch_slope(stamp, rim_speeds, middle)
-        self.rolling = self._roll(rim_speeds, rim_accelerations, middle)
+        slip = 1.0 - middle / integrated[0] if integrated is not None and integrated[0] > self._p.blind_below else nan
+        self._watch_slope(stamp, rim_speeds, middle, slip)
+        self.rolling = self._roll(rim_speeds, rim_accelerations, middle, allowed)
+        kept = self.rolling if undoubted == allowed else self._roll(rim_speeds, rim_accelerations, middle, undoubted)
         self._strength = self.acceleration if self.acceleration is not None else self._change_of_wheels(stamp, middle)
-        self._judge(stamp, rim_speeds, middle, integrated)
+        self._judge(stamp, rim_speeds, middle, kept, integrated)
+
+    def _allowed(self, offset_stddev: float, specific_force: float | None) -> float:
+        """Return by how much a wheel that rolls may differ over the window [m/s]."""
+        allowed = self._p.threshold + 2.0 * offset_stddev * self._p.window
+        if specific_force is not None and abs(specific_force) < self._road.forceless:
+            allowed += self._road.steepest * self._p.window
+        return allowed
 
     @property
     def has_rolled(self) -> bool:
@@ -124,7 +132,7 @@ class SlideDetector:
         self.acceleration = before + (1.0 - exp(-dt / _LAG)) * (acceleration - before)
         self._travelled += 0.5 * dt * (before + self.acceleration)
 
-    def _watch_slope(self, stamp: int, rim_speeds: Sequence[float], middle: float) -> None:
+    def _watch_slope(self, stamp: int, rim_speeds: Sequence[float], middle: float, slip: float) -> None:
         known = self.acceleration is not None and abs(middle) > self._p.blind_below
         alike = known and self.spread <= self._p.likeness(middle)
         begin, travelled, before = self._history[0]
@@ -134,10 +142,12 @@ class SlideDetector:
             change = self._travelled - travelled
             changes = [now - earlier for now, earlier in zip(rim_speeds, before, strict=True)]
             differences = [(each - change) / time for each in changes if isfinite(each)]
-        self.slope.update(stamp, alike, differences, self.acceleration or 0.0)
+        self.slope.update(stamp, alike, differences, self.acceleration or 0.0, slip)
 
-    def _roll(self, rim_speeds: Sequence[float], rim_accelerations: Sequence[float], middle: float) -> list[bool]:
-        """Return which wheels roll; `middle`: the median of the rim speeds [m/s]."""
+    def _roll(
+        self, rim_speeds: Sequence[float], rim_accelerations: Sequence[float], middle: float, allowed: float
+    ) -> list[bool]:
+        """Return which wheels roll; `middle`: the median of the rim speeds [m/s]; `allowed`: what they may differ by."""
         alike = self._p.likeness(middle)
         if self.acceleration is None:
             return [
@@ -145,7 +155,7 @@ class SlideDetector:
                 for speed, rate in zip(rim_speeds, rim_accelerations, strict=True)
             ]
         _, travelled, before = self._history[0]
-        travelled, allowed = self._travelled - travelled, self._allowed
+        travelled = self._travelled - travelled
         return [
             abs(speed - middle) <= alike and abs(speed - earlier - travelled) <= allowed
             for speed, earlier in zip(rim_speeds, before, strict=True)
@@ -161,6 +171,7 @@ class SlideDetector:
     def begin_slide(self) -> None:
         """Count the times of rolling from the next sample on."""
         self._rolled_since: int | None = None
+        self._kept_since: int | None = None
         self._steady_from: tuple[int, float] | None = None
 
     def evidence(self, sensor: bool, speed_at_wheels: bool) -> Evidence:
@@ -177,15 +188,27 @@ class SlideDetector:
         )
 
     def _judge(
-        self, stamp: int, rim_speeds: Sequence[float], middle: float, integrated: tuple[float, float] | None
+        self,
+        stamp: int,
+        rim_speeds: Sequence[float],
+        middle: float,
+        kept: Sequence[bool],
+        integrated: tuple[float, float] | None,
     ) -> None:
+        """Judge all wheels; `kept`: which of them roll on a road that has not stepped within the slide."""
         a = self._strength
         # Free wheels roll while the engine pulls, however strongly.
         self._pulled = bool(self.free) and a > -0.5
         judged = [index for index in (self.free if self._pulled else self._all) if isfinite(rim_speeds[index])]
         allowed = 1 if len(judged) >= 3 else 0
         self._wheels_roll = bool(judged) and len([index for index in judged if not self.rolling[index]]) <= allowed
-        self._agree = integrated is None or self._agrees(middle, *integrated)
+        # What a wheel that creeps from its peak has made of the slope must not make the same wheel one that rolls.
+        if len([index for index in judged if not kept[index]]) > allowed:
+            self._kept_since = None
+        elif self._kept_since is None:
+            self._kept_since = stamp
+        lasts = self._kept_since is not None and stamp - self._kept_since >= self._p.settle_time * NANOSECONDS
+        self._agree = integrated is None or (lasts and self._agrees(middle, *integrated))
         if not self._wheels_roll or not (self._pulled or abs(a) <= self._p.roll_below):
             self._rolled_since = None
         elif self._rolled_since is None:

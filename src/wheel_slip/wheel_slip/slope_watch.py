@@ -3,7 +3,8 @@
 The accelerometer does not see a slope of the road: reading = acceleration + g sin(slope). So a step of the slope makes
 wheels that roll, or slip steadily, change their speed by up to 1.5 m/s^2 more or less than the corrected reading says.
 A wheel that dives differs by much more, for a shorter time, and not alike with the others. Wheels that slip steadily
-decelerate by their slip less than the car.
+change their speed by their slip less than the car: r omega' = (1 - s) v'. That is no slope of the road, as large as
+the slip is at present. A slope that makes them lose less than the car makes that slip smaller, not larger.
 """
 
 from collections.abc import Sequence
@@ -55,7 +56,7 @@ class SlopeWatch:
         self._unlike: int | None = None
         self._since: int | None = None
 
-    def update(self, stamp: int, alike: bool, differences: Sequence[float], acceleration: float) -> None:
+    def update(self, stamp: int, alike: bool, differences: Sequence[float], acceleration: float, slip: float) -> None:
         """Take one sample.
 
         Args:
@@ -63,6 +64,7 @@ class SlopeWatch:
             alike: whether all wheels turn alike.
             differences: acceleration of each wheel minus that of the car [m/s^2], over a short window; finite.
             acceleration: of the car [m/s^2].
+            slip: of the wheels against the speed that is integrated [-], braking positive; NaN where that is unknown.
         """
         self.mismatch = 0.0
         if not alike:
@@ -71,7 +73,10 @@ class SlopeWatch:
             self._since = None
             return
         difference = sorted(differences)[len(differences) // 2]
-        if not self._p.least + self._p.steady_slip * abs(acceleration) < abs(difference) < self._p.steepest:
+        may_stay = self._p.steady_slip * abs(acceleration)
+        if difference > 0.0 and slip * -acceleration > may_stay:
+            may_stay = slip * -acceleration
+        if not self._p.least + may_stay < abs(difference) < self._p.steepest:
             self._since = None
             return
         if self._since is None:

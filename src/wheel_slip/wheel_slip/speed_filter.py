@@ -188,6 +188,11 @@ class SpeedFilter:
         return self._p[1][1] + self._road.total[2]
 
     @property
+    def undoubted_offset_variance(self) -> float:
+        """The same but for steps of the slope that wheels in a slide may have shown [m^2/s^4]."""
+        return self._p[1][1] + self._road.passing_variance
+
+    @property
     def steady_road_variance(self) -> float:
         """Variance of the speed, if the road has kept its slope [m^2/s^2]."""
         return self._p[0][0]

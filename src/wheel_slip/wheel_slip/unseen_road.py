@@ -35,6 +35,11 @@ class UnseenRoad:
         self._passes: Covariance = (0.0, 0.0, 0.0)
         self.total: Covariance = (0.0, 0.0, 0.0)
 
+    @property
+    def passing_variance(self) -> float:
+        """Of the offset, as far as it comes and goes with the way [m^2/s^4]."""
+        return self._passes[2]
+
     def predict(self, dt: float, speed: float, *, sliding: bool) -> None:
         """Go on by `dt` [s] at a speed [m/s]; `sliding`: the wheels tell nothing of the slope, and else little."""
         self._stays = _after(self._stays, dt, 1.0, 0.0 if sliding else self._walk * dt)

@@ -218,6 +218,7 @@ class VehicleSpeed:
             None if acceleration is None else acceleration - self._filter.offset,
             acceleration,
             sqrt(self._filter.offset_variance),
+            sqrt(self._filter.undoubted_offset_variance),
             (self._filter.speed, sqrt(self._filter.speed_variance)) if started else None,
         )
         before = self._force
