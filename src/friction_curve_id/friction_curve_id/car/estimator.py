@@ -323,8 +323,7 @@ class CarEstimator:
             else:
                 if len(fits) > 1:  # what is between the samples is known where the formula is
                     self._unresolved = unresolved(fit.moved.relaxed, exp(self._peak.log_lambda_max))
-                if self._astray.calm(time):
-                    self._watch_road(fit, nodes.subset(slice(0, keep)))
+                self._watch_road(fit, nodes.subset(slice(0, keep)), self._astray.calm(time))
         newest = keep - 1
         self._newest[which] = (
             float(nodes.time[newest]) + self._start.time,
@@ -336,7 +335,8 @@ class CarEstimator:
         common = min(fit.newest for fit in self._fits)
         return [fit.log_evidence_until(common) for fit in self._fits]
 
-    def _watch_road(self, fit: CurveFit, nodes: Nodes) -> None:
+    def _watch_road(self, fit: CurveFit, nodes: Nodes, calm: bool) -> None:
+        """Look for another road, and for two of them where the fits have not gone astray (`calm`)."""
         delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
         torque, rate = delayed(self._samples, nodes, self._start, delay)
         mu_max = exp(float(fit.unknowns[Unknown.LOG_MU_MAX]))
@@ -346,7 +346,11 @@ class CarEstimator:
             new_road = axle_on_new_road(self._car, nodes.time, used, fitted, told)
             if new_road is not None:
                 self._begin_anew(nodes, new_road, used * told, fit)
+                # What led the fits astray is that of the car, and may lead them there again.
+                self._astray.forgot = not calm
                 return
+        if not calm:
+            return
         used, fitted = used * comparable, fitted * comparable
         misfit = misfit_at_peak(used, fitted, mu_max, nodes.time)
         self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time, misfit)
