@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from corner_sim.car.car import Car
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
 from corner_sim.car.ordinary_driving import OrdinaryDriver
 from corner_sim.car.pressure_prescription import Cycling, PressureProfile, SlipCycle, peak_pressures
 from corner_sim.car.random_car import random_car
-from corner_sim.car.recording import Recording, record
+from corner_sim.car.recording import Recording, Surroundings, record
 from corner_sim.car.tyre import TYRES
 from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal
+from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import SURFACES
 from vehicle_models.vehicle import Deviation, SharedBy
@@ -329,6 +330,24 @@ def test_what_leads_the_fits_astray_in_a_slow_rise_does_not_stay_in_what_is_vali
         found = [each for each in estimates(follow(samples(run))) if each.valid]
         assert found
         assert all(abs(each.mu_max - run.mu_max[-1, 0]) < 1.96 * each.mu_max_stddev for each in found)
+
+
+def test_snow_is_found_where_the_car_has_led_the_fits_astray() -> None:
+    """Its body pitches as fast as none does. Before, the curve of dry stayed: mu_max 1.1 after 0.8 s on snow."""
+    dry, snow = TYRES["burckhardt"]["dry"], TYRES["burckhardt"]["snow"]
+    car = replace(believed_car("burckhardt", "dry"), pitch_frequency=8.0, pitch_damping=1.0)
+
+    def around(time: float, moved: Car) -> Surroundings:
+        moved.tyres = [snow if time > 2.5 + 0.15 * (wheel > 1) else dry for wheel in range(4)]
+        return Surroundings()
+
+    run = record(car, SlipCycle(car, Cycling()), 72_100, duration=3.3, surroundings=around)
+    found = estimates(follow(samples(run)))
+    anew = [each.restart_cause for each in found].index(RestartCause.SURFACE)
+    assert 2.5 < run.time[len(run.time) - len(found) + anew] < 2.6
+    assert found[anew - 1].mu_max > 0.8
+    assert found[-1].mu_max < 0.3
+    assert not any(each.valid for each in found[anew:])
 
 
 def test_the_family_can_be_fixed() -> None:
