@@ -382,6 +382,14 @@ def test_standstill_is_low_speed_with_speed_zero_and_the_start_from_it_is_follow
     assert estimates[-1][0].reason is Reason.OK
 
 
+def test_a_stop_in_reverse_is_the_mirror_image_of_one_forwards(estimator: SlipEstimator) -> None:
+    """Before, a car that braked backwards was one that accelerates, and was up to 0.6 m/s wrong with 0.05."""
+    d = hard_stop()
+    backwards = replace(d, wheel_speed=-d.wheel_speed, acceleration=-d.acceleration, speed=-d.speed)
+    ahead, back = (follow(each, one)[1] for each, one in ((d, SlipEstimator(CAR)), (backwards, estimator)))
+    np.testing.assert_allclose(back, -ahead, atol=1e-9)
+
+
 def test_reverse_has_a_speed_and_no_slip(estimator: SlipEstimator) -> None:
     estimates, speed = follow(drive(lambda _t: 0.0, lambda _t: 0.0, 2.0, -3.0), estimator)
     assert speed[-1] == pytest.approx(-3.0, abs=0.05)

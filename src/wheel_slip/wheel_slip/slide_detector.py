@@ -54,6 +54,8 @@ class SlideDetector:
         """The same [m/s^2]; without an accelerometer how the wheels change: those that slow down are braked."""
         self.spread = nan
         """Largest difference between rim speeds [m/s]."""
+        self.direction = 1.0
+        """-1.0 while the wheels turn backwards: they are braked then where the car accelerates forwards."""
         self._history: deque[tuple[int, float, Sequence[float]]] = deque()
         self._wheels_roll = self._pulled = self._agree = False
         self._rolled = self._steady = _NOT
@@ -92,6 +94,7 @@ class SlideDetector:
             history.popleft()
         allowed, undoubted = self._allowed(offset_stddev, specific_force), self._allowed(undoubted_stddev, specific_force)
         middle = 0.5 * (known[(len(known) - 1) // 2] + known[len(known) // 2]) if known else nan
+        self.direction = -1.0 if middle < -self._p.blind_below else 1.0
         slip = 1.0 - middle / integrated[0] if integrated is not None and integrated[0] > self._p.blind_below else nan
         self._watch_slope(stamp, rim_speeds, middle, slip)
         self.rolling = self._roll(rim_speeds, rim_accelerations, middle, allowed)
@@ -196,7 +199,7 @@ class SlideDetector:
         integrated: tuple[float, float] | None,
     ) -> None:
         """Judge all wheels; `kept`: which of them roll on a road that has not stepped within the slide."""
-        a = self._strength
+        a = self.direction * self._strength
         # Free wheels roll while the engine pulls, however strongly.
         self._pulled = bool(self.free) and a > -0.5
         judged = [index for index in (self.free if self._pulled else self._all) if isfinite(rim_speeds[index])]

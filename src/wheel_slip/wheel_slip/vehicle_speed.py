@@ -122,7 +122,7 @@ class VehicleSpeed:
     @property
     def is_unbraked(self) -> bool:
         """Whether the accelerometer reads that no brake or engine forces the wheels much; so where there is none."""
-        return _BRAKED < (self._slide.acceleration or 0.0) < self._p.slide.roll_below
+        return _BRAKED < self._slide.direction * (self._slide.acceleration or 0.0) < self._p.slide.roll_below
 
     @property
     def disagreement(self) -> float:
@@ -195,7 +195,7 @@ class VehicleSpeed:
             self._surprise = 0.0
             a = self._slide.acceleration
             if self.mode is not Mode.WAITING and a is not None:
-                self._bounds.use(self._filter, dt, rim_speeds, a, self._p.rolling.correlation)
+                self._bounds.use(self._filter, dt, rim_speeds, a, self._p.rolling.correlation, self._slide.direction)
 
     def _predict(
         self,
@@ -364,11 +364,11 @@ class VehicleSpeed:
 
     def _effort(self) -> float:
         """Deceleration by which the tyres of the wheels that are believed slip [m/s^2]."""
-        force = self._force or 0.0
+        force, offset = self._slide.direction * (self._force or 0.0), self._slide.direction * self._filter.offset
         if force > 0.0 and self._slide.free_believed():
             return 0.0
         # On a slope that has been learned the corrected acceleration is that of the road: tyres need no slip for it.
-        along = copysign(1.0, force) * (force - self._filter.offset) + sqrt(self._filter.offset_variance)
+        along = copysign(1.0, force) * (force - offset) + sqrt(self._filter.offset_variance)
         return -copysign(max(min(along, abs(force)) - self._p.rolling.forceless, 0.0), force)
 
     def _return_to_wheels(self, smooth_rim_speeds: Sequence[float], cause: Cause) -> None:

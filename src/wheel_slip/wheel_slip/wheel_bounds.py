@@ -95,7 +95,13 @@ class WheelBounds:
         self._carried.reset()
 
     def use(
-        self, car: SpeedFilter, dt: float, rim_speeds: Sequence[float], acceleration: float, correlation: float
+        self,
+        car: SpeedFilter,
+        dt: float,
+        rim_speeds: Sequence[float],
+        acceleration: float,
+        correlation: float,
+        direction: float,
     ) -> None:
         """Correct the speed by one sample.
 
@@ -105,49 +111,57 @@ class WheelBounds:
             rim_speeds: r omega of each wheel as measured [m/s], NaN where missing.
             acceleration: of the car, with the lag of the wheels [m/s^2].
             correlation: time over which the slip of a wheel counts as one error [s].
+            direction: 1.0, or -1.0 in reverse.
         """
-        self._bound(car, dt, rim_speeds, acceleration, max(correlation / dt, 1.0))
-        self._believe_carried(car, dt, rim_speeds, acceleration)
+        ahead = rim_speeds if direction > 0.0 else [-each for each in rim_speeds]
+        a = direction * acceleration
+        self._bound(car, dt, ahead, a, max(correlation / dt, 1.0), direction)
+        self._believe_carried(car, dt, ahead, a, direction)
 
-    def _bound(self, car: SpeedFilter, dt: float, rim_speeds: Sequence[float], a: float, many: float) -> None:
+    def _bound(
+        self, car: SpeedFilter, dt: float, rim_speeds: Sequence[float], a: float, many: float, direction: float
+    ) -> None:
         """Keep the speed above braked and below driven wheels; two of them must agree, for one may vibrate or fail."""
         known = sorted(speed for speed in rim_speeds if abs(speed) > self._lowest)
         if not known:
             return
-        p = self._p
-        margin = p.margin * abs(car.speed) + p.latency * abs(a) + p.carried.plausible * sqrt(self._variance)
+        p, speed = self._p, direction * car.speed
+        margin = p.margin * abs(speed) + p.latency * abs(a) + p.carried.plausible * sqrt(self._variance)
         second = min(1, len(known) - 1)
         if len(known) == 1 < len(rim_speeds):
             # Where the others are blind, it may be stuck at the speed of a car that has become slow with them.
             likely = p.carried.plausible * sqrt(car.speed_variance) + margin
-            if abs(known[0] - car.speed) > likely:
+            if abs(known[0] - speed) > likely:
                 return
         beyond = 0.0
         if a < -p.effort_above:
-            beyond = known[-1 - second] - margin - car.speed
-            if known[-1 - second] > (1.0 - p.close) * car.speed:
+            beyond = known[-1 - second] - margin - speed
+            if known[-1 - second] > (1.0 - p.close) * speed:
                 # A speed that is too high is so by no more than that wheel is behind.
-                behind = max(car.speed - known[-1 - second], 0.5 * p.close * car.speed)
+                behind = max(speed - known[-1 - second], 0.5 * p.close * speed)
                 car.limit(behind**2 + margin**2)
         elif a > p.effort_above:
-            beyond = car.speed - known[second] - margin
+            beyond = speed - known[second] - margin
         self._beyond = self._beyond + dt if beyond > 0.0 else 0.0
         if self._beyond >= p.spring_back:
-            car.correct(car.speed - copysign(beyond, a), margin**2 * many)
+            car.correct(direction * (speed - copysign(beyond, a)), margin**2 * many)
 
-    def _believe_carried(self, car: SpeedFilter, dt: float, rim_speeds: Sequence[float], a: float) -> None:
+    def _believe_carried(
+        self, car: SpeedFilter, dt: float, rim_speeds: Sequence[float], a: float, direction: float
+    ) -> None:
         """Correct the speed by the fastest wheel that the road carries, if it is where the speed may be.
 
         That is judged, and corrected, as on a road that keeps its slope: wheels may also stand still in a slip, and the
         more the road may have done meanwhile the more of that would pass for the speed. So a speed that has become
         doubtful makes no larger gap plausible.
         """
-        gaps = self._carried.update(dt, rim_speeds, car.speed)
+        speed = direction * car.speed
+        gaps = self._carried.update(dt, rim_speeds, speed)
         if gaps:
             gap = max(gaps)
-            slip = self._slip_per_acceleration * car.speed * a
+            slip = self._slip_per_acceleration * speed * a
             variance = self._carried.gap_variance(dt) + slip**2
             known = car.steady_road_variance
-            doubt = max(known - (self._p.margin * car.speed) ** 2, 0.0)
+            doubt = max(known - (self._p.margin * speed) ** 2, 0.0)
             if gap**2 < self._p.carried.plausible**2 * (known - doubt + variance):
-                car.believe(car.speed + gap, (variance + doubt) * max(self._p.carried.released / dt, 1.0))
+                car.believe(direction * (speed + gap), (variance + doubt) * max(self._p.carried.released / dt, 1.0))

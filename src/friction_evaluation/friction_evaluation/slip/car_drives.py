@@ -29,6 +29,8 @@ _RISE = 0.5
 """Time in which a gentle brake is applied [s]."""
 _DURATION = 14.0
 """Longest drive [s]."""
+_FORWARD, _REVERSE = 25.0, 10.0
+"""Speeds at the start [m/s]."""
 _STEEP = 0.1
 _HILL = 0.06
 """Sines of slopes: that of a step, and that of a hill that comes within a second."""
@@ -77,6 +79,10 @@ class Case:
     around: Around | None = None
     until: float = np.inf
     """End of braking [s]."""
+    heard_from: float = 0.0
+    """Before it the estimator is not there [s]: it starts beside a car that moves."""
+    in_reverse: bool = False
+    """Whether the same motion is the other way round, with the rear axle in front."""
 
     @property
     def edges(self) -> bool:
@@ -143,19 +149,40 @@ def cases() -> dict[str, Case]:
         found[f"{name}, through the peak"] = Case(around=around)
     for road in ("dry", "snow"):
         found[f"four wheels locked for 3 s, {road}"] = Case(road=road, share=2.0, until=BEGIN + _LOCKED)
+    for name, share, heard_from in (
+        ("rolling", 0.5, BEGIN - 2.0),
+        ("braked at half of the peak", 0.5, BEGIN + 1.0),
+        ("braked through the peak", None, BEGIN + 0.5),
+    ):
+        found[f"start in motion, {name}"] = Case(share=share, heard_from=heard_from)
+    found["stop in reverse"] = Case(share=0.5, in_reverse=True)
     for family in TYRES:
         found[f"driven wheels spin on snow, {family}"] = Case(family, "snow", share=0.0, around=_spin)
     return found
 
 
 def drive(case: Case, vehicle: Vehicle, seed: int) -> Recording:
-    """Drive one case with a car that differs from its vehicle file by the deviations stated there."""
+    """Drive one case with a car that differs from its vehicle file by the deviations stated there.
+
+    What is recorded of it is what speed and slip are judged by: time, wheel_speed, acceleration, speed, slip.
+    """
     car = _differing(case, vehicle, seed)
     cycled = case.share is None
     pressures: Prescription = (
         SlipCycle(car, Cycling(start=BEGIN)) if cycled else Held(car, case.share or 0.0, case.until)
     )
-    return record(car, pressures, seed, duration=_DURATION, surroundings=case.around)
+    speed = _REVERSE if case.in_reverse else _FORWARD
+    run = record(car, pressures, seed, speed=speed, duration=_DURATION, surroundings=case.around)
+    heard = run.time >= case.heard_from
+    sign = -1.0 if case.in_reverse else 1.0
+    return replace(
+        run,
+        time=run.time[heard],
+        wheel_speed=sign * run.wheel_speed[heard],
+        acceleration=sign * run.acceleration[heard],
+        speed=sign * run.speed[heard],
+        slip=run.slip[heard],
+    )
 
 
 def ordinary_drive(seed: int) -> Recording:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import isfinite
 
 import numpy as np
 from geometry_msgs.msg import Vector3
@@ -26,7 +27,7 @@ _BASE_STAMP = 1_000_000_000
 
 @dataclass(frozen=True)
 class Judged:
-    """Errors over the samples with a valid slip, and what was stated for them."""
+    """Errors over the samples with a valid slip, of the speed in reverse too, and what was stated for them."""
 
     speed: Array
     """Error of the speed [m/s], (N,)."""
@@ -70,7 +71,8 @@ def judge(run: Recording, vehicle: Vehicle, parameters: EstimatorParameters) -> 
             if not answer.reason
         ]
         valid += len(found)
-        if found and speed > _LEAST_SPEED:
+        # In reverse there is a speed, and no slip.
+        if (found or (speed < 0.0 and isfinite(answers[0].vehicle_speed))) and abs(speed) > _LEAST_SPEED:
             speeds.append((answers[0].vehicle_speed - speed, answers[0].vehicle_speed_variance))
             slips += found
     of_speed, of_slip = np.reshape(speeds, (-1, 2)), np.reshape(slips, (-1, 2))
@@ -88,11 +90,12 @@ def case_rows(case: str, runs: Sequence[Judged]) -> list[Row]:
     if not error.size:
         return [{**start, "quantity": "valid [%]", **not_judged(0.0)}]
     spread = float(np.sqrt(np.mean(z**2)))
+    of_slip = at_least(_inside(slip_z), _LEAST_COVERAGE) if slip_z.size else not_judged(float("nan"))
     return [
         {**start, "quantity": "z of the speed, RMS", **at_most(spread, _LARGEST_Z)},
         {**start, "quantity": "z of the speed, RMS, not less", **at_least(spread, _LEAST_Z)},
         {**start, "quantity": "coverage of the speed [%]", **at_least(_inside(z), _LEAST_COVERAGE)},
-        {**start, "quantity": "coverage of the slip [%]", **at_least(_inside(slip_z), _LEAST_COVERAGE)},
+        {**start, "quantity": "coverage of the slip [%]", **of_slip},
         {**start, "quantity": "speed RMS [m/s]", **not_judged(float(np.sqrt(np.mean(error**2))))},
         {**start, "quantity": "valid [%]", **not_judged(float(np.mean([run.valid for run in runs])))},
     ]
