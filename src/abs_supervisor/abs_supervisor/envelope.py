@@ -122,7 +122,8 @@ class Envelope:
         )
         # A trim tells nothing of the road: else each would allow the next.
         told = command is Command.DECREASE and not trim
-        self._road.update(stamp, told, torque, self.evidence.deceleration, car_speed)
+        lowered = command is Command.DECREASE and trim
+        self._road.update(stamp, told, lowered, torque, self.evidence.deceleration, car_speed)
         dives = wanted and not release and self.evidence.dives
         near = self.evidence.allows_hold or (self.evidence.may_slip and self._road.is_near(coming))
         held = law is Command.HOLD and near

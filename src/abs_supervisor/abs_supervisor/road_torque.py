@@ -17,6 +17,10 @@ _SAME: Final = 1.25
 """Of it: up to there it is the same. Beyond 15 m a trim takes no more than that from a brake on another road."""
 _OTHER: Final = 1.5
 """Of it: a brake that has as much is on another road."""
+_COMES_BACK: Final = 0.015
+"""Of the car's speed: a wheel that gains as much once it is trimmed had slipped; a tyre that grips gives far less."""
+_AT_ONCE: Final = round(0.25 * NANOSECONDS)
+"""[ns] after a trim in which it does."""
 _ENOUGH: Final = 0.85
 """Of it: a tyre that slides gives 0.7 to 0.9 of the peak's, so what is held is less than a quarter below the peak."""
 _TRIMMED: Final = 0.95
@@ -37,20 +41,27 @@ class RoadTorque:
         self._since = 0.0
         self._released = False
         self._stamp: int | None = None
+        self._lowered: int | None = None
+        self._gained = 0.0
 
-    def update(self, stamp: int, released: bool, torque: float, deceleration: float, car_speed: float) -> None:
+    def update(
+        self, stamp: int, released: bool, trimmed: bool, torque: float, deceleration: float, car_speed: float
+    ) -> None:
         """Take a sample.
 
         Args:
             stamp: [ns], later than the last.
             released: whether the brake is released on evidence that the wheel slips.
+            trimmed: whether it is lowered a little because the torque says so.
             torque: of the brake [N m].
             deceleration: of the wheel's circumference [m/s^2], NaN where unknown.
             car_speed: [m/s], NaN where unknown.
         """
-        if self._stamp is not None and car_speed > 0.0:
-            self._since += car_speed * (stamp - self._stamp) / NANOSECONDS
+        dt = 0.0 if self._stamp is None else (stamp - self._stamp) / NANOSECONDS
         self._stamp = stamp
+        if car_speed > 0.0:
+            self._since += car_speed * dt
+        self._watch_trim(stamp, trimmed, dt, deceleration, car_speed)
         if released and isfinite(deceleration):
             road = torque - self._spin * deceleration
             self._torque = max(road, self._torque) if self._released and isfinite(self._torque) else road
@@ -60,6 +71,20 @@ class RoadTorque:
             if self._since > _TRIMS or torque > _OTHER * self._trimmed:
                 self._trimmed = nan
         self._released = released
+
+    def _watch_trim(self, stamp: int, trimmed: bool, dt: float, deceleration: float, car_speed: float) -> None:
+        """See whether a wheel comes back from a trim: it had slipped, and the road still gives what it gave."""
+        if trimmed:
+            self._gained = 0.0 if self._lowered is None else self._gained
+            self._lowered = stamp
+        if self._lowered is None:
+            return
+        if stamp - self._lowered > _AT_ONCE or not isfinite(deceleration + car_speed):
+            self._lowered = None
+            return
+        self._gained = max(self._gained - deceleration * dt, 0.0)
+        if self._gained > _COMES_BACK * car_speed:
+            self._since, self._lowered = 0.0, None
 
     def is_near(self, torque: float) -> bool:
         """Whether a torque [N m] is near what the road gave, or above it."""

@@ -21,9 +21,16 @@ class Wheel:
         self.road = RoadTorque(RADIUS, INERTIA)
         self.stamp = 0
 
-    def sample(self, released: bool, torque: float = ROAD, deceleration: float = 0.0, speed: float = SPEED) -> None:
+    def sample(
+        self,
+        released: bool,
+        torque: float = ROAD,
+        deceleration: float = 0.0,
+        speed: float = SPEED,
+        trimmed: bool = False,
+    ) -> None:
         self.stamp += STEP
-        self.road.update(self.stamp, released, torque, deceleration, speed)
+        self.road.update(self.stamp, released, trimmed, torque, deceleration, speed)
 
 
 def test_without_a_release_no_torque_is_near() -> None:
@@ -105,4 +112,32 @@ def test_a_brake_that_had_far_more_since_is_on_another_road() -> None:
     wheel.sample(released=True)
     for torque in [ROAD] * 200 + [2.0 * ROAD] * 10 + [ROAD] * 10:
         wheel.sample(released=False, torque=torque, speed=20.0)
+    assert not wheel.road.may_fall(ROAD)
+
+
+@pytest.mark.parametrize(("gains", "slipped"), [(6.0, True), (1.0, False), (-2.0, False)])
+def test_a_wheel_that_comes_back_from_a_trim_tells_that_the_road_gives_what_it_gave(
+    gains: float, slipped: bool
+) -> None:
+    """At 20 m/s it has to gain 0.3 m/s; `gains` [m/s^2] for 0.1 s, 50 m after the release."""
+    wheel = Wheel()
+    wheel.sample(released=True)
+    for _ in range(500):
+        wheel.sample(released=False, speed=20.0)
+    wheel.sample(released=False, speed=20.0, trimmed=True)
+    for _ in range(20):
+        wheel.sample(released=False, speed=20.0, deceleration=-gains)
+    for _ in range(200):
+        wheel.sample(released=False, speed=20.0, deceleration=2.0)
+    assert wheel.road.may_fall(ROAD) is slipped
+
+
+def test_a_wheel_that_comes_back_later_does_not_tell() -> None:
+    wheel = Wheel()
+    wheel.sample(released=True)
+    for _ in range(500):
+        wheel.sample(released=False, speed=20.0)
+    wheel.sample(released=False, speed=20.0, trimmed=True)
+    for deceleration in [2.0] * 60 + [-6.0] * 20 + [2.0] * 140:
+        wheel.sample(released=False, speed=20.0, deceleration=deceleration)
     assert not wheel.road.may_fall(ROAD)
