@@ -21,7 +21,7 @@ _STANDS: Final = 0.75
 """[m/s] Speed of the car down to which a pressure that is near what the road gave is kept from the driver's."""
 _LATE: Final = 0.03
 """[s] by which a brake may be later than stated."""
-_TELLS_ABOVE: Final = 3.0
+_TELLS_ABOVE: Final = 2.0
 """[m/s] A wheel that is kept from every dive below no longer tells the speed of its car, and then stood."""
 
 

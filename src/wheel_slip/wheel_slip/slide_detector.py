@@ -92,7 +92,8 @@ class SlideDetector:
         history.append((stamp, self._travelled, rim_speeds))
         while len(history) > 2 and history[1][0] <= begin:
             history.popleft()
-        allowed, undoubted = self._allowed(offset_stddev, specific_force), self._allowed(undoubted_stddev, specific_force)
+        allowed = self._allowed(offset_stddev, specific_force)
+        undoubted = self._allowed(undoubted_stddev, specific_force)
         middle = 0.5 * (known[(len(known) - 1) // 2] + known[len(known) // 2]) if known else nan
         self.direction = -1.0 if middle < -self._p.blind_below else 1.0
         slip = 1.0 - middle / integrated[0] if integrated is not None and integrated[0] > self._p.blind_below else nan
@@ -150,7 +151,7 @@ class SlideDetector:
     def _roll(
         self, rim_speeds: Sequence[float], rim_accelerations: Sequence[float], middle: float, allowed: float
     ) -> list[bool]:
-        """Return which wheels roll; `middle`: the median of the rim speeds [m/s]; `allowed`: what they may differ by."""
+        """Return which wheels roll; `middle`: median of the rim speeds; `allowed`: what they may differ by [m/s]."""
         alike = self._p.likeness(middle)
         if self.acceleration is None:
             return [
