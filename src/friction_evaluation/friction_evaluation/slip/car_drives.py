@@ -149,12 +149,12 @@ def cases() -> dict[str, Case]:
         found[f"{name}, through the peak"] = Case(around=around)
     for road in ("dry", "snow"):
         found[f"four wheels locked for 3 s, {road}"] = Case(road=road, share=2.0, until=BEGIN + _LOCKED)
-    for name, share, heard_from in (
+    for name, held, heard_from in (
         ("rolling", 0.5, BEGIN - 2.0),
         ("braked at half of the peak", 0.5, BEGIN + 1.0),
         ("braked through the peak", None, BEGIN + 0.5),
     ):
-        found[f"start in motion, {name}"] = Case(share=share, heard_from=heard_from)
+        found[f"start in motion, {name}"] = Case(share=held, heard_from=heard_from)
     found["stop in reverse"] = Case(share=0.5, in_reverse=True)
     for family in TYRES:
         found[f"driven wheels spin on snow, {family}"] = Case(family, "snow", share=0.0, around=_spin)
