@@ -79,7 +79,8 @@ class Bench:
         (20.0, 1.0, 0.1, True),
         (20.0, 0.9, 0.1, False),  # already below what the road gave
         (20.0, 1.0, 0.02, False),  # no fall
-        (7.5, 1.0, 0.1, False),  # too slow: the slip of a release is needed
+        (3.0, 1.0, 0.1, True),
+        (1.8, 1.0, 0.1, False),  # too slow: the slip of a release is needed
     ],
 )
 def test_a_wheel_that_falls_is_trimmed_down_to_what_the_road_gave(
