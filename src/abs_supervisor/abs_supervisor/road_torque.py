@@ -84,7 +84,7 @@ class RoadTorque:
             return
         self._gained = max(self._gained - deceleration * dt, 0.0)
         if self._gained > _COMES_BACK * car_speed:
-            self._since, self._lowered = 0.0, None
+            self._torque, self._since, self._lowered = self._trimmed, 0.0, None
 
     def is_near(self, torque: float) -> bool:
         """Whether a torque [N m] is near what the road gave, or above it."""

@@ -132,6 +132,18 @@ def test_a_wheel_that_comes_back_from_a_trim_tells_that_the_road_gives_what_it_g
     assert wheel.road.may_fall(ROAD) is slipped
 
 
+def test_near_what_the_road_gave_the_pressure_may_be_held_again_after_such_a_trim() -> None:
+    wheel = Wheel()
+    wheel.sample(released=True)
+    for _ in range(500):
+        wheel.sample(released=False, speed=20.0)
+    assert not wheel.road.is_near(ROAD)
+    wheel.sample(released=False, speed=20.0, trimmed=True)
+    for _ in range(20):
+        wheel.sample(released=False, speed=20.0, deceleration=-6.0)
+    assert wheel.road.is_near(ROAD)
+
+
 def test_a_wheel_that_comes_back_later_does_not_tell() -> None:
     wheel = Wheel()
     wheel.sample(released=True)
