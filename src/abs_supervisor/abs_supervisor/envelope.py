@@ -120,10 +120,9 @@ class Envelope:
         command = self.caps.command(
             stamp, release, self.evidence.recovering, deep, self.evidence.stands, torque, demand
         )
-        # A trim tells nothing of the road: else each would allow the next.
-        told = command is Command.DECREASE and not trim
-        lowered = command is Command.DECREASE and trim
-        self._road.update(stamp, told, lowered, torque, self.evidence.deceleration, car_speed)
+        # A trim alone tells nothing of the road: else each would allow the next.
+        lowers = command is Command.DECREASE
+        self._road.update(stamp, lowers and not trim, lowers and trim, torque, self.evidence.deceleration, car_speed)
         dives = wanted and not release and self.evidence.dives
         near = self.evidence.allows_hold or (self.evidence.may_slip and self._road.is_near(coming))
         held = law is Command.HOLD and near

@@ -37,7 +37,8 @@ class RoadTorque:
 
     def reset(self) -> None:
         """Forget it, as when a braking is over."""
-        self._torque = self._trimmed = nan
+        self._torque = nan
+        """What the road gave [N m]; for how far it counts depends on what it is for."""
         self._since = 0.0
         self._released = False
         self._stamp: int | None = None
@@ -64,12 +65,10 @@ class RoadTorque:
         self._watch_trim(stamp, trimmed, dt, deceleration, car_speed)
         if released and isfinite(deceleration):
             road = torque - self._spin * deceleration
-            self._torque = max(road, self._torque) if self._released and isfinite(self._torque) else road
-            self._trimmed, self._since = self._torque, 0.0
-        elif self._since > _KEPT:
+            self._torque = max(road, self._torque) if self._released and isfinite(self._near) else road
+            self._since = 0.0
+        elif self._since > _TRIMS or (self._since > _KEPT and torque > _OTHER * self._torque):
             self._torque = nan
-            if self._since > _TRIMS or torque > _OTHER * self._trimmed:
-                self._trimmed = nan
         self._released = released
 
     def _watch_trim(self, stamp: int, trimmed: bool, dt: float, deceleration: float, car_speed: float) -> None:
@@ -84,21 +83,26 @@ class RoadTorque:
             return
         self._gained = max(self._gained - deceleration * dt, 0.0)
         if self._gained > _COMES_BACK * car_speed:
-            self._torque, self._since, self._lowered = self._trimmed, 0.0, None
+            self._since, self._lowered = 0.0, None
+
+    @property
+    def _near(self) -> float:
+        """What the road gave [N m], NaN where that was too far back."""
+        return self._torque if self._since <= _KEPT else nan
 
     def is_near(self, torque: float) -> bool:
         """Whether a torque [N m] is near what the road gave, or above it."""
-        return torque >= _ENOUGH * self._torque
+        return torque >= _ENOUGH * self._near
 
     def may_fall(self, torque: float) -> bool:
         """Whether a torque [N m] may be lowered and stays near what the road gave."""
-        least, most = _TRIMMED * self._trimmed, inf if isfinite(self._torque) else _SAME * self._trimmed
-        return least <= torque <= most
+        most = inf if self._since <= _KEPT else _SAME * self._torque
+        return _TRIMMED * self._torque <= torque <= most
 
     def lacks(self, torque: float) -> float:
         """Return by how much a torque [N m] is below what the road gave [N m], >= 0, 0 where that is not known."""
-        return max(self._torque - torque, 0.0) if isfinite(self._torque) else 0.0
+        return max(self._near - torque, 0.0) if isfinite(self._near) else 0.0
 
     def is_reached(self, torque: float) -> bool:
         """Whether a torque [N m] is what the road gave, or more."""
-        return torque >= self._torque
+        return torque >= self._near

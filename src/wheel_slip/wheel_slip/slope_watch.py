@@ -73,9 +73,9 @@ class SlopeWatch:
             self._since = None
             return
         difference = sorted(differences)[len(differences) // 2]
-        may_stay = self._p.steady_slip * abs(acceleration)
-        if difference > 0.0 and slip * -acceleration > may_stay:
-            may_stay = slip * -acceleration
+        may_stay, by_slip = self._p.steady_slip * abs(acceleration), slip * -acceleration
+        if difference > 0.0 and by_slip > may_stay:
+            may_stay = by_slip
         if not self._p.least + may_stay < abs(difference) < self._p.steepest:
             self._since = None
             return
