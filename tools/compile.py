@@ -20,17 +20,19 @@ COMPILED = {
     "friction_runtime": "aligned_processor aligner brake_torque cdr_codec cdr_layout new_message pressure_watch "
     "primary processor_graph reason_text slip_fault stamp_progress stamps wheel_speeds wire",
     "vehicle_models": "acceleration_unit derivatives plausible pressure_unit slowest_car wheel_load",
-    "wheel_slip": "accelerometer_age accelerometer_watch carried_wheels estimate estimator free_rolling mode "
-    "online_radii outvoted processor radius_calibration radius_doubt ring_gap sensor_age sensor_skew sensor_watch "
-    "slide_detector slip slope_watch speed_filter speed_parameters speed_queue speed_sample speed_sensor stuck_sensor "
-    "unfelt_dive unit_check unseen_road vehicle_speed wheel_bounds wheel_noise wheel_speed_filter",
+    "wheel_slip": "accelerometer_age accelerometer_watch brake_pressures carried_wheels estimate estimator "
+    "free_rolling mode online_radii outvoted processor radius_calibration radius_doubt released_wheels ring_gap "
+    "sensor_age sensor_skew sensor_watch slide_detector slip slope_watch speed_filter speed_parameters speed_queue "
+    "speed_sample speed_sensor stuck_sensor unfelt_dive unit_check unseen_road vehicle_speed wheel_bounds wheel_noise "
+    "wheel_speed_filter",
     "friction_slope": "crossing detector doubt estimate indicator messages processor signals told_slips "
     "tyre_relaxation vote",
     "abs_supervisor": "braking braking_log coming_back curve_control curve_queue curve_report end_of_stop envelope "
     "fsm guard input_watch known_curve law/brake_line law/disturbance law/explained law/late_brake "
     "law/released_wheel law/road_curve law/set_point law/three_commands law/torque_set_point law/usable_curve "
-    "law/wheel_observer law/wheel_step own_fall pressure_check processor release_caps release_evidence road_torque "
-    "rolling_scatter speed_trend sudden_stop supervisor wheel_check wheel_inputs wheel_motion wheel_pair",
+    "law/wheel_observer law/wheel_step own_fall pressure_check processor reference_wheel release_caps "
+    "release_evidence road_torque rolling_scatter speed_trend sudden_stop supervisor wheel_check wheel_inputs "
+    "wheel_motion wheel_pair",
     "friction_curve_id": "activation car/pitch_filter car_processor chapter/curve_fitting chapter/dead_reckoning "
     "chapter/exponential_curve chapter/friction_samples chapter/recursive_ls chapter/square_root curve/fitted_curve "
     "curve_messages inputs processor wheel_inputs",

@@ -21,6 +21,8 @@ _STANDS: Final = 0.75
 """[m/s] Speed of the car down to which a pressure that is near what the road gave is kept from the driver's."""
 _LATE: Final = 0.03
 """[s] by which a brake may be later than stated."""
+_LIMITED: Final = 0.9
+"""Of the demand: with less the road, not the driver, limits the pressure."""
 _TELLS_ABOVE: Final = 2.0
 """[m/s] A wheel that is kept from every dive below no longer tells the speed of its car, and then stood."""
 
@@ -82,10 +84,21 @@ class Envelope:
         falls = self.evidence.falls and car_speed > _TELLS_ABOVE
         return (falls or self._is_critical(car_speed, torque)) and self._road.may_fall(torque)
 
+    def may_roll(self, torque: float, demand: float) -> bool:
+        """Whether the wheel may show the speed of the car: it has slipped, and the driver asks for more than it gets.
+
+        Args:
+            torque: of the brake [N m], NaN where unknown.
+            demand: of the driver [N m].
+        """
+        return self._road.is_known and torque < _LIMITED * demand
+
     def _is_critical(self, car_speed: float, torque: float) -> bool:
         return self.evidence.grips and self._dive.outruns_brake(car_speed, torque)
 
-    def judge(self, stamp: int, law: Command, car_speed: float, torque: float, demand: float) -> Command:
+    def judge(
+        self, stamp: int, law: Command, car_speed: float, torque: float, demand: float, rolls: bool = False
+    ) -> Command:
         """Return the command that may be given.
 
         Args:
@@ -94,6 +107,7 @@ class Envelope:
             car_speed: [m/s], NaN where unknown.
             torque: of the brake [N m].
             demand: of the driver [N m].
+            rolls: whether it is the turn of this wheel to show the speed of the car.
         """
         coming = self._line.torque_at(torque, stamp, stamp + self._delay)
         slow = car_speed < self._driver_below
@@ -123,6 +137,9 @@ class Envelope:
         # A trim alone tells nothing of the road: else each would allow the next.
         lowers = command is Command.DECREASE
         self._road.update(stamp, lowers and not trim, lowers and trim, torque, self.evidence.deceleration, car_speed)
+        if rolls:
+            self.release = Release.REFERENCE
+            return Command.DECREASE
         dives = wanted and not release and self.evidence.dives
         near = self.evidence.allows_hold or (self.evidence.may_slip and self._road.is_near(coming))
         held = law is Command.HOLD and near

@@ -202,10 +202,11 @@ class Guard:
             slowest > _MOVES and self._radius * seen.wheel_speed < least and any(each < least for each in seen.others)
         )
 
-    def command(self, stamp: int, law: Command, most: Command = Command.INCREASE) -> Command:
+    def command(self, stamp: int, law: Command, most: Command = Command.INCREASE, rolls: bool = False) -> Command:
         """Return the command that may be given for what the law asks at the stamp [ns] of the last `look`.
 
-        `most` is what the other wheel of the axle leaves, of INCREASE (everything), HOLD and DECREASE.
+        `most` is what the other wheel of the axle leaves, of INCREASE (everything), HOLD and DECREASE; `rolls` whether
+        it is the turn of this wheel to show the speed of the car.
         """
         seen = self._seen
         if seen is None:
@@ -213,7 +214,7 @@ class Guard:
         asked = Command.NONE if self.wheel_text else law
         torque = seen.torque if isfinite(seen.torque) else 0.0
         demand = seen.demand if isfinite(seen.demand) else 0.0
-        command = self.envelope.judge(stamp, asked, self._car_speed, torque, demand)
+        command = self.envelope.judge(stamp, asked, self._car_speed, torque, demand, rolls)
         if command is Command.INCREASE or (command is Command.HOLD and most is Command.DECREASE):
             command = most
         self.envelope.commanded(stamp, command, demand)

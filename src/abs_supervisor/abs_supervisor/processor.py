@@ -15,6 +15,7 @@ from abs_supervisor.fsm import COMMANDS, Cause, Command, State
 from abs_supervisor.guard import Guard, Seen
 from abs_supervisor.input_watch import InputWatch, Loss
 from abs_supervisor.parameters import CURVE, SupervisorParameters
+from abs_supervisor.reference_wheel import ReferenceWheel
 from abs_supervisor.release_evidence import Release
 from abs_supervisor.supervisor import Evidence, Reason, Supervisor
 from abs_supervisor.wheel_inputs import WheelInputs
@@ -28,7 +29,7 @@ from friction_runtime.reason_text import of_topic, set_reason, without_wheel
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import REAR, Vehicle
 
 BRAKE_DEMAND: Final = "brake_demand"
 _QUIET = (Reason.OK, Reason.LOW_SPEED)
@@ -48,6 +49,8 @@ _MAY_BE_LOCKED: Final = "this wheel alone: it may be locked, and has no ABS"
 _VOTE_NOT_READY = int(FrictionSlope.NOT_READY)
 """With an indicator: it has not passed a threshold yet. Without: the window is not full."""
 _COUNTER_END: Final = 2**32
+_SHARED: Final = 3
+"""Wheels of a car from which on one may roll for a moment."""
 
 
 class WheelProcessor(AlignedProcessor[SlopeVote]):
@@ -60,6 +63,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         parameters: SupervisorParameters,
         report: Report = silent,
         pair: WheelPair | None = None,
+        reference: ReferenceWheel | None = None,
     ) -> None:
         """Build for one wheel of a car.
 
@@ -69,8 +73,9 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
             parameters: of the node.
             report: the log function.
             pair: the wheel and the other one of its axle, where they know of each other.
+            reference: chooses the wheel of the car that rolls for a moment, where one may.
         """
-        self._wheel, self._p, self._pair = wheel, parameters, pair
+        self._wheel, self._p, self._pair, self._reference = wheel, parameters, pair, reference
         self._state_topic, self._command_topic = f"{wheel}/abs_supervisor", f"{wheel}/brake_command"
         self._inputs = inputs = WheelInputs(wheel, vehicle, report, fine=parameters.law == CURVE)
         self._vote = f"{wheel}/slope_vote"
@@ -278,13 +283,32 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
     def _given(self, stamp: int, law: Command) -> Command:
         """Return the command for what the law asks for: as the envelope allows, and the other wheel of the axle."""
         pair, torque = self._pair, self._seen.torque
+        rolls = law is not Command.NONE and self._rolls(stamp)
         if pair is None:
-            return self._guard.command(stamp, law)
+            return self._guard.command(stamp, law, rolls=rolls)
         most = pair.most(self._wheel, stamp, torque)
-        command = self._guard.command(stamp, law, most)
+        command = self._guard.command(stamp, law, most, rolls)
         released = self._guard.envelope.release in (Release.BY_SLIP, Release.BY_DECELERATION)
-        pair.note(self._wheel, stamp, torque, command, released)
+        # The other wheel of the axle does not follow one that rolls.
+        if not rolls:
+            pair.note(self._wheel, stamp, torque, command, released)
         return command
+
+    def _rolls(self, stamp: int) -> bool:
+        """Return whether this wheel is to roll for a moment, so that the speed of the car is seen."""
+        if self._reference is None or self._curve_control is None:
+            return False
+        seen = self._seen
+        held = self._curve_control.law.slip_set_point
+        may_roll = self._guard.envelope.may_roll(seen.torque, seen.demand)
+        return self._reference.rolls(
+            self._wheel,
+            stamp,
+            nan if seen.car_is_measured else seen.car_speed,
+            self._guard.deceleration,
+            seen.torque,
+            held if may_roll else nan,
+        )
 
     def _torque_at(self, sample: AlignedSample[SlopeVote]) -> float | None:
         """Return the torque that the driver demands [N m]; None where it is not known."""
@@ -380,4 +404,8 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
 def build(parameters: SupervisorParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:
     """Make the processors: one per wheel."""
     pairs = wheel_pairs(vehicle, parameters.select_low)
-    return [WheelProcessor(wheel, vehicle, parameters, report, pairs.get(wheel)) for wheel in vehicle.wheel_names]
+    rear = [wheel.name for wheel in vehicle.wheels if wheel.axle == REAR]
+    reference = ReferenceWheel(rear) if len(vehicle.wheels) >= _SHARED and rear else None
+    return [
+        WheelProcessor(wheel, vehicle, parameters, report, pairs.get(wheel), reference) for wheel in vehicle.wheel_names
+    ]

@@ -21,6 +21,7 @@ class Release(IntEnum):
     BY_SLIP = 1
     BY_DECELERATION = 2
     REFUSED = 3
+    REFERENCE = 4
 
 
 @dataclass(frozen=True)

@@ -86,6 +86,11 @@ class RoadTorque:
             self._since, self._lowered = 0.0, None
 
     @property
+    def is_known(self) -> bool:
+        """Whether the wheel has slipped within the last 60 m."""
+        return isfinite(self._torque)
+
+    @property
     def _near(self) -> float:
         """What the road gave [N m], NaN where that was too far back."""
         return self._torque if self._since <= _KEPT else nan

@@ -447,3 +447,32 @@ def test_wheels_that_together_lose_far_more_speed_than_their_car_slip(faster: fl
         slip = 1.0 - rim / car
         commands.append(bench.sample(rim, car, slip=slip, alike=True, lambda_max=0.06, car_deceleration=2.0))
     assert (Command.DECREASE in commands) == released
+
+
+def test_a_wheel_rolls_for_reference_only_where_it_has_slipped_and_the_driver_asks_for_more() -> None:
+    bench = Bench()
+    bench.slipping(0.02, 40)
+    assert not bench.envelope.may_roll(300.0, DEMAND), "nothing has shown that it slips"
+    bench.slipping(0.3, 40)
+    assert bench.envelope.may_roll(300.0, DEMAND)
+    assert not bench.envelope.may_roll(0.95 * DEMAND, DEMAND), "the driver limits the pressure, not the road"
+    assert not bench.envelope.may_roll(nan, DEMAND)
+
+
+@pytest.mark.parametrize(
+    ("law", "car", "expected"),
+    [
+        (Command.INCREASE, SPEED, Command.DECREASE),
+        (Command.HOLD, SPEED, Command.DECREASE),
+        (Command.NONE, SPEED, Command.NONE),
+        (Command.INCREASE, 1.0, Command.NONE),
+    ],
+)
+def test_a_roll_for_reference_is_named_and_never_takes_the_brake_from_the_driver(
+    law: Command, car: float, expected: Command
+) -> None:
+    bench = Bench()
+    bench.slipping(0.3, 40)
+    stamp = bench.stamp + STEP
+    assert bench.envelope.judge(stamp, law, car, 300.0, DEMAND, rolls=True) is expected
+    assert (bench.envelope.release is Release.REFERENCE) == (expected is Command.DECREASE)

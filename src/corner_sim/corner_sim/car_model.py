@@ -38,6 +38,11 @@ class CarModelParameters:
         SAME, "surface under the right wheels all the way; else the road's", choices=(SAME, *SURFACES)
     )
     slope: float = parameter(0.0, "sine of the angle of the road, uphill positive", minimum=-0.3, maximum=0.3)
+    hill: float = parameter(
+        0.0, "sine of the angle by which the road rises on a hill, besides that slope", minimum=-0.3, maximum=0.3
+    )
+    hill_distance: float = parameter(0.0, "where the hill begins", unit="m", minimum=0.0, maximum=1e5)
+    hill_length: float = parameter(30.0, "way to its full slope", unit="m", minimum=0.1, maximum=1e4)
     drive_speeds: tuple[float, ...] = parameter(
         (0.0,),
         "speeds that the driver drives at until he brakes; 0: in neutral",
@@ -59,6 +64,10 @@ class CarModelParameters:
     acceleration_delay: float = parameter(
         0.0, "age of an acceleration at its stamp", unit="s", minimum=0.0, maximum=0.5
     )
+
+    def hill_at(self, distance: float) -> float:
+        """Return the sine of the angle of the hill at a distance [m]."""
+        return self.hill * min(max((distance - self.hill_distance) / self.hill_length, 0.0), 1.0)
 
 
 @dataclass(frozen=True)
@@ -114,6 +123,7 @@ class CarPlant:
         self._lever = 0.5 * vehicle.track * np.array([1.0, -1.0, 1.0, -1.0])
         self._behind = np.array([0.0, 0.0, vehicle.wheelbase, vehicle.wheelbase])
         self._parameters = as_it_is(vehicle, self._tyres[0], parameters, errors)
+        self._told = parameters
         self._measured = MeasuredCar(self._parameters, speed, errors.seed)
         self._put_on_the_road()
         self._speed_noise = np.random.default_rng([errors.seed, 4])
@@ -175,8 +185,9 @@ class CarPlant:
         braking = bool(np.any(np.asarray(demand_pressure) > 0.0))
         engine = 0.0 if braking else self._throttle.torque(self._index * SAMPLE_TIME, self._car.speed)
         steps = self._measured.steps_per_sample
+        slope = self._told.hill_at(self._car.distance)
         for k in range(steps):
-            self._measured.step((begin + (k + 0.5) / steps * (end - begin)).tolist(), engine)
+            self._measured.step((begin + (k + 0.5) / steps * (end - begin)).tolist(), engine, slope)
         self._index += 1
 
     def measure(self, sample: PlantSample) -> Measurement:

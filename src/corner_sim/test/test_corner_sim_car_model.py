@@ -165,6 +165,20 @@ def test_troubles_of_sensors_and_road_reach_the_messages() -> None:
     assert late["wheel_states"][40].velocity[2] == pytest.approx(plain["wheel_states"][39].velocity[2])
 
 
+def test_a_hill_begins_where_it_is_told_to_and_is_felt_by_the_accelerometer_as_gravity_is_not() -> None:
+    hill = CarModelParameters(hill=0.06, hill_distance=8.0, hill_length=10.0)
+    assert [hill.hill_at(each) for each in (0.0, 8.0, 13.0, 18.0, 500.0)] == pytest.approx([0.0, 0.0, 0.03, 0.06, 0.06])
+    rolls = replace(QUIET, demand_level=0.0)
+    plain, found = run(rolls, 200), run(replace(rolls, car=hill), 200)
+    speeds = [each["truth/front_left/slip"][-1].vehicle_speed for each in (plain, found)]
+    # 8 m at QUIET's speed, then 10 m of a rise, then the full slope
+    speed = QUIET.initial_speed
+    lost = 9.81 * 0.06 * (1.0 - 13.0 / speed)
+    assert speeds[0] - speeds[1] == pytest.approx(lost, rel=0.15)
+    readings = [each["imu/data"][-1].linear_acceleration.x for each in (plain, found)]
+    assert readings[0] == pytest.approx(readings[1], abs=0.03)
+
+
 def test_a_stop_ends_at_standstill() -> None:
     simulation = Simulation(replace(QUIET, initial_speed=10.0), COMPACT, START)
     for _ in range(800):

@@ -51,6 +51,7 @@ _RELEASES = {
     SupervisorState.RELEASE_BY_SLIP: ("slip", "yellow"),
     SupervisorState.RELEASE_BY_DECELERATION: ("decel.", "yellow"),
     SupervisorState.RELEASE_REFUSED: ("refused", _LIMITED),
+    SupervisorState.RELEASE_REFERENCE: ("reference", "yellow"),
 }
 _CAPS = {
     SupervisorState.CAP_CONTINUOUS: ("too long", _LIMITED),

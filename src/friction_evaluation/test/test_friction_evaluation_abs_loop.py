@@ -9,6 +9,7 @@ import pytest
 from friction_evaluation.closed_loop.actuator_bound import actuator_bound
 from friction_evaluation.closed_loop.car_bound import car_bound
 from friction_evaluation.closed_loop.car_setup import CarSetup
+from friction_evaluation.closed_loop.car_stop import car_stop
 from friction_evaluation.closed_loop.controller import Parameters, shipped
 from friction_evaluation.closed_loop.law_stops import law_stops
 from friction_evaluation.closed_loop.oracle import oracle
@@ -16,7 +17,7 @@ from friction_evaluation.closed_loop.panic_plant import PanicPlant
 from friction_evaluation.closed_loop.panic_stop import END_SPEED
 from friction_evaluation.closed_loop.split_rows import COUPLINGS, SPLITS, largest_growth, split_setup
 from friction_evaluation.closed_loop.stops import stops
-from friction_evaluation.closed_loop.trouble import NONE, Trouble
+from friction_evaluation.closed_loop.trouble import CAR_TROUBLES, NONE, Trouble
 from friction_evaluation.parts import part
 from friction_evaluation.protocol import CAR, CORNER, SPEED, VEHICLE
 from friction_parameters.values import changed
@@ -220,3 +221,13 @@ def test_the_growth_of_a_moment_is_that_of_its_size_over_half_a_second() -> None
     assert largest_growth(moments) == pytest.approx(2000.0)
     moments[300] -= 50.0
     assert largest_growth(moments) < 2200.0
+
+
+@pytest.mark.parametrize("name", ["hill -6 %", "hill +6 %"])
+def test_a_hill_that_begins_within_a_stop_on_snow_locks_no_wheel_and_leaves_the_brakes_on(name: str) -> None:
+    """Without a reference all wheels lock for ten seconds downhill, and lose 9 % of the brake uphill."""
+    hill = next(each for each in CAR_TROUBLES if each.name == name)
+    found, _ = car_stop(CarSetup("car", "snow", hill), 30_000, "curve")
+    assert found.stopped.all()
+    assert found.longest_lock[0] < 0.05
+    assert found.utilisation[0] > 0.95

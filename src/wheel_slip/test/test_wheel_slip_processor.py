@@ -88,8 +88,9 @@ def test_shipped_parameter_file_holds_the_defaults() -> None:
 
 def test_one_processor_serves_every_wheel_of_the_car() -> None:
     (processor,) = build(WheelSlipParameters(), load_vehicle("chapter_car"))
-    assert processor.optional == ("vehicle_velocity",)
-    assert list(processor.outputs) == [f"{wheel}/slip" for wheel in load_vehicle("chapter_car").wheel_names]
+    wheels = load_vehicle("chapter_car").wheel_names
+    assert processor.optional == ("vehicle_velocity", *(f"{wheel}/brake_pressure" for wheel in wheels))
+    assert list(processor.outputs) == [f"{wheel}/slip" for wheel in wheels]
 
 
 def test_enums_are_those_of_the_message() -> None:

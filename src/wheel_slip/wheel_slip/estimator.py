@@ -74,6 +74,7 @@ class SlipEstimator:
         wheel_speeds: Sequence[float],
         acceleration: float | None,
         measured_speeds: Sequence[SpeedSample] = (),
+        torques: Sequence[float] = (),
     ) -> list[WheelEstimate]:
         """Take one sample and estimate at its stamp.
 
@@ -82,6 +83,7 @@ class SlipEstimator:
             wheel_speeds: speed of each wheel [rad/s]; not finite where it is missing.
             acceleration: acceleration of the car at the stamp [m/s^2], forward positive; None if there is none.
             measured_speeds: samples of the speed sensor that became known since the last update.
+            torques: of the brakes [N m], NaN where unknown; empty where no brake is known.
 
         Returns:
             One estimate per wheel.
@@ -102,7 +104,9 @@ class SlipEstimator:
             smooth_rim_speeds.append(wheel.speed * radius if known else nan)
             rim_accelerations.append(wheel.acceleration * radius)
         self._watch_noise(stamp, wheel_speeds, smooth_rim_speeds)
-        self.vehicle.update(stamp, rim_speeds, smooth_rim_speeds, rim_accelerations, acceleration, measured_speeds)
+        self.vehicle.update(
+            stamp, rim_speeds, smooth_rim_speeds, rim_accelerations, acceleration, measured_speeds, torques
+        )
         newest = measured_speeds[-1].speed if measured_speeds else None
         in_use = None if self.vehicle.accelerometer_text else acceleration
         self._units.update(stamp, smooth_rim_speeds, rim_accelerations, in_use, newest)

@@ -74,6 +74,13 @@ class SlideParameters:
         minimum=0.1,
         maximum=20.0,
     )
+    most_offset: float = parameter(
+        0.5,
+        "offset of the accelerometer, beyond which its reading is a force of the tyres on any slope",
+        unit="m/s^2",
+        minimum=0.0,
+        maximum=5.0,
+    )
     calm_time: float = parameter(
         1.0, "time for which they must roll before they are", unit="s", minimum=0.0, maximum=100.0
     )
@@ -133,6 +140,8 @@ class Evidence(NamedTuple):
     """Whether the engine pulls a car of which the free wheels are known: these alone are judged then."""
     acceleration: float
     """Size of the acceleration of the car [m/s^2], 0 where it is not known."""
+    calm: bool
+    """Whether neither brake nor engine has made the wheels slip for a while."""
     agree: bool
     """Whether the wheels agree with the speed, or there is none."""
     rolled: float
@@ -174,5 +183,5 @@ def _rolls(evidence: Evidence, parameters: SlideParameters) -> Cause:
         return Cause.AGREED
     if evidence.pulled:
         return Cause.PULLED
-    calm = evidence.acceleration < parameters.calm_below and evidence.rolled >= parameters.calm_time
+    calm = evidence.calm and evidence.rolled >= parameters.calm_time
     return Cause.CALM if calm else Cause.NONE

@@ -1,4 +1,4 @@
-"""wheel_states, imu/data and vehicle_velocity in, <wheel>/slip out: one processor for the car."""
+"""wheel_states, imu/data, vehicle_velocity and <wheel>/brake_pressure in, <wheel>/slip out: one for the car."""
 
 from collections.abc import Mapping
 from math import isfinite, nan, sqrt
@@ -6,7 +6,7 @@ from typing import Final
 
 from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
-from sensor_msgs.msg import Imu, JointState
+from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample
@@ -19,6 +19,7 @@ from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import HIGHEST_ACCELERATION, HIGHEST_SPEED
 from vehicle_models.vehicle import Vehicle
+from wheel_slip.brake_pressures import BrakePressures
 from wheel_slip.estimate import Mode, Reason, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
@@ -44,10 +45,13 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         if parameters.use_imu:
             self.sensors = {**self.sensors, IMU: Imu}
             inputs.append(AlignedInput(IMU, parameters.estimator.max_gap))
+        self._brakes = BrakePressures(vehicle, parameters.estimator.max_gap)
+        self.sensors = {**self.sensors, **self._brakes.sensors}
+        optional = (VEHICLE_VELOCITY, *self._brakes.sensors)
         self.estimates: Mapping[str, type] = {}
         self.outputs: Mapping[str, type] = {f"{wheel}/slip": WheelSlip for wheel in self._wheels}
         primary = Primary(WHEEL_STATES, "car", report)
-        super().__init__("car", primary, inputs, parameters.deadline, optional=(VEHICLE_VELOCITY,))
+        super().__init__("car", primary, inputs, parameters.deadline, optional)
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
         self._speeds: SpeedQueue[tuple[float, float]] = SpeedQueue(parameters.speed_sensor.wait)
         self._estimator = SlipEstimator(vehicle, parameters.estimator)
@@ -56,7 +60,9 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     def _payload(self, message: JointState) -> tuple[float, ...]:
         return self._wheel_speeds.read(message)
 
-    def _take(self, topic: str, message: Imu | TwistWithCovarianceStamped) -> str | None:
+    def _take(self, topic: str, message: Imu | TwistWithCovarianceStamped | FluidPressure) -> str | None:
+        if topic in self._brakes.sensors:
+            return self._brakes.offer(topic, message)
         stamp = to_nanoseconds(message.header.stamp)
         if topic == IMU:
             return self._aligner.offer(topic, stamp, (self._acceleration(message),))
@@ -64,6 +70,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
 
     def _forget(self) -> None:
         self._speeds.reset()
+        self._brakes.reset()
         self._estimator.reset()
         self._last: dict[str, WheelEstimate] = {}
         self._missing = ""
@@ -122,7 +129,8 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             SpeedSample(when - latency, *value) for when, value in self._speeds.due(sample.stamp, sample.rewound)
         ]
         acceleration = sample.values[IMU][0] if IMU in sample.values else None
-        estimates = self._estimator.update(sample.stamp, sample.payload, acceleration, measured)
+        torques = self._brakes.torques(sample.stamp, sample.rewound)
+        estimates = self._estimator.update(sample.stamp, sample.payload, acceleration, measured, torques)
         outputs: list[Output] = []
         for wheel, topic, estimate in zip(self._wheels, self.outputs, estimates, strict=True):
             self._last[wheel] = estimate

@@ -60,7 +60,9 @@ class SlideDetector:
         self._wheels_roll = self._pulled = self._agree = False
         self._rolled = self._steady = _NOT
         self.begin_slide()
-        self._travelled = 0.0
+        self._travelled = self._force = 0.0
+        self._calm = False
+        self._calm_since: int | None = None
 
     def update(
         self,
@@ -85,7 +87,7 @@ class SlideDetector:
             undoubted_stddev: the same on a road that has not stepped within the slide [m/s^2].
             integrated: integrated speed [m/s] and its standard deviation [m/s]; None if there is none.
         """
-        self._integrate(stamp, acceleration)
+        self._integrate(stamp, acceleration, specific_force)
         known = sorted([speed for speed in rim_speeds if isfinite(speed)])
         self.spread = known[-1] - known[0] if known else nan
         history, begin = self._history, stamp - self._p.window * NANOSECONDS
@@ -124,16 +126,18 @@ class SlideDetector:
         """Whether the wheels that are believed are not driven, and some are."""
         return any(self.rolling[index] for index in self.free)
 
-    def _integrate(self, stamp: int, acceleration: float | None) -> None:
-        if acceleration is None:
+    def _integrate(self, stamp: int, acceleration: float | None, specific_force: float | None) -> None:
+        if acceleration is None or specific_force is None:
             self.acceleration = None
             return
         before = self.acceleration
         if before is None or not self._history:
-            self.acceleration = acceleration
+            self.acceleration, self._force = acceleration, specific_force
             return
         dt = (stamp - self._history[-1][0]) / NANOSECONDS
-        self.acceleration = before + (1.0 - exp(-dt / _LAG)) * (acceleration - before)
+        share = 1.0 - exp(-dt / _LAG)
+        self.acceleration = before + share * (acceleration - before)
+        self._force += share * (specific_force - self._force)
         self._travelled += 0.5 * dt * (before + self.acceleration)
 
     def _watch_slope(self, stamp: int, rim_speeds: Sequence[float], middle: float, slip: float) -> None:
@@ -186,6 +190,7 @@ class SlideDetector:
             wheels_roll=self._wheels_roll,
             pulled=self._pulled,
             acceleration=abs(self.acceleration or 0.0),
+            calm=self._calm,
             agree=self._agree,
             rolled=self._rolled,
             steady=self._steady,
@@ -200,6 +205,7 @@ class SlideDetector:
         integrated: tuple[float, float] | None,
     ) -> None:
         """Judge all wheels; `kept`: which of them roll on a road that has not stepped within the slide."""
+        self._watch_calm(stamp)
         a = self.direction * self._strength
         # Free wheels roll while the engine pulls, however strongly.
         self._pulled = bool(self.free) and a > -0.5
@@ -221,13 +227,26 @@ class SlideDetector:
         self._watch_steadiness(stamp, judged, rim_speeds, middle)
         self._steady = _NOT if self._steady_from is None else (stamp - self._steady_from[0]) / NANOSECONDS
 
+    def _watch_calm(self, stamp: int) -> None:
+        """Note whether nothing has made the wheels slip for a while, neither brake nor engine.
+
+        Downhill tyres have more force than the car slows, and a moment without some of it makes no wheel roll.
+        """
+        force = 0.0 if self.acceleration is None else abs(self._force) - self._p.most_offset
+        if max(abs(self.acceleration or 0.0), force) >= self._p.calm_below:
+            self._calm_since = None
+        elif self._calm_since is None:
+            self._calm_since = stamp
+        since = self._calm_since
+        self._calm = since is not None and stamp - since >= self._p.settle_time * NANOSECONDS
+
     def _agrees(self, middle: float, speed: float, stddev: float) -> bool:
         """Whether wheels at a rim speed [m/s] agree with a speed of a standard deviation [m/s].
 
         Wheels may keep a steady slip while they are braked: they do not become right because the speed has become
         uncertain.
         """
-        if abs(self._strength) > self._p.calm_below:
+        if not self._calm or abs(self._strength) > self._p.calm_below:
             stddev = 0.0
         return abs(middle - speed) <= stddev + self._p.agreement * abs(middle) + self._p.agreement_at_rest
 

@@ -34,6 +34,8 @@ _HISTORY: Final = 1 * NANOSECONDS
 """How far back [ns] a measurement can be used."""
 _FIRST_SPEED_VARIANCE: Final = 1e6
 """Variance of an unknown speed [m^2/s^2]."""
+_SURPRISING: Final = 3.0
+"""Deviations of a gap that shows a slope."""
 _GAP: Final = 0.1
 """Longer steps between samples are gaps [s]."""
 _AVERAGED: Final = 0.75
@@ -316,6 +318,30 @@ class SpeedFilter:
     def believe(self, speed: float, variance: float) -> None:
         """Use a speed [m/s] with its variance [m^2/s^2] as if the road had kept its slope."""
         self._update(speed, variance, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+    def refer(self, speed: float, variance: float, unseen: float) -> None:
+        """Take a speed [m/s] with its variance [m^2/s^2] that is right whatever the road has done meanwhile.
+
+        What the road did is learned and stays apart: it makes no other wheel more credible. A speed that is further off
+        than is known shows a slope that has begun on the way; none explains more than one that has been there for all
+        of it.
+
+        Args:
+            speed: of the car [m/s].
+            variance: [m^2/s^2]
+            unseen: time since something last told the speed [s], > 0.
+        """
+        p, gap, slope = self._p, speed - self.speed, abs(speed - self.speed) / unseen
+        if gap * gap > _SURPRISING**2 * (self.speed_variance + variance):
+            self._road.doubt_past(slope * slope, unseen)
+        total = self.speed_variance + variance
+        known = self.speed_variance / total
+        self.speed += known * gap
+        self.offset += max(min((p[1][0] + self._road.total[1]) / total * gap, slope), -slope)
+        p[1][1] -= p[1][0] ** 2 / total
+        self._forget(0, known * variance)
+        self._unseen_gain = self._by_age[0] = 0.0
+        self._road.refer(total)
 
     def limit(self, variance: float) -> None:
         """Limit the variance of the speed to `variance` [m^2/s^2] without moving it.

@@ -1,4 +1,4 @@
-"""Samples of the speed sensor, held back in message time so that the order of arrival does not matter.
+"""Samples of the speed sensor or of a brake, held back in message time so that the order of arrival does not matter.
 
 The output never waits for the speed sensor: it comes with the wheel speeds (and the accelerometer), and a speed sample
 is used, at its own time, in the first output whose stamp is `wait` past its own. What arrives within `wait` of message

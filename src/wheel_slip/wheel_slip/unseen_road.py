@@ -53,6 +53,17 @@ class UnseenRoad:
         self._stays = (speed, both, max(offset, variance))
         self._sum()
 
+    def doubt_past(self, variance: float, ago: float) -> None:
+        """Widen what stays as by a step of the offset `ago` [s] ago, of a variance [m^2/s^4]."""
+        speed, both, offset = self._stays
+        self._stays = (speed + variance * ago * ago, both - variance * ago, offset + variance)
+        self._sum()
+
+    def refer(self, total: float) -> None:
+        """Know the speed, whose variance with that of what told it was `total` [m^2/s^2]; keep the offsets."""
+        self._stays, self._passes = _referred(self._stays, total), _referred(self._passes, total)
+        self._sum()
+
     def keep(self, share: float) -> None:
         """Know the speed better, to this share of the variance that the road has given it, in [0, 1]."""
         self._stays, self._passes = _kept(self._stays, share), _kept(self._passes, share)
@@ -73,3 +84,9 @@ def _after(part: Covariance, dt: float, stay: float, new: float) -> Covariance:
 def _kept(part: Covariance, share: float) -> Covariance:
     speed, both, offset = part
     return share * speed, share * both, offset - (1.0 - share) * both * both / speed if speed else offset
+
+
+def _referred(part: Covariance, total: float) -> Covariance:
+    """Return a part once the speed is known: the offset, as far as the speed did not tell it."""
+    _, both, offset = part
+    return 0.0, 0.0, offset - both * both / total

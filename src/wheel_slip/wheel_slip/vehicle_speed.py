@@ -155,6 +155,7 @@ class VehicleSpeed:
         rim_accelerations: Sequence[float],
         acceleration: float | None,
         measured: Sequence[SpeedSample],
+        torques: Sequence[float] = (),
     ) -> None:
         """Take one sample.
 
@@ -165,6 +166,7 @@ class VehicleSpeed:
             rim_accelerations: filtered rates of the rim speeds [m/s^2].
             acceleration: reading of the accelerometer [m/s^2], None if there is none.
             measured: samples of the speed sensor.
+            torques: of the brakes [N m], NaN where unknown; empty where no brake is known.
         """
         if self._last is not None and stamp - self._last > self._p.forget_after * NANOSECONDS:
             self.reset()
@@ -195,7 +197,9 @@ class VehicleSpeed:
             self._surprise = 0.0
             a = self._slide.acceleration
             if self.mode is not Mode.WAITING and a is not None:
-                self._bounds.use(self._filter, dt, rim_speeds, a, self._p.rolling.correlation, self._slide.direction)
+                self._bounds.use(
+                    self._filter, dt, rim_speeds, torques, a, self._p.rolling.correlation, self._slide.direction
+                )
 
     def _predict(
         self,

@@ -1,8 +1,8 @@
 """What the wheels say of the speed while they slide: bounds, and the ones that the road carries for a moment.
 
 Braked wheels are no faster than the car, driven ones no slower. A braked wheel that comes close to the integrated speed
-confirms it, and limits its uncertainty without moving it. One that is released rolls, and corrects it as far as
-integration alone has erred.
+confirms it, and limits its uncertainty without moving it. One that the road carries corrects it as far as integration
+alone has erred, one whose brake is seen to open whatever the road has done.
 """
 
 from collections.abc import Sequence
@@ -11,6 +11,7 @@ from math import copysign, sqrt
 
 from friction_parameters.parameter import group, parameter
 from wheel_slip.carried_wheels import CarriedParameters, CarriedWheels
+from wheel_slip.released_wheels import ReleasedParameters, ReleasedWheels
 from wheel_slip.speed_filter import SpeedFilter
 
 
@@ -52,6 +53,7 @@ class BoundParameters:
         maximum=10.0,
     )
     carried: CarriedParameters = group(CarriedParameters())
+    released: ReleasedParameters = group(ReleasedParameters())
 
 
 class WheelBounds:
@@ -79,12 +81,16 @@ class WheelBounds:
         self._slip_per_acceleration = slip_per_acceleration
         self._lowest = lowest_speed
         self._carried = CarriedWheels(parameters.carried, count, rim_speed_variance)
+        self._released = ReleasedWheels(parameters.released, count)
         self._beyond = 0.0
+        self._unseen = 0.0
 
     def reset(self) -> None:
         """Forget everything."""
         self._carried.reset()
+        self._released.reset()
         self._beyond = 0.0
+        self._unseen = 0.0
 
     def know_noise(self, rim_speed_variance: float) -> None:
         """Take the noise of a rim speed [m^2/s^2]."""
@@ -93,12 +99,15 @@ class WheelBounds:
     def begin_slide(self) -> None:
         """Know of no wheel that it is carried."""
         self._carried.reset()
+        self._released.reset()
+        self._unseen = 0.0
 
     def use(
         self,
         car: SpeedFilter,
         dt: float,
         rim_speeds: Sequence[float],
+        torques: Sequence[float],
         acceleration: float,
         correlation: float,
         direction: float,
@@ -109,6 +118,7 @@ class WheelBounds:
             car: the speed, which is corrected.
             dt: time since the last sample [s].
             rim_speeds: r omega of each wheel as measured [m/s], NaN where missing.
+            torques: of the brakes [N m], NaN where unknown.
             acceleration: of the car, with the lag of the wheels [m/s^2].
             correlation: time over which the slip of a wheel counts as one error [s].
             direction: 1.0, or -1.0 in reverse.
@@ -117,6 +127,7 @@ class WheelBounds:
         a = direction * acceleration
         self._bound(car, dt, ahead, a, max(correlation / dt, 1.0), direction)
         self._believe_carried(car, dt, ahead, a, direction)
+        self._refer(car, dt, ahead, torques, direction)
 
     def _bound(
         self, car: SpeedFilter, dt: float, rim_speeds: Sequence[float], a: float, many: float, direction: float
@@ -165,3 +176,17 @@ class WheelBounds:
             doubt = max(known - (self._p.margin * speed) ** 2, 0.0)
             if gap**2 < self._p.carried.plausible**2 * (known - doubt + variance):
                 car.believe(direction * (speed + gap), (variance + doubt) * max(self._p.carried.released / dt, 1.0))
+
+    def _refer(
+        self, car: SpeedFilter, dt: float, rim_speeds: Sequence[float], torques: Sequence[float], direction: float
+    ) -> None:
+        """Take the speed from a wheel whose brake has opened, whatever the road has done meanwhile."""
+        self._unseen += dt
+        speed = direction * car.speed
+        if not torques or speed <= self._lowest:
+            return
+        gap = self._released.update(dt, torques, rim_speeds, speed, self._variance)
+        if gap is not None:
+            slip = self._p.released.slip * speed
+            car.refer(direction * (speed + gap), self._variance + slip**2, self._unseen)
+            self._unseen = 0.0

@@ -74,6 +74,7 @@ class _Car:
         self._road, self._behind = setup.road, _behind(setup)
         errors = SensorErrors(NO_NOISE, 0.0, 0.0, 0)
         self._tyres = [TYRES["burckhardt"][name] for name in self._road.names]
+        self._told = setup.parameters.car
         self._car = Car(as_it_is(setup.vehicle, self._tyres[0], CarModelParameters(), errors), SPEED, 0)
         self._read()
 
@@ -86,7 +87,7 @@ class _Car:
         self.lambda_max, self.mu_max = np.array([tyre.peak for tyre in car.tyres]).T
 
     def step(self, torque: Array) -> None:
-        self._car.step(torque.tolist())
+        self._car.step(torque.tolist(), slope=self._told.hill_at(self._car.distance))
         self._read()
 
 
@@ -96,7 +97,7 @@ def _behind(setup: CarSetup) -> Array:
 
 
 def car_bound(setup: CarSetup) -> ActuatorBound:
-    """Return the bound of a car on its road, which is even.
+    """Return the bound of a car on its road, whose surface is even.
 
     Where it changes to one with less grip the brake comes down with its full rate from there on, not before.
     """

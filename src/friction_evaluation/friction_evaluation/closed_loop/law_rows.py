@@ -105,7 +105,7 @@ def _chosen(cars: Sequence[str], surfaces: Sequence[str], cases: Sequence[str]) 
         if (not surfaces or road in surfaces)
         and (not cases or case.name in cases)
         and (road == "dry" or case.name not in _DRY_ONLY)
-        and (car == WHOLE_CAR or not case.relaxation_length)
+        and (car == WHOLE_CAR or not (case.relaxation_length or case.hill))
     ]
 
 

@@ -40,6 +40,8 @@ class Trouble:
     """Share of the brake torque that is lost in a second [1/s]."""
     relaxation_length: float = 0.0
     """Of the tyres [m]; 0: that of the vehicle file. The single corner has none."""
+    hill: float = 0.0
+    """Sine of the slope that comes within 30 m soon after the onset. The single corner has none."""
 
     def corner(self, told: CornerParameters) -> CornerParameters:
         """Return the corner that brakes, of the one in the vehicle file."""
@@ -125,5 +127,7 @@ CAR_TROUBLES: tuple[Trouble, ...] = (
     *_OF_ANY_CAR,
     Trouble("relaxation 0.2 m", relaxation_length=0.2),
     Trouble("relaxation 0.5 m", relaxation_length=0.5),
+    Trouble("hill +6 %", hill=0.06),
+    Trouble("hill -6 %", hill=-0.06),
 )
-"""Of a car with four wheels; only one whose tyres relax has the last two."""
+"""Of a car with four wheels; only that of `model: car` has the last four."""

@@ -139,7 +139,7 @@ def _driving(options: argparse.Namespace) -> list[Row]:
 
 def drives(hours: float, first: int, method: str) -> list[Drive]:
     """Drives of `hours` together, from the one with the number `first` >= 1 on; their cars go by number."""
-    seconds = 3600.0 * hours
+    seconds = round(3600.0 * hours, 3)
     return [
         Drive(_FIRST_SEED + k, ROADS[k // 2 % len(ROADS)], _family(k), method, min(DRIVE, seconds - done * DRIVE))
         for done, k in enumerate(range(first - 1, first - 1 + int(-(-seconds // DRIVE))))

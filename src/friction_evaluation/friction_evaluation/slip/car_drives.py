@@ -164,7 +164,8 @@ def cases() -> dict[str, Case]:
 def drive(case: Case, vehicle: Vehicle, seed: int) -> Recording:
     """Drive one case with a car that differs from its vehicle file by the deviations stated there.
 
-    What is recorded of it is what speed and slip are judged by: time, wheel_speed, acceleration, speed, slip.
+    What is recorded of it is what speed and slip are judged by: time, wheel_speed, brake_pressure, acceleration, speed,
+    slip.
     """
     car = _differing(case, vehicle, seed)
     cycled = case.share is None
@@ -179,6 +180,7 @@ def drive(case: Case, vehicle: Vehicle, seed: int) -> Recording:
         run,
         time=run.time[heard],
         wheel_speed=sign * run.wheel_speed[heard],
+        brake_pressure=run.brake_pressure[heard],
         acceleration=sign * run.acceleration[heard],
         speed=sign * run.speed[heard],
         slip=run.slip[heard],

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import isfinite, nan
 
 import numpy as np
 from geometry_msgs.msg import Vector3
@@ -23,6 +23,8 @@ _LEAST_COVERAGE = 90.0
 _LEAST_SPEED = 3.0
 """Speed below which nothing is judged [m/s]."""
 _BASE_STAMP = 1_000_000_000
+_LATE = 0.02
+"""Time after which the node uses a brake pressure [s]."""
 
 
 @dataclass(frozen=True)
@@ -60,11 +62,14 @@ def judge(run: Recording, vehicle: Vehicle, parameters: EstimatorParameters) -> 
     speeds, slips = [], []
     valid = 0
     mounting = vehicle.accelerometer
-    for time, wheel_speeds, reading, speed, slip in zip(
-        run.time, run.wheel_speed, run.acceleration, run.speed, run.slip, strict=True
+    torques = [[nan] * len(vehicle.wheels)] * round(_LATE / (run.time[1] - run.time[0]))
+    torques += (run.brake_pressure * [wheel.brake_gain for wheel in vehicle.wheels]).tolist()
+    for time, wheel_speeds, reading, speed, slip, torque in zip(
+        run.time, run.wheel_speed, run.acceleration, run.speed, run.slip, torques, strict=False
     ):
         stamp = _BASE_STAMP + round(time * 1e9)
-        answers = estimator.update(stamp, wheel_speeds.tolist(), mounting.forward(Vector3(x=float(reading))))
+        forward = mounting.forward(Vector3(x=float(reading)))
+        answers = estimator.update(stamp, wheel_speeds.tolist(), forward, torques=torque)
         found = [
             (answer.slip - true, answer.slip_variance)
             for answer, true in zip(answers, slip, strict=True)
