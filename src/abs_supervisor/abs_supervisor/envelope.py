@@ -85,13 +85,16 @@ class Envelope:
         return (falls or self._is_critical(car_speed, torque)) and self._road.may_fall(torque)
 
     def may_roll(self, torque: float, demand: float) -> bool:
-        """Whether the wheel may show the speed of the car: it has slipped, and the driver asks for more than it gets.
+        """Whether the wheel may show the speed of the car.
+
+        It has slipped in this braking by evidence, its slip as it is stated is that of a release now, and the driver
+        asks for more than the road takes.
 
         Args:
             torque: of the brake [N m], NaN where unknown.
             demand: of the driver [N m].
         """
-        return self._road.is_known and torque < _LIMITED * demand
+        return self._road.is_known and self.evidence.grips and torque < _LIMITED * demand
 
     def _is_critical(self, car_speed: float, torque: float) -> bool:
         return self.evidence.grips and self._dive.outruns_brake(car_speed, torque)

@@ -457,6 +457,8 @@ def test_a_wheel_rolls_for_reference_only_where_it_has_slipped_and_the_driver_as
     assert bench.envelope.may_roll(300.0, DEMAND)
     assert not bench.envelope.may_roll(0.95 * DEMAND, DEMAND), "the driver limits the pressure, not the road"
     assert not bench.envelope.may_roll(nan, DEMAND)
+    bench.slipping(0.05, 4)
+    assert not bench.envelope.may_roll(300.0, DEMAND), "its slip is not that of a release any more"
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,8 @@ def find_transitions(parameters: SlideParameters | None = None) -> Transitions:
     times = (-1.0, p.settle_time, max(p.settle_time, p.calm_time, p.steady_time))
     found: dict[tuple[Mode, Mode], set[Cause]] = {}
     for mode, acceleration, rolled, steady in product(Mode, accelerations, times, times):
-        for sensor, speed, roll, pulled, agree in product((False, True), repeat=5):
-            evidence = Evidence(sensor, speed, roll, pulled, acceleration, agree, rolled, steady)
+        for sensor, speed, roll, pulled, calm, agree in product((False, True), repeat=6):
+            evidence = Evidence(sensor, speed, roll, pulled, acceleration, calm, agree, rolled, steady)
             after, cause = transition(mode, evidence, p)
             if after is not mode:
                 found.setdefault((mode, after), set()).add(cause)
