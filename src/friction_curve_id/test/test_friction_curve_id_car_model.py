@@ -1,7 +1,7 @@
 """Closed forms and derivatives of the car's model."""
 
 from dataclasses import replace
-from math import exp, log, pi
+from math import exp, inf, log, pi
 
 import numpy as np
 import pytest
@@ -260,6 +260,12 @@ def test_a_fit_that_still_moves_is_not_known_to_better_than_its_steps() -> None:
 @pytest.mark.parametrize("log_stddev", [0.02, 0.3, 0.8])
 def test_an_interval_reaches_as_far_up_as_that_of_the_logarithm(log_stddev: float) -> None:
     assert 1.0 + 1.96 * reaching_up(log_stddev) == pytest.approx(exp(1.96 * log_stddev))
+
+
+@pytest.mark.parametrize("log_stddev", [11.0, 400.0, 1e9])
+def test_a_deviation_of_which_nothing_is_known_is_huge_and_no_error(log_stddev: float) -> None:
+    """Slip that jumps by many lambda_max from sample to sample, on a peak that is fitted as nearly zero."""
+    assert reaching_up(5.0) < reaching_up(log_stddev) < inf
 
 
 def test_corrections_of_the_wheel_speeds_are_the_most_likely_ones() -> None:

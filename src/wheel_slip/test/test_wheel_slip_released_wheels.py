@@ -119,6 +119,21 @@ def test_a_reference_that_agrees_changes_little_and_makes_no_other_wheel_more_cr
     assert f.steady_road_variance < 0.25 * f.speed_variance
 
 
+@pytest.mark.parametrize("slope", [-0.6, 0.6])
+def test_a_slope_that_began_on_the_way_is_covered_until_the_next_reference(slope: float) -> None:
+    """It began halfway to the first reference, which takes it for half as steep."""
+    f = sliding(1.0, -1.9)
+    truth = f.speed
+    for k in range(2, 802):
+        f.predict((200 + k) * 5 * MS, -1.9, observed=False, sliding=True)
+        truth += (-1.9 - slope) * DT
+        if k in (201, 601):
+            f.refer(truth, 0.05**2, 2.0)
+        if k > 201:
+            assert abs(f.speed - truth) < 1.96 * sqrt(f.speed_variance)
+    assert f.offset == pytest.approx(slope, abs=0.25)
+
+
 def test_no_reference_makes_the_slope_steeper_than_one_that_was_there_all_the_time() -> None:
     f = sliding(1.5, -1.9)
     f.doubt_road(1.0)

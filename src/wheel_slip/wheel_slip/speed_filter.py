@@ -36,6 +36,8 @@ _FIRST_SPEED_VARIANCE: Final = 1e6
 """Variance of an unknown speed [m^2/s^2]."""
 _SURPRISING: Final = 3.0
 """Deviations of a gap that shows a slope."""
+_HALFWAY: Final = 2.0
+"""How much steeper a slope is that began halfway to where it was seen."""
 _GAP: Final = 0.1
 """Longer steps between samples are gaps [s]."""
 _AVERAGED: Final = 0.75
@@ -323,8 +325,8 @@ class SpeedFilter:
         """Take a speed [m/s] with its variance [m^2/s^2] that is right whatever the road has done meanwhile.
 
         What the road did is learned and stays apart: it makes no other wheel more credible. A speed that is further off
-        than is known shows a slope that has begun on the way; none explains more than one that has been there for all
-        of it.
+        than it would be on a road that keeps its slope shows that the slope has changed. None is taken to explain more
+        than one that has been there for all of the way; but one that began halfway is twice as steep, and stays.
 
         Args:
             speed: of the car [m/s].
@@ -332,7 +334,8 @@ class SpeedFilter:
             unseen: time since something last told the speed [s], > 0.
         """
         p, gap, slope = self._p, speed - self.speed, abs(speed - self.speed) / unseen
-        if gap * gap > _SURPRISING**2 * (self.speed_variance + variance):
+        changed = gap * gap > _SURPRISING**2 * (self.steady_road_variance + variance)
+        if changed:
             self._road.doubt_past(slope * slope, unseen)
         total = self.speed_variance + variance
         known = self.speed_variance / total
@@ -342,6 +345,8 @@ class SpeedFilter:
         self._forget(0, known * variance)
         self._unseen_gain = self._by_age[0] = 0.0
         self._road.refer(total)
+        if changed:
+            self._road.doubt((_HALFWAY * slope) ** 2)
 
     def limit(self, variance: float) -> None:
         """Limit the variance of the speed to `variance` [m^2/s^2] without moving it.

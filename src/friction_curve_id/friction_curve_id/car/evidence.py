@@ -35,6 +35,8 @@ _NEAR_PEAK = (0.6, 1.4)
 """Slip over lambda_max near the peak."""
 _INTERVAL = 1.96
 """Deviations of a 95 % interval."""
+_NOTHING_KNOWN = 20.0
+"""Exponent at which an interval has no end that means anything."""
 _STILL_TO_GO = 2.0
 """What a fit still has to go over its last step: steps that halve."""
 
@@ -116,8 +118,8 @@ def unresolved(slip: Array, lambda_max: float) -> float:
 
 
 def reaching_up(log_stddev: float) -> float:
-    """Relative standard deviation whose 95 % interval reaches as far up as that of a deviation in ln."""
-    return expm1(_INTERVAL * log_stddev) / _INTERVAL
+    """Relative standard deviation whose 95 % interval reaches as far up as that of a deviation in ln; always finite."""
+    return expm1(min(_INTERVAL * log_stddev, _NOTHING_KNOWN)) / _INTERVAL
 
 
 def normal_probability(deviations: float) -> float:

@@ -38,6 +38,8 @@ _LOCKED = 3.0
 """Time for which all wheels are locked [s]."""
 _SPIN = (270.0, 1.5)
 """Torque at each rear wheel [N m], beyond the grip of snow, and its time [s]."""
+_EVERY, _ROLLS, _OPENS = 2.0, 0.35, 0.05
+"""Time from one wheel that is released to the next, for which it is, and in which its brake opens [s]."""
 _ORDINARY = 60.0
 """Length of an ordinary drive [s]."""
 _SPREAD: Mapping[str, float] = {
@@ -67,6 +69,25 @@ class Held:
 
 
 @dataclass(frozen=True)
+class Referred:
+    """Slips cycled through the peak; one rear wheel after the other is released for a moment, to roll."""
+
+    parameters: CarParameters
+    cycle: SlipCycle
+
+    def pressure(self, time: float, dt: float, car: Car) -> list[float]:
+        """Pressures [Pa] of the step of dt [s] from `time` [s], shape (4,)."""
+        pressures = self.cycle.pressure(time, dt, car)
+        turn, since = divmod(time - BEGIN, _EVERY)
+        if turn >= 0.0 and since > _EVERY - _ROLLS:
+            wheel = 2 + int(turn) % 2
+            fall = dt / _OPENS * peak_pressures(self.parameters)[wheel]
+            # the cycle goes on from there
+            pressures[wheel] = max(pressures[wheel] - fall, 0.0)
+        return pressures
+
+
+@dataclass(frozen=True)
 class Case:
     """What is special about a drive."""
 
@@ -81,6 +102,8 @@ class Case:
     """End of braking [s]."""
     heard_from: float = 0.0
     """Before it the estimator is not there [s]: it starts beside a car that moves."""
+    referred: bool = False
+    """Whether a rear wheel is released now and then, so that it rolls."""
     in_reverse: bool = False
     """Whether the same motion is the other way round, with the rear axle in front."""
 
@@ -157,6 +180,8 @@ def cases() -> dict[str, Case]:
         found[f"start in motion, {name}"] = Case(share=held, heard_from=heard_from)
     found["stop in reverse"] = Case(share=0.5, in_reverse=True)
     for family in TYRES:
+        name = f"hill of 6 % on snow, a rear wheel released every 2 s, {family}"
+        found[name] = Case(family, "snow", around=_hill, referred=True)
         found[f"driven wheels spin on snow, {family}"] = Case(family, "snow", share=0.0, around=_spin)
     return found
 
@@ -168,10 +193,12 @@ def drive(case: Case, vehicle: Vehicle, seed: int) -> Recording:
     slip.
     """
     car = _differing(case, vehicle, seed)
-    cycled = case.share is None
-    pressures: Prescription = (
-        SlipCycle(car, Cycling(start=BEGIN)) if cycled else Held(car, case.share or 0.0, case.until)
-    )
+    pressures: Prescription
+    if case.share is not None:
+        pressures = Held(car, case.share, case.until)
+    else:
+        cycle = SlipCycle(car, Cycling(start=BEGIN))
+        pressures = Referred(car, cycle) if case.referred else cycle
     speed = _REVERSE if case.in_reverse else _FORWARD
     run = record(car, pressures, seed, speed=speed, duration=_DURATION, surroundings=case.around)
     heard = run.time >= case.heard_from
