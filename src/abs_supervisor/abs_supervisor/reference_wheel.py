@@ -5,8 +5,8 @@ begins during the stop all wheels creep with its error: uphill to no slip, downh
 nothing of that, one without brake does as soon as its tyre has sprung back. On a road with grip the car stands before
 such an error is as large as the slip that is held; elsewhere one rear wheel after the other rolls once in a while.
 
-It belongs to the envelope: a wheel has slipped in this braking by evidence, the driver asks for more than the road
-gives, and the time is bounded by nothing that a message says.
+It belongs to the envelope, which says whether a wheel may: it has slipped in this braking by evidence, its slip is that
+of a release, and the driver asks for more than the road gives. How long and how often is bounded whatever is measured.
 """
 
 from collections.abc import Sequence
@@ -21,10 +21,10 @@ _OFTEN: Final = 2.0
 """[s] from one to the next at least."""
 _CONFIRMED: Final = 2.0
 """Times as much, once a wheel has shown that the speed was right."""
-_AGAIN: Final = 1.0
-"""[s] until the next, once one has shown that it was wrong: the slope is not known yet."""
+_AGAIN: Final = 0.5
+"""Times as much, once one has shown that it was wrong: the slope is not known yet."""
 _WRONG: Final = 0.015
-"""Of the speed: it was wrong if it changes by more at one sample while the wheel rolls."""
+"""Of the speed: it was wrong if it changes by more from one sample to the next."""
 _OPEN: Final = 40.0
 """[N m] a brake is open below."""
 _WAY: Final = 1.6
@@ -74,7 +74,7 @@ class ReferenceWheel:
             self.reset()
         self._newest = stamp
         if abs(speed - self._speed) > _WRONG * speed:
-            self._wait, self._above = _AGAIN / _OFTEN, _AGAIN_ABOVE
+            self._wait, self._above = _AGAIN, _AGAIN_ABOVE
         self._speed = speed
         if self._rolling and stamp - self._began > _LONGEST * NANOSECONDS:
             self._end(stamp)
