@@ -134,7 +134,7 @@ def test_what_is_made_inside_is_not_read_back_and_sensors_are_subscribed_to_once
         return [each.node_name for each in node.get_subscriptions_info_by_topic(f"/{topic}")]
 
     client.until(lambda: readers("wheel_states") == ["wheel_slip"])
-    client.until(lambda: readers("front_left/brake_pressure") == ["friction_slope"])
+    client.until(lambda: readers("front_left/brake_pressure") == ["wheel_slip"])
     client.until(lambda: readers("front_left/tyre_signals") == ["smart_tyre_forces"])
     client.until(lambda: readers("front_left/slip") == ["test_client"])
 

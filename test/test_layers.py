@@ -29,6 +29,7 @@ AROUND = {
     "message_fields": "friction_adapter: fields of installed message types",
     "curve_messages": "friction_curve_id: estimates as messages",
     "inputs": "friction_curve_id: messages as samples",
+    "brake_pressures": "wheel_slip: pressures as brake torques",
     "input_watch": "abs_supervisor: progress of the inputs, by their messages",
     "wheel_inputs": "the same of one wheel",
     "known_curve": "abs_supervisor: friction curves as lambda_max",
