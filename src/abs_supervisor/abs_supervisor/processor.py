@@ -284,13 +284,11 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         """Return the command for what the law asks for: as the envelope allows, and the other wheel of the axle."""
         pair, torque = self._pair, self._seen.torque
         rolls = law is not Command.NONE and self._rolls(stamp)
-        if pair is None:
-            return self._guard.command(stamp, law, rolls=rolls)
-        most = pair.most(self._wheel, stamp, torque)
+        most = Command.INCREASE if pair is None else pair.most(self._wheel, stamp, torque)
         command = self._guard.command(stamp, law, most, rolls)
-        released = self._guard.envelope.release in (Release.BY_SLIP, Release.BY_DECELERATION)
         # The other wheel of the axle does not follow one that rolls.
-        if not rolls:
+        if pair is not None and not rolls:
+            released = self._guard.envelope.release in (Release.BY_SLIP, Release.BY_DECELERATION)
             pair.note(self._wheel, stamp, torque, command, released)
         return command
 

@@ -446,12 +446,8 @@ class SpeedFilter:
 
     def doubt_past_offset(self, variance: float, time: float) -> None:
         """Widen what is known as after a step of the offset `time` [s] ago, of a variance [m^2/s^4]."""
+        self._road.doubt_past(variance, time)
         self._see()
-        p = self._p
-        p[0][0] += variance * time * time
-        p[0][1] -= variance * time
-        p[1][0] = p[0][1]
-        p[1][1] += variance
 
     def doubt_road(self, variance: float) -> None:
         """Widen the unseen variance of the offset to at least `variance` [m^2/s^4]: the road may have changed."""

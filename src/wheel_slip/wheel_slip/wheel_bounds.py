@@ -87,10 +87,8 @@ class WheelBounds:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._carried.reset()
-        self._released.reset()
+        self.begin_slide()
         self._beyond = 0.0
-        self._unseen = 0.0
 
     def know_noise(self, rim_speed_variance: float) -> None:
         """Take the noise of a rim speed [m^2/s^2]."""

@@ -26,7 +26,7 @@ MODELS = {"four_wheels": "two_axle", "car": CAR}
 SHIPPED_CAR = "compact_car"
 _ROLLED = SPEED * ROLLING * DT
 """[m] before the onset; less what the drag takes."""
-HILL = _ROLLED + 15.0
+_HILL = _ROLLED + 15.0
 """[m] Where a hill begins."""
 _START = 10_000 * NANOSECONDS
 """Stamp of the first sample."""
@@ -91,7 +91,7 @@ class CarSetup:
             acceleration_offset=OFFSET,
             vehicle_velocity=False,
             actuator=self.trouble.actuator,
-            car=CarModelParameters(right_surface=self.right_surface, hill=self.trouble.hill, hill_distance=HILL),
+            car=CarModelParameters(right_surface=self.right_surface, hill=self.trouble.hill, hill_distance=_HILL),
         )
 
     def simulation(self, seed: int) -> Simulation:

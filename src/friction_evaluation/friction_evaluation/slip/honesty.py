@@ -62,10 +62,11 @@ def judge(run: Recording, vehicle: Vehicle, parameters: EstimatorParameters) -> 
     speeds, slips = [], []
     valid = 0
     mounting = vehicle.accelerometer
-    torques = [[nan] * len(vehicle.wheels)] * round(_LATE / (run.time[1] - run.time[0]))
-    torques += (run.brake_pressure * [wheel.brake_gain for wheel in vehicle.wheels]).tolist()
+    gains = [wheel.brake_gain for wheel in vehicle.wheels]
+    unknown = [[nan] * len(gains)] * round(_LATE / (run.time[1] - run.time[0]))
+    torques = (unknown + (run.brake_pressure * gains).tolist())[: len(run.time)]
     for time, wheel_speeds, reading, speed, slip, torque in zip(
-        run.time, run.wheel_speed, run.acceleration, run.speed, run.slip, torques, strict=False
+        run.time, run.wheel_speed, run.acceleration, run.speed, run.slip, torques, strict=True
     ):
         stamp = _BASE_STAMP + round(time * 1e9)
         forward = mounting.forward(Vector3(x=float(reading)))
