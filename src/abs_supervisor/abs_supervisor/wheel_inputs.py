@@ -21,8 +21,6 @@ from vehicle_models.plausible import HIGHEST_SLIP
 from vehicle_models.vehicle import Vehicle
 
 _SPEED_SENSOR, _UNCERTAIN = int(WheelSlip.SPEED_SENSOR), int(WheelSlip.UNCERTAIN)
-_VAGUEST: Final = 0.2
-"""Standard deviation of a slip that says something still."""
 _TEXTS: Final = 20
 """Changes of the reason of a slip that are kept: a sample waits for its inputs far less long."""
 Reading = tuple[int, tuple[float, ...]]
@@ -109,7 +107,7 @@ class WheelInputs:
             return nan, nan
         share = radius * message.wheel_speed / speed
         variance = message.vehicle_speed_variance * (share / speed) ** 2
-        return 1.0 - share, variance if variance < _VAGUEST**2 else nan
+        return 1.0 - share, variance
 
     def knows_wheel(self, topic: str, values: tuple[float, ...]) -> bool:
         """Whether the values that were read from a topic say something of this wheel: its own speed may be missing."""

@@ -71,14 +71,14 @@ class SpeedFilterParameters:
         maximum=10.0,
     )
     slope_stddev: float = parameter(
-        0.3,
+        0.4,
         "change of the offset by the road's slope while the wheels slide and tell nothing of it",
         unit="m/s^2",
         minimum=1e-4,
         maximum=10.0,
     )
     slope_length: float = parameter(
-        5.0,
+        40.0,
         "way on which such a change comes and goes",
         unit="m",
         minimum=0.1,
@@ -452,6 +452,12 @@ class SpeedFilter:
     def doubt_road(self, variance: float) -> None:
         """Widen the unseen variance of the offset to at least `variance` [m^2/s^4]: the road may have changed."""
         self._road.doubt(variance)
+
+    def doubt_drift(self, deviation: float, time: float) -> None:
+        """Be no surer of the speed than `deviation` [m/s], as by a step of the road's slope `time` [s] ago, > 0."""
+        missing = deviation * deviation - self.speed_variance
+        if missing > 0.0:
+            self._road.doubt_past(missing / (time * time), time)
 
     def _forget(self, index: int, variance: float) -> None:
         p = self._p

@@ -67,6 +67,7 @@ class VehicleSpeed:
             self._rim_speed_variance,
             parameters.slip_per_acceleration,
             self._p.slide.blind_below,
+            parameters.slope.steepest,
         )
         self._accelerometer = AccelerometerWatch(
             parameters.slide,

@@ -11,6 +11,7 @@ from math import copysign, sqrt
 
 from friction_parameters.parameter import group, parameter
 from wheel_slip.carried_wheels import CarriedParameters, CarriedWheels
+from wheel_slip.close_wheel import CloseWheel
 from wheel_slip.released_wheels import ReleasedParameters, ReleasedWheels
 from wheel_slip.speed_filter import SpeedFilter
 
@@ -45,6 +46,9 @@ class BoundParameters:
         minimum=0.0,
         maximum=0.5,
     )
+    comes_again: float = parameter(
+        1.0, "time within which a wheel whose brake cycles is that close again", unit="s", minimum=0.1, maximum=10.0
+    )
     effort_above: float = parameter(
         1.0,
         "acceleration from which on it is known whether wheels are braked or driven",
@@ -66,6 +70,7 @@ class WheelBounds:
         rim_speed_variance: float,
         slip_per_acceleration: float,
         lowest_speed: float,
+        steepest: float,
     ) -> None:
         """Start without samples.
 
@@ -75,11 +80,13 @@ class WheelBounds:
             rim_speed_variance: noise of a rim speed [m^2/s^2].
             slip_per_acceleration: uncertainty of a rolling wheel's slip per acceleration of the car [s^2/m].
             lowest_speed: rim speed below which encoders read zero [m/s].
+            steepest: difference that the slope of a road makes at most [m/s^2].
         """
         self._p = parameters
         self._variance = rim_speed_variance
         self._slip_per_acceleration = slip_per_acceleration
         self._lowest = lowest_speed
+        self._close = CloseWheel(parameters.close, parameters.spring_back, parameters.comes_again, steepest)
         self._carried = CarriedWheels(parameters.carried, count, rim_speed_variance)
         self._released = ReleasedWheels(parameters.released, count)
         self._beyond = 0.0
@@ -96,6 +103,7 @@ class WheelBounds:
 
     def begin_slide(self) -> None:
         """Know of no wheel that it is carried."""
+        self._close.reset()
         self._carried.reset()
         self._released.reset()
         self._unseen = 0.0
@@ -144,16 +152,27 @@ class WheelBounds:
                 return
         beyond = 0.0
         if a < -p.effort_above:
-            beyond = known[-1 - second] - margin - speed
-            if known[-1 - second] > (1.0 - p.close) * speed:
-                # A speed that is too high is so by no more than that wheel is behind.
-                behind = max(speed - known[-1 - second], 0.5 * p.close * speed)
-                car.limit(behind**2 + margin**2)
+            fastest = known[-1 - second]
+            beyond = fastest - margin - speed
+            if speed > 0.0:
+                self._confirm(car, dt, fastest, speed, margin)
         elif a > p.effort_above:
             beyond = speed - known[second] - margin
         self._beyond = self._beyond + dt if beyond > 0.0 else 0.0
         if self._beyond >= p.spring_back:
-            car.correct(direction * (speed - copysign(beyond, a)), margin**2 * many)
+            # The wheel still slips, by as much as one that confirms the speed.
+            slip = 0.5 * p.close * speed
+            gap = copysign(beyond + margin + slip, a)
+            car.correct(direction * (speed - gap), (margin**2 + slip**2) * many)
+
+    def _confirm(self, car: SpeedFilter, dt: float, rim_speed: float, speed: float, margin: float) -> None:
+        """Be as sure of the speed as the closest wheel allows."""
+        close = self._close
+        confirmed = close.update(dt, 1.0 - rim_speed / speed, speed)
+        if confirmed is not None:
+            car.limit((confirmed * speed) ** 2 + margin**2)
+        if close.drift:
+            car.doubt_drift(close.drift * speed, close.lasted)
 
     def _believe_carried(
         self, car: SpeedFilter, dt: float, rim_speeds: Sequence[float], a: float, direction: float

@@ -123,8 +123,8 @@ class Case:
         return int((self.trouble or {}).get("missing_teeth", 0))
 
 
-def _hill(time: float, car: Car) -> Surroundings:
-    return Surroundings(slope=_HILL * min(max(time - BEGIN - _RISE, 0.0), 1.0))
+def _hill(sine: float) -> Around:
+    return lambda time, car: Surroundings(slope=sine * min(max(time - BEGIN - _RISE, 0.0), 1.0))
 
 
 def _step(sine: float) -> Around:
@@ -163,7 +163,7 @@ def cases() -> dict[str, Case]:
         found[f"{name}, at half of the peak"] = Case(share=0.5, trouble=trouble)
         found[f"{name}, through the peak"] = Case(trouble=trouble)
     for name, around in (
-        ("hill of 6 % in 1 s", _hill),
+        ("hill of 6 % in 1 s", _hill(_HILL)),
         ("step of +10 %", _step(_STEEP)),
         ("step of -10 %", _step(-_STEEP)),
     ):
@@ -180,8 +180,11 @@ def cases() -> dict[str, Case]:
         found[f"start in motion, {name}"] = Case(share=held, heard_from=heard_from)
     found["stop in reverse"] = Case(share=0.5, in_reverse=True)
     for family in TYRES:
+        for sine in (_HILL, -_HILL):
+            name = f"hill of {100.0 * sine:+.0f} % on snow, through the peak, {family}"
+            found[name] = Case(family, "snow", around=_hill(sine))
         name = f"hill of 6 % on snow, a rear wheel released every 2 s, {family}"
-        found[name] = Case(family, "snow", around=_hill, referred=True)
+        found[name] = Case(family, "snow", around=_hill(_HILL), referred=True)
         found[f"driven wheels spin on snow, {family}"] = Case(family, "snow", share=0.0, around=_spin)
     return found
 

@@ -1,0 +1,87 @@
+"""What the braked wheel that comes closest to the integrated speed says of its error, in one slide.
+
+A braked wheel is no faster than the car, so a speed that is too high is so by no more than that wheel is behind it. A
+tyre that springs back turns its wheel faster than the car for some hundredths of a second, which says nothing: what
+counts is the slip s below which the wheel stays for longer, and how small that becomes as its brake cycles:
+
+    c' = s where s < c,    c' = c + min(dt / T (s - c), dt b / v) elsewhere
+
+A slope of the road that the accelerometer does not feel makes the speed wrong by more and more, and all slips with it.
+So where c is not what it was, up or down, the speed may have drifted by as much, but by no more than the steepest
+slope b makes: a wheel that dives, or another road, changes c faster. And a wheel that comes closer because the speed
+has become too low confirms nothing.
+"""
+
+from collections import deque
+from typing import Final
+
+_SETTLED: Final = 1.5
+"""Of T [-]: time into the slide from which on c is compared."""
+_BEGUN: Final = 0.5
+"""Of T [-]: time in which the wheel has left the speed."""
+
+
+class CloseWheel:
+    """The fastest of the braked wheels of a car that agree, during one slide."""
+
+    def __init__(self, close: float, spring_back: float, comes_again: float, steepest: float) -> None:
+        """Start without samples.
+
+        Args:
+            close: slip below which the wheel confirms the speed, to half of that share [-].
+            spring_back: time for which it must, as released tyres spring back [s].
+            comes_again: T, time within which a wheel whose brake cycles is that close again [s], > 0.
+            steepest: b, difference that the slope of a road makes at most [m/s^2].
+        """
+        self._below, self._spring_back, self._comes_again = close, spring_back, comes_again
+        self._steepest = steepest
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything before the next slide."""
+        self._slips: deque[tuple[float, float]] = deque()
+        self.lasted = 0.0
+        """Time that the slide has lasted [s]."""
+        self.drift = 0.0
+        """By how much the speed may have drifted since it began, as a share of it."""
+        self._closest = 0.0
+        self._least = self._most = 0.0
+        self._compared_since: float | None = None
+
+    def update(self, dt: float, slip: float, speed: float) -> float | None:
+        """Take one sample.
+
+        Args:
+            dt: time since the last sample [s].
+            slip: of the wheel against the integrated speed [-], braking positive.
+            speed: of the car [m/s], > 0.
+
+        Returns:
+            Standard deviation of the speed, as a share of it, that the wheel leaves; None where it is not close.
+        """
+        slips = self._slips
+        self.lasted += dt
+        while slips and slips[-1][1] <= slip:
+            slips.pop()
+        slips.append((self.lasted, slip))
+        while slips[0][0] < self.lasted - self._spring_back:
+            slips.popleft()
+        if self.lasted < self._spring_back:
+            return None
+        stays = max(slips[0][1], 0.0)
+        if stays < self._closest or self.lasted < _BEGUN * self._comes_again:
+            self._closest = stays
+        else:
+            self._closest += dt * min((stays - self._closest) / self._comes_again, self._steepest / speed)
+        if self.lasted > _SETTLED * self._comes_again:
+            self._compare(speed)
+        return max(stays, self._below - stays, self.drift) if stays < self._below else None
+
+    def _compare(self, speed: float) -> None:
+        """Compare how close the wheel comes with how close it came."""
+        now = self._closest
+        if self._compared_since is None:
+            self._compared_since, self._least, self._most = self.lasted, now, now
+        self._least, self._most = min(self._least, now), max(self._most, now)
+        change = max(now - self._least, self._most - now)
+        self.drift = min(change, self._steepest * (self.lasted - self._compared_since) / speed)
