@@ -7,7 +7,7 @@ counts is the slip s below which the wheel stays for longer, and how small that 
     c' = s where s < c,    c' = c + min(dt / T (s - c), dt b / v) elsewhere
 
 A slope of the road that the accelerometer does not feel makes the speed wrong by more and more, and all slips with it.
-So where c is not what it was, up or down, the speed may have drifted by as much, but by no more than the steepest
+So where c is not what it was a time T into the slide, or later, up or down, the speed may have drifted by as much, but by no more than the steepest
 slope b makes: a wheel that dives, or another road, changes c faster. And a wheel that comes closer because the speed
 has become too low confirms nothing.
 """
@@ -15,8 +15,6 @@ has become too low confirms nothing.
 from collections import deque
 from typing import Final
 
-_SETTLED: Final = 1.5
-"""Of T [-]: time into the slide from which on c is compared."""
 _BEGUN: Final = 0.5
 """Of T [-]: time in which the wheel has left the speed."""
 
@@ -73,7 +71,7 @@ class CloseWheel:
             self._closest = stays
         else:
             self._closest += dt * min((stays - self._closest) / self._comes_again, self._steepest / speed)
-        if self.lasted > _SETTLED * self._comes_again:
+        if self.lasted > self._comes_again:
             self._compare(speed)
         return max(stays, self._below - stays, self.drift) if stays < self._below else None
 

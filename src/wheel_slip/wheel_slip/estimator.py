@@ -29,9 +29,7 @@ class EstimatorParameters:
 
     minimum_speed: float = shared.minimum_speed(1.0)
     max_gap: float = shared.max_gap(0.1)
-    max_slip_stddev: float = parameter(
-        0.2, "no slip where its standard deviation is larger", minimum=1e-3, maximum=1.0
-    )
+    max_slip_stddev: float = parameter(0.2, "no slip where its standard deviation is larger", minimum=1e-3, maximum=1.0)
     learn_radii: bool = parameter(
         False, "calibrate the radii against vehicle_velocity while the car coasts, and use them"
     )
