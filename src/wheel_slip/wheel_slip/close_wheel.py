@@ -7,9 +7,9 @@ counts is the slip s below which the wheel stays for longer, and how small that 
     c' = s where s < c,    c' = c + min(dt / T (s - c), dt b / v) elsewhere
 
 A slope of the road that the accelerometer does not feel makes the speed wrong by more and more, and all slips with it.
-So where c is not what it was a time T into the slide, or later, up or down, the speed may have drifted by as much, but by no more than the steepest
-slope b makes: a wheel that dives, or another road, changes c faster. And a wheel that comes closer because the speed
-has become too low confirms nothing.
+So where c is not what it was a time T into the slide, or later, up or down, the speed may have drifted by as much, but
+by no more than the steepest slope b makes: a wheel that dives, or another road, changes c faster. And a wheel that
+comes closer because the speed has become too low confirms nothing.
 """
 
 from collections import deque
@@ -26,7 +26,7 @@ class CloseWheel:
         """Start without samples.
 
         Args:
-            close: slip below which the wheel confirms the speed, to half of that share [-].
+            close: slip below which the wheel confirms the speed, as it slips by anything from 0 to that [-].
             spring_back: time for which it must, as released tyres spring back [s].
             comes_again: T, time within which a wheel whose brake cycles is that close again [s], > 0.
             steepest: b, difference that the slope of a road makes at most [m/s^2].

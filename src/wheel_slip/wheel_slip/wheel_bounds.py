@@ -42,7 +42,7 @@ class BoundParameters:
     )
     close: float = parameter(
         0.1,
-        "slip below which a braked wheel confirms the speed, to half of that share",
+        "slip below which a braked wheel confirms the speed: it slips by anything from 0 to that",
         minimum=0.0,
         maximum=0.5,
     )
