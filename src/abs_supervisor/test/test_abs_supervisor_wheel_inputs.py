@@ -28,15 +28,20 @@ def test_a_vote_is_told_why_its_own_slip_is_not_valid_whatever_slip_came_last() 
     assert inputs.observe(AlignedSample(STEP, SlopeVote(), {}, {}, False), 0.0).slip_text.endswith("a new run")
 
 
-@pytest.mark.parametrize(("speed", "stddev", "tells"), [(20.0, 6.0, True), (20.0, 7.0, False), (0.2, 0.9, True)])
-def test_a_speed_of_the_car_counts_with_a_deviation_up_to_a_third_of_it_or_a_metre_a_second(
-    speed: float, stddev: float, tells: bool
+@pytest.mark.parametrize("share", [0.01, 0.9], ids=["locked", "nearly rolling"])
+@pytest.mark.parametrize(
+    ("speed", "stddev", "tells"), [(20.0, 6.0, True), (20.0, 7.0, False), (2.0, 1.4, True), (2.0, 1.6, False)]
+)
+def test_a_speed_of_the_car_counts_with_a_deviation_up_to_a_third_of_it_or_one_and_a_half_metres_a_second(
+    speed: float, stddev: float, tells: bool, share: float
 ) -> None:
-    inputs = WheelInputs(WHEEL, load_vehicle("chapter_corner"), silent, fine=True)
+    vehicle = load_vehicle("chapter_corner")
+    inputs = WheelInputs(WHEEL, vehicle, silent, fine=True)
     message = WheelSlip(header=header_at(STEP, WHEEL), reason=WheelSlip.UNCERTAIN, vehicle_speed=speed)
-    message.vehicle_speed_variance, message.wheel_speed = stddev * stddev, 0.01
+    message.vehicle_speed_variance, message.wheel_speed = stddev * stddev, share * speed / vehicle.wheels[0].radius
     read = inputs.read(inputs.slip, message)
     assert not isinstance(read, str)
     sample = AlignedSample(STEP, SlopeVote(), {inputs.slip: read[1]}, {}, False)
     seen = inputs.observe(sample, 0.0)
     assert (seen.car_speed == speed, isfinite(seen.slip)) == (tells, tells)
+    assert not tells or seen.slip == pytest.approx(1.0 - share)
