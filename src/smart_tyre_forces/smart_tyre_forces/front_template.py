@@ -147,10 +147,13 @@ class TemplateFit:
                 columns[3 + side, part] = -np.interp(phi, GRID, self._slopes[side])
             white = filtered(whitener, columns)
             gram = white[1:] @ white[1:].T
-            solution = np.linalg.solve(gram, white[1:] @ white[0])
+            try:
+                solution = np.linalg.solve(gram, white[1:] @ white[0])
+            except np.linalg.LinAlgError:
+                return None  # no sample is on one of the fronts
             alphas = alphas + solution[2:] / solution[1]
-        if not np.all(np.abs(alphas - (fronts.alpha_1, fronts.alpha_2)) < _FARTHEST):
-            return None
+            if not np.all(np.abs(alphas - (fronts.alpha_1, fronts.alpha_2)) < _FARTHEST):
+                return None
         left = float(np.mean((white[0] - solution @ white[1:]) ** 2))
         variance = left * float(np.mean(np.diag(np.linalg.inv(gram))[2:])) / float(solution[1]) ** 2
         stddev = float(np.sqrt(variance))

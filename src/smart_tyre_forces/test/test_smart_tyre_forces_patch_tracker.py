@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from smart_tyre_forces.front_template import TemplateFit, TemplateLearner
-from smart_tyre_forces.fronts import GRAVITY, find_fronts
+from smart_tyre_forces.fronts import GRAVITY, Fronts, find_fronts
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker
 from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
@@ -195,6 +195,15 @@ def test_reverse_driving_gives_nothing(simulate: Any, table: ToothTable) -> None
 def test_blocks_that_are_no_blocks_are_refused(shapes: tuple[int, int]) -> None:
     with pytest.raises(ValueError, match="block"):
         PatchTracker(WHEEL).push(0, np.zeros(shapes[0]), np.zeros(shapes[1]))
+
+
+def test_a_passage_without_a_sample_on_one_of_its_fronts_has_none(simulate: Any, table: ToothTable) -> None:
+    learner = TemplateLearner()
+    run(simulate(14.0, seconds=6.0, seed=5), table, refiner=learner)
+    theta = np.linspace(-3.1, 0.1, 1000)
+    acceleration = 500.0 + np.random.default_rng(1).normal(0.0, 5.0, theta.size)
+    beyond = Fronts(alpha_1=-0.15, alpha_2=0.6, floor=0.0, step=500.0)
+    assert TemplateFit(learner.template).refine(beyond, theta, acceleration) is None
 
 
 @given(data=st.data())
