@@ -16,9 +16,12 @@ SPEED = 20.0
 Slip = Callable[[float], float]
 
 
-def followed(slip: Slip, duration: float, dt: float = DT) -> tuple[list[float | None], CloseWheel]:
+def followed(
+    slip: Slip, duration: float, dt: float = DT, deceleration: Slip = lambda _t: 3.0
+) -> tuple[list[float | None], CloseWheel]:
     wheel = CloseWheel(CLOSE, SPRING_BACK, COMES_AGAIN, STEEPEST)
-    return [wheel.update(dt, slip(k * dt), SPEED) for k in range(round(duration / dt))], wheel
+    times = [k * dt for k in range(round(duration / dt))]
+    return [wheel.update(dt, slip(t), SPEED, deceleration(t)) for t in times], wheel
 
 
 def cycled(closest: Slip) -> Slip:
@@ -65,6 +68,41 @@ def test_a_speed_that_becomes_too_low_is_not_confirmed_by_wheels_that_come_close
     assert all(each > 0.07 for each in found[-100:] if each is not None)
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "road", "other"),
+    [(0.05, 0.1, 11.3, 7.8), (0.05, 0.1, 7.8, 11.3), (0.05, 0.1, 2.0, 11.3), (0.1, 0.04, 2.0, 11.3)],
+)
+def test_another_road_at_which_wheels_slip_by_something_else_is_no_drift(
+    before: float, after: float, road: float, other: float
+) -> None:
+    def slip(t: float) -> float:
+        return before if t < 3.0 else after
+
+    assert followed(slip, 8.0)[1].drift == pytest.approx(abs(after - before), abs=0.01)
+    assert followed(slip, 8.0, deceleration=lambda t: road if t < 3.0 else other)[1].drift < 0.02
+
+
+def test_a_drift_counts_on_the_next_road_too() -> None:
+    def slip(t: float) -> float:
+        return 0.02 + 0.05 * min(max(t - 2.0, 0.0), 1.5) - (0.06 if t >= 5.0 else 0.0)
+
+    first = followed(slip, 5.0)[1].drift
+    assert first > 0.05
+    _, wheel = followed(slip, 10.0, deceleration=lambda t: 11.3 if t < 5.0 else 7.8)
+    assert 0.7 * first < wheel.drift <= first
+
+
+@pytest.mark.parametrize("period", [0.2, 0.5, 0.8])
+def test_wheels_that_dive_together_are_no_other_road(period: float) -> None:
+    """The whole car slows down less, by more than between two roads, but not for long."""
+
+    def deceleration(t: float) -> float:
+        return 3.0 if t % period < 0.6 * period else 1.5
+
+    _, wheel = followed(cycled(lambda t: 0.03 + min(0.05 * max(t - 2.0, 0.0), 0.15)), 8.0, deceleration=deceleration)
+    assert wheel.drift == pytest.approx(0.15, abs=0.03)
+
+
 def test_no_drift_is_faster_than_the_steepest_road() -> None:
     """A wheel that dives, or another road."""
     settled = COMES_AGAIN
@@ -81,7 +119,7 @@ def test_a_new_slide_begins_without_memory() -> None:
     assert wheel.drift > 0.05
     wheel.reset()
     assert wheel.drift == wheel.lasted == 0.0
-    assert wheel.update(DT, 0.05, SPEED) is None
+    assert wheel.update(DT, 0.05, SPEED, 3.0) is None
 
 
 def slid(rim: Slip, duration: float, offset: float = 0.0) -> tuple[SpeedFilter, float]:

@@ -8,8 +8,9 @@ counts is the slip s below which the wheel stays for longer, and how small that 
 
 A slope of the road that the accelerometer does not feel makes the speed wrong by more and more, and all slips with it.
 So where c is not what it was a time T into the slide, or later, up or down, the speed may have drifted by as much, but
-by no more than the steepest slope b makes: a wheel that dives, or another road, changes c faster. And a wheel that
-comes closer because the speed has become too low confirms nothing.
+no faster than on the steepest slope b: a wheel that dives changes c faster. And a wheel that comes closer because the
+speed has become too low confirms nothing. On another road a wheel slips by something else: where the accelerometer,
+which feels no slope, reads another deceleration than then, and goes on to, c counts anew. What has drifted stays.
 """
 
 from collections import deque
@@ -17,6 +18,12 @@ from typing import Final
 
 _BEGUN: Final = 0.5
 """Of T [-]: time in which the wheel has left the speed."""
+_AVERAGED: Final = 0.25
+"""Of T [-]: time over which the deceleration is averaged."""
+_ANOTHER_ROAD: Final = 0.2
+"""Change of it, as a share [-], that is another road's once it lasts: between dry and wet it is 0.31."""
+_LASTS: Final = 0.5
+"""Of T [-]: longer than wheels that dive and come back take."""
 
 
 class CloseWheel:
@@ -42,23 +49,31 @@ class CloseWheel:
         """Time that the slide has lasted [s]."""
         self.drift = 0.0
         """By how much the speed may have drifted since it began, as a share of it."""
-        self._closest = 0.0
-        self._least = self._most = 0.0
+        self._begin_road()
+
+    def _begin_road(self) -> None:
+        self._drifted_before = self.drift
+        self._on_road = self._deceleration = self._then = self._other = 0.0
+        self._closest = self._least = self._most = 0.0
         self._compared_since: float | None = None
 
-    def update(self, dt: float, slip: float, speed: float) -> float | None:
+    def update(self, dt: float, slip: float, speed: float, deceleration: float) -> float | None:
         """Take one sample.
 
         Args:
             dt: time since the last sample [s].
             slip: of the wheel against the integrated speed [-], braking positive.
             speed: of the car [m/s], > 0.
+            deceleration: of the car, as measured [m/s^2].
 
         Returns:
             Standard deviation of the speed, as a share of it, that the wheel leaves; None where it is not close.
         """
-        slips = self._slips
+        slips, begun = self._slips, _BEGUN * self._comes_again
         self.lasted += dt
+        self._on_road += dt
+        averaged = min(self._on_road, _AVERAGED * self._comes_again)
+        self._deceleration += dt / averaged * (deceleration - self._deceleration)
         while slips and slips[-1][1] <= slip:
             slips.pop()
         slips.append((self.lasted, slip))
@@ -67,19 +82,26 @@ class CloseWheel:
         if self.lasted < self._spring_back:
             return None
         stays = max(slips[0][1], 0.0)
-        if stays < self._closest or self.lasted < _BEGUN * self._comes_again:
+        if stays < self._closest or self._on_road < begun:
             self._closest = stays
         else:
             self._closest += dt * min((stays - self._closest) / self._comes_again, self._steepest / speed)
-        if self.lasted > self._comes_again:
-            self._compare(speed)
+        if self._on_road > self._comes_again:
+            self._compare(dt, speed)
         return max(stays, self._below - stays, self.drift) if stays < self._below else None
 
-    def _compare(self, speed: float) -> None:
+    def _compare(self, dt: float, speed: float) -> None:
         """Compare how close the wheel comes with how close it came."""
         now = self._closest
         if self._compared_since is None:
             self._compared_since, self._least, self._most = self.lasted, now, now
-        self._least, self._most = min(self._least, now), max(self._most, now)
-        change = max(now - self._least, self._most - now)
-        self.drift = min(change, self._steepest * (self.lasted - self._compared_since) / speed)
+            self._then = self._deceleration
+        alike = abs(self._deceleration - self._then) <= _ANOTHER_ROAD * self._then
+        self._other = 0.0 if alike else self._other + dt
+        if alike:
+            self._least, self._most = min(self._least, now), max(self._most, now)
+            change = max(now - self._least, self._most - now)
+            drift = min(change, self._steepest * (self.lasted - self._compared_since) / speed)
+            self.drift = max(drift, self._drifted_before)
+        elif self._other > _LASTS * self._comes_again:
+            self._begin_road()

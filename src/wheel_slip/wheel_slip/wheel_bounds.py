@@ -155,7 +155,7 @@ class WheelBounds:
             fastest = known[-1 - second]
             beyond = fastest - margin - speed
             if speed > 0.0:
-                self._confirm(car, dt, fastest, speed, margin)
+                self._confirm(car, dt, fastest, speed, -a, margin)
         elif a > p.effort_above:
             beyond = speed - known[second] - margin
         self._beyond = self._beyond + dt if beyond > 0.0 else 0.0
@@ -165,10 +165,12 @@ class WheelBounds:
             gap = copysign(beyond + margin + slip, a)
             car.correct(direction * (speed - gap), (margin**2 + slip**2) * many)
 
-    def _confirm(self, car: SpeedFilter, dt: float, rim_speed: float, speed: float, margin: float) -> None:
+    def _confirm(
+        self, car: SpeedFilter, dt: float, rim_speed: float, speed: float, deceleration: float, margin: float
+    ) -> None:
         """Be as sure of the speed as the closest wheel allows."""
         close = self._close
-        confirmed = close.update(dt, 1.0 - rim_speed / speed, speed)
+        confirmed = close.update(dt, 1.0 - rim_speed / speed, speed, deceleration)
         if confirmed is not None:
             car.limit((confirmed * speed) ** 2 + margin**2)
         if close.drift:
