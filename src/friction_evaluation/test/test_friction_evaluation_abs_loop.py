@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from friction_evaluation.closed_loop import law_rows
 from friction_evaluation.closed_loop.actuator_bound import actuator_bound
 from friction_evaluation.closed_loop.car_bound import car_bound
 from friction_evaluation.closed_loop.car_setup import CarSetup
@@ -194,6 +195,16 @@ def test_where_the_road_changes_the_row_compares_with_the_oracle() -> None:
     assert row["passed"], row["failures"]
     assert row["value"] == pytest.approx(row["distance_m"] / row["oracle_distance_m"])
     assert row["limit"] == 1.04
+
+
+@pytest.mark.parametrize(("lock", "holds"), [(0.045, True), (0.05, False)])
+def test_a_lock_where_the_road_changes_fails_its_row(lock: float, holds: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    locked = replace(law_stops("dry to wet", range(1), "curve", NONE), longest_lock=np.array([lock]))
+    monkeypatch.setattr(law_rows, "law_stops", lambda *_: locked)
+    (make,) = law_rows.chosen(["corner"], "curve", 1, ["dry to wet"], ["none"], judged=True)
+    row = make()
+    assert row["passed"] is holds
+    assert ("lock" in row["failures"]) is not holds
 
 
 def test_under_a_car_the_road_changes_after_the_onset_and_the_bound_locks_while_its_brakes_come_down() -> None:
