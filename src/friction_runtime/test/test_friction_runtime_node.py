@@ -4,7 +4,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -55,15 +55,19 @@ class Link:
         """Send a demand [Pa]."""
         self._publisher.publish(BrakeDemand(pressure=pressure))
 
-    def until_answer(self, expected: float) -> None:
-        """Send demands until the answer is as expected."""
+    def send_until(self, condition: Callable[[], bool], pressure: float = 3.0) -> None:
+        """Send demands [Pa] until the condition holds."""
 
-        def answered() -> bool:
-            self.send()
+        def holds() -> bool:
+            self.send(pressure)
             self._client.executor.spin_once(timeout_sec=0.05)
-            return bool(self.received) and self.received[-1].slip == expected
+            return condition()
 
-        self._client.until(answered)
+        self._client.until(holds)
+
+    def until_answer(self, expected: float, pressure: float = 3.0) -> None:
+        """Send demands [Pa] until the answer is as expected."""
+        self.send_until(lambda: bool(self.received) and self.received[-1].slip == expected, pressure)
 
 
 def set_parameter(client: DdsClient, name: str, value: Any) -> SetParametersResult:
@@ -221,16 +225,14 @@ def test_an_input_that_may_never_come_is_no_fault_until_it_has_come(client: DdsC
     client.node.create_subscription(DiagnosticArray, "/diagnostics", health.append, 10)
 
     def says(text: str) -> bool:
-        link.send()
-        client.executor.spin_once(timeout_sec=0.05)
         messages = [each.message for array in health for each in array.status if each.name == "/echo: inputs"]
         return bool(messages) and messages[-1] == text
 
     client.start(SCRIPT, "--ros-args", "-p", "method:=mirror")
     link = Link(client)
-    client.until(lambda: says("ok"))
+    link.send_until(lambda: says("ok"))
     Link(client, "mirrored_").until_answer(-6.0)
-    client.until(lambda: says("no message within 1 s on mirrored_brake_demand"))
+    link.send_until(lambda: says("no message within 1 s on mirrored_brake_demand"))
 
 
 def test_what_is_set_for_another_method_is_said_once(client: DdsClient) -> None:
@@ -249,13 +251,7 @@ def test_warnings_that_differ_in_a_value_only_are_logged_once_in_a_while(
     begin = time.monotonic()
     for k in range(50):
         link.send(-1.0 - 0.01 * k)
-
-    def answered() -> bool:
-        link.send(4.0)
-        client.executor.spin_once(timeout_sec=0.05)
-        return link.received[-1].slip == 8.0
-
-    client.until(answered)  # so the node has read what was sent before
+    link.until_answer(8.0, 4.0)  # so the node has read what was sent before
     passed = time.monotonic() - begin
     output = stop(echo)
     assert 1 <= output.count(" Pa is negative: refused") <= 1 + passed / REPEAT_AFTER
@@ -275,13 +271,7 @@ def test_an_answer_does_not_wait_for_what_is_logged_of_it(echo: subprocess.Popen
     client.node.create_subscription(Log, "/rosout", note, 100)
     client.until(lambda: client.node.count_publishers("/rosout") > 1)
     client.node.create_subscription(WheelSlip, "front_left/slip", note, qos.ESTIMATE)
-
-    def heard() -> bool:
-        link.send(3.0)
-        client.executor.spin_once(timeout_sec=0.05)
-        return 6.0 in answers
-
-    client.until(heard)  # the link may have its answer before this subscription is matched
+    link.send_until(lambda: 6.0 in answers)  # the link may have its answer before this subscription is matched
     link.send(1e7)
     client.until(lambda: 2e7 in answers and bool(logged))
     assert answers[2e7] < logged[0]
