@@ -54,7 +54,7 @@ class Slow:
 
 
 def _with_defect(kind: str) -> None:
-    node: Any = import_module("friction_curve_id.node" if kind == "slow" else "friction_slope.node")
+    node: Any = import_module("friction_curve_id.ros.node" if kind == "slow" else "friction_slope.ros.node")
     build = node.build
 
     def build_defective(*arguments: Any) -> list[Any]:

@@ -17,7 +17,7 @@ from friction_bringup.__main__ import main as bringup
 from friction_evaluation.__main__ import main as evaluation
 from friction_evaluation.parts import PARTS
 from friction_parameters.command_line import command
-from smart_tyre_forces.calibration_tool import main as calibrate_smart_tyre
+from smart_tyre_forces.ros.calibration_tool import main as calibrate_smart_tyre
 
 DRY = str(Path(__file__).parents[1] / "bags/dry")
 NUMBERS = ("", "-1", "nan", "inf", "1e300", "much", "0x10", "1,5")

@@ -21,5 +21,5 @@ setup(
     maintainer_email="developers@friction.example.org",
     description="ABS supervisory logic: the finite state machine of Figure 8.1.",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["abs_supervisor_node = abs_supervisor.node:main"]},
+    entry_points={"console_scripts": ["abs_supervisor_node = abs_supervisor.ros.node:main"]},
 )

@@ -21,5 +21,5 @@ setup(
     maintainer_email="developers@friction.example.org",
     description="Any car's messages, CAN frames and tables as the topics of this graph, by a signal map",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["friction_adapter_node = friction_adapter.node:main"]},
+    entry_points={"console_scripts": ["friction_adapter_node = friction_adapter.ros.node:main"]},
 )

@@ -21,5 +21,5 @@ setup(
     maintainer_email="developers@friction.example.org",
     description="Tyre-road friction curve and its peak, identified online from wheel speed and brake torque (section 8.3).",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["friction_curve_id_node = friction_curve_id.node:main"]},
+    entry_points={"console_scripts": ["friction_curve_id_node = friction_curve_id.ros.node:main"]},
 )

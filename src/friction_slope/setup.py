@@ -21,5 +21,5 @@ setup(
     maintainer_email="developers@friction.example.org",
     description="Sign of the slope of the friction curve, equations (8.3) to (8.5).",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["friction_slope_node = friction_slope.node:main"]},
+    entry_points={"console_scripts": ["friction_slope_node = friction_slope.ros.node:main"]},
 )

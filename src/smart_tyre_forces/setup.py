@@ -24,8 +24,8 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "smart_tyre_forces_node = smart_tyre_forces.node:main",
-            "calibrate_smart_tyre = smart_tyre_forces.calibration_tool:main",
+            "smart_tyre_forces_node = smart_tyre_forces.ros.node:main",
+            "calibrate_smart_tyre = smart_tyre_forces.ros.calibration_tool:main",
         ]
     },
 )

@@ -21,5 +21,5 @@ setup(
     maintainer_email="developers@friction.example.org",
     description="Vehicle speed and wheel slip from wheel encoders, accelerometer and speed sensor",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["wheel_slip_node = wheel_slip.node:main"]},
+    entry_points={"console_scripts": ["wheel_slip_node = wheel_slip.ros.node:main"]},
 )

@@ -1,5 +1,5 @@
 """python -m abs_supervisor: the node."""
 
-from abs_supervisor.node import main
+from abs_supervisor.ros.node import main
 
 raise SystemExit(main())

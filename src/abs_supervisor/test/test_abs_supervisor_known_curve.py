@@ -7,7 +7,7 @@ import pytest
 from friction_msgs.msg import FrictionCurve
 from std_msgs.msg import Header
 
-from abs_supervisor.known_curve import KnownCurve
+from abs_supervisor.ros.known_curve import KnownCurve
 from friction_runtime.stamps import from_nanoseconds
 
 MS = 1_000_000

@@ -8,7 +8,6 @@ from friction_msgs.msg import FrictionCurve
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from abs_supervisor.curve_report import curve_report
 from abs_supervisor.fsm import Command
 from abs_supervisor.law.brake_line import BrakeLine
 from abs_supervisor.law.choice import Change, Law, LawChoice
@@ -23,6 +22,7 @@ from abs_supervisor.law.torque_set_point import steady_torque, torque_set_point
 from abs_supervisor.law.usable_curve import CurveReport, Estimate, UsableCurve
 from abs_supervisor.law.wheel_observer import WheelObserver, WheelState
 from abs_supervisor.law.wheel_step import slip_of, wheel_step
+from abs_supervisor.ros.curve_report import curve_report
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator

@@ -25,7 +25,7 @@ from std_msgs.msg import Header
 from abs_supervisor.braking import PressureParameters
 from abs_supervisor.fsm import Thresholds
 from abs_supervisor.parameters import SHIPPED, SupervisorParameters
-from abs_supervisor.processor import WheelProcessor, build
+from abs_supervisor.ros.processor import WheelProcessor, build
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from friction_parameters.values import changed, from_mapping, ignored

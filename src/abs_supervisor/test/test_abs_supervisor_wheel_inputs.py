@@ -5,7 +5,7 @@ from math import isfinite
 import pytest
 from friction_msgs.msg import SlopeVote, WheelSlip
 
-from abs_supervisor.wheel_inputs import WheelInputs
+from abs_supervisor.ros.wheel_inputs import WheelInputs
 from friction_runtime.aligner import AlignedSample
 from friction_runtime.processor import silent
 from friction_runtime.stamps import header_at

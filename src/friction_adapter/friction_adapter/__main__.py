@@ -1,5 +1,5 @@
 """python -m friction_adapter: the node."""
 
-from friction_adapter.node import main
+from friction_adapter.ros.node import main
 
 raise SystemExit(main())

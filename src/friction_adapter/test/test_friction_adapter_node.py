@@ -9,8 +9,8 @@ from sensor_msgs.msg import Imu, JointState
 
 from dds_client import dds_client, output_of, stop
 from friction_adapter.map_file import load_map
-from friction_adapter.message_fields import installed_fields
-from friction_adapter.processor import AdapterProcessor
+from friction_adapter.ros.message_fields import installed_fields
+from friction_adapter.ros.processor import AdapterProcessor
 from friction_runtime import qos
 from friction_runtime.processor import silent
 from friction_runtime.stamps import from_nanoseconds

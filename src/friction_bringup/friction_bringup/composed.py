@@ -24,4 +24,4 @@ def run_composed(arguments: Sequence[str]) -> int:
 
 
 def _connected_nodes() -> ConnectedNodes:
-    return ConnectedNodes([import_module(f"{name}.node").make_node for name in graph.COMPOSED])
+    return ConnectedNodes([import_module(f"{name}.ros.node").make_node for name in graph.COMPOSED])

@@ -13,7 +13,7 @@ from xml.etree.ElementTree import Element, SubElement
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, make_processors, read_parameters
 from friction_bringup import graph
 from friction_runtime.processor import silent
-from smart_tyre_forces.node import ZERO_REQUESTS
+from smart_tyre_forces.ros.node import ZERO_REQUESTS
 from vehicle_models.vehicle_file import load_vehicle
 
 PUBLISHED = ("/diagnostics", "/rosout", "/parameter_events")

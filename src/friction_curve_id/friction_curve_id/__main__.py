@@ -1,5 +1,5 @@
 """python -m friction_curve_id: the node."""
 
-from friction_curve_id.node import main
+from friction_curve_id.ros.node import main
 
 raise SystemExit(main())

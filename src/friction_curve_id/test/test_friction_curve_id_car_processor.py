@@ -12,9 +12,9 @@ from std_msgs.msg import Header
 from corner_sim.car.pressure_prescription import SlipCycle
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
-from friction_curve_id.car_processor import VEHICLE_FIT, CarProcessor
 from friction_curve_id.parameters import FrictionCurveParameters
-from friction_curve_id.processor import build
+from friction_curve_id.ros.car_processor import VEHICLE_FIT, CarProcessor
+from friction_curve_id.ros.processor import build
 from friction_parameters.values import from_mapping
 from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds

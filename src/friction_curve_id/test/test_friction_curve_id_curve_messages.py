@@ -3,8 +3,8 @@ from math import isnan
 import pytest
 from friction_msgs.msg import FrictionCurve
 
-from friction_curve_id.curve_messages import CurveMessages
 from friction_curve_id.interface import CurveEstimate, Reason, RestartCause
+from friction_curve_id.ros.curve_messages import CurveMessages
 
 
 def message(lambda_max: float, mu_max: float, reason: Reason = Reason.OK, text: str = "") -> FrictionCurve:

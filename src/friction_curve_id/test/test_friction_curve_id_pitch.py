@@ -28,7 +28,7 @@ def test_pitch_and_load_are_those_of_scipy_to_the_last_bit() -> None:
 
 
 def test_the_node_starts_without_scipy_signal() -> None:
-    code = "import sys, friction_curve_id.node; sys.exit('scipy.signal' in sys.modules)"
+    code = "import sys, friction_curve_id.ros.node; sys.exit('scipy.signal' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
 
 

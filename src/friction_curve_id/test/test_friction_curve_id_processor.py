@@ -16,10 +16,10 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
 
 from friction_curve_id.activation import ActivationMark
-from friction_curve_id.car_processor import CarProcessor
 from friction_curve_id.interface import Reason, RestartCause
 from friction_curve_id.parameters import FrictionCurveParameters
-from friction_curve_id.processor import CurveProcessor, build
+from friction_curve_id.ros.car_processor import CarProcessor
+from friction_curve_id.ros.processor import CurveProcessor, build
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import load
 from friction_parameters.values import declared, from_mapping, ignored

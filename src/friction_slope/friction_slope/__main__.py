@@ -1,5 +1,5 @@
 """python -m friction_slope: the node."""
 
-from friction_slope.node import main
+from friction_slope.ros.node import main
 
 raise SystemExit(main())

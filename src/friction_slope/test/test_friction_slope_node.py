@@ -16,7 +16,7 @@ from friction_parameters.values import changed
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
 from friction_slope.parameters import FrictionSlopeParameters
-from friction_slope.processor import WheelProcessor
+from friction_slope.ros.processor import WheelProcessor
 from vehicle_models.vehicle_file import load_vehicle, shipped_vehicles
 
 CONFIG = Path(__file__).parents[1] / "config" / "friction_slope.yaml"

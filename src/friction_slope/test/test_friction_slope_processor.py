@@ -24,7 +24,7 @@ from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from friction_slope.detector import DetectorParameters, NoSlipParameters
 from friction_slope.estimate import METHODS, Method, Reason
 from friction_slope.parameters import SHIPPED, FrictionSlopeParameters
-from friction_slope.processor import WheelProcessor, build
+from friction_slope.ros.processor import WheelProcessor, build
 from vehicle_models.vehicle import Accelerometer
 from vehicle_models.vehicle_file import load_vehicle
 from vehicle_models.wheel_load import WheelLoad

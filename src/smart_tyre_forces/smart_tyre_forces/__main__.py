@@ -1,5 +1,5 @@
 """python -m smart_tyre_forces: the node."""
 
-from smart_tyre_forces.node import main
+from smart_tyre_forces.ros.node import main
 
 raise SystemExit(main())

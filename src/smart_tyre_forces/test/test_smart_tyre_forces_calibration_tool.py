@@ -19,9 +19,9 @@ from std_msgs.msg import Header
 
 from friction_runtime.stamps import from_nanoseconds
 from smart_tyre_forces.calibration import Calibration
-from smart_tyre_forces.calibration_tool import main
 from smart_tyre_forces.parameters import SmartTyreParameters
-from smart_tyre_forces.processor import build
+from smart_tyre_forces.ros.calibration_tool import main
+from smart_tyre_forces.ros.processor import build
 from vehicle_models.force_history import Drive, dynamic_drive, quasi_static_drives
 from vehicle_models.tyre_ring import TyreRing
 from vehicle_models.tyre_signal import TyreSignalSource

@@ -28,5 +28,5 @@ def test_blocks_give_what_the_whole_gives() -> None:
 
 
 def test_the_node_starts_without_scipy() -> None:
-    code = "import sys, smart_tyre_forces.node; sys.exit('scipy' in sys.modules)"
+    code = "import sys, smart_tyre_forces.ros.node; sys.exit('scipy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False, timeout=60).returncode == 0

@@ -20,7 +20,7 @@ from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces.calibration import Calibration, TyreCalibration, WheelCalibration
 from smart_tyre_forces.force_map import ForceMap
 from smart_tyre_forces.parameters import SHIPPED, SmartTyreParameters
-from smart_tyre_forces.processor import TyreProcessor, build
+from smart_tyre_forces.ros.processor import TyreProcessor, build
 from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.tyre_signal import TyreBlock
 from vehicle_models.vehicle import Vehicle

@@ -7,7 +7,7 @@ from sensor_msgs.msg import FluidPressure
 
 from friction_runtime.stamps import header_at
 from vehicle_models.vehicle_file import load_vehicle
-from wheel_slip.brake_pressures import BrakePressures
+from wheel_slip.ros.brake_pressures import BrakePressures
 
 CAR = load_vehicle("compact_car")
 STEP = 5_000_000

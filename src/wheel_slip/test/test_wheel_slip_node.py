@@ -17,7 +17,7 @@ from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.parameters import WheelSlipParameters
-from wheel_slip.processor import CarProcessor
+from wheel_slip.ros.processor import CarProcessor
 
 CONFIG = Path(__file__).parents[1] / "config" / "wheel_slip.yaml"
 CAR = "chapter_corner"

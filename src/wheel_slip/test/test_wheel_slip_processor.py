@@ -21,7 +21,7 @@ from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimate import Reason, SpeedSource
 from wheel_slip.parameters import SHIPPED, SpeedSensorParameters, WheelSlipParameters
-from wheel_slip.processor import CarProcessor, build
+from wheel_slip.ros.processor import CarProcessor, build
 
 CONFIG = Path(__file__).parents[1] / "config" / "wheel_slip.yaml"
 PERIOD = 5_000_000

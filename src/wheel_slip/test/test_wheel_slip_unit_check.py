@@ -20,7 +20,7 @@ from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimate import Reason
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
-from wheel_slip.processor import build
+from wheel_slip.ros.processor import build
 from wheel_slip.unit_check import UnitCheck
 
 CAR = load_vehicle("chapter_car")

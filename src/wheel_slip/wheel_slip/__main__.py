@@ -1,5 +1,5 @@
 """python -m wheel_slip: the node."""
 
-from wheel_slip.node import main
+from wheel_slip.ros.node import main
 
 raise SystemExit(main())

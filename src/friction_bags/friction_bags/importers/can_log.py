@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from friction_adapter.can_frames import INSTALL_LINE, CanFrames
-from friction_adapter.record_mapper import RecordMapper
+from friction_adapter.ros.record_mapper import RecordMapper
 from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import Sources
 from friction_bags.bag_io.bag_format import BagError

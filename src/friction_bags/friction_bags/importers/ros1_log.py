@@ -7,7 +7,7 @@ from typing import Any
 from rosbags.highlevel import AnyReader, AnyReaderError
 
 from friction_adapter.field_path import Fields
-from friction_adapter.record_mapper import RecordMapper
+from friction_adapter.ros.record_mapper import RecordMapper
 from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import Sources
 from friction_bags.bag_io.bag_format import BagError

@@ -12,7 +12,7 @@ from math import isfinite, nan
 from pathlib import Path
 from typing import Final, TextIO
 
-from friction_adapter.record_mapper import RecordMapper
+from friction_adapter.ros.record_mapper import RecordMapper
 from friction_adapter.signal_map import ARRIVAL, Kind, SignalMap
 from friction_adapter.sources import TABLE, Sources
 from friction_bags.bag_io.bag_format import BagError

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
-from friction_adapter.processor import AdapterProcessor
+from friction_adapter.ros.processor import AdapterProcessor
 from friction_adapter.signal_map import SignalMap
 from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader, Message

@@ -100,7 +100,7 @@ def make_processors(parameters: Mapping[str, Any], vehicle: Vehicle, report: Rep
     processors: list[Processor] = []
     for name, each in parameters.items():
         try:
-            processors.extend(import_module(f"{name}.processor").build(each, vehicle, report))
+            processors.extend(import_module(f"{name}.ros.processor").build(each, vehicle, report))
         except ValueError as error:
             raise ParameterError(f"{name}: {error}") from error
     return processors

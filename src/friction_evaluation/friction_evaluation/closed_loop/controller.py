@@ -7,20 +7,20 @@ from friction_msgs.msg import BrakeCommand
 
 from abs_supervisor.parameters import SHIPPED as SHIPPED_SUPERVISOR
 from abs_supervisor.parameters import SupervisorParameters
-from abs_supervisor.processor import WheelProcessor as SupervisorProcessor
+from abs_supervisor.ros.processor import WheelProcessor as SupervisorProcessor
 from corner_sim import messages
 from corner_sim.sensors import Measurement
 from friction_curve_id.parameters import SHIPPED as SHIPPED_CURVE
-from friction_curve_id.processor import build as curve_processors
+from friction_curve_id.ros.processor import build as curve_processors
 from friction_runtime.processor import Processor
 from friction_runtime.processor_graph import ProcessorGraph
 from friction_slope.parameters import SHIPPED as SHIPPED_SLOPE
 from friction_slope.parameters import FrictionSlopeParameters
-from friction_slope.processor import WheelProcessor as SlopeProcessor
+from friction_slope.ros.processor import WheelProcessor as SlopeProcessor
 from vehicle_models.sensor_noise import SensorNoise
 from vehicle_models.vehicle import FRONT, Vehicle
 from wheel_slip.parameters import SHIPPED as SHIPPED_SLIP
-from wheel_slip.processor import CarProcessor
+from wheel_slip.ros.processor import CarProcessor
 
 Parameters = tuple[FrictionSlopeParameters, SupervisorParameters]
 

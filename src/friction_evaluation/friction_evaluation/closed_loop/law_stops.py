@@ -12,7 +12,7 @@ from friction_evaluation.protocol import ACCELERATION_STDDEV, DT
 from friction_runtime.processor import Processor
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.parameters import SHIPPED as SHIPPED_SLIP
-from wheel_slip.processor import CarProcessor
+from wheel_slip.ros.processor import CarProcessor
 
 OFFSET = 0.15
 """Of the accelerometer [m/s^2]."""

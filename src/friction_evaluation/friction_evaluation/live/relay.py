@@ -71,7 +71,7 @@ def main() -> int:
     """Run until a signal; return the exit code."""
     named = sys.argv[1:2] if sys.argv[1:2] != ["--ros-args"] else []
     for name in named or graph.COMPOSED:
-        module: Any = import_module(f"{name}.node")
+        module: Any = import_module(f"{name}.ros.node")
         module.build = _relays(module.build)
     if not named:
         return run_composed(sys.argv[1:])

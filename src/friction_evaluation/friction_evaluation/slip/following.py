@@ -18,7 +18,7 @@ from vehicle_models.two_axle import four_wheels
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import SHIPPED, WheelSlipParameters
-from wheel_slip.processor import VEHICLE_VELOCITY, CarProcessor
+from wheel_slip.ros.processor import VEHICLE_VELOCITY, CarProcessor
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from friction_slope.estimate import SlopeSample
 from friction_slope.signals import SignalWindow
 from vehicle_models.sensor_noise import CHAPTER_NOISE
 from wheel_slip.parameters import WheelSlipParameters
-from wheel_slip.processor import CarProcessor
+from wheel_slip.ros.processor import CarProcessor
 
 Array = NDArray[np.float64]
 

@@ -12,12 +12,12 @@ from friction_evaluation.slope.runs import Run, sensor_messages
 from friction_parameters.values import changed
 from friction_runtime.processor import Output
 from friction_slope.parameters import SHIPPED, FrictionSlopeParameters
-from friction_slope.processor import WheelProcessor
+from friction_slope.ros.processor import WheelProcessor
 from vehicle_models.sensor_noise import SensorNoise
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.parameters import SHIPPED as SHIPPED_SLIP
 from wheel_slip.parameters import WheelSlipParameters
-from wheel_slip.processor import CarProcessor
+from wheel_slip.ros.processor import CarProcessor
 
 Array = NDArray[np.float64]
 

@@ -26,7 +26,7 @@ from friction_evaluation.smart_tyre.runs import PLANT_WHEELS, RING, TRACKER, WHE
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.parameters import SmartTyreParameters
-from smart_tyre_forces.processor import TyreProcessor
+from smart_tyre_forces.ros.processor import TyreProcessor
 from vehicle_models.force_history import CAR
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.tyre_signal import TyreSignalSource

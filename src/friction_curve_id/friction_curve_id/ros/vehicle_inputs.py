@@ -8,7 +8,9 @@ from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import Imu, JointState
 
-from friction_curve_id.inputs import (
+from friction_curve_id.interface import CurveEstimate, Reason, Refusal
+from friction_curve_id.parameters import SLIP, FrictionCurveParameters
+from friction_curve_id.ros.inputs import (
     IMU,
     SPEED_SENSOR_GAP,
     VEHICLE_VELOCITY,
@@ -17,8 +19,6 @@ from friction_curve_id.inputs import (
     vehicle_velocity,
     wheel_slip,
 )
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal
-from friction_curve_id.parameters import SLIP, FrictionCurveParameters
 from friction_curve_id.vehicle.vehicle_samples import VehicleSample
 from friction_curve_id.vehicle.whole_vehicle import WholeVehicle
 from friction_runtime.aligner import AlignedInput, AlignedSample

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from friction_curve_id.parameters import FrictionCurveParameters
-from friction_curve_id.processor import build
+from friction_curve_id.ros.processor import build
 from friction_runtime.processor_node import Connect, ProcessorNode, subscribe_to_all
 from friction_runtime.spin import run
 

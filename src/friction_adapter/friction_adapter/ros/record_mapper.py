@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from friction_adapter.adapter import Adapter
-from friction_adapter.messages import MESSAGE_TYPES, maker
+from friction_adapter.ros.messages import MESSAGE_TYPES, maker
 from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import Sources
 from friction_runtime.processor import Output

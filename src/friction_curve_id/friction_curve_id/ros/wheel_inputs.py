@@ -8,7 +8,11 @@ from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import FluidPressure, JointState
 
-from friction_curve_id.inputs import (
+from friction_curve_id.interface import CurveEstimate, Reason, Refusal, Sample
+from friction_curve_id.known_car import not_known
+from friction_curve_id.parameters import SLIP, FrictionCurveParameters
+from friction_curve_id.parameters import VEHICLE_VELOCITY as SPEED_SENSOR
+from friction_curve_id.ros.inputs import (
     SPEED_SENSOR_GAP,
     VEHICLE_VELOCITY,
     Reading,
@@ -16,10 +20,6 @@ from friction_curve_id.inputs import (
     vehicle_velocity,
     wheel_slip,
 )
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, Sample
-from friction_curve_id.known_car import not_known
-from friction_curve_id.parameters import SLIP, FrictionCurveParameters
-from friction_curve_id.parameters import VEHICLE_VELOCITY as SPEED_SENSOR
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.processor import Report

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from friction_runtime.processor_node import Connect, ProcessorNode, subscribe_to_all
 from friction_runtime.spin import run
 from friction_slope.parameters import FrictionSlopeParameters
-from friction_slope.processor import build
+from friction_slope.ros.processor import build
 
 _NAME = "friction_slope"
 

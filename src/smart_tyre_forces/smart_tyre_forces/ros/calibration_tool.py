@@ -14,9 +14,9 @@ from friction_parameters.parameter_file import load
 from smart_tyre_forces import calibration_plots
 from smart_tyre_forces.calibrate import calibrate, corrected_points, raw_points
 from smart_tyre_forces.calibration import Calibration
-from smart_tyre_forces.calibration_bags import noted_vehicle, read
 from smart_tyre_forces.front_template import TemplateLearner
 from smart_tyre_forces.parameters import SmartTyreParameters
+from smart_tyre_forces.ros.calibration_bags import noted_vehicle, read
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_argument import add_vehicle_argument
 from vehicle_models.vehicle_file import load_vehicle, vehicle_choices

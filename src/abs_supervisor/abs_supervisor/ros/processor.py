@@ -9,16 +9,16 @@ from std_msgs.msg import Header
 
 from abs_supervisor.braking import TorqueWithHysteresis
 from abs_supervisor.braking_log import BrakingLog
-from abs_supervisor.curve_control import CurveControl, describe
 from abs_supervisor.end_of_stop import EndOfStop
 from abs_supervisor.fsm import COMMANDS, Cause, Command, State
 from abs_supervisor.guard import Guard, Seen
-from abs_supervisor.input_watch import InputWatch, Loss
 from abs_supervisor.parameters import CURVE, SupervisorParameters
 from abs_supervisor.reference_wheel import ReferenceWheel
 from abs_supervisor.release_evidence import Release
+from abs_supervisor.ros.curve_control import CurveControl, describe
+from abs_supervisor.ros.input_watch import InputWatch, Loss
+from abs_supervisor.ros.wheel_inputs import WheelInputs
 from abs_supervisor.supervisor import Evidence, Reason, Supervisor
-from abs_supervisor.wheel_inputs import WheelInputs
 from abs_supervisor.wheel_pair import WheelPair, wheel_pairs
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample

@@ -7,9 +7,9 @@ from typing import Any
 from friction_msgs.msg import TyreForce, WheelSlip
 
 from friction_curve_id.chapter.tyre_force import TyreForceFitting, TyreForceSample
-from friction_curve_id.inputs import Reading, wheel_slip
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal
 from friction_curve_id.parameters import FrictionCurveParameters
+from friction_curve_id.ros.inputs import Reading, wheel_slip
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.reason_text import of_topic
 from vehicle_models.nanoseconds import NANOSECONDS

@@ -9,7 +9,7 @@ from friction_msgs.msg import FrictionCurve, SlopeVote, WheelSlip
 from sensor_msgs.msg import FluidPressure, JointState
 
 from abs_supervisor.guard import Seen
-from abs_supervisor.known_curve import KnownCurve
+from abs_supervisor.ros.known_curve import KnownCurve
 from friction_runtime.aligner import AlignedSample
 from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.processor import Report, silent

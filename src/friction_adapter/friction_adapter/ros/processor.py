@@ -5,7 +5,7 @@ from typing import Any
 
 from friction_adapter.can_frames import CanFrames
 from friction_adapter.field_path import Fields
-from friction_adapter.record_mapper import RecordMapper
+from friction_adapter.ros.record_mapper import RecordMapper
 from friction_adapter.signal_map import Kind, SignalMap
 from friction_adapter.sources import Sources
 from friction_parameters.parameter import ParameterError

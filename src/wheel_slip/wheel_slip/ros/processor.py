@@ -19,10 +19,10 @@ from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.plausible import HIGHEST_ACCELERATION, HIGHEST_SPEED
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.brake_pressures import BrakePressures
 from wheel_slip.estimate import Mode, Reason, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
+from wheel_slip.ros.brake_pressures import BrakePressures
 from wheel_slip.speed_queue import SpeedQueue
 from wheel_slip.speed_sample import SpeedSample
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from friction_runtime.processor_node import Connect, ProcessorNode, subscribe_to_all
 from friction_runtime.spin import run
 from wheel_slip.parameters import WheelSlipParameters
-from wheel_slip.processor import build
+from wheel_slip.ros.processor import build
 
 
 def make_node(connect: Connect = subscribe_to_all) -> ProcessorNode[WheelSlipParameters]:

@@ -5,14 +5,14 @@ from typing import Any
 
 from friction_msgs.msg import FrictionCurve, WheelSlip
 
-from friction_curve_id.car_processor import CarProcessor
-from friction_curve_id.curve_messages import CurveMessages, health_of
-from friction_curve_id.inputs import CurveInputs
 from friction_curve_id.interface import Reason, RestartCause
 from friction_curve_id.parameters import CAR, TYRE_FORCE, VEHICLE, FrictionCurveParameters
-from friction_curve_id.tyre_force_inputs import TyreForceInputs
-from friction_curve_id.vehicle_inputs import VehicleInputs
-from friction_curve_id.wheel_inputs import WheelInputs
+from friction_curve_id.ros.car_processor import CarProcessor
+from friction_curve_id.ros.curve_messages import CurveMessages, health_of
+from friction_curve_id.ros.inputs import CurveInputs
+from friction_curve_id.ros.tyre_force_inputs import TyreForceInputs
+from friction_curve_id.ros.vehicle_inputs import VehicleInputs
+from friction_curve_id.ros.wheel_inputs import WheelInputs
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedSample
 from friction_runtime.primary import Primary

@@ -10,10 +10,10 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.car.braked_speed import BrakedSpeed
 from friction_curve_id.car.gain_over_mass import GainOverMass
-from friction_curve_id.curve_messages import CurveMessages, health_of
-from friction_curve_id.inputs import IMU
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
 from friction_curve_id.parameters import FrictionCurveParameters
+from friction_curve_id.ros.curve_messages import CurveMessages, health_of
+from friction_curve_id.ros.inputs import IMU
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.new_message import new_message

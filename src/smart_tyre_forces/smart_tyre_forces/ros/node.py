@@ -8,7 +8,7 @@ from friction_runtime.processor import Report
 from friction_runtime.processor_node import Connect, ProcessorNode, subscribe_to_all
 from friction_runtime.spin import run
 from smart_tyre_forces.parameters import SmartTyreParameters
-from smart_tyre_forces.processor import TyreProcessor, build
+from smart_tyre_forces.ros.processor import TyreProcessor, build
 from vehicle_models.vehicle import Vehicle
 
 ZERO_REQUESTS = {"zero_shift": TyreProcessor.request_shift_zero, "zero_length": TyreProcessor.request_length_zero}

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from abs_supervisor.parameters import SupervisorParameters
-from abs_supervisor.processor import build
+from abs_supervisor.ros.processor import build
 from friction_runtime.processor_node import ProcessorNode
 from friction_runtime.spin import run
 

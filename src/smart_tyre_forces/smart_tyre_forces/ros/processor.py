@@ -14,7 +14,6 @@ from std_msgs.msg import Header
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Health, Level, Output, Report, level_of, silent
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
-from smart_tyre_forces import messages
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.car_reference import Reference
 from smart_tyre_forces.correction import Patch, PatchCorrection
@@ -25,6 +24,7 @@ from smart_tyre_forces.late_acceleration import DELAY, LateAcceleration
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker
 from smart_tyre_forces.reasons import ForceReason, PatchReason
+from smart_tyre_forces.ros import messages
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.tyre_comparison import TyreComparison
 from vehicle_models.nanoseconds import NANOSECONDS
