@@ -18,6 +18,7 @@ from friction_evaluation.__main__ import main as evaluation
 from friction_evaluation.parts import PARTS
 from friction_parameters.command_line import command
 from smart_tyre_forces.ros.calibration_tool import main as calibrate_smart_tyre
+from vehicle_doctor.__main__ import main as doctor
 
 DRY = str(Path(__file__).parents[1] / "bags/dry")
 NUMBERS = ("", "-1", "nan", "inf", "1e300", "much", "0x10", "1,5")
@@ -188,7 +189,7 @@ def test_a_bag_of_an_odd_type_is_described_and_refused_by_what_needs_it(
     for main, line in (
         (bags, ["process", bag, "--out", str(tmp_path / "out"), "--vehicle", "compact_car"]),
         (bags, ["report", bag, "--out", str(tmp_path / "page.html"), "--vehicle", "compact_car"]),
-        (bringup, ["doctor", bag, "--vehicle", "compact_car"]),
+        (doctor, [bag, "--vehicle", "compact_car"]),
         (bringup, ["demo", "--bag", bag, "--out", str(tmp_path / "demo")]),
     ):
         assert main(line) in (1, 2), line
@@ -201,7 +202,7 @@ def test_a_message_that_is_cut_off_is_one_line(tmp_path: Path, capsys: pytest.Ca
     out = str(tmp_path / "out")
     assert bags(["process", bag, "--out", out, "--vehicle", "compact_car"]) in (1, 2)
     assert bags(["report", bag, "--out", str(tmp_path / "page.html"), "--vehicle", "compact_car"]) in (1, 2)
-    assert bringup(["doctor", bag, "--vehicle", "compact_car"]) in (1, 2)
+    assert doctor([bag, "--vehicle", "compact_car"]) in (1, 2)
     assert "Traceback" not in capsys.readouterr().err
 
 

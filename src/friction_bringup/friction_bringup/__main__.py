@@ -1,4 +1,4 @@
-"""Command line: ``python -m friction_bringup demo``, ``doctor``, ``graph``, ``monitor`` and ``policies``."""
+"""Command line: ``python3 -m friction_bringup demo``, ``graph``, ``monitor`` and ``policies``."""
 
 from __future__ import annotations
 
@@ -23,7 +23,6 @@ from friction_bringup.composed import run_composed
 from friction_bringup.demo import run_demo
 from friction_bringup.demo_drive import CARS, ROADS
 from friction_bringup.demo_graph import DemoError, DemoOptions
-from friction_bringup.doctor import command as doctor
 from friction_bringup.monitor import run_monitor
 from friction_bringup.security_policies import policies
 from friction_parameters.command_line import command
@@ -39,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str] | None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m friction_bringup", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python3 -m friction_bringup", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     commands.add_parser("monitor", help="watch every wheel of a running graph; q quits; takes --ros-args")
     commands.add_parser("graph", help=f"run {', '.join(graph.COMPOSED)} in one process; takes --ros-args")
@@ -58,9 +57,6 @@ def _run(arguments: Sequence[str] | None) -> int:
         "--params", type=Path, help="parameter file (default: that of the demo, or the one the bag names)"
     )
     demo.add_argument("--out", type=Path, default=Path("out"), help="directory for the results (default: out)")
-    doctor.add_arguments(
-        commands.add_parser("doctor", help="say what is wrong with the signals of a drive, and learn the car from it")
-    )
     secure = commands.add_parser(
         "policies", help="print what each node may publish and read, as a policy file of SROS2"
     )
@@ -76,8 +72,6 @@ def _run(arguments: Sequence[str] | None) -> int:
         return run_composed(of_ros)
     if options.command == "monitor":
         return run_monitor(of_ros)
-    if options.command == "doctor":
-        return doctor.run(options, of_ros)
     if of_ros:
         parser.error(f"unrecognized arguments: {' '.join(of_ros)}")
     if options.command == "policies":

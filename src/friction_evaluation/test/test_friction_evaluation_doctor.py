@@ -1,11 +1,11 @@
 """A short cut of the doctor's evaluation: sabotaged drives of `model: car`."""
 
-from friction_bringup.doctor.checks.accelerometer import FLAT
-from friction_bringup.doctor.examine import examine
-from friction_bringup.doctor.finding import Verdict
 from friction_evaluation.doctor.drives import driven
 from friction_evaluation.doctor.part import named
 from friction_evaluation.doctor.sabotage import TROUBLES
+from vehicle_doctor.checks.accelerometer import FLAT
+from vehicle_doctor.examine import examine
+from vehicle_doctor.finding import Verdict
 from vehicle_models.vehicle_file import load_vehicle
 
 SEED, SECONDS = 1, 90.0

@@ -10,7 +10,7 @@ from corner_sim.car.ordinary_driving import OrdinaryDriver
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, Surroundings, record
 from corner_sim.car.tyre import TYRES
-from friction_bringup.doctor.drive import IMU, SPEED, WHEEL_STATES, Array, Drive, Recorded, pressure_topic
+from vehicle_doctor.drive import IMU, SPEED, WHEEL_STATES, Array, Drive, Recorded, pressure_topic
 from vehicle_models.vehicle import Vehicle
 
 _START = 15.0

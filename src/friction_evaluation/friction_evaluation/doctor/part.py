@@ -10,15 +10,15 @@ from math import hypot
 import numpy as np
 from rich.progress import track
 
-from friction_bringup.doctor.checks.accelerometer import FLAT, UNKNOWN
-from friction_bringup.doctor.checks.brakes import expected_gain
-from friction_bringup.doctor.drive import Drive
-from friction_bringup.doctor.examine import examine
-from friction_bringup.doctor.finding import Finding, Verdict
 from friction_evaluation.doctor.drives import Driven, driven
 from friction_evaluation.doctor.sabotage import PAIRS, TROUBLES, Trouble
 from friction_evaluation.rows import Row, at_most, not_judged
 from friction_parameters.command_line import count
+from vehicle_doctor.checks.accelerometer import FLAT, UNKNOWN
+from vehicle_doctor.checks.brakes import expected_gain
+from vehicle_doctor.drive import Drive
+from vehicle_doctor.examine import examine
+from vehicle_doctor.finding import Finding, Verdict
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -10,9 +10,9 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from friction_bringup.doctor.drive import IMU, WHEEL_STATES, kinds
 from friction_runtime import qos
 from friction_runtime.spin import stop_on_signals, take_down
+from vehicle_doctor.drive import IMU, WHEEL_STATES, kinds
 from vehicle_models.vehicle_file import load_vehicle
 
 _PERIOD = 0.2

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_bringup.doctor.drive import IMU, SPEED, WHEEL_STATES, Array, Drive, Recorded, pressure_topic
+from vehicle_doctor.drive import IMU, SPEED, WHEEL_STATES, Array, Drive, Recorded, pressure_topic
 
 NDArrayBool = NDArray[np.bool_]
 

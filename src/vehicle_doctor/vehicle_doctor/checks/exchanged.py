@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from friction_bringup.doctor.accelerations import correlation
-from friction_bringup.doctor.drive import WHEEL_STATES, Array, Drive
-from friction_bringup.doctor.finding import Finding, failure
-from friction_bringup.doctor.motion import Motion
-from friction_bringup.doctor.rolling import rolling_of
+from vehicle_doctor.accelerations import correlation
+from vehicle_doctor.drive import WHEEL_STATES, Array, Drive
+from vehicle_doctor.finding import Finding, failure
+from vehicle_doctor.motion import Motion
+from vehicle_doctor.rolling import rolling_of
 from vehicle_models.vehicle import Wheel
 
 _FOLLOWS = 0.6

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_bringup.doctor.accelerations import BLOCK, block_means
-from friction_bringup.doctor.drive import Array, Drive
-from friction_bringup.doctor.motion import Motion
+from vehicle_doctor.accelerations import BLOCK, block_means
+from vehicle_doctor.drive import Array, Drive
+from vehicle_doctor.motion import Motion
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.vehicle import AIR_DENSITY
 

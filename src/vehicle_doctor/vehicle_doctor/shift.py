@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_bringup.doctor.drive import Array
-from friction_bringup.doctor.motion import Motion, NDArrayBool, moving_mean
+from vehicle_doctor.drive import Array
+from vehicle_doctor.motion import Motion, NDArrayBool, moving_mean
 
 _REACH = 0.5
 """Largest shift that is looked for [s]."""

@@ -6,8 +6,8 @@ ratio without each of ten stretches of the drive (jackknife), which counts noise
 
 import numpy as np
 
-from friction_bringup.doctor.drive import Array
-from friction_bringup.doctor.motion import Motion, NDArrayBool
+from vehicle_doctor.drive import Array
+from vehicle_doctor.motion import Motion, NDArrayBool
 
 BLOCK = 0.5
 """Length of a block [s]."""

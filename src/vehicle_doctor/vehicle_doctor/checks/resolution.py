@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from friction_bringup.doctor.drive import IMU, SPEED, WHEEL_STATES, Array, Drive, pressure_topic
-from friction_bringup.doctor.finding import Finding, Verdict
+from vehicle_doctor.drive import IMU, SPEED, WHEEL_STATES, Array, Drive, pressure_topic
+from vehicle_doctor.finding import Finding, Verdict
 
 _DISTINCT = 0.25
 """Share of different values in a signal that is not counted in steps."""

@@ -7,9 +7,9 @@ that is itself too low.
 
 import numpy as np
 
-from friction_bringup.doctor.drive import Array, Drive
-from friction_bringup.doctor.finding import Finding, Verdict
-from friction_bringup.doctor.motion import Motion
+from vehicle_doctor.drive import Array, Drive
+from vehicle_doctor.finding import Finding, Verdict
+from vehicle_doctor.motion import Motion
 
 _REVOLUTIONS = 5.0
 _STRETCHES = 10

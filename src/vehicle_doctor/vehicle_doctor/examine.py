@@ -1,6 +1,6 @@
 """All checks of a drive, in their order: what later checks need is put right by earlier ones."""
 
-from friction_bringup.doctor.checks import (
+from vehicle_doctor.checks import (
     accelerometer,
     brakes,
     estimators,
@@ -13,9 +13,9 @@ from friction_bringup.doctor.checks import (
     units,
     wheel_signals,
 )
-from friction_bringup.doctor.drive import Drive
-from friction_bringup.doctor.finding import Finding, Verdict
-from friction_bringup.doctor.motion import motion_of
+from vehicle_doctor.drive import Drive
+from vehicle_doctor.finding import Finding, Verdict
+from vehicle_doctor.motion import motion_of
 
 
 def examine(drive: Drive, road: str = accelerometer.UNKNOWN) -> list[Finding]:

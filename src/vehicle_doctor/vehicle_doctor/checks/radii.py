@@ -6,10 +6,10 @@ file.
 
 import numpy as np
 
-from friction_bringup.doctor.drive import Drive
-from friction_bringup.doctor.finding import Finding, Verdict, against_file
-from friction_bringup.doctor.motion import Motion
-from friction_bringup.doctor.rolling import LEAST, rolling_of
+from vehicle_doctor.drive import Drive
+from vehicle_doctor.finding import Finding, Verdict, against_file
+from vehicle_doctor.motion import Motion
+from vehicle_doctor.rolling import LEAST, rolling_of
 from vehicle_models.stated_deviations import stated_deviation
 from vehicle_models.vehicle import Deviations, SharedBy
 

@@ -5,11 +5,11 @@ from math import hypot
 
 import numpy as np
 
-from friction_bringup.doctor.checks.accelerometer import wheel_lag
-from friction_bringup.doctor.drive import SPEED, Drive
-from friction_bringup.doctor.finding import Finding, Verdict
-from friction_bringup.doctor.motion import Motion, free_rims
-from friction_bringup.doctor.shift import shift, stretches
+from vehicle_doctor.checks.accelerometer import wheel_lag
+from vehicle_doctor.drive import SPEED, Drive
+from vehicle_doctor.finding import Finding, Verdict
+from vehicle_doctor.motion import Motion, free_rims
+from vehicle_doctor.shift import shift, stretches
 
 _FLOOR = 2e-3
 """Deviation [s] that slip and inertia of the free wheels leave."""

@@ -6,8 +6,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from friction_bringup.doctor.finding import Finding, Verdict
-from friction_bringup.doctor.vehicle_text import with_values
+from vehicle_doctor.finding import Finding, Verdict
+from vehicle_doctor.vehicle_text import with_values
 from vehicle_models.stated_deviations import stated_deviation
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import friction_bags.__main__
-import friction_bringup.__main__
 from corner_sim.car.car_parameters import WHEELS
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
@@ -16,6 +15,7 @@ from friction_bags.bag_io.cdr import decode
 from friction_bags.experiments.tutorial import PRESSURE_AGE, SMALL_WHEEL, drive
 from friction_runtime.message_type import message_class
 from friction_runtime.stamps import to_nanoseconds
+from vehicle_doctor.__main__ import main as doctor
 from vehicle_models.vehicle_file import load_vehicle
 
 pytest.importorskip("can", reason="python-can is absent: python -m pip install python-can cantools")
@@ -60,8 +60,7 @@ def test_the_doctor_learns_the_car_of_the_log_and_its_estimates_become_right(tmp
     assert bags("tutorial", "--out", car) == 0
     assert bags("import", car / "drive.blf", "--map", car / "map.yaml", "--out", car / "bag") == 0
     learned, file = car / "learned.yaml", tmp_path / "findings.json"
-    doctor = ["doctor", str(car / "bag"), "--write", str(learned), "--json", str(file)]
-    assert friction_bringup.__main__.main(doctor) == 1
+    assert doctor([str(car / "bag"), "--write", str(learned), "--json", str(file)]) == 1
 
     alarms = {
         (each["check"], each["subject"])

@@ -1,7 +1,7 @@
 """Which estimators can run on these topics, and what the others lack."""
 
-from friction_bringup.doctor.drive import IMU, SPEED, WHEEL_STATES, Drive, pressure_topic
-from friction_bringup.doctor.finding import Finding, Verdict
+from vehicle_doctor.drive import IMU, SPEED, WHEEL_STATES, Drive, pressure_topic
+from vehicle_doctor.finding import Finding, Verdict
 
 
 def check(drive: Drive) -> list[Finding]:

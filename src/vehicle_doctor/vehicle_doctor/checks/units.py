@@ -10,10 +10,10 @@ from math import inf, isfinite, log, pi
 
 import numpy as np
 
-from friction_bringup.doctor.accelerations import correlation, ratio
-from friction_bringup.doctor.drive import IMU, SPEED, WHEEL_STATES, Drive
-from friction_bringup.doctor.finding import Finding, Verdict
-from friction_bringup.doctor.motion import Motion
+from vehicle_doctor.accelerations import correlation, ratio
+from vehicle_doctor.drive import IMU, SPEED, WHEEL_STATES, Drive
+from vehicle_doctor.finding import Finding, Verdict
+from vehicle_doctor.motion import Motion
 
 _PRICE = 6.0
 """Of a mistaken unit, in squared deviations."""

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from friction_bringup.doctor.drive import WHEEL_STATES, Drive
-from friction_bringup.doctor.finding import Finding, failure
-from friction_bringup.doctor.motion import Motion, median_known
+from vehicle_doctor.drive import WHEEL_STATES, Drive
+from vehicle_doctor.finding import Finding, failure
+from vehicle_doctor.motion import Motion, median_known
 
 _COPY = 0.98
 """Share of samples of a moving car in which two wheels are equal that only a copy has."""

@@ -9,11 +9,11 @@ from math import hypot
 
 import numpy as np
 
-from friction_bringup.doctor.accelerations import ratio
-from friction_bringup.doctor.drive import IMU, Array, Drive
-from friction_bringup.doctor.finding import Finding, Verdict, against_file
-from friction_bringup.doctor.motion import Motion, free_rims
-from friction_bringup.doctor.shift import Shift, shift, stretches
+from vehicle_doctor.accelerations import ratio
+from vehicle_doctor.drive import IMU, Array, Drive
+from vehicle_doctor.finding import Finding, Verdict, against_file
+from vehicle_doctor.motion import Motion, free_rims
+from vehicle_doctor.shift import Shift, shift, stretches
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.stated_deviations import deviation_of, stated_deviation

@@ -1,4 +1,4 @@
-"""The command `python -m friction_bringup doctor`."""
+"""Command line: `python3 -m vehicle_doctor BAG` examines the signals of a drive and learns the car from it."""
 
 import json
 import sys
@@ -16,22 +16,29 @@ from friction_bags.bag_io.message_definition import type_name
 from friction_bags.bag_vehicle import vehicle_for
 from friction_bags.importers.import_log import is_bag, open_log
 from friction_bags.offline.plan import SayOnce, open_bag
-from friction_bringup.doctor.checks.accelerometer import ROADS, UNKNOWN
-from friction_bringup.doctor.drive import Drive, collect, kinds
-from friction_bringup.doctor.examine import examine, exit_code
-from friction_bringup.doctor.learned import learned_file
-from friction_bringup.doctor.live import listening
-from friction_bringup.doctor.report import as_json, print_findings
+from friction_parameters.command_line import command
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import silent
 from friction_runtime.stamps import to_nanoseconds
+from vehicle_doctor.checks.accelerometer import ROADS, UNKNOWN
+from vehicle_doctor.drive import Drive, collect, kinds
+from vehicle_doctor.examine import examine, exit_code
+from vehicle_doctor.learned import learned_file
+from vehicle_doctor.live import listening
+from vehicle_doctor.report import as_json, print_findings
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_argument import add_vehicle_argument
 from vehicle_models.vehicle_file import load_vehicle, vehicle_path
 
 
-def add_arguments(parser: ArgumentParser) -> None:
-    """Declare the options of this command."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Parse the command line and examine a drive; return the exit code: 1 for a WARN or FAIL, 2 for bad input."""
+    return command(lambda: _run(*_parsed(sys.argv[1:] if arguments is None else arguments)), BagError)
+
+
+def _parsed(arguments: Sequence[str]) -> tuple[Namespace, Sequence[str]]:
+    """Return the options and, from --ros-args on, the arguments of ROS."""
+    parser = ArgumentParser(prog="python3 -m vehicle_doctor", description=__doc__)
     parser.add_argument("drive", type=Path, nargs="?", metavar="BAG|LOG", help="a bag, or with --map a log of any car")
     parser.add_argument(
         "--live", type=float, metavar="SECONDS", help="the running topics in place of a drive; takes --ros-args"
@@ -42,21 +49,12 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--road", choices=ROADS, default=UNKNOWN, help="what is known of the road's slope")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the findings to this file")
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the vehicle file with what was learned")
+    given = list(arguments)
+    at = given.index("--ros-args") if "--ros-args" in given else len(given)
+    return parser.parse_args(given[:at]), given[at:]
 
 
-def run(options: Namespace, of_ros: Sequence[str] = ()) -> int:
-    """Examine a drive; return the exit code: 1 where something is to be changed.
-
-    Args:
-        options: the command line.
-        of_ros: arguments of ROS, from --ros-args on; for `--live`.
-
-    Raises:
-        BagError: the drive cannot be read.
-        ParameterError: map or vehicle file are bad, what was learned is not possible for a car, or neither or both of a
-            drive and --live are given.
-        OSError: a file cannot be read or written.
-    """
+def _run(options: Namespace, of_ros: Sequence[str]) -> int:
     if (options.drive is None) == (options.live is None):
         raise ParameterError("give a bag, a log or --live SECONDS, and one of these")
     if options.live is None:
@@ -130,3 +128,7 @@ def _of_bag(reader: BagReader, vehicle: Vehicle) -> Drive:
                 raise BagError(f"{reader.bag}: {topic.name}: {error}") from error
 
     return collect(vehicle, messages(), others)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

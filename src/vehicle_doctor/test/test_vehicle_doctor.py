@@ -14,10 +14,10 @@ from sensor_msgs.msg import Imu, JointState
 
 from dds_client import dds_client, stop
 from friction_bags.bag_io.message_bag import write_bag
-from friction_bringup.__main__ import main
-from friction_bringup.doctor.vehicle_text import with_values
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
+from vehicle_doctor.__main__ import main
+from vehicle_doctor.vehicle_text import with_values
 from vehicle_models.vehicle import Deviation, SharedBy
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -86,7 +86,7 @@ def test_what_a_drive_tells_is_written_into_the_vehicle_file(tmp_path: Path, car
     write_bag(tmp_path / "bag", rolling(40.0), {})
     out = tmp_path / "learned.yaml"
     # the file states 1 % and less for wheels that are 1.5 % off
-    assert main(["doctor", str(tmp_path / "bag"), "--vehicle", str(car), "--write", str(out)]) in (0, 1)
+    assert main([str(tmp_path / "bag"), "--vehicle", str(car), "--write", str(out)]) in (0, 1)
     learned = load_vehicle(out)
     assert learned.radii == pytest.approx(tuple(TRUE), rel=3e-3)
     for wheel in learned.wheels:
@@ -98,7 +98,7 @@ def test_what_a_drive_tells_is_written_into_the_vehicle_file(tmp_path: Path, car
 def test_a_unit_is_named_in_json_and_by_the_exit_code(tmp_path: Path, car: Path) -> None:
     write_bag(tmp_path / "bag", rolling(40.0, factor=-1.0 / 9.81), {})
     file = tmp_path / "findings.json"
-    assert main(["doctor", str(tmp_path / "bag"), "--vehicle", str(car), "--json", str(file)]) == 1
+    assert main([str(tmp_path / "bag"), "--vehicle", str(car), "--json", str(file)]) == 1
     findings = json.loads(file.read_text())["findings"]
     of_imu = {each["check"]: each for each in findings if each["subject"] == "imu/data"}
     assert of_imu["unit"]["verdict"] == "FAIL"
@@ -109,7 +109,7 @@ def test_a_unit_is_named_in_json_and_by_the_exit_code(tmp_path: Path, car: Path)
 def test_a_speed_of_long_ago_is_named_and_no_radius_is_learned_from_it(tmp_path: Path, car: Path) -> None:
     write_bag(tmp_path / "bag", rolling(40.0, age=1.5), {})
     file = tmp_path / "findings.json"
-    assert main(["doctor", str(tmp_path / "bag"), "--vehicle", str(car), "--json", str(file)]) == 1
+    assert main([str(tmp_path / "bag"), "--vehicle", str(car), "--json", str(file)]) == 1
     findings = json.loads(file.read_text())["findings"]
     (skew,) = [each for each in findings if (each["check"], each["subject"]) == ("skew", "vehicle_velocity")]
     assert skew["verdict"] == "FAIL"
@@ -132,7 +132,7 @@ def test_radii_by_which_two_units_are_the_same_numbers_are_no_wrong_unit(tmp_pat
         .replace("value: 0.3,", "value: 0.28,")
     )
     file = tmp_path / "findings.json"
-    assert main(["doctor", str(tmp_path / "bag"), "--vehicle", str(small), "--json", str(file)]) == 1
+    assert main([str(tmp_path / "bag"), "--vehicle", str(small), "--json", str(file)]) == 1
     findings = json.loads(file.read_text())["findings"]
     assert not [each for each in findings if "km/h" in each["sentence"]]
     radii = [each["value"] for each in findings if each["check"] == "radius"]
@@ -147,7 +147,7 @@ def test_live_topics_are_examined_as_a_bag_of_them_is(tmp_path: Path, car: Path)
     file = tmp_path / "findings.json"
     with dds_client() as client:
         options = ("--live", "100", "--vehicle", str(car), "--json", str(file))
-        process = client.start("-m", "friction_bringup", "doctor", *options, "--ros-args", "-r", "__ns:=/my_car")
+        process = client.start("-m", "vehicle_doctor", *options, "--ros-args", "-r", "__ns:=/my_car")
         kinds = {"wheel_states": JointState, "imu/data": Imu, "vehicle_velocity": TwistWithCovarianceStamped}
         names = {topic: f"/my_car/{topic}" for topic in kinds}
         publishers = {
@@ -179,7 +179,7 @@ def test_the_measured_drives_are_sound_but_for_what_is_named(
     tmp_path: Path, name: str, file: str, alarms: set[tuple[str, str]]
 ) -> None:
     findings = tmp_path / "findings.json"
-    assert main(["doctor", str(DATA / file), "--map", name, "--json", str(findings)]) == int(bool(alarms))
+    assert main([str(DATA / file), "--map", name, "--json", str(findings)]) == int(bool(alarms))
     said = json.loads(findings.read_text())["findings"]
     assert {(each["check"], each["subject"]) for each in said if each["verdict"] in ("WARN", "FAIL")} == alarms
     radii = {each["subject"]: each["value"] for each in said if each["check"] == "radius" and each["value"]}
@@ -189,7 +189,7 @@ def test_the_measured_drives_are_sound_but_for_what_is_named(
 
 @pytest.mark.parametrize("given", [(), ("bag", "--live", "3"), ("--live", "0"), ("--live", "3", "--map", "bmw")])
 def test_a_drive_and_live_topics_are_one_or_the_other(car: Path, given: tuple[str, ...]) -> None:
-    assert main(["doctor", *given, "--vehicle", str(car)]) == 2
+    assert main([*given, "--vehicle", str(car)]) == 2
 
 
 def test_a_car_that_stands_is_no_trouble_and_no_crash(tmp_path: Path, car: Path) -> None:
@@ -199,7 +199,7 @@ def test_a_car_that_stands_is_no_trouble_and_no_crash(tmp_path: Path, car: Path)
         state.header.stamp = from_nanoseconds(stamp)
     write_bag(tmp_path / "bag", [("/wheel_states", state) for state in states], {})
     file = tmp_path / "findings.json"
-    main(["doctor", str(tmp_path / "bag"), "--vehicle", str(car), "--json", str(file)])
+    main([str(tmp_path / "bag"), "--vehicle", str(car), "--json", str(file)])
     said = {each["subject"]: each for each in json.loads(file.read_text())["findings"]}
     assert said["car"]["verdict"] == "NOTE"
     assert "does not move" in said["car"]["sentence"]
@@ -208,7 +208,7 @@ def test_a_car_that_stands_is_no_trouble_and_no_crash(tmp_path: Path, car: Path)
 
 def test_a_log_without_a_map_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "log.blf").write_bytes(b"LOGG")
-    assert main(["doctor", str(tmp_path / "log.blf")]) == 2
+    assert main([str(tmp_path / "log.blf")]) == 2
     assert "--map" in capsys.readouterr().err
 
 

@@ -10,11 +10,11 @@ from math import hypot, isfinite, log
 
 import numpy as np
 
-from friction_bringup.doctor.checks.accelerometer import AGE_FLOOR, age_of_teeth, wheel_lag, without_pitch
-from friction_bringup.doctor.drive import Array, Drive, pressure_topic
-from friction_bringup.doctor.finding import Finding, Verdict, against_file, failure
-from friction_bringup.doctor.motion import Motion, NDArrayBool, pressure_threshold
-from friction_bringup.doctor.shift import Shift, shift, stretches
+from vehicle_doctor.checks.accelerometer import AGE_FLOOR, age_of_teeth, wheel_lag, without_pitch
+from vehicle_doctor.drive import Array, Drive, pressure_topic
+from vehicle_doctor.finding import Finding, Verdict, against_file, failure
+from vehicle_doctor.motion import Motion, NDArrayBool, pressure_threshold
+from vehicle_doctor.shift import Shift, shift, stretches
 from vehicle_models.stated_deviations import deviation_of, stated_deviation
 from vehicle_models.vehicle import Vehicle
 

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from friction_bringup.doctor.finding import Finding, Verdict
+from vehicle_doctor.finding import Finding, Verdict
 
 _STYLES = {Verdict.OK: "green", Verdict.NOTE: "dim", Verdict.WARN: "yellow", Verdict.FAIL: "bold red"}
 

@@ -11,10 +11,10 @@ import rclpy
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 
-from friction_bringup.doctor.drive import Drive, collect, kinds
 from friction_parameters.parameter import ParameterError
 from friction_runtime import qos
 from friction_runtime.spin import made, start_middleware, stop_on_signals, take_down
+from vehicle_doctor.drive import Drive, collect, kinds
 from vehicle_models.vehicle import Vehicle
 
 _PERIOD = 0.2

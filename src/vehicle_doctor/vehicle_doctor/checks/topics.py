@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from friction_bringup.doctor.drive import IMU, WHEEL_STATES, Drive, Recorded, kinds
-from friction_bringup.doctor.finding import Finding, Verdict
+from vehicle_doctor.drive import IMU, WHEEL_STATES, Drive, Recorded, kinds
+from vehicle_doctor.finding import Finding, Verdict
 
 _SLOW_WHEELS = 20.0
 """Rate [Hz] below which a wheel's slip through a stop is not seen."""
