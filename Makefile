@@ -6,11 +6,12 @@ LAW ?= curve
 OUT ?= out
 EFFORT ?= 1
 PARTS ?= slope abs identification real_car slip smart_tyre measured fuzz bags live
+CAMPAIGNS := faults fuzz live soak
 options_real_car ?= --method car --seeds 2 --hours 0.1
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build ready test lint demo bench results report mdf parquet bags docs clean
+.PHONY: help setup build ready test lint demo bench report mdf parquet bags docs clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
@@ -30,22 +31,18 @@ lint: setup ## ruff and mypy
 	@$(run) mypy
 
 test: build lint ## everything that must hold: lint, format, types, tests
-	@$(run) pytest -n auto --dist loadfile --max-worker-restart 0 test src
+	@$(run) pytest -n auto --dist loadfile --max-worker-restart 0
 
 demo: ready ## a car braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow|split|"dry snow" CAR=car|corner LAW=curve|slope_sign, or BAG=path [MAP=name|file] to replay; VEHICLE=name|file
 	@$(run) python -m friction_bringup demo $(if $(BAG),--bag "$(BAG)",--surface "$(SURFACE)" --car $(CAR)) --law $(LAW) \
 		$(if $(MAP),--map "$(MAP)") $(if $(VEHICLE),--vehicle "$(VEHICLE)") --out "$(OUT)/demo"
 
 bench: build ## every table of the evaluation as text and JSON, or PARTS="slope abs"
-	@failed=0; $(foreach part,$(PARTS),$(run) python -m friction_evaluation $(part) $(options_$(part)) \
-		--json "$(OUT)/bench/$(part).json" || failed=1;) exit $$failed
-
-results: build ## the same tables as pages in docs/results, or PARTS="slope abs"
-	@failed=0; $(foreach part,$(PARTS),$(run) python -m friction_evaluation $(part) $(options_$(part)) \
-		--page docs/results/$(part).md || failed=1;) exit $$failed
+	@failed=0; $(foreach part,$(PARTS),$(run) python -m $(if $(filter $(part),$(CAMPAIGNS)),campaigns,benchmarks) $(part) \
+		$(options_$(part)) --json "$(OUT)/bench/$(part).json" || failed=1;) exit $$failed
 
 report: build ## every table and figure of the chapter as one page; EFFORT=0.1 for a quick one
-	@$(run) python -m friction_evaluation report --out build/report --effort $(EFFORT)
+	@$(run) python -m book --out build/report --effort $(EFFORT)
 
 mdf: ready ## install asammdf (209 MB), which reads MDF logs, and test it
 	@$(run) python -m pip install --quiet asammdf
@@ -59,7 +56,7 @@ bags: build ## make the recorded experiments of bags/ again, from fixed seeds
 	@$(run) python -m friction_bags library
 
 docs: build ## write parameter files, parameter tables and Figure 8.1, generated from the code
-	@$(run) python tools/docs.py
+	@$(run) python -m tools.docs
 
 clean: ## remove the files that the targets above made
 	rm -rf .venv build install log out .mypy_cache .ruff_cache .pytest_cache .hypothesis

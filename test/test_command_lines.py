@@ -10,12 +10,15 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.__main__ import PARTS as STUDIES
+from benchmarks.__main__ import main as benchmarks
+from book.__main__ import main as book
+from campaigns.__main__ import PARTS as CAMPAIGNS
+from campaigns.__main__ import main as campaigns
 from friction_bags.__main__ import main as bags
 from friction_bags.bag_io.bag_format import Topic
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bringup.__main__ import main as bringup
-from friction_evaluation.__main__ import main as evaluation
-from friction_evaluation.parts import PARTS
 from friction_parameters.command_line import command
 from smart_tyre_forces.ros.calibration_tool import main as calibrate_smart_tyre
 from vehicle_doctor.__main__ import main as doctor
@@ -122,24 +125,28 @@ def other_lines(directory: Path, given: dict[str, str]) -> Iterator[tuple[Callab
         yield bringup, ["policies", "--vehicle", given[name]]
     yield bringup, ["nothing"]
     yield bringup, []
-    for part in PARTS:
-        yield evaluation, [part, "--nothing"]
-    for part in ("slope", "abs", "identification", "slip", "smart_tyre", "faults", "real_car"):
+    for part in STUDIES:
+        yield benchmarks, [part, "--nothing"]
+    for part in CAMPAIGNS:
+        yield campaigns, [part, "--nothing"]
+    yield book, ["--nothing"]
+    for part in ("slope", "abs", "identification", "slip", "smart_tyre", "real_car"):
         for line in with_each([part], "--seeds", COUNTS):
-            yield evaluation, line
-    for part, option in (
-        ("live", "--seconds"),
-        ("report", "--effort"),
-        ("real_car", "--hours"),
-        ("faults", "--demand"),
+            yield benchmarks, line
+    for line in chain(with_each(["faults"], "--seeds", COUNTS), with_each(["fuzz"], "--messages", COUNTS)):
+        yield campaigns, line
+    for main, start, option in (
+        (campaigns, ["live"], "--seconds"),
+        (campaigns, ["faults"], "--demand"),
+        (benchmarks, ["real_car"], "--hours"),
+        (book, [], "--effort"),
     ):
-        for line in with_each([part], option, (*NUMBERS, "0")):
-            yield evaluation, line
-    for line in with_each(["fuzz"], "--messages", COUNTS):
-        yield evaluation, line
-    yield evaluation, ["live", "--seconds", "1"]
-    yield evaluation, ["nothing"]
-    yield evaluation, []
+        for line in with_each(start, option, (*NUMBERS, "0")):
+            yield main, line
+    yield campaigns, ["live", "--seconds", "1"]
+    for main in (benchmarks, campaigns):
+        yield main, ["nothing"]
+        yield main, []
     for name in ("not_there", "empty", "directory", "no_bag"):
         bag = given[name]
         yield calibrate_smart_tyre, ["--quasi-static", bag, "--dynamic", bag, "--out", str(directory / "out")]
@@ -236,12 +243,19 @@ def test_an_interruption_is_one_word_and_exit_code_130(capsys: pytest.CaptureFix
         ["friction_bags", "play", DRY, "--topics", "/nothing"],
         ["friction_bags", "play", DRY, "--remap", "/wheel_states:=/a b"],
         ["wheel_slip", "--ros-args", "--params-file", "not_there.yaml"],
-        ["friction_evaluation", "live", "--seconds", "-1"],
+        ["campaigns", "live", "--seconds", "-1"],
     ],
 )
 def test_a_process_with_a_wrong_command_line_ends_with_one_line(line: list[str], tmp_path: Path) -> None:
+    paths = os.pathsep.join([str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
     ended = subprocess.run(
-        [sys.executable, "-m", *line], cwd=tmp_path, capture_output=True, text=True, timeout=600, check=False
+        [sys.executable, "-m", *line],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": paths},
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
     )
     assert ended.returncode == 2, ended.stderr
     assert "Traceback" not in ended.stderr

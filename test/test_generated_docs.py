@@ -9,8 +9,8 @@ import pytest
 from PIL import Image
 
 import docs
+from book import state_machine_figure
 from friction_bringup import graph
-from friction_evaluation.closed_loop import state_machine_figure
 from friction_parameters.parameter_file import load
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from friction_evaluation.live import part as live
+from campaigns.live import part as live
 
 
 def test_what_runs_live_is_what_the_processors_give_offline_bit_for_bit() -> None:

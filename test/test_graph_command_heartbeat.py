@@ -17,9 +17,9 @@ from friction_msgs.msg import BrakeCommand, BrakeDemand
 from rclpy.qos import LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import FluidPressure, JointState
 
+from campaigns.live.part import LOOP
 from dds_client import DdsClient, dds_client
 from friction_bringup import graph
-from friction_evaluation.live.part import LOOP
 from friction_runtime import qos
 from friction_runtime.machine_load import slowdown
 from friction_runtime.shipped_files import shipped_file

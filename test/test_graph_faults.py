@@ -16,10 +16,10 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
+from campaigns.live.part import LOOP
 from dds_client import DdsClient, dds_client
 from friction_bags.bag_io.cdr import encode
 from friction_bringup import graph
-from friction_evaluation.live.part import LOOP
 from friction_runtime import qos
 from friction_runtime.shipped_files import shipped_file
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds

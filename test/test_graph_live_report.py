@@ -6,8 +6,8 @@ import pytest
 from friction_msgs.msg import BrakeCommand
 from std_msgs.msg import Header
 
-from friction_evaluation.live.graph import Observation
-from friction_evaluation.live.part import real_time_row
+from campaigns.live.graph import Observation
+from campaigns.live.part import real_time_row
 from friction_runtime.stamps import from_nanoseconds
 
 START = 1_000_000_000

@@ -1,6 +1,6 @@
 """Write the files generated from the code: shipped parameter files, tables and a diagram in the READMEs, Figure 8.1.
 
-Usage: tools/run.bash python tools/docs.py   (normally through `make docs`)
+Usage: tools/run.bash python -m tools.docs   (normally through `make docs`)
 """
 
 from __future__ import annotations
@@ -10,9 +10,8 @@ from collections.abc import Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
 
+from book import mode_diagram, state_machine_figure
 from friction_bringup import graph
-from friction_evaluation.closed_loop import state_machine_figure
-from friction_evaluation.slip import mode_diagram
 from friction_parameters.generated import ShippedFile, parameter_file, parameter_table
 from vehicle_models.vehicle_table import vehicle_table
 

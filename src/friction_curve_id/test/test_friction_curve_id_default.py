@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 CORNER = load_vehicle("chapter_corner").corner("front_left")
 
 BOUND = {"dry": 0.00889, "wet": 0.0156, "cobblestone": 0.00428}
-"""Cramer-Rao bound of lambda_max at N = 100, relative (friction_evaluation computes and checks it)."""
+"""Cramer-Rao bound of lambda_max at N = 100, relative (benchmarks computes and checks it)."""
 SEEDS = 20
 
 

@@ -1,0 +1,1 @@
+"""Monte Carlo studies of the estimators and of the closed loop, with bounds and limits."""

@@ -1,0 +1,31 @@
+"""Command line: `python3 -m benchmarks PART [--seeds N] [--json FILE]`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from benchmarks.command import main_of
+
+PARTS = {
+    "slope": "delay, false alarms and slip at detection of the slope sign, both methods, all surfaces",
+    "abs": "closed loop with the supervisor: adhesion utilisation, stopping distance, wheel lock",
+    "identification": "Monte Carlo of lambda_max: the chapter's methods and the default, beside the Cramer-Rao bound",
+    "real_car": "friction curves of cars that are not known exactly, on a plant of its own",
+    "measured": "whole-vehicle fit on measured data: BMW stop, Putnam laps, tyre rig",
+    "slip": "vehicle speed and slip without a speed sensor, simulated stops and the measured one",
+    "smart_tyre": "Fz and Fx from the in-tyre accelerometer",
+    "doctor": "the doctor: sabotaged drives named, healthy ones without alarm, accuracy of what it learns",
+    "bags": "offline processing of bags: real-time factor, memory over length",
+    "checkouts": "the estimates of two built checkouts over every bag, compared field by field",
+}
+MODULES = {"abs": "benchmarks.closed_loop.part"}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one part; return its exit code."""
+    return main_of("benchmarks", PARTS, arguments, MODULES)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

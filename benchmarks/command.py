@@ -1,0 +1,88 @@
+"""The command line that every study has: its own options, a table, rows as JSON, exit code 1 where a row fails."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Protocol, cast
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from benchmarks.rows import Row, as_text, columns, failures, plain
+from friction_parameters.command_line import command
+
+
+class Part(Protocol):
+    """Module of a study."""
+
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+        """Add its own options."""
+
+    def run(self, options: argparse.Namespace) -> Sequence[Row]:
+        """Do it, with a progress bar, and return flat rows; what has to hold is in their `passed` (rows.py)."""
+
+
+def load_part(module: str) -> Part:
+    """Import a part when it is needed: some need the middleware, some only numpy."""
+    return cast(Part, import_module(module))
+
+
+def main_of(program: str, parts: Mapping[str, str], arguments: Sequence[str] | None, modules: Mapping[str, str]) -> int:
+    """Run one of several parts by its name.
+
+    Args:
+        program: name of the package.
+        parts: names and one-line descriptions.
+        arguments: the command line, None for that of the process.
+        modules: modules of the parts whose module is not PROGRAM.PART.part.
+
+    Returns:
+        Exit code: 1 where a row fails, 2 where a parameter or a file is bad, else 0.
+    """
+
+    def run() -> int:
+        given = list(sys.argv[1:] if arguments is None else arguments)
+        parser = argparse.ArgumentParser(prog=f"python3 -m {program}")
+        parser.add_argument("part", choices=parts, help="; ".join(f"{name}: {text}" for name, text in parts.items()))
+        name = parser.parse_args(given[:1]).part
+        part = load_part(modules.get(name, f"{program}.{name}.part"))
+        return run_part(f"python3 -m {program} {name}", parts[name], part, given[1:])
+
+    return command(run)
+
+
+def run_part(program: str, title: str, part: Part, arguments: Sequence[str]) -> int:
+    """Run a part, print its table and write its rows; return 1 where a row fails, else 0."""
+    parser = argparse.ArgumentParser(prog=program, description=title)
+    parser.add_argument("--json", type=Path, help="write the rows to this file")
+    part.add_arguments(parser)
+    options = parser.parse_args(arguments)
+    rows = list(part.run(options))
+    print_rows(title, rows)
+    if options.json is not None:
+        options.json.parent.mkdir(parents=True, exist_ok=True)
+        text = json.dumps({"rows": [plain(row) for row in rows]}, indent=1)
+        options.json.write_text(text + "\n", encoding="utf-8")
+    failed = failures(rows)
+    for row in failed:
+        print(f"failed: {', '.join(f'{name} {as_text(value)}' for name, value in row.items())}", file=sys.stderr)
+    return int(bool(failed))
+
+
+def print_rows(title: str, rows: Sequence[Row]) -> None:
+    """Print flat rows as a table; every row may have its own columns."""
+    names = columns(rows)
+    table = Table(title=title)
+    for name in names:
+        table.add_column(escape(name), overflow="fold")
+    for row in rows:
+        table.add_row(*(escape(as_text(row.get(name, ""))) for name in names))
+    # Wide enough that no column is cut where the output goes to a file.
+    console = Console()
+    (console if console.is_terminal else Console(width=240)).print(table)

@@ -1,0 +1,183 @@
+"""Friction curves on a plant that shares nothing with the estimators' models: corner_sim.car.
+
+The estimators know the vehicle file compact_car. Stops begin at 25 m/s without a speed sensor, the brake pressure takes
+every wheel through its peak by prescription. Judged are the wheels that are valid 0.4 s after the first wheel has
+passed its peak; a wheel has passed when the slip of its tyre, behind the relaxation length, exceeds lambda_max. An
+interval is the estimate +- 1.96 of its stated deviations. An alarm is P(beyond the peak) > 0.9, early if it comes more
+than 25 ms before the wheel passes, lasting in ordinary driving from 50 ms on. A share of the peak, before it, is one of
+mu_max. Beside the random cars stands a Cramer-Rao bound with all troubles as nuisances.
+
+A stop takes about 1.5 s of one process with the default estimator, 50 seeds are 3400 stops and 400 rises: an hour
+with two processes. An hour of driving takes 12 minutes of one process.
+"""
+
+import argparse
+
+from benchmarks.pool import in_processes
+from benchmarks.real_car.before_peak import Rise, make_rise, rise_rows
+from benchmarks.real_car.bound import Bound, bound, bound_rows
+from benchmarks.real_car.cost import cost_rows, timed
+from benchmarks.real_car.driving import (
+    DRIVE,
+    Drive,
+    DriveResult,
+    curves_of_drive,
+    drive_rows,
+    record_drive,
+)
+from benchmarks.real_car.known import Known, known_rows, make_known
+from benchmarks.real_car.methods import METHODS
+from benchmarks.real_car.road_change import CHANGES, SPLITS, TwoRoads, make_two_roads, two_roads_rows
+from benchmarks.real_car.slope_driving import SlopeDrive, signs_of_drive, slope_drive_rows
+from benchmarks.real_car.stop_rows import stop_rows
+from benchmarks.real_car.stops import Stop, make_stop
+from benchmarks.real_car.troubles import ROADS, TROUBLES, troubled_car
+from benchmarks.rows import Row
+from corner_sim.car.random_car import random_car
+from corner_sim.car.tyre import TYRES
+from friction_curve_id.methods import DEFAULT
+from friction_parameters.command_line import count, positive
+from vehicle_models.surfaces import TABLE_8_1
+
+_FIRST_SEED = 40_000
+"""Far from the seeds of the tuning."""
+_STUDIES = ("troubles", "random", "before_peak", "road_change", "driving", "known", "cost")
+_KNOWN_RUNS = 20
+"""Runs of a known corner in one task of a process."""
+_TIMED = 2
+"""Stops a road of the cost."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of this part."""
+    parser.add_argument("--seeds", type=count, default=50, help="seeds a trouble and road; random cars a road")
+    parser.add_argument("--hours", type=positive, default=0.2, help="hours of ordinary driving")
+    parser.add_argument("--first-drive", type=count, default=1, help="number of the first drive: long ones in parts")
+    parser.add_argument("--method", choices=METHODS, default=DEFAULT, help="the estimator that is judged")
+    parser.add_argument("--studies", nargs="+", choices=_STUDIES, default=list(_STUDIES), help="what to study")
+    parser.add_argument("--troubles", nargs="+", choices=TROUBLES, default=list(TROUBLES), help="for 'troubles'")
+    parser.add_argument("--processes", type=count, default=2, help="processes that share the runs")
+
+
+def run(options: argparse.Namespace) -> list[Row]:
+    """Make the studies and return their rows."""
+    studies = {
+        "troubles": _troubles,
+        "random": _random,
+        "before_peak": _before_peak,
+        "road_change": _road_change,
+        "driving": _driving,
+        "known": _known,
+        "cost": _cost,
+    }
+    return [row for name in options.studies for row in studies[name](options)]
+
+
+def _troubles(options: argparse.Namespace) -> list[Row]:
+    cases = [(trouble, road) for trouble in options.troubles for road in ROADS]
+    jobs = [
+        Stop(*troubled_car(trouble, road, options.method), _FIRST_SEED + seed, options.method)
+        for trouble, road in cases
+        for seed in range(options.seeds)
+    ]
+    results = in_processes(make_stop, jobs, "one trouble", options.processes)
+    rows: list[Row] = []
+    for number, (trouble, road) in enumerate(cases):
+        of_case = results[number * options.seeds : (number + 1) * options.seeds]
+        rows += stop_rows(trouble, road, of_case, judge_errors=False)
+    return rows
+
+
+def _random(options: argparse.Namespace) -> list[Row]:
+    jobs = []
+    for road in ROADS:
+        for seed in range(options.seeds):
+            number = _FIRST_SEED + seed
+            car = random_car(number, road, _family(seed))
+            jobs.append(Stop(car.parameters, car.cycling, number, options.method))
+    results = in_processes(make_stop, jobs, "random cars", options.processes)
+    cars = [Bound(_FIRST_SEED + seed, road, _family(seed)) for road in ROADS for seed in range(options.seeds)]
+    bounds = in_processes(bound, cars, "best left by the troubles", options.processes)
+    rows = stop_rows("random cars", "all", results, judge_errors=True) + bound_rows("all", bounds)
+    for number, road in enumerate(ROADS):
+        of_road = slice(number * options.seeds, (number + 1) * options.seeds)
+        rows += [_informing(row) for row in stop_rows("random cars", road, results[of_road], judge_errors=True)]
+        rows += bound_rows(road, bounds[of_road])
+    return rows
+
+
+def _before_peak(options: argparse.Namespace) -> list[Row]:
+    rows: list[Row] = []
+    for family in TYRES:
+        jobs = [
+            Rise(_FIRST_SEED + seed, road, family, options.method) for road in ROADS for seed in range(options.seeds)
+        ]
+        results = in_processes(make_rise, jobs, f"before the peak, {family}", options.processes)
+        rows += rise_rows(family, [each for result in results for each in result])
+    return rows
+
+
+def _road_change(options: argparse.Namespace) -> list[Row]:
+    cases = [(roads, False) for roads in CHANGES] + [(roads, True) for roads in SPLITS]
+    jobs = [
+        TwoRoads(_FIRST_SEED + seed, roads, split, _family(seed), options.method)
+        for roads, split in cases
+        for seed in range(options.seeds)
+    ]
+    results = in_processes(make_two_roads, jobs, "two roads", options.processes)
+    rows: list[Row] = []
+    for number, (roads, split) in enumerate(cases):
+        rows += two_roads_rows(roads, split, results[number * options.seeds : (number + 1) * options.seeds])
+    return rows
+
+
+def _driving(options: argparse.Namespace) -> list[Row]:
+    jobs = drives(options.hours, options.first_drive, options.method)
+    results = in_processes(_one_drive, jobs, "ordinary driving", options.processes)
+    return drive_rows([curves for curves, _ in results]) + slope_drive_rows([signs for _, signs in results])
+
+
+def drives(hours: float, first: int, method: str) -> list[Drive]:
+    """Drives of `hours` together, from the one with the number `first` >= 1 on; their cars go by number."""
+    seconds = round(3600.0 * hours, 3)
+    return [
+        Drive(_FIRST_SEED + k, ROADS[k // 2 % len(ROADS)], _family(k), method, min(DRIVE, seconds - done * DRIVE))
+        for done, k in enumerate(range(first - 1, first - 1 + int(-(-seconds // DRIVE))))
+    ]
+
+
+def _one_drive(drive: Drive) -> tuple[DriveResult, SlopeDrive]:
+    """Both estimates follow the same recording: the plant takes a third of a drive's time."""
+    run = record_drive(drive)
+    return curves_of_drive(run, drive.method), signs_of_drive(run)
+
+
+def _known(options: argparse.Namespace) -> list[Row]:
+    """Both methods, whichever is judged elsewhere."""
+    rows: list[Row] = []
+    seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
+    for method in METHODS:
+        jobs = [
+            Known(road, method, tuple(seeds[first : first + _KNOWN_RUNS]))
+            for road in TABLE_8_1
+            for first in range(0, options.seeds, _KNOWN_RUNS)
+        ]
+        found = in_processes(make_known, jobs, f"known exactly, {method}", options.processes)
+        parts = zip(jobs, found, strict=True)
+        rows += known_rows(method, [(job.road, answers) for job, answers in parts])
+    return rows
+
+
+def _cost(options: argparse.Namespace) -> list[Row]:
+    jobs = [Bound(_FIRST_SEED + seed, road, _family(seed)) for road in ROADS for seed in range(_TIMED)]
+    return cost_rows(in_processes(timed, jobs, "cost", 1))
+
+
+def _family(number: int) -> str:
+    """Every second car has tyres of the other family."""
+    return tuple(TYRES)[number % len(TYRES)]
+
+
+def _informing(row: Row) -> Row:
+    """The limits hold for all roads together."""
+    return row | {"limit": None, "passed": None}

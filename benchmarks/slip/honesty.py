@@ -1,0 +1,111 @@
+"""Whether the stated deviations of speed and slip hold without a speed sensor, on a plant of its own."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import isfinite, nan
+
+import numpy as np
+from geometry_msgs.msg import Vector3
+from numpy.typing import NDArray
+from rich.progress import track
+
+from benchmarks.rows import Row, at_least, at_most, not_judged
+from benchmarks.slip.car_drives import cases, drive, ordinary_drive
+from corner_sim.car.recording import Recording
+from vehicle_models.vehicle import Vehicle
+from wheel_slip.estimator import EstimatorParameters, SlipEstimator
+
+Array = NDArray[np.float64]
+_INTERVAL = 1.96
+_LEAST_Z, _LARGEST_Z = 0.4, 1.3
+"""Range of the RMS of the error over its deviation [-]: below it the deviation says too little, above it is wrong."""
+_LEAST_COVERAGE = 90.0
+_LEAST_SPEED = 3.0
+"""Speed below which nothing is judged [m/s]."""
+_BASE_STAMP = 1_000_000_000
+_LATE = 0.02
+"""Time after which the node uses a brake pressure [s]."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Errors over the samples with a valid slip, of the speed in reverse too, and what was stated for them."""
+
+    speed: Array
+    """Error of the speed [m/s], (N,)."""
+    speed_deviation: Array
+    """[m/s], (N,)"""
+    slip: Array
+    """Errors of the valid slips [-], (M,)."""
+    slip_deviation: Array
+    """[-], (M,)"""
+    valid: float
+    """Share of valid slips [%]."""
+
+
+def honesty_rows(vehicle: Vehicle, parameters: EstimatorParameters, seeds: Sequence[int]) -> list[Row]:
+    """Return the rows of all drives, each with one car for each seed."""
+    rows: list[Row] = []
+    for name, case in track(cases().items(), description="drives"):
+        of_wheels = replace(parameters.wheel_filter, edges=case.edges, missing_teeth=case.missing_teeth)
+        told, car = replace(parameters, wheel_filter=of_wheels), vehicle
+        if case.edges:
+            car = replace(vehicle, wheels=tuple(replace(each, encoder_teeth=case.teeth) for each in vehicle.wheels))
+        rows += case_rows(name, [judge(drive(case, car, seed), car, told) for seed in seeds])
+    ordinary = [ordinary_drive(seed) for seed in range(seeds[0], seeds[0] + 8 * len(seeds))]
+    return rows + case_rows("ordinary driving", [judge(each, vehicle, parameters) for each in ordinary])
+
+
+def judge(run: Recording, vehicle: Vehicle, parameters: EstimatorParameters) -> Judged:
+    """Follow a recording without a speed sensor and compare with the truth."""
+    estimator = SlipEstimator(vehicle, parameters)
+    speeds, slips = [], []
+    valid = 0
+    mounting = vehicle.accelerometer
+    gains = [wheel.brake_gain for wheel in vehicle.wheels]
+    unknown = [[nan] * len(gains)] * round(_LATE / (run.time[1] - run.time[0]))
+    torques = (unknown + (run.brake_pressure * gains).tolist())[: len(run.time)]
+    for time, wheel_speeds, reading, speed, slip, torque in zip(
+        run.time, run.wheel_speed, run.acceleration, run.speed, run.slip, torques, strict=True
+    ):
+        stamp = _BASE_STAMP + round(time * 1e9)
+        forward = mounting.forward(Vector3(x=float(reading)))
+        answers = estimator.update(stamp, wheel_speeds.tolist(), forward, torques=torque)
+        found = [
+            (answer.slip - true, answer.slip_variance)
+            for answer, true in zip(answers, slip, strict=True)
+            if not answer.reason
+        ]
+        valid += len(found)
+        # In reverse there is a speed, and no slip.
+        if (found or (speed < 0.0 and isfinite(answers[0].vehicle_speed))) and abs(speed) > _LEAST_SPEED:
+            speeds.append((answers[0].vehicle_speed - speed, answers[0].vehicle_speed_variance))
+            slips += found
+    of_speed, of_slip = np.reshape(speeds, (-1, 2)), np.reshape(slips, (-1, 2))
+    return Judged(
+        of_speed[:, 0], np.sqrt(of_speed[:, 1]), of_slip[:, 0], np.sqrt(of_slip[:, 1]), 100.0 * valid / run.slip.size
+    )
+
+
+def case_rows(case: str, runs: Sequence[Judged]) -> list[Row]:
+    """Return the rows of one kind of drive: what has to hold of all its runs together."""
+    error = np.concatenate([run.speed for run in runs])
+    z = error / np.concatenate([run.speed_deviation for run in runs])
+    slip_z = np.concatenate([run.slip / run.slip_deviation for run in runs])
+    start = {"case": case, "runs": len(runs)}
+    if not error.size:
+        return [{**start, "quantity": "valid [%]", **not_judged(0.0)}]
+    spread = float(np.sqrt(np.mean(z**2)))
+    of_slip = at_least(_inside(slip_z), _LEAST_COVERAGE) if slip_z.size else not_judged(float("nan"))
+    return [
+        {**start, "quantity": "z of the speed, RMS", **at_most(spread, _LARGEST_Z)},
+        {**start, "quantity": "z of the speed, RMS, not less", **at_least(spread, _LEAST_Z)},
+        {**start, "quantity": "coverage of the speed [%]", **at_least(_inside(z), _LEAST_COVERAGE)},
+        {**start, "quantity": "coverage of the slip [%]", **of_slip},
+        {**start, "quantity": "speed RMS [m/s]", **not_judged(float(np.sqrt(np.mean(error**2))))},
+        {**start, "quantity": "valid [%]", **not_judged(float(np.mean([run.valid for run in runs])))},
+    ]
+
+
+def _inside(z: Array) -> float:
+    return 100.0 * float(np.mean(np.abs(z) < _INTERVAL))

@@ -1,0 +1,158 @@
+"""Vehicle speed and slip without a speed sensor: simulated stops with the supervisor, and the measured one.
+
+The estimator is wheel_slip with its shipped parameters; what differs between the cars are their vehicle files:
+compact_car (or --vehicle) for the stops, bmw_m8 for the measured one. The baseline `best_wheel` takes the fastest wheel
+for the car. Errors count from brake onset down to 3 m/s, over every sample and wheel, valid or not.
+"""
+
+import argparse
+from collections.abc import Sequence
+from math import sqrt
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.progress import Progress
+
+from benchmarks.measured_data import BMW, IAC, data_directory
+from benchmarks.rows import Row, at_most
+from benchmarks.slip.following import Followed, follow, follow_bmw, shipped
+from benchmarks.slip.honesty import honesty_rows
+from benchmarks.slip.laps import laps_rows
+from benchmarks.slip.stops import cruise_torque, stops
+from benchmarks.slip.tables import tables
+from friction_parameters.command_line import count
+from friction_parameters.parameter import ParameterError
+from vehicle_models.two_axle import four_wheels
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
+
+Array = NDArray[np.float64]
+
+ROADS = ("dry", "wet", "snow")
+LIMITS = {"dry": (0.08, 0.009), "wet": (0.085, 0.010), "snow": (0.13, 0.006), "bmw": (0.05, 0.006)}
+"""Largest RMS errors of speed [m/s] and slip [-] that are accepted, of the stops with the default car."""
+_CAR_OF_STOPS = "compact_car"
+INJECTED_OFFSET = 0.35
+"""[m/s^2]"""
+GRADE_STEP = 0.02
+CASES = ("stops", "measured", "tables", "drives")
+"""Simulated stops, the BMW stop, Tables 8.4 and 8.5, drives of a car that is known only by its vehicle file."""
+_FIRST_SEED = 30_000
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of this part."""
+    parser.add_argument("--seeds", type=count, default=100, help="noise seeds a road")
+    parser.add_argument("--cars", type=count, default=8, help="cars drawn for each of the drives")
+    parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES, help="what to run")
+    parser.add_argument(
+        "--vehicle", default=_CAR_OF_STOPS, help="car of the stops: vehicle file or name of a shipped one"
+    )
+    parser.add_argument("--data", type=Path, default=data_directory(), help="directory of the measured data")
+
+
+def run(options: argparse.Namespace) -> list[Row]:
+    """Make all runs; return the rows.
+
+    A case of the stops or the BMW has a row of the estimator and one of the baseline, and where it has limits one for
+    each of them.
+    """
+    seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
+    rows: list[Row] = []
+    if "stops" in options.cases:
+        stopped = _simulated(seeds, _car_of_stops(options.vehicle))
+        rows += stopped + (_judged(stopped) if options.vehicle == _CAR_OF_STOPS else [])
+    if "measured" in options.cases:
+        measured = _measured(options.data / BMW)
+        rows += measured + _judged(measured)
+        rows += _laps(options.data / IAC)
+    if "tables" in options.cases:
+        rows += tables(seeds, shipped())
+    if "drives" in options.cases:
+        rows += honesty_rows(_car_of_stops(options.vehicle), shipped().estimator, range(options.cars))
+    return rows
+
+
+def _car_of_stops(name: str) -> Vehicle:
+    vehicle = load_vehicle(name)
+    try:
+        four_wheels(vehicle)
+        cruise_torque(vehicle, np.zeros(1))
+    except ValueError as error:
+        raise ParameterError(f"--vehicle {name}: {error}") from error
+    return vehicle
+
+
+def _simulated(seeds: range, vehicle: Vehicle) -> list[Row]:
+    rows: list[Row] = []
+    with Progress() as progress:
+        task = progress.add_task("stops", total=(len(ROADS) + 1) * 2 * len(seeds))
+
+        def advance(done: int) -> None:
+            progress.advance(task, done)
+
+        def followed(road: str, grade_step: float) -> list[Followed]:
+            made = stops(road, seeds, grade_step=grade_step, vehicle=vehicle, progress=advance)
+            return [follow(stop, vehicle, advance) for stop in made]
+
+        for road in ROADS:
+            rows += _rows(road, followed(road, 0.0))
+        stepped = followed("dry", GRADE_STEP)
+    return rows + _rows("dry with a slope step of 2 % in mid-stop", stepped)
+
+
+def _measured(path: Path) -> list[Row]:
+    if not path.is_file():
+        print(f"case bmw left out, measured data are absent: {path} (give --data, or set FRICTION_DATA)")
+        return []
+    shifted = _rows("bmw, accelerometer +0.35 m/s^2", [follow_bmw(path, INJECTED_OFFSET)])
+    return _rows("bmw", [follow_bmw(path)]) + shifted
+
+
+def _laps(path: Path) -> list[Row]:
+    if not path.is_file():
+        print(f"laps left out, measured data are absent: {path} (give --data, or set FRICTION_DATA)")
+        return []
+    return laps_rows(path)
+
+
+def _rows(case: str, runs: Sequence[Followed]) -> list[Row]:
+    within = np.concatenate([np.abs(run.speed) <= 2.0 * run.deviation for run in runs])
+    return [
+        {
+            "case": case,
+            "method": "wheel_slip",
+            "speed_rms": _rms([run.speed for run in runs]),
+            "slip_rms": _rms([run.slip for run in runs]),
+            "runs": len(runs),
+            "worst_run_speed_rms": max(_rms([run.speed]) for run in runs),
+            "valid": float(np.mean([run.valid for run in runs])),
+            "within_2_sigma": float(within.mean()),
+            "sigma_at_onset": float(np.mean([run.deviation[0] for run in runs])),
+            "sigma_at_end": float(np.mean([run.deviation[-1] for run in runs])),
+        },
+        {
+            "case": case,
+            "method": "best_wheel",
+            "speed_rms": _rms([run.best_wheel_speed for run in runs]),
+            "slip_rms": _rms([run.best_wheel_slip for run in runs]),
+            "runs": len(runs),
+        },
+    ]
+
+
+def _judged(rows: Sequence[Row]) -> list[Row]:
+    """What has to hold of the rows of cases that have limits."""
+    found: list[Row] = []
+    for row in rows:
+        limits = LIMITS.get(row["case"].split(",")[0])
+        if limits is not None and row["method"] == "wheel_slip":
+            for quantity, limit in zip(("speed_rms", "slip_rms"), limits, strict=True):
+                found.append({"case": row["case"], "quantity": quantity, **at_most(row[quantity], limit)})
+    return found
+
+
+def _rms(errors: Sequence[Array]) -> float:
+    """Root of the mean square over all samples of all runs."""
+    return sqrt(float(np.mean(np.concatenate([error.ravel() for error in errors]) ** 2)))

@@ -1,0 +1,163 @@
+"""The report as one HTML file that opens offline: sections of text, tables and pictures."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from html import escape
+from itertools import groupby
+from pathlib import Path
+
+from benchmarks.rows import Row, as_text, columns
+from book.verdicts import Judgement, Verdict, counts
+
+_STYLE = """
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 1240px; margin: 2em auto; padding: 0 1em; color: #222; }
+h1, h2, h3 { line-height: 1.2; } h2 { border-bottom: 1px solid #ccc; margin-top: 2.5em; }
+.table { overflow-x: auto; margin: 0.7em 0; }
+table { border-collapse: collapse; font-size: 12px; line-height: 1.35; }
+th, td { border: 1px solid #ccc; padding: 2px 5px; text-align: right; vertical-align: top; }
+th { background: #f2f2f2; } td:first-child, th:first-child, td.text { text-align: left; }
+td.number { white-space: nowrap; } .wide table { font-size: 10.5px; } .wide th, .wide td { padding: 1px 3px; }
+.verdicts td, .verdicts th, dd, dt { text-align: left; } .verdicts td:nth-child(2) { min-width: 14em; }
+.agrees { background: #e4f3e4; } .differs { background: #fdeeda; } .not-public { background: #eee; }
+dl { display: grid; grid-template-columns: max-content auto; gap: 0 1em; } dt { font-style: italic; } dd { margin: 0; }
+figure { margin: 1.2em 0; } img { max-width: 100%; height: auto; }
+figcaption, caption { color: #555; text-align: left; font-size: 13px; } summary { cursor: pointer; margin: 0.5em 0; }
+@media (max-width: 700px) {
+  .verdicts table, .verdicts tbody, .verdicts tr, .verdicts td { display: block; } .verdicts th { display: none; }
+  .verdicts tr { margin-bottom: 0.5em; border: 1px solid #ccc; } .verdicts td { border: none; }
+  .verdicts td:nth-child(3):not(:empty)::before { content: "chapter: "; }
+  .verdicts td:nth-child(4)::before { content: "ours: "; }
+  dl { display: block; }
+}
+@media print {
+  @page { size: A4; margin: 12mm; }
+  body { max-width: none; margin: 0; padding: 0; font-size: 10px; }
+  .table { overflow: visible; } table, .wide table { width: 100%; font-size: 7px; }
+  caption, figcaption { font-size: 9px; }
+  .wide table { font-size: 5px; } .wide th, .wide td { overflow-wrap: anywhere; }
+  th, td, td.number { white-space: normal; padding: 0 1px; }
+  details::details-content { content-visibility: visible; display: block; }
+  tr, figure { break-inside: avoid; } h2, h3, caption, summary { break-after: avoid; } img { max-height: 110mm; }
+}
+"""
+_WIDE = 14
+"""Columns from which a table is set smaller."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under a caption; every row may have its own columns."""
+
+    caption: str
+    rows: Sequence[Row]
+    folded: bool = False
+    """Whether only its caption is seen until it is opened."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A PNG file under a caption."""
+
+    caption: str
+    file: Path
+    fold: str = ""
+    """Pictures in a row with the same text here are folded under it."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the report. `key` names its rows in results.json."""
+
+    key: str
+    title: str
+    text: str
+    """What was done, what agrees with the chapter and what does not, and why."""
+    tables: Sequence[Table] = field(default_factory=tuple)
+    pictures: Sequence[Picture] = field(default_factory=tuple)
+    verdicts: Sequence[Verdict] = field(default_factory=tuple)
+    """On the chapter's statements about it; they stand at the top of the page."""
+
+
+def page(title: str, introduction: str, sections: Sequence[Section], symbols: Mapping[str, str]) -> str:
+    """Return the HTML of the report, pictures embedded.
+
+    Raises:
+        OSError: a picture cannot be read.
+    """
+    contents = "".join(f'<li><a href="#{escape(s.key)}">{escape(s.title)}</a></li>' for s in sections)
+    body = "".join(_section(section) for section in sections)
+    return (
+        f'<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        f'<meta name="viewport" content="width=device-width, initial-scale=1"><title>{escape(title)}</title>'
+        f"<style>{_STYLE}</style></head><body><h1>{escape(title)}</h1>{_paragraphs(introduction)}"
+        f"{_verdicts(sections)}<h2>Symbols</h2>{_symbols(symbols)}<h2>Contents</h2>"
+        f"<ol>{contents}</ol>{body}</body></html>\n"
+    )
+
+
+def _verdicts(sections: Sequence[Section]) -> str:
+    head = "".join(f"<th>{name}</th>" for name in ("place", "the chapter states", "chapter", "ours", "verdict"))
+    lines = ""
+    for section in sections:
+        for v in section.verdicts:
+            kind = v.judgement.value.replace(" ", "-")
+            joined = {Judgement.AGREES: "", Judgement.DIFFERS: " because ", Judgement.NOT_PUBLIC: ": "}[v.judgement]
+            verdict = f"<b>{v.judgement.value}</b>{joined}{escape(v.because)}"
+            cells = "".join(f"<td>{escape(text)}</td>" for text in (v.statement, v.chapter, v.ours))
+            place = f'<td><a href="#{escape(section.key)}">{escape(v.place)}</a></td>'
+            lines += f'<tr class="{kind}">{place}{cells}<td>{verdict}</td></tr>'
+    if not lines:
+        return ""
+    count = counts([v for section in sections for v in section.verdicts])
+    return (
+        f"<h2>The chapter, point by point</h2><p>{escape(count)}.</p>"
+        f'<div class="table verdicts"><table><tr>{head}</tr>{lines}</table></div>'
+    )
+
+
+def _symbols(symbols: Mapping[str, str]) -> str:
+    return "<dl>" + "".join(f"<dt>{escape(k)}</dt><dd>{escape(v)}</dd>" for k, v in symbols.items()) + "</dl>"
+
+
+def _section(section: Section) -> str:
+    tables = "".join(_table(table) for table in section.tables)
+    pictures = ""
+    for fold, group in groupby(section.pictures, key=lambda picture: picture.fold):
+        shown = "".join(_picture(picture) for picture in group)
+        pictures += _folded(fold, shown) if fold else shown
+    return f'<h2 id="{escape(section.key)}">{escape(section.title)}</h2>{_paragraphs(section.text)}{tables}{pictures}'
+
+
+def _paragraphs(text: str) -> str:
+    return "".join(f"<p>{escape(' '.join(part.split()))}</p>" for part in text.split("\n\n") if part.strip())
+
+
+def _folded(summary: str, html: str) -> str:
+    return f"<details><summary>{escape(summary)}</summary>{html}</details>"
+
+
+def _table(table: Table) -> str:
+    names = columns(table.rows)
+    # A name of many parts may be broken at its underscores, or a table of many columns does not fit a page.
+    head = "".join(f"<th>{escape(name).replace('_', '_<wbr>')}</th>" for name in names)
+    lines = "".join("<tr>" + "".join(_cell(row.get(name, "")) for name in names) + "</tr>" for row in table.rows)
+    caption = "" if table.folded else f"<caption>{escape(table.caption)}</caption>"
+    wide = " wide" if len(names) >= _WIDE else ""
+    html = f'<div class="table{wide}"><table>{caption}<tr>{head}</tr>{lines}</table></div>'
+    return _folded(table.caption, html) if table.folded else html
+
+
+def _cell(value: object) -> str:
+    text = escape(as_text(value))
+    return f'<td class="{"text" if isinstance(value, str) and value else "number"}">{text}</td>'
+
+
+def _picture(picture: Picture) -> str:
+    data = base64.b64encode(picture.file.read_bytes()).decode("ascii")
+    caption = escape(picture.caption)
+    return (
+        f'<figure><img alt="{caption}" src="data:image/png;base64,{data}"><figcaption>{caption}</figcaption></figure>'
+    )

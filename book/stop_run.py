@@ -1,0 +1,122 @@
+"""One of the driver's stops of section 8.2.3, through the shipped wheel_slip and friction_slope, and its samples.
+
+The car has load transfer, springs and tyres that relax, so that its friction samples are those of Figure 8.9.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from friction_msgs.msg import FrictionSlope, WheelSlip
+from numpy.typing import NDArray
+
+from benchmarks.slope.detection import METHODS, shipped_settings
+from benchmarks.slope.driver_stops import StopTruth, true_stop
+from corner_sim import messages
+from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, PlantSample
+from corner_sim.sensors import Sensors
+from friction_bags.experiments.stops import ACCELERATION_VARIANCE, STOPS, car_of_the_stops
+from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSamples, FrictionSource
+from friction_curve_id.interface import Sample
+from vehicle_models.sensor_noise import CHAPTER_NOISE
+from vehicle_models.wheel_load import WheelLoad
+
+Array = NDArray[np.float64]
+
+ROADS = dict(zip(("high grip", "low grip"), STOPS, strict=True))
+"""Stops by the roads of the chapter."""
+VEHICLE = car_of_the_stops()
+WHEEL = "front_left"
+CORNER = VEHICLE.corner(WHEEL)
+
+
+@dataclass(frozen=True)
+class StopRun:
+    """The front left wheel; arrays of shape (samples,), or (samples, methods) of the signs."""
+
+    truth: StopTruth
+    onset: int
+    """First sample with brake torque."""
+    end: int
+    """Sample of the largest slip, where the release acts."""
+    speed: Array
+    """True [m/s]: what an optical sensor measures."""
+    slip: Array
+    """True [-]."""
+    estimated_slip: Array
+    """By wheel_slip, without a speed sensor [-]."""
+    wheel_speed: Array
+    """Measured [rad/s]."""
+    torque: Array
+    """Measured [N m]."""
+    load: Array
+    """Vertical load from the measured acceleration [N]."""
+    signs: Array
+    """Published by friction_slope, in the order of METHODS; 0 where not known."""
+
+    def history(self, signal: str) -> Array:
+        """One of the plant's signals of this wheel, by its name in PlantSample."""
+        return np.array([getattr(sample, signal)[0] for sample in self.truth.samples])
+
+    def friction_samples(self, estimated: bool, moving_load: bool) -> list[tuple[int, FrictionPoint]]:
+        """Friction samples by the wheel equation, each with its number, up to the largest slip.
+
+        Args:
+            estimated: take the speed that follows from the slip of wheel_slip, not the true one.
+            moving_load: divide by the load from the acceleration, not by that at rest.
+        """
+        maker = FrictionSamples(CORNER, FrictionSource.WHEEL_EQUATION)
+        found = []
+        for k in range(self.end):
+            reckoned = float(self.wheel_speed[k] * CORNER.radius / (1.0 - self.estimated_slip[k]))
+            speed = reckoned if estimated else float(self.speed[k])
+            torque = max(float(self.torque[k]), 0.0)
+            point = maker.update(Sample((k + 1) * SAMPLE_TIME, float(self.wheel_speed[k]), speed, torque))
+            if isinstance(point, FrictionPoint):
+                share = CORNER.vertical_load / float(self.load[k]) if moving_load else 1.0
+                found.append((k, point._replace(mu=point.mu * share)))
+        return found
+
+
+@cache
+def stop_run(name: str, seed: int) -> StopRun:
+    """Make a stop of STOPS with the chapter's noise."""
+    truth = true_stop(name, VEHICLE.pitch_frequency)
+    sensors = Sensors(CHAPTER_NOISE, ACCELERATION_VARIANCE, 0.0, VEHICLE, seed)
+    car, slopes = shipped_settings(imu=True).processors(VEHICLE, WHEEL)
+    load = WheelLoad(VEHICLE, WHEEL)
+    kept, signs = [], np.zeros((len(truth.samples), len(METHODS)))
+    for k, sample in enumerate(truth.samples):
+        stamp = (k + 1) * SAMPLE_TIME_NS
+        measured = sensors.measure(sample)
+        slip = np.nan
+        load.update(stamp, measured.acceleration)
+        for topic, message in messages.sensors(stamp, VEHICLE, measured, CHAPTER_NOISE, ACCELERATION_VARIANCE):
+            inputs: list[tuple[str, Any]] = [(topic, message)]
+            inputs += car.process(topic, message) if topic in car.sensors else []
+            slip = next((m.slip for t, m in inputs if isinstance(m, WheelSlip) and t == f"{WHEEL}/slip"), slip)
+            for column, method in enumerate(METHODS):
+                slope = slopes[method]
+                for name_of, given in inputs:
+                    if name_of in slope.sensors or name_of in slope.estimates:
+                        for _, answer in slope.process(name_of, given):
+                            if isinstance(answer, FrictionSlope):
+                                signs[_index(answer), column] = answer.sign
+        torque = measured.brake_pressure[0] * VEHICLE.wheel(WHEEL).brake_gain
+        kept.append((sample.speed, slip, measured.wheel_speed[0], torque, load.load))
+    speed, estimated, wheel_speed, torques, loads = np.array(kept).T
+    slips = np.array([sample.slip[0] for sample in truth.samples])
+    onset = _first(truth.samples)
+    return StopRun(truth, onset, int(np.argmax(slips)), speed, slips, estimated, wheel_speed, torques, loads, signs)
+
+
+def _first(samples: tuple[PlantSample, ...]) -> int:
+    return int(np.argmax(np.array([sample.brake_torque[0] for sample in samples]) > 0.0))
+
+
+def _index(answer: FrictionSlope) -> int:
+    stamp = answer.header.stamp
+    return int((stamp.sec * 1_000_000_000 + stamp.nanosec) // SAMPLE_TIME_NS - 1)

@@ -1,1 +1,0 @@
-"""Monte Carlo, Cramer-Rao bounds, the chapter's tables and figures, benchmarks."""

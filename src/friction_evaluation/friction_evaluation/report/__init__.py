@@ -1,1 +1,0 @@
-"""The report: every table and figure of the chapter on one page."""
