@@ -18,7 +18,7 @@ from vehicle_doctor.checks.accelerometer import FLAT, UNKNOWN
 from vehicle_doctor.checks.brakes import expected_gain
 from vehicle_doctor.drive import Drive
 from vehicle_doctor.examine import examine
-from vehicle_doctor.finding import Finding, Verdict
+from vehicle_doctor.findings import Finding, Verdict
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 

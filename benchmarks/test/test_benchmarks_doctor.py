@@ -5,7 +5,7 @@ from benchmarks.doctor.part import named
 from benchmarks.doctor.sabotage import TROUBLES
 from vehicle_doctor.checks.accelerometer import FLAT
 from vehicle_doctor.examine import examine
-from vehicle_doctor.finding import Verdict
+from vehicle_doctor.findings import Verdict
 from vehicle_models.vehicle_file import load_vehicle
 
 SEED, SECONDS = 1, 90.0

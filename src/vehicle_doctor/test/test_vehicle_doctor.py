@@ -17,7 +17,7 @@ from friction_bags.bag_io.message_bag import write_bag
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_doctor.__main__ import main
-from vehicle_doctor.vehicle_text import with_values
+from vehicle_doctor.learned_vehicle import with_values
 from vehicle_models.vehicle import Deviation, SharedBy
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -1,1 +1,1 @@
-"""The doctor: what a drive says of the sensors and of the car that made it, on whole arrays, without middleware."""
+"""Examines the signals of a drive on whole arrays, without middleware, and learns the vehicle file from it."""

@@ -23,9 +23,9 @@ from friction_runtime.stamps import to_nanoseconds
 from vehicle_doctor.checks.accelerometer import ROADS, UNKNOWN
 from vehicle_doctor.drive import Drive, collect, kinds
 from vehicle_doctor.examine import examine, exit_code
-from vehicle_doctor.learned import learned_file
+from vehicle_doctor.findings import as_json, print_findings
+from vehicle_doctor.learned_vehicle import learned_file
 from vehicle_doctor.live import listening
-from vehicle_doctor.report import as_json, print_findings
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_argument import add_vehicle_argument
 from vehicle_models.vehicle_file import load_vehicle, vehicle_path

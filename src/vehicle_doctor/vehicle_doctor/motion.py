@@ -1,4 +1,4 @@
-"""A drive on one time axis: what all checks of physics look at.
+"""A drive on one time axis: the basis of all physical checks.
 
 Signals are resampled linearly onto the stamps of an even grid; where a signal has a gap it is NaN.
 """

@@ -1,1 +1,1 @@
-"""The checks, one idea each. Those of units and signs come first: the others take what they found as mended."""
+"""Checks of a drive. Units and signs come first: the checks that follow work on corrected signals."""

@@ -1,4 +1,4 @@
-"""The accelerometer beside the wheels that roll freely: age, scale, offset, axis.
+"""Accelerometer against freely rolling wheels: delay, scale factor, bias, mounting.
 
 A wheel without drive or brake has the speed of the car. So its speed is the integral of the accelerometer, but for
 slope and offset, which a polynomial over some seconds takes up; steps of the throttle then tell age and scale. The
@@ -9,11 +9,10 @@ from math import hypot
 
 import numpy as np
 
-from vehicle_doctor.accelerations import ratio
+from vehicle_doctor.comparison import Shift, ratio, shift, stretches
 from vehicle_doctor.drive import IMU, Array, Drive
-from vehicle_doctor.finding import Finding, Verdict, against_file
+from vehicle_doctor.findings import Finding, Verdict, against_file
 from vehicle_doctor.motion import Motion, free_rims
-from vehicle_doctor.shift import Shift, shift, stretches
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.stated_deviations import deviation_of, stated_deviation

@@ -1,4 +1,4 @@
-"""Brake pressures beside the accelerometer: signs, units, signals that do not brake, age, gain and its fade.
+"""Brake pressures against the accelerometer: sign, unit, delay, gain and fade, and signals that do not brake.
 
 While a brake is applied the throttle is closed, and f = -(sum of k p / r) / m - drag, whatever the slope: the reading
 is the force of the tyres over the mass. That force follows the pressure within 2 ms; so pressure and accelerometer tell
@@ -11,10 +11,10 @@ from math import hypot, isfinite, log
 import numpy as np
 
 from vehicle_doctor.checks.accelerometer import AGE_FLOOR, age_of_teeth, wheel_lag, without_pitch
+from vehicle_doctor.comparison import Shift, shift, stretches
 from vehicle_doctor.drive import Array, Drive, pressure_topic
-from vehicle_doctor.finding import Finding, Verdict, against_file, failure
+from vehicle_doctor.findings import Finding, Verdict, against_file, failure
 from vehicle_doctor.motion import Motion, NDArrayBool, pressure_threshold
-from vehicle_doctor.shift import Shift, shift, stretches
 from vehicle_models.stated_deviations import deviation_of, stated_deviation
 from vehicle_models.vehicle import Vehicle
 

@@ -1,4 +1,4 @@
-"""Age of the speed sensor beside the wheels that roll freely; one that is too old tells nothing of them."""
+"""Delay of the speed sensor against freely rolling wheels; a sensor that is too late is excluded."""
 
 from dataclasses import replace
 from math import hypot
@@ -6,10 +6,10 @@ from math import hypot
 import numpy as np
 
 from vehicle_doctor.checks.accelerometer import wheel_lag
+from vehicle_doctor.comparison import shift, stretches
 from vehicle_doctor.drive import SPEED, Drive
-from vehicle_doctor.finding import Finding, Verdict
+from vehicle_doctor.findings import Finding, Verdict
 from vehicle_doctor.motion import Motion, free_rims
-from vehicle_doctor.shift import shift, stretches
 
 _FLOOR = 2e-3
 """Deviation [s] that slip and inertia of the free wheels leave."""

@@ -1,4 +1,4 @@
-"""Units and signs of wheels, accelerometer and speed sensor: three witnesses of one motion.
+"""Units and signs of wheels, accelerometer and speed sensor: three measurements of one motion.
 
 Every combination of mistaken units gets a cost: how far the sensors are apart with it, how unusual the drive would be,
 and a price for each mistake. The cheapest is what is said.
@@ -10,9 +10,9 @@ from math import inf, isfinite, log, pi
 
 import numpy as np
 
-from vehicle_doctor.accelerations import correlation, ratio
+from vehicle_doctor.comparison import correlation, ratio
 from vehicle_doctor.drive import IMU, SPEED, WHEEL_STATES, Drive
-from vehicle_doctor.finding import Finding, Verdict
+from vehicle_doctor.findings import Finding, Verdict
 from vehicle_doctor.motion import Motion
 
 _PRICE = 6.0

@@ -1,0 +1,139 @@
+"""Checks of the recording itself: rates and stamps of the topics, quantization, and the inputs of each estimator."""
+
+import numpy as np
+
+from vehicle_doctor.drive import IMU, SPEED, WHEEL_STATES, Array, Drive, Recorded, kinds, pressure_topic
+from vehicle_doctor.findings import Finding, Verdict
+
+_SLOW_WHEELS = 20.0
+"""Rate [Hz] below which a wheel's slip through a stop is not seen."""
+_GAP = 0.1
+"""Shortest gap [s]."""
+_JITTER = 0.4
+"""Deviation of a step over the step from which stamps are those of an arrival and not of a measurement."""
+
+
+def check_topics(drive: Drive) -> list[Finding]:
+    """Check rate, gaps, jitter and stamps of each topic."""
+    found = []
+    for topic in kinds(drive.vehicle):
+        recorded = drive.topics.get(topic)
+        if recorded is not None:
+            found.append(_topic(topic, recorded))
+        elif topic in (WHEEL_STATES, IMU):
+            found.append(
+                Finding(
+                    "topic",
+                    topic,
+                    Verdict.FAIL if topic == WHEEL_STATES else Verdict.WARN,
+                    "has no message",
+                    remedy="record it, or name where it comes from in a signal map",
+                )
+            )
+    if drive.strange_joints:
+        known = ", ".join(drive.vehicle.joints)
+        text = f"also holds {', '.join(drive.strange_joints)}, which are no wheels of the car ({known})"
+        found.append(Finding("topic", WHEEL_STATES, Verdict.NOTE, text))
+    if drive.unstamped:
+        text = f"{drive.unstamped} messages have no stamp"
+        found.append(Finding("stamps", "all", Verdict.FAIL, text, remedy="stamp each message when it is measured"))
+    return found
+
+
+def _topic(topic: str, recorded: Recorded) -> Finding:
+    steps = np.diff(recorded.stamp)
+    forward = steps[steps > 0.0]
+    if forward.size < 5:
+        return Finding("topic", topic, Verdict.WARN, f"{recorded.stamp.size} messages: nothing can be said of it")
+    period = float(np.median(forward))
+    back, same = int((steps < 0.0).sum()), int((steps == 0.0).sum())
+    gaps = forward[forward > max(_GAP, 4.0 * period)]
+    jitter = float(np.median(np.abs(forward - period)) * 1.48)
+    unknown = int((~np.isfinite(recorded.values[:, 0])).sum()) if topic == WHEEL_STATES else 0
+    text = f"{recorded.stamp.size} messages, {1.0 / period:.1f} Hz, jitter {1e3 * jitter:.1f} ms"
+    troubles, remedies = [], []
+    if back:
+        troubles.append(f"{back} stamps go back in time")
+        remedies.append("find the second sender, or stamp by the time of measurement")
+    if same > 0.01 * steps.size:
+        troubles.append(f"{same} messages repeat a stamp")
+        remedies.append("stamp each message with its own time")
+    if gaps.size:
+        troubles.append(f"{gaps.size} gaps, the longest {gaps.max():.2f} s")
+        remedies.append("look for lost messages between sensor and recorder")
+    if jitter > _JITTER * period:
+        troubles.append("stamps are uneven")
+        remedies.append("stamp by the time of measurement, not of arrival")
+    if topic == WHEEL_STATES and 1.0 / period < _SLOW_WHEELS:
+        troubles.append(f"below {_SLOW_WHEELS:.0f} Hz a slip through the peak is not seen")
+        remedies.append("record the wheels faster")
+    if unknown:
+        text += f", {unknown} without the first wheel"
+    verdict = Verdict.FAIL if back else Verdict.WARN if troubles else Verdict.OK
+    return Finding(
+        "topic", topic, verdict, "; ".join([text, *troubles]), 1.0 / period, unit="Hz", remedy="; ".join(remedies)
+    )
+
+
+_DISTINCT = 0.25
+"""Ratio of distinct values to samples above which a signal is not quantized."""
+_MIN_SAMPLES = 200
+
+
+def check_quantization(drive: Drive) -> list[Finding]:
+    """Check the quantization step of each signal."""
+    axis = "xyz".index(drive.vehicle.accelerometer.axis)
+    columns = {WHEEL_STATES: 0, IMU: axis, SPEED: 0, **dict.fromkeys(map(pressure_topic, drive.vehicle.wheel_names), 0)}
+    found = []
+    for topic, column in columns.items():
+        recorded = drive.topics.get(topic)
+        step = np.nan if recorded is None else step_of(recorded.values[:, column])
+        if recorded is None or not np.isfinite(step):
+            continue
+        known = recorded.values[np.isfinite(recorded.values[:, column]), column]
+        low, high = np.percentile(known, [2, 98])
+        share = step / max(float(high - low), 1e-12)
+        # a step of a hundredth of what the signal spans is 1 % of a hard braking
+        coarse = share > 0.01
+        text = f"is counted in steps of {step:.3g}, 1/{1.0 / share:.0f} of what it spans"
+        where = "as wheel_filter.speed_stddev of wheel_slip" if topic == WHEEL_STATES else "in the signal map"
+        remedy = f"log it with more bits, or state the deviation {where}" if coarse else ""
+        verdict = Verdict.WARN if coarse else Verdict.OK
+        found.append(Finding("resolution", topic, verdict, text, step, remedy=remedy))
+    return found
+
+
+def step_of(values: Array) -> float:
+    """Return the step of which all values are multiples, apart from a constant; NaN where there is none."""
+    known = values[np.isfinite(values)]
+    levels = np.unique(known)
+    if known.size < _MIN_SAMPLES or levels.size < 3 or levels.size > _DISTINCT * known.size:
+        return np.nan
+    gaps = np.diff(levels)
+    step = float(np.median(gaps[gaps > 1e-6 * np.ptp(levels)]))
+    share = gaps / step
+    return step if (np.abs(share - np.round(share)) < 0.05).mean() > 0.95 else np.nan
+
+
+def check_estimator_inputs(drive: Drive) -> list[Finding]:
+    """Check which estimators have all their inputs."""
+    there = set(drive.topics) | set(drive.others)
+    wheels = drive.vehicle.wheel_names
+    pressures = [pressure_topic(name) for name in wheels]
+    motion = [WHEEL_STATES] if WHEEL_STATES not in there else []
+    speed = [] if {IMU, SPEED} & there else [f"{IMU} or {SPEED}"]
+    braked = [topic for topic in pressures if topic not in there]
+    demand = [] if "brake_demand" in there else ["brake_demand"]
+    tyres = [topic for name in wheels if (topic := f"{name}/tyre_signals") not in there]
+    needs = {
+        "wheel_slip": motion + speed,
+        "friction_slope": motion + speed + braked,
+        "friction_curve_id": motion + speed + braked,
+        "abs_supervisor": motion + speed + braked + demand,
+        "smart_tyre_forces": tyres,
+    }
+    return [
+        Finding("estimator", name, Verdict.NOTE if lacks else Verdict.OK,
+                f"lacks {', '.join(lacks)}" if lacks else "has its inputs")
+        for name, lacks in needs.items()
+    ]  # fmt: skip
