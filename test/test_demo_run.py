@@ -21,8 +21,8 @@ from std_msgs.msg import Header
 from dds_client import PATIENCE
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.message_bag import write_bag
-from friction_bags.drive_page.recorded_run import RecordedRun, read_run
 from friction_bringup.__main__ import main
+from friction_report.recorded_run import RecordedRun, read_run
 from friction_runtime.shipped_files import shipped_file
 from friction_runtime.stamps import from_nanoseconds
 
@@ -93,7 +93,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Finished:
 def test_demo_prints_the_summary_and_leaves_plot_page_and_bag_and_no_process(demo: Finished) -> None:
     for text in ("crossings of the peak", "ideal distance", "adhesion utilisation", "front_left/friction_slope"):
         assert text in demo.output
-    assert (demo.directory / "front_left.png").read_bytes().startswith(b"\x89PNG")
+    assert (demo.directory / "drive.png").read_bytes().startswith(b"\x89PNG")
     assert (demo.directory / "page.html").read_text().startswith("<!DOCTYPE html>")
     assert processes_of(demo.directory) == {}
 

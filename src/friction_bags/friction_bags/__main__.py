@@ -17,7 +17,6 @@ _TOOLS = {
     "info": ("bag_io.info", "show what a bag holds"),
     "reindex": ("bag_io.reindex", "repair a bag whose recorder was killed"),
     "process": ("offline.process", "run the estimators over bags, without middleware"),
-    "report": ("drive_page.report", "show a drive as one page for a browser"),
     "import": ("importers.import_log", "make a bag from a table or log of any car, by a signal map"),
     "tutorial": ("experiments.tutorial", "write a simulated drive as a CAN log, to try the commands on"),
     "library": ("experiments.library", "make the recorded experiments of bags/ again"),

@@ -14,7 +14,6 @@ from friction_adapter.map_file import load_map
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_vehicle import vehicle_for
-from friction_bags.drive_page.recorded_run import require_samples
 from friction_bags.mapped.mapped_bag import MappedBag
 from friction_bags.mapped.write_mapped import write_mapped
 from friction_bags.offline.plan import SayOnce
@@ -27,6 +26,7 @@ from friction_bringup.monitor import run_monitor
 from friction_bringup.security_policies import policies
 from friction_parameters.command_line import command
 from friction_parameters.parameter import ParameterError
+from friction_report.recorded_run import require_samples
 from friction_runtime.processor import silent
 from friction_runtime.shipped_files import shipped_file
 from vehicle_models.vehicle_argument import add_vehicle_argument

@@ -1,4 +1,4 @@
-"""The demo: the whole graph as separate processes, a live view, and at the end summary, plots and bag."""
+"""The demo: the whole graph as separate processes, a live view, and at the end summary, page, picture and bag."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.live import Live
 
-from friction_bags.drive_page.page import write_page
-from friction_bags.drive_page.recorded_run import read_run
 from friction_bringup import graph
 from friction_bringup.demo_graph import DemoError, DemoGraph, DemoOptions
 from friction_bringup.live_view import LiveView
-from friction_bringup.plots import write_plots
 from friction_bringup.processes import AT_ONCE
-from friction_bringup.summary import print_summary
+from friction_report.page import write_page
+from friction_report.picture import write_picture
+from friction_report.recorded_run import read_run
+from friction_report.summary import print_summary
 from friction_runtime.machine_load import slowdown
 from friction_runtime.spin import stop_on_signals, take_down
 
@@ -150,8 +150,9 @@ def _follow(demo: DemoGraph, view: LiveView, spin_until: SpinUntil, period: floa
 def _report(console: Console, demo: DemoGraph, directory: Path, what: str) -> None:
     run = read_run(demo.bag, demo.wheels)
     print_summary(console, run)
-    for path in write_plots(run, directory, what):
-        console.print(f"plot  {path}", soft_wrap=True)
+    picture = directory / "drive.png"
+    write_picture(run, picture, what)
+    console.print(f"plot  {picture}", soft_wrap=True)
     page = directory / "page.html"
     write_page(run, page, directory.name)
     console.print(f"page  {page}", soft_wrap=True)

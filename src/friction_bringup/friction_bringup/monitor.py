@@ -20,8 +20,8 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from friction_bags.drive_page.drive_series import plain_reason
 from friction_bringup.live_view import LiveView, WheelView
+from friction_runtime.reason_text import plain_reason
 from friction_runtime.spin import stop_on_signals, take_down
 
 _PERIOD = 0.1

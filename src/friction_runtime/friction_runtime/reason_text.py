@@ -29,6 +29,11 @@ def without_wheel(wheel: str, text: str) -> str:
     return text.removeprefix(f"{wheel}: ")
 
 
+def plain_reason(text: str, of: str) -> str:
+    """Return a reason without the name of the wheel that it speaks of."""
+    return text.removeprefix(f"{of}: ").removeprefix(f"{of}/")
+
+
 def of_topic(topic: str, text: str) -> str:
     """Return a text received from another node on a topic of a wheel; the topic names the wheel."""
     wheel, _, _ = topic.partition("/")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_bags.drive_page.recorded_run import CrossingEvent
+from friction_report.recorded_run import CrossingEvent
 
 Array = NDArray[np.float64]
 

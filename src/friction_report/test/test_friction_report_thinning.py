@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from friction_bags.drive_page.decimation import bucket_edges, decimate, last_of_buckets
+from friction_report.thinning import bucket_edges, decimate, last_of_buckets
 
 TIME = np.arange(0.0, 100.0, 0.005)
 EDGES = bucket_edges(0.0, 100.0, [(40.0, 42.0)], 100, 300)

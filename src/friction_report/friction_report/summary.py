@@ -8,9 +8,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from friction_bags.drive_page.drive_series import plain_reason
-from friction_bags.drive_page.recorded_run import CrossingEvent, RecordedRun
-from friction_bringup.braking_metrics import (
+from friction_report.braking_metrics import (
     Braking,
     JudgedCrossing,
     judge_crossings,
@@ -18,7 +16,10 @@ from friction_bringup.braking_metrics import (
     release_times,
     right_signs,
 )
-from friction_bringup.graph import VEHICLE
+from friction_report.brakings import hardest_braking
+from friction_report.drive_series import vehicle_speed
+from friction_report.recorded_run import VEHICLE, CrossingEvent, RecordedRun
+from friction_runtime.reason_text import plain_reason
 
 _SHOWN_CROSSINGS = 16
 _SHOWN_REASONS = 3
@@ -40,7 +41,8 @@ def print_summary(console: Console, run: RecordedRun) -> None:
     else:
         console.print(f"Stopping distance and utilisation: {braking}.")
     console.print(release_table(run))
-    if len(run.wheels) > 1 and (span := run.hardest_braking()) is not None:
+    speed = vehicle_speed(run)
+    if len(run.wheels) > 1 and speed is not None and (span := hardest_braking(*speed)) is not None:
         console.print(slip_table(run, span))
     console.print(validity_table(run))
 

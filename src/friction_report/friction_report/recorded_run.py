@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode
-from friction_bags.drive_page.brakings import hardest_braking
 from friction_runtime.message_type import message_class
 from friction_runtime.report_kind import report_kind
 from friction_runtime.stamps import to_nanoseconds
@@ -113,11 +112,6 @@ class RecordedRun:
     def get(self, topic: str) -> Series | None:
         """Return the series of a topic, None where the bag has no message of it."""
         return self.series.get(topic)
-
-    def hardest_braking(self) -> tuple[float, float] | None:
-        """Return begin and end [s] of the hardest braking by the estimated speed; None where there is none."""
-        slip = self.get(f"{self.wheels[0]}/slip")
-        return None if slip is None else hardest_braking(slip.time, slip["vehicle_speed"])
 
     def crossings(self, topic: str) -> list[CrossingEvent]:
         """Return the slope crossings of a friction_slope topic; times as in the truth, or when first known."""

@@ -7,8 +7,8 @@ import pytest
 from friction_msgs.msg import BrakeCommand
 from rich.console import Console
 
-from friction_bags.drive_page.recorded_run import RecordedRun, Series
-from friction_bringup.summary import release_table, sign_text
+from friction_report.recorded_run import RecordedRun, Series
+from friction_report.summary import release_table, sign_text
 
 TIME = np.arange(0.0, 2.0, 0.01)
 

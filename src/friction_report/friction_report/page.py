@@ -1,30 +1,36 @@
-"""A recorded run as the data of a page: plain values that JSON holds, rounded and thinned."""
+"""The page of a drive: one HTML file that holds its data, rounded and thinned, its code and its style."""
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta, timezone
+from html import escape
+from importlib.resources import files
 from math import isfinite
+from pathlib import Path
+from string import Template
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_bags.drive_page.braking_rows import BrakingRow, braking_rows
-from friction_bags.drive_page.decimation import bucket_edges, decimate, last_of_buckets
-from friction_bags.drive_page.drive_series import (
+from friction_bags.bag_io.bag_format import BagError
+from friction_report.brakings import BrakingRow, braking_rows
+from friction_report.drive_series import (
     DRIVER,
     Curves,
     Line,
     Strip,
     curves_of,
     lines_of,
-    plain_reason,
     strips_of,
 )
-from friction_bags.drive_page.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
+from friction_report.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
+from friction_report.thinning import bucket_edges, decimate, last_of_buckets
+from friction_runtime.reason_text import plain_reason
 from friction_runtime.report_kind import report_kind
 
 _COARSE, _FINE = 2000, 6000
@@ -85,6 +91,50 @@ PANELS = (
     Panel("validity", "Validity of the estimates, and the reasons", "", "estimate"),
 )
 """In the order of the page."""
+
+
+def write_page(run: RecordedRun, out: Path, title: str, remarks: Sequence[str] = ()) -> None:
+    """Write the page of a run; it opens without a network.
+
+    Args:
+        run: the run.
+        out: HTML file, which must not exist.
+        title: name of the drive.
+        remarks: sentences on how the data came to be.
+
+    Raises:
+        BagError: the file exists.
+        OSError: it cannot be written.
+    """
+    refuse_existing(out)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    # A name of a file may hold bytes that are no text.
+    out.write_text(html_page(page_data(run, title, remarks)), encoding="utf-8", errors="replace")
+
+
+def refuse_existing(out: Path) -> None:
+    """Refuse a file that exists.
+
+    Raises:
+        BagError: it does.
+    """
+    if out.exists():
+        raise BagError(f"{out} exists")
+
+
+def html_page(data: dict[str, Any]) -> str:
+    """Return the page that shows the data of page_data."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    for letter in "<>&":  # the data end where the browser sees a tag, whatever a bag names a wheel
+        text = text.replace(letter, f"\\u{ord(letter):04x}")
+    return Template(_file("drive.html")).substitute(
+        title=escape(data["title"]),
+        style=_file("uPlot.min.css") + _file("drive.css"),
+        plotting=_file("uPlot.iife.min.js"),
+        script=_file("drive.js"),
+        licence=escape(_file("uPlot.LICENSE")),
+        data=text,
+    )
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what is no number, or absurd, becomes a gap
@@ -323,3 +373,7 @@ def _number(value: float, digits: int) -> float | None:
 
 def _short(text: str) -> str:
     return text if len(text) <= _LONGEST_TEXT else text[: _LONGEST_TEXT - 1] + "…"
+
+
+def _file(name: str) -> str:
+    return files("friction_report").joinpath("web", name).read_text(encoding="utf-8")

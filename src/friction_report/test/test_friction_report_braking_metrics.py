@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from friction_bags.drive_page.recorded_run import CrossingEvent
-from friction_bringup.braking_metrics import (
+from friction_report.braking_metrics import (
     GRAVITY,
     judge_crossings,
     measure_braking,
     release_times,
 )
+from friction_report.recorded_run import CrossingEvent
 
 TIME = np.arange(0.0, 12.0, 0.005, dtype=np.float64)
 

@@ -1,4 +1,4 @@
-"""What a page shows of a recorded run: lines over time, strips of codes, friction curves."""
+"""Lines over time, strips of codes and friction curves of a recorded run."""
 
 from __future__ import annotations
 
@@ -6,13 +6,31 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from friction_msgs.msg import BrakeCommand, SupervisorState
 from numpy.typing import NDArray
 
-from friction_bags.drive_page.codes import COMMANDS, ENVELOPE, LAWS, SIGNS, STATES, signs, verdicts
-from friction_bags.drive_page.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
+from friction_report.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
+from friction_runtime.reason_text import plain_reason
 
 _DEVIATIONS = 2.0
 """Half width of a band in standard deviations."""
+SIGNS = {-1: "beyond the peak", 0: "not known", 1: "stable side"}
+STATES = {
+    SupervisorState.S0: "S0, no braking",
+    SupervisorState.S1: "S1, stable side: increase",
+    SupervisorState.S21: "S21, beyond the peak: the release begins to act",
+    SupervisorState.S22: "S22, beyond the peak: decrease",
+}
+"""States of Figure 8.1; the name stands before the comma."""
+LAWS = {SupervisorState.LAW_SLOPE_SIGN: "slope sign", SupervisorState.LAW_CURVE: "curve"}
+COMMANDS = {
+    BrakeCommand.NONE: "none",
+    BrakeCommand.INCREASE: "increase",
+    BrakeCommand.HOLD: "hold",
+    BrakeCommand.DECREASE: "decrease",
+}
+ENVELOPE = {0: "no release asked for", 1: "release allowed", 2: "release refused", 3: "cap"}
+"""Verdict of the envelope on what the law asks for."""
 DRIVER = "driver"
 """Stands for the name of a wheel in what the driver asks for."""
 
@@ -150,9 +168,17 @@ def vehicle_speed(run: RecordedRun) -> tuple[Array, Array] | None:
     return None
 
 
-def plain_reason(text: str, of: str) -> str:
-    """Return a reason without the name of the wheel that it speaks of."""
-    return text.removeprefix(f"{of}: ").removeprefix(f"{of}/")
+def signs(slope: Series) -> Array:
+    """Return the key of SIGNS at every sample of a friction_slope: 0 where it is not valid."""
+    return np.where(slope["valid"] > 0.0, slope["sign"], 0.0)
+
+
+def verdicts(supervisor: Series) -> Array:
+    """Return the key of ENVELOPE at every sample of an abs_supervisor: the cap in force, else the evidence."""
+    release = supervisor["release"]
+    asked = np.where(release == SupervisorState.RELEASE_REFUSED, 2.0, 1.0)
+    judged = np.where(release == SupervisorState.RELEASE_NOT_WANTED, 0.0, asked)
+    return np.where(supervisor["cap"] == SupervisorState.CAP_NONE, judged, 3.0)
 
 
 def _speeds(run: RecordedRun) -> Iterator[Line]:

@@ -1,10 +1,10 @@
-"""`report`: a bag as one page to look at in a browser."""
+"""Command line: `python3 -m friction_report BAG --out PAGE.html` writes a drive as one page for a browser."""
 
 from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -13,21 +13,26 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from friction_adapter.map_argument import add_map_argument
+from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_vehicle import CAR_OTHERWISE
-from friction_bags.drive_page.page import refuse_existing, write_page
-from friction_bags.drive_page.recorded_run import read_run
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_bags.progress_bars import bars
+from friction_parameters.command_line import command
+from friction_report.page import refuse_existing, write_page
+from friction_report.recorded_run import read_run
+from friction_runtime.message_type import UnknownTypeError
 from vehicle_models.vehicle_argument import add_vehicle_argument
 
+_ABOUT = "Show a drive as one page for a browser."
 _ESTIMATES = ("WheelSlip", "FrictionSlope", "FrictionCurve", "SupervisorState", "ContactPatch", "TyreForce")
 _MADE = "The bag holds no estimates: they were made for this page, as `process` makes them."
 
 
-def add_arguments(parser: ArgumentParser) -> None:
-    """Describe the command line."""
+def main(argv: Sequence[str] | None = None) -> int:
+    """Write a page; return the exit code."""
+    parser = ArgumentParser(prog="friction_report", description=_ABOUT)
     parser.add_argument("bag", type=Path, metavar="BAG", help="bag to show")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="HTML file to write")
     parser.add_argument("--namespace", default="/", help="namespace of the topics, such as /car")
@@ -36,6 +41,8 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--params-file", type=Path, action="append", default=[], help="ROS parameter file of the estimators; repeatable"
     )
+    args = parser.parse_args(argv)
+    return command(lambda: run(args), BagError, UnknownTypeError)
 
 
 def run(args: Namespace) -> int:
@@ -80,3 +87,7 @@ def _with_estimates(bag: Path, options: ProcessOptions) -> Iterator[tuple[Path, 
 
 def _is_estimate(name: str, kind: str, prefix: str) -> bool:
     return kind.rpartition("/")[2] in _ESTIMATES and not name.removeprefix(prefix).startswith("truth/")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

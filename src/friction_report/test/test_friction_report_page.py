@@ -17,15 +17,14 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
-from friction_bags.__main__ import main
+from friction_report.__main__ import main
 from friction_bags.bag_io.message_bag import write_bag
-from friction_bags.drive_page.page import html_page
-from friction_bags.drive_page.page_data import PANELS, page_data
-from friction_bags.drive_page.recorded_run import WHY, RecordedRun, Series, read_run
+from friction_report.page import PANELS, html_page, page_data
+from friction_report.recorded_run import WHY, RecordedRun, Series, read_run
 from friction_runtime.stamps import header_at
 
 BAGS = Path(__file__).parents[3] / "bags"
-WEB = files("friction_bags.drive_page").joinpath("web")
+WEB = files("friction_report").joinpath("web")
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(2)>"
 
 
@@ -62,7 +61,7 @@ def values(line: dict[str, Any]) -> list[float]:
 def stop(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Page of a recorded stop with estimates."""
     out = tmp_path_factory.mktemp("page") / "page.html"
-    assert main(["report", str(BAGS / "abs_stop"), "--out", str(out)]) == 0
+    assert main([str(BAGS / "abs_stop"), "--out", str(out)]) == 0
     return out.read_text()
 
 
@@ -124,7 +123,7 @@ def test_braking_of_a_stop_is_a_row_with_its_numbers(stop: str) -> None:
 @pytest.mark.parametrize("bag", ["dry", "tyre_dynamic_2_0_bar"])
 def test_bag_without_estimates_is_processed_on_the_way(bag: str, tmp_path: Path) -> None:
     out = tmp_path / "page.html"
-    assert main(["report", str(BAGS / bag), "--out", str(out)]) == 0
+    assert main([str(BAGS / bag), "--out", str(out)]) == 0
     data = shown(out.read_text())
     assert any("process" in text for text, _ in data["facts"])
     held = {panel["key"] for panel in data["panels"]}
@@ -138,7 +137,7 @@ def test_damage_is_said_on_the_page_and_by_the_exit_code(tmp_path: Path, capsys:
     (tmp_path / "bag").mkdir()
     (tmp_path / "bag" / "bag.mcap").write_bytes(next((BAGS / "abs_stop").glob("*.mcap")).read_bytes())
     out = tmp_path / "new" / "page.html"
-    assert main(["report", str(tmp_path / "bag"), "--out", str(out)]) == 1
+    assert main([str(tmp_path / "bag"), "--out", str(out)]) == 1
     assert "damaged: " in capsys.readouterr().err
     data = shown(out.read_text())
     assert any("metadata.yaml" in text for text in data["problems"])
@@ -148,7 +147,7 @@ def test_damage_is_said_on_the_page_and_by_the_exit_code(tmp_path: Path, capsys:
 def test_page_that_exists_is_not_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "page.html"
     out.write_text("mine")
-    assert main(["report", str(BAGS / "abs_stop"), "--out", str(out)]) == 2
+    assert main([str(BAGS / "abs_stop"), "--out", str(out)]) == 2
     assert out.read_text() == "mine"
     assert capsys.readouterr().err == f"error: {out} exists\n"
 
@@ -165,7 +164,7 @@ def test_nothing_that_a_bag_names_becomes_part_of_the_page(tmp_path: Path) -> No
     bag = tmp_path / "<b onload=alert(3)>&amp;"
     (tmp_path / "bag").rename(bag)
     out = tmp_path / "page.html"
-    assert main(["report", str(bag), "--out", str(out)]) == 0
+    assert main([str(bag), "--out", str(out)]) == 0
     page = out.read_text()
     elements = Elements(page)
     assert len(elements.scripts) == 3

@@ -1,0 +1,1 @@
+"""A recorded drive as arrays, as a summary on the terminal, and as an interactive page."""
