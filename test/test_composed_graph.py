@@ -25,7 +25,7 @@ from dds_client import DdsClient, dds_client, output_of, stop
 from friction_bags.bag_io.cdr import encode
 from friction_bags.offline.estimators import make_processors, read_parameters
 from friction_bringup import graph
-from friction_parameters.values import from_mapping
+from friction_parameters.parameter import from_mapping
 from friction_runtime import qos
 from friction_runtime.processor import Output, silent
 from friction_runtime.stamps import to_nanoseconds

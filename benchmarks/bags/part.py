@@ -33,7 +33,7 @@ from friction_bags.bag_io.cdr import decode, encode, installed_topic
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_parameters.command_line import count
-from friction_parameters.values import from_mapping
+from friction_parameters.parameter import from_mapping
 from friction_runtime.message_type import message_class
 from vehicle_models.vehicle_file import load_vehicle
 

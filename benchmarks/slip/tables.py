@@ -21,7 +21,7 @@ from benchmarks.slip.beyond_start import BeyondStart
 from benchmarks.slip.stops import ACCELERATION_OFFSET, GRADE
 from friction_curve_id.interface import CurveEstimate, Refusal, Sample
 from friction_curve_id.parameters import SHIPPED, FrictionCurveParameters
-from friction_parameters.values import changed
+from friction_parameters.parameter import changed
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.single_corner import SingleCorner

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from benchmarks.protocol import ACCELERATION_STDDEV, CAR, WHEEL
 from benchmarks.slope.runs import Run, sensor_messages
-from friction_parameters.values import changed
+from friction_parameters.parameter import changed
 from friction_runtime.processor import Output
 from friction_slope.parameters import SHIPPED, FrictionSlopeParameters
 from friction_slope.ros.processor import WheelProcessor

@@ -17,7 +17,7 @@ from corner_sim import messages
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, PlantSample
 from corner_sim.sensors import Sensors
 from friction_bags.experiments.stops import ACCELERATION_VARIANCE, STOPS, car_of_the_stops, drive
-from friction_parameters.values import changed
+from friction_parameters.parameter import changed
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.vehicle import Vehicle

@@ -21,7 +21,7 @@ from benchmarks.closed_loop.stops import stops
 from benchmarks.closed_loop.trouble import CAR_TROUBLES, NONE, Trouble
 from benchmarks.command import load_part
 from benchmarks.protocol import CAR, CORNER, SPEED, VEHICLE
-from friction_parameters.values import changed
+from friction_parameters.parameter import changed
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
 from vehicle_models.two_axle import peak_torque

@@ -10,7 +10,7 @@ from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, closed_loop_parameters, make_processors
 from friction_bringup.graph import plant_calibration
-from friction_parameters.values import from_mapping
+from friction_parameters.parameter import from_mapping
 from friction_runtime.processor import silent
 from friction_runtime.processor_graph import ProcessorGraph
 from vehicle_models.vehicle import Vehicle

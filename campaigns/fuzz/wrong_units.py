@@ -18,7 +18,7 @@ from campaigns.fuzz.clean_run import START
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
 from friction_bags.offline.estimators import closed_loop_parameters, make_processors
-from friction_parameters.values import from_mapping
+from friction_parameters.parameter import from_mapping
 from friction_runtime.processor import silent
 from friction_runtime.processor_graph import ProcessorGraph
 from vehicle_models.vehicle import Vehicle

@@ -31,8 +31,7 @@ from friction_bags.bag_io.cdr import encode
 from friction_bags.offline.estimators import closed_loop_parameters, make_processors
 from friction_bringup import graph
 from friction_parameters.command_line import positive
-from friction_parameters.parameter import ParameterError
-from friction_parameters.values import from_mapping
+from friction_parameters.parameter import ParameterError, from_mapping
 from friction_runtime.processor import silent
 from vehicle_models.surfaces import TABLE_8_1
 

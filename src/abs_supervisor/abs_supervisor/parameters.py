@@ -1,19 +1,17 @@
 """Parameters of abs_supervisor: of the node, the bag runner and the parameter file."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import ClassVar
+from dataclasses import dataclass
 
 from abs_supervisor.braking import PressureParameters
 from abs_supervisor.envelope import EnvelopeParameters
 from abs_supervisor.fsm import Thresholds
 from abs_supervisor.law.curve_law import CurveLawParameters
 from abs_supervisor.wheel_pair import NO_AXLE, SELECT_LOW
-from friction_parameters import shared
 from friction_parameters.generated import ShippedFile
-from friction_parameters.parameter import group, parameter
+from friction_parameters.parameter import deadline_parameter, group, parameter
 from vehicle_models.brake_actuator import ActuatorParameters
-from vehicle_models.vehicle_file import moved, vehicle_file_parameter
+from vehicle_models.vehicle_file import vehicle_file_parameter
 
 SLOPE_SIGN, CURVE = "slope_sign", "curve"
 
@@ -70,14 +68,7 @@ class SupervisorParameters:
     demand_timeout: float = parameter(
         0.08, "demand or pressure is held this long where no newer one comes", unit="s", minimum=0.0, maximum=5.0
     )
-    deadline: float = shared.deadline(0.02)
-
-    MOVED: ClassVar[Mapping[str, str]] = {
-        "wheels": moved("wheels"),
-        "brake_gains": moved("brake_gain"),
-        **{each.name: f"it is 'pressure.{each.name}'" for each in fields(PressureParameters)},
-        **{each.name: f"it is 'thresholds.{each.name}'" for each in fields(Thresholds)},
-    }
+    deadline: float = deadline_parameter(0.02)
 
     def __post_init__(self) -> None:
         """Refuse a hysteresis whose thresholds are in the wrong order."""

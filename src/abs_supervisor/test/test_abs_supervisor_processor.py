@@ -26,9 +26,8 @@ from abs_supervisor.braking import PressureParameters
 from abs_supervisor.fsm import Thresholds
 from abs_supervisor.parameters import SHIPPED, SupervisorParameters
 from abs_supervisor.ros.processor import WheelProcessor, build
-from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter import ParameterError, changed, from_mapping, ignored
 from friction_parameters.parameter_file import load
-from friction_parameters.values import changed, from_mapping, ignored
 from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from friction_slope.parameters import FrictionSlopeParameters
@@ -456,24 +455,6 @@ def test_thresholds_are_those_of_the_votes_it_goes_with() -> None:
 def test_bad_parameters_are_refused_by_name(values: dict[str, Any], named: str) -> None:
     with pytest.raises(ParameterError, match=named):
         from_mapping(SupervisorParameters, values)
-
-
-@pytest.mark.parametrize(
-    ("name", "place"),
-    [
-        ("wheels", "vehicle file"),
-        ("brake_gains", "'brake_gain' of the vehicle file"),
-        ("h_instability", "'thresholds.h_instability'"),
-        ("h_stability", "'thresholds.h_stability'"),
-        ("wait", "'thresholds.wait'"),
-        ("release_timeout", "'thresholds.release_timeout'"),
-        ("release_torque", "'pressure.release_torque'"),
-        ("release_hold", "'pressure.release_hold'"),
-    ],
-)
-def test_old_name_of_a_parameter_is_refused_with_its_new_place(name: str, place: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{name}' no longer exists: .*{place}"):
-        from_mapping(SupervisorParameters, {name: 1.0})
 
 
 def test_hysteresis_set_for_a_demand_is_ignored_and_said() -> None:

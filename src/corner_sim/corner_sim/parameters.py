@@ -2,14 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 from corner_sim.car_model import CarModelParameters
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import group, parameter
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.surfaces import SURFACES
-from vehicle_models.vehicle_file import moved, vehicle_file_parameter
+from vehicle_models.vehicle_file import vehicle_file_parameter
 
 
 @dataclass(frozen=True)
@@ -107,23 +106,6 @@ class SimParameters:
         0.0, "the run ends after this message time, 0: never by time", unit="s", minimum=0.0, maximum=1e6
     )
     exit_when_done: bool = parameter(False, "exit with code 0 when the run has ended", read_only=True)
-
-    MOVED: ClassVar[Mapping[str, str]] = {
-        "wheels": moved("wheels"),
-        "radius": moved("radius"),
-        "inertia": moved("inertia"),
-        "mass": f"{moved('mass')}: of the whole car, not of a wheel",
-        "wheelbase": moved("wheelbase"),
-        "height": moved("centre_of_gravity_height"),
-        "front_share": moved("front_load_share"),
-        "drag_area": moved("drag_area"),
-        "rolling_resistance": moved("rolling_resistance"),
-        "brake_gain": moved("brake_gain"),
-        "actuator_delay": "it is 'actuator.delay'",
-        "apply_rate": "it is 'actuator.apply_rate'",
-        "release_rate": "it is 'actuator.release_rate'",
-        "command_timeout": "each brake_command says in 'valid_for' how long it holds; abs_supervisor sets it",
-    }
 
     def __post_init__(self) -> None:
         """Refuse combinations that do not make a valid run.

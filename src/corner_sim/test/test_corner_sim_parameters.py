@@ -7,9 +7,8 @@ import pytest
 from corner_sim.parameters import SHIPPED, SimParameters
 from corner_sim.simulation import Simulation
 from friction_parameters.generated import parameter_file
-from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import load
-from friction_parameters.values import from_mapping
 from vehicle_models.vehicle_file import load_vehicle
 
 FILE = Path(__file__).parents[1] / "config" / "corner_sim.yaml"
@@ -51,20 +50,3 @@ def test_a_bad_value_is_refused_by_the_name_of_its_parameter(name: str, value: o
 def test_an_unknown_parameter_is_refused_by_name() -> None:
     with pytest.raises(ParameterError, match="surfcae"):
         from_mapping(SimParameters, {"surfcae": "dry"})
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("wheels", "vehicle_file"),
-        ("mass", "'mass' of the vehicle file .* of the whole car"),
-        ("height", "'centre_of_gravity_height' of the vehicle file"),
-        ("front_share", "'front_load_share' of the vehicle file"),
-        ("brake_gain", "'brake_gain' of the vehicle file"),
-        ("actuator_delay", r"'actuator\.delay'"),
-        ("apply_rate", r"'actuator\.apply_rate'"),
-    ],
-)
-def test_an_old_name_is_refused_with_its_new_place(old: str, new: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{old}' no longer exists.*{new}"):
-        from_mapping(SimParameters, {old: 1.0})

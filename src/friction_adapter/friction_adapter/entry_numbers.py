@@ -8,7 +8,7 @@ from friction_adapter.map_entries import MapEntries
 from friction_adapter.quantities import Quantity
 from friction_adapter.signal_map import ARRIVAL, Kind
 from friction_adapter.unit_table import EDGES, PERCENT, UNITS, unit_named
-from friction_parameters.yaml_source import Entry, plain
+from friction_parameters.yaml_file import Entry, plain
 from vehicle_models.nanoseconds import NANOSECONDS
 
 NUMBER_KEYS = (

@@ -1,7 +1,6 @@
 """Texts and numbers of a signal map."""
 
-from friction_parameters.yaml_entries import YamlEntries
-from friction_parameters.yaml_source import Entry, plain
+from friction_parameters.yaml_file import Entry, YamlEntries, plain
 
 
 class MapEntries(YamlEntries):

@@ -23,7 +23,7 @@ from friction_adapter.quantities import QUANTITIES
 from friction_adapter.signal_entry import SignalEntry
 from friction_adapter.signal_map import ARRIVAL, CanBus, SignalMap
 from friction_parameters.parameter import ParameterError
-from friction_parameters.yaml_source import Entry, read_yaml, refuse_repeated
+from friction_parameters.yaml_file import Entry, read_yaml
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle_file import load_vehicle, shipped_vehicles, vehicle_choices, vehicle_reference
 
@@ -80,8 +80,6 @@ def load_map(name: str | Path, vehicle: str = "") -> SignalMap:
     """
     path = map_path(name)
     top = read_yaml(path, "signal map")
-    for key, entry in top.items():
-        refuse_repeated(path, key, entry)
     file = MapEntries(path)
     file.known(top, _KEYS)
     if "signals" not in top:

@@ -8,7 +8,7 @@ from friction_adapter.entry_numbers import NUMBER_KEYS, EntryNumbers, check_path
 from friction_adapter.map_entries import MapEntries
 from friction_adapter.quantities import Quantity
 from friction_adapter.signal_map import Flag, Kind, Origin, Signal
-from friction_parameters.yaml_source import Entry, plain
+from friction_parameters.yaml_file import Entry, plain
 from vehicle_models.vehicle import Vehicle, Wheel
 
 _KEYS = ("from", "field", "fields", "valid", *NUMBER_KEYS)

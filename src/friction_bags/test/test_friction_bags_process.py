@@ -23,8 +23,7 @@ from friction_bags.bag_io.cdr import encode, installed_topic
 from friction_bags.offline.graph_stages import graph_stages
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
-from friction_parameters.parameter import ParameterError
-from friction_parameters.values import from_mapping
+from friction_parameters.parameter import ParameterError, from_mapping
 from friction_runtime.message_type import message_class
 from friction_runtime.processor_graph import ProcessorGraph
 from friction_runtime.stamps import from_nanoseconds

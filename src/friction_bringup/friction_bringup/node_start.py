@@ -10,9 +10,8 @@ from typing import Any
 from friction_adapter.map_file import map_reference
 from friction_bags.offline.estimators import needs_curve_of_car
 from friction_bringup import graph
-from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import NodeName, file_values, is_ros_own
-from friction_parameters.values import from_mapping
 from vehicle_models.vehicle_file import load_vehicle, vehicle_reference
 
 Decided = Mapping[str, Mapping[str, graph.ParameterValue]]

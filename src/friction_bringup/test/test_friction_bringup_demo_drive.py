@@ -16,8 +16,7 @@ from corner_sim.simulation import Simulation
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
 from friction_bringup.demo_drive import CARS, ROADS, plant_of_demo
 from friction_bringup.graph import PLANT
-from friction_parameters.parameter import ParameterError
-from friction_parameters.values import from_mapping
+from friction_parameters.parameter import ParameterError, from_mapping
 from friction_report.braking_metrics import right_signs
 from friction_runtime.processor import silent
 from friction_runtime.processor_graph import ProcessorGraph

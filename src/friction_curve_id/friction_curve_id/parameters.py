@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.chapter.friction_samples import FrictionSource
@@ -13,13 +12,12 @@ from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.methods import CHAPTER_METHODS, DEFAULT, METHODS, ChapterParameters, make_estimator
 from friction_curve_id.sample_gate import GateParameters
 from friction_curve_id.vehicle.vehicle_samples import WholeVehicleParameters
-from friction_parameters import shared
 from friction_parameters.generated import ShippedFile
-from friction_parameters.parameter import group, parameter
+from friction_parameters.parameter import deadline_parameter, group, parameter
 from vehicle_models.plausible import HIGHEST_MU
 from vehicle_models.single_corner import CornerParameters
 from vehicle_models.vehicle import Vehicle
-from vehicle_models.vehicle_file import moved, vehicle_file_parameter
+from vehicle_models.vehicle_file import vehicle_file_parameter
 
 AUTO, CAR, VEHICLE, TYRE_FORCE = "auto", "car", "vehicle", "tyre_force"
 SLIP, VEHICLE_VELOCITY, NO_SPEED = "slip", "vehicle_velocity", "none"
@@ -42,39 +40,13 @@ class FrictionCurveParameters:
     )
     abs_activation_slip: float = parameter(0.15, "slip whose first passing is marked", minimum=0.01, maximum=0.9)
     highest_mu: float = parameter(HIGHEST_MU, "a larger mu_max is never valid", minimum=0.1, maximum=10.0)
-    deadline: float = shared.deadline()
+    deadline: float = deadline_parameter()
     gate: GateParameters = group(GateParameters(), selector="method", methods=(AUTO, *METHODS))
     noise: MeasurementNoise = group(MeasurementNoise(), selector="method", methods=(AUTO, *METHODS))
     chapter: ChapterParameters = group(ChapterParameters(), selector="method", methods=tuple(CHAPTER_METHODS))
     car: CarEstimatorParameters = group(CarEstimatorParameters(), selector="method", methods=(AUTO, CAR))
     vehicle: WholeVehicleParameters = group(WholeVehicleParameters(), selector="method", methods=(VEHICLE,))
     tyre_force: TyreForceParameters = group(TyreForceParameters(), selector="method", methods=(TYRE_FORCE,))
-
-    MOVED: ClassVar[Mapping[str, str]] = {
-        "wheels": moved("wheels"),
-        "radii": moved("radius"),
-        "inertias": moved("inertia"),
-        "masses": moved("mass") + ", shared by the wheels as their loads are",
-        "vertical_loads": "it follows from 'mass' and 'front_load_share' of the vehicle file",
-        "brake_gains": moved("brake_gain"),
-        "wheel_speed_variance": "it is 'noise.wheel_speed_variance'",
-        "speed_variance": "it is 'noise.speed_variance'",
-        "torque_variance": "it is 'noise.torque_variance'",
-        "friction_source": "it is 'chapter.friction_source'",
-        "lambda_init": "it is 'chapter.lambda_init', or 'tyre_force.lambda_init' for that method",
-        "initial_samples": "it is 'chapter.initial_samples', or 'tyre_force.initial_samples' for that method",
-        "minimum_speed": "it is 'gate.minimum_speed', or that of the group of the method",
-        "static_loads": moved("front_load_share"),
-        "transfer_shares": "it follows from 'centre_of_gravity_height' and 'wheelbase' of the vehicle file",
-        "rolling_resistance": moved("rolling_resistance"),
-        "drag_per_speed_squared": "it follows from 'drag_area' and 'mass' of the vehicle file",
-        "relaxation_length": moved("relaxation_length"),
-        "timing_stddev": "it is 'vehicle.timing_stddev'",
-        "imu_axis": moved("accelerometer: axis"),
-        "imu_sign": moved("accelerometer: sign"),
-        "imu_offset": moved("accelerometer: offset"),
-        "max_gap": "it is 'gate.max_gap', or that of the group of the method",
-    }
 
     def __post_init__(self) -> None:
         """Refuse combinations that cannot work."""

@@ -5,15 +5,15 @@ from math import isfinite
 
 from friction_curve_id.interface import Reason, Refusal, Sample
 from friction_curve_id.stamp_order import Admission, StampOrder
-from friction_parameters import shared
+from friction_parameters.parameter import max_gap_parameter, minimum_speed_parameter
 
 
 @dataclass(frozen=True)
 class GateParameters:
     """Limits for samples that may enter a fit."""
 
-    minimum_speed: float = shared.minimum_speed(3.0)
-    max_gap: float = shared.max_gap(0.025)
+    minimum_speed: float = minimum_speed_parameter(3.0)
+    max_gap: float = max_gap_parameter(0.025)
 
 
 class SampleGate:

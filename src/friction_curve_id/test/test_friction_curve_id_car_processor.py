@@ -15,7 +15,7 @@ from corner_sim.car.recording import Recording, record
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.ros.car_processor import VEHICLE_FIT, CarProcessor
 from friction_curve_id.ros.processor import build
-from friction_parameters.values import from_mapping
+from friction_parameters.parameter import from_mapping
 from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS

@@ -20,9 +20,8 @@ from friction_curve_id.interface import Reason, RestartCause
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.ros.car_processor import CarProcessor
 from friction_curve_id.ros.processor import CurveProcessor, build
-from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter import ParameterError, from_mapping, ignored
 from friction_parameters.parameter_file import load
-from friction_parameters.values import declared, from_mapping, ignored
 from friction_runtime.processor import Level, Report, silent
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -362,7 +361,7 @@ def test_the_vehicle_without_accelerometer_says_so(clean: Brake) -> None:
         ({"gate": {"minimum_speed": 0.0}}, "gate.minimum_speed"),
         ({"vehicle": {"timing_stddev": 0.0}}, "vehicle.timing_stddev"),
         ({"tyre_force": {"min_load": 0.0}}, "tyre_force.min_load"),
-        ({"wheels": ["front_left"]}, "'wheels' of the vehicle file"),
+        ({"wheels": ["front_left"]}, "unknown parameter 'wheels'"),
     ],
 )
 def test_a_bad_parameter_is_refused_by_name(values: dict[str, Any], named: str) -> None:
@@ -375,16 +374,6 @@ OLD = """wheels method speed_source radii inertias masses vertical_loads brake_g
     transfer_shares rolling_resistance drag_per_speed_squared relaxation_length timing_stddev imu_axis imu_sign
     imu_offset max_gap deadline""".split()
 """Names before there were groups and a vehicle file."""
-
-
-@pytest.mark.parametrize("name", sorted(set(OLD) - set(declared(FrictionCurveParameters))))
-def test_an_old_name_is_refused_with_the_new_place(name: str) -> None:
-    with pytest.raises(ParameterError) as refusal:
-        from_mapping(FrictionCurveParameters, {name: 1.0})
-    before, _, place = str(refusal.value).partition(": it ")
-    assert before == f"parameter '{name}' no longer exists"
-    named = set(place.split("'")[1::2])
-    assert named and ("vehicle file" in place or named <= set(declared(FrictionCurveParameters)))
 
 
 @pytest.mark.parametrize(

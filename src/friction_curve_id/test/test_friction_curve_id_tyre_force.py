@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from friction_curve_id.chapter.tyre_force import TyreForceFitting, TyreForceParameters, TyreForceSample
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
-from friction_parameters.parameter import ParameterError
-from friction_parameters.values import from_mapping
+from friction_parameters.parameter import ParameterError, from_mapping
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
 

@@ -19,8 +19,7 @@ from friction_curve_id.vehicle.vehicle_samples import (
     relaxation_spread,
 )
 from friction_curve_id.vehicle.whole_vehicle import WholeVehicle
-from friction_parameters.parameter import ParameterError
-from friction_parameters.values import from_mapping
+from friction_parameters.parameter import ParameterError, from_mapping
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle import AIR_DENSITY, Deviation, SharedBy, Vehicle

@@ -5,9 +5,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
+from friction_parameters.parameter import declared, holds_constants, only_with, values_of
 from friction_parameters.parameter_file import EVERY_NODE
-from friction_parameters.values import declared, only_with, values_of
-from friction_parameters.yaml_source import yaml_text
+from friction_parameters.yaml_file import yaml_text
 
 _COMMENT_COLUMN = 44
 _INDENT = "  "
@@ -68,6 +68,8 @@ def _number(value: float) -> str:
 def _lines(parameters: Any, indent: str) -> Iterator[str]:
     for each in fields(parameters):
         value = getattr(parameters, each.name)
+        if holds_constants(each.metadata):
+            continue
         if is_dataclass(value):
             yield _commented(f"{indent}{each.name}:", only_with(each.metadata))
             yield from _lines(value, indent + _INDENT)

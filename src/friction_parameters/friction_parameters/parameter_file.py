@@ -17,9 +17,8 @@ from difflib import SequenceMatcher
 from pathlib import Path
 from typing import Any, TypeVar
 
-from friction_parameters.parameter import ParameterError, checked
-from friction_parameters.values import declared, from_mapping, moved, unknown
-from friction_parameters.yaml_source import Entry, occurrences, read_yaml, refuse_repeated
+from friction_parameters.parameter import ParameterError, checked, declared, from_mapping, unknown
+from friction_parameters.yaml_file import Entry, read_yaml
 
 Parameters = TypeVar("Parameters")
 
@@ -47,17 +46,6 @@ class NodeName:
         return f"/{self.namespace.strip('/')}/{self.name}".replace("//", "/")
 
 
-@dataclass(frozen=True)
-class _Section:
-    """Content of a file below the name of a node."""
-
-    name: str
-    """Name of the node with its namespace, from the root."""
-    entry: Entry
-    repeated: str = ""
-    """Text of the error if its name, or a namespace of it, occurs twice; else empty."""
-
-
 def is_ros_own(name: str) -> bool:
     """Whether this is a parameter that ROS declares on every node."""
     return name in _ROS_OWN or name.startswith(_QOS)
@@ -82,26 +70,24 @@ def file_values(cls: type, path: str | Path, node: NodeName) -> dict[str, Any]:
     found: dict[str, Any] = {}
     lines: dict[str, int] = {}
     misspelt = ""
-    for section in _sections(node, "", "", entries):
-        where = f"{path}: line {section.entry.line}"
-        own = section.name.rpartition("/")[2]
+    for section, entry in _sections(node, "", entries):
+        where = f"{path}: line {entry.line}"
+        own = section.rpartition("/")[2]
         if own not in (node.name, *_ANY):
             if _is_misspelt(own, node.name):
-                misspelt = misspelt or f"{where}: section '{section.name}': is '/**/{node.name}' meant?"
+                misspelt = misspelt or f"{where}: section '{section}': is '/**/{node.name}' meant?"
             continue
-        if not re.fullmatch(_pattern(section.name), node.full):
+        if not re.fullmatch(_pattern(section), node.full):
             if own in _ANY:
                 continue
             raise ParameterError(
-                f"{where}: section '{section.name}' is not for the node {node.full}: "
+                f"{where}: section '{section}' is not for the node {node.full}: "
                 f"name it '/**/{node.name}' or '{node.full}'"
             )
-        if section.repeated:
-            raise ParameterError(f"{path}: {section.repeated}")
-        if section.name in lines:
-            raise ParameterError(f"{where}: '{section.name}' is repeated here, first in line {lines[section.name]}")
-        lines[section.name] = section.entry.line
-        found.update(_section_values(cls, path, section, strict=own not in _ANY))
+        if section in lines:
+            raise ParameterError(f"{where}: '{section}' is repeated here, first in line {lines[section]}")
+        lines[section] = entry.line
+        found.update(_section_values(cls, path, section, entry, strict=own not in _ANY))
     if misspelt and not (node.remapped and any(name.endswith(f"/{node.name}") for name in lines)):
         raise ParameterError(misspelt)
     return found
@@ -124,19 +110,16 @@ def load(cls: type[Parameters], path: str | Path, node: str) -> Parameters:
     return from_mapping(cls, {name: value for name, value in values.items() if not is_ros_own(name)})
 
 
-def _sections(node: NodeName, namespace: str, repeated: str, entries: dict[str, Entry]) -> Iterator[_Section]:
-    """Yield the sections of a file in its order, however their namespaces are written."""
-    for key, last in entries.items():
+def _sections(node: NodeName, namespace: str, entries: dict[str, Entry]) -> Iterator[tuple[str, Entry]]:
+    """Yield full name and content of the sections of a file in its order, however their namespaces are written."""
+    for key, entry in entries.items():
         name = f"{namespace}/{key.strip('/')}"
-        again = f"line {last.line}: '{key}' is repeated here, first in line {next(occurrences(last)).line}"
-        for entry in occurrences(last):
-            twice = repeated or (again if last.before else "")
-            below = entry.value
-            meant = key.strip("/").rpartition("/")[2] in (node.name, *_ANY)
-            if isinstance(below, dict) and _KEY not in below and not (meant and not _holds_section(below)):
-                yield from _sections(node, name, twice, below)
-            else:
-                yield _Section(name, entry, twice)
+        below = entry.value
+        meant = key.strip("/").rpartition("/")[2] in (node.name, *_ANY)
+        if isinstance(below, dict) and _KEY not in below and not (meant and not _holds_section(below)):
+            yield from _sections(node, name, below)
+        else:
+            yield name, entry
 
 
 def _holds_section(entries: dict[str, Entry]) -> bool:
@@ -145,15 +128,12 @@ def _holds_section(entries: dict[str, Entry]) -> bool:
     )
 
 
-def _section_values(cls: type, path: str | Path, section: _Section, *, strict: bool) -> dict[str, Any]:
+def _section_values(cls: type, path: str | Path, name: str, section: Entry, *, strict: bool) -> dict[str, Any]:
     """Return the values of one section; a section that is not `strict` may hold parameters of other nodes."""
-    refuse_repeated(path, section.name, section.entry)
-    entries = section.entry.value if isinstance(section.entry.value, dict) else {}
+    entries = section.value if isinstance(section.value, dict) else {}
     strangers = set(entries) - {_KEY}
     if strangers or (strict and _KEY not in entries):
-        raise ParameterError(
-            f"{path}: line {section.entry.line}: section '{section.name}' must hold '{_KEY}' and nothing else"
-        )
+        raise ParameterError(f"{path}: line {section.line}: section '{name}' must hold '{_KEY}' and nothing else")
     values = entries[_KEY].value if entries else {}
     if values is not None and not isinstance(values, dict):
         raise ParameterError(f"{path}: line {entries[_KEY].line}: '{_KEY}' must hold names and values")
@@ -169,7 +149,7 @@ def _section_values(cls: type, path: str | Path, section: _Section, *, strict: b
                 found[name] = ros_value(name, each.value)
             elif name in known:
                 found[name] = checked(name, known[name].hint, known[name].limits, each.value)
-            elif strict or moved(cls, name):
+            elif strict:
                 raise ParameterError(unknown(cls, name))
         except ParameterError as error:
             raise ParameterError(f"{path}: line {each.line}: {error}") from error

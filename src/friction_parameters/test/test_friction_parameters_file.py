@@ -1,19 +1,18 @@
 """Parameter files: values for the node are read; entries that only look meant for it are errors of one line."""
 
 import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import pytest
 import yaml
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from friction_parameters.parameter import ParameterError, group, parameter
+from friction_parameters.parameter import ParameterError, from_mapping, group, parameter
 from friction_parameters.parameter_file import NodeName, file_values, is_ros_own, load
-from friction_parameters.values import from_mapping
 
 
 @dataclass(frozen=True)
@@ -28,8 +27,6 @@ class SlopeParameters:
     distances: tuple[float, ...] = parameter((0.0,), "distances", unit="m", minimum=0.0)
     shadow: bool = parameter(True, "shadow")
     detector: DetectorParameters = group(DetectorParameters())
-
-    MOVED: ClassVar[Mapping[str, str]] = {"radii": "it is 'radius' of the vehicle file"}
 
 
 NODE = NodeName("friction_slope")
@@ -156,13 +153,12 @@ def test_parameters_of_ros_with_a_value_that_ros_could_not_take_are_refused(read
 def test_sections_of_other_nodes_are_ignored_whatever_they_hold(read: Read) -> None:
     found = read("""
         /**/wheel_slip:
-          ros__parameters: {unknown: 1, window: 5, window: 6}
-        /**/wheel_slip:
+          ros__parameters: {unknown: 1, window: 5}
+        /**/corner_sim:
           ros__parameters: 5
         other: {ros__parameters: {method: [mixed, 1, {a: b}]}}
         my_car:
           friction_curve_id: {ros__parameters: {radii: [0.3]}}
-        my_car:
           nothing: {}
         friction_slope_rear: {ros__parameters: {method: wrong}}
         friction_slope2: {ros__parameters: {method: wrong}}
@@ -203,7 +199,7 @@ def test_a_key_that_stands_twice_is_refused_with_both_lines(read: Read, text: st
     assert message.endswith(f"is repeated here, first in line {first}")
 
 
-def test_a_namespace_that_stands_twice_is_refused_where_it_holds_the_node(read: Read) -> None:
+def test_a_namespace_that_stands_twice_is_refused(read: Read) -> None:
     text = "my_car: {friction_slope: {ros__parameters: {}}}\nmy_car: {other: {ros__parameters: {}}}"
     assert refused(read, text, IN_CAR) == "line 2: 'my_car' is repeated here, first in line 1"
 
@@ -256,12 +252,6 @@ def test_an_unknown_parameter_is_refused_in_a_section_of_the_node_only(read: Rea
     message = refused(read, "friction_slope:\n  ros__parameters:\n    detector: {windw: 6}")
     assert message.startswith("line 3: unknown parameter 'detector.windw': known are method, ")
     assert read("/**: {ros__parameters: {windw: 6}}") == {}
-
-
-@pytest.mark.parametrize("section", ["/**/friction_slope", "/**"])
-def test_an_old_name_is_refused_with_the_new_place(read: Read, section: str) -> None:
-    message = refused(read, f"{section}: {{ros__parameters: {{radii: [0.3]}}}}")
-    assert message == "line 1: parameter 'radii' no longer exists: it is 'radius' of the vehicle file"
 
 
 @pytest.mark.parametrize("section", ["/**/friction_slope", "/**"])

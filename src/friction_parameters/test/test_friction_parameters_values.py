@@ -1,15 +1,23 @@
 """Parameters: typed, ranged, nested, refused by name."""
 
 from array import array
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import pytest
 
-from friction_parameters.parameter import ParameterError, group, parameter
-from friction_parameters.values import changed, declared, flattened, from_mapping, ignored, values_of
+from friction_parameters.parameter import (
+    ParameterError,
+    changed,
+    declared,
+    flattened,
+    from_mapping,
+    group,
+    ignored,
+    parameter,
+    values_of,
+)
 
 
 @dataclass(frozen=True)
@@ -43,8 +51,6 @@ class ExampleParameters:
     shadow: bool = parameter(True, "shadow", read_only=True)
     detector: DetectorParameters = group(DetectorParameters(threshold=-2.0))
     no_slip: NoSlipParameters = group(NoSlipParameters(), selector="method", methods=("no_slip", "both", "all"))
-
-    MOVED: ClassVar[Mapping[str, str]] = {"window": "it is 'detector.window.length'"}
 
     def __post_init__(self) -> None:
         if len(self.surfaces) > len(self.radius):
@@ -139,11 +145,6 @@ def test_an_unknown_name_is_refused_with_those_there_are() -> None:
 def test_a_name_that_lacks_its_groups_is_refused_with_the_whole_name() -> None:
     with pytest.raises(ParameterError, match=r"^unknown parameter 'wait', perhaps .*no_slip\.wait: known are "):
         from_mapping(ExampleParameters, {"wait": 0.1})
-
-
-def test_an_old_name_is_refused_with_the_new_place() -> None:
-    with pytest.raises(ParameterError, match=r"^parameter 'window' no longer exists: it is 'detector.window.length'$"):
-        from_mapping(ExampleParameters, {"window": 5})
 
 
 def test_a_combination_is_refused_by_the_group_that_minds_it() -> None:

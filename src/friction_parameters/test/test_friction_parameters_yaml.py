@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_parameters.parameter import ParameterError
-from friction_parameters.yaml_source import read_value, yaml_text
+from friction_parameters.yaml_file import read_value, yaml_text
 
 
 @pytest.mark.parametrize(

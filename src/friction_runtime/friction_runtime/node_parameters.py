@@ -7,9 +7,17 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from friction_parameters.parameter import ParameterError, checked, converted
+from friction_parameters.parameter import (
+    Declared,
+    ParameterError,
+    changed,
+    checked,
+    converted,
+    declared,
+    unknown,
+    values_of,
+)
 from friction_parameters.parameter_file import is_ros_own
-from friction_parameters.values import Declared, changed, declared, unknown, values_of
 
 Parameters = TypeVar("Parameters")
 

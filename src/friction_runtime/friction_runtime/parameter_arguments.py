@@ -10,10 +10,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from friction_parameters.parameter import ParameterError, checked
+from friction_parameters.parameter import ParameterError, checked, declared, unknown
 from friction_parameters.parameter_file import NodeName, file_values, is_ros_own, ros_value
-from friction_parameters.values import declared, unknown
-from friction_parameters.yaml_source import read_value, yaml_text
+from friction_parameters.yaml_file import read_value, yaml_text
 
 _BEGIN, _END = "--ros-args", "--"
 _FILE = "--params-file"

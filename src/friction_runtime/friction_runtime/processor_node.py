@@ -17,8 +17,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from std_srvs.srv import Trigger
 
-from friction_parameters.parameter import ParameterError
-from friction_parameters.values import ignored
+from friction_parameters.parameter import ParameterError, ignored
 from friction_runtime import qos
 from friction_runtime.guarded import Guarded
 from friction_runtime.node_parameters import declare

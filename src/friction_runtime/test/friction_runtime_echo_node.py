@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from friction_msgs.msg import BrakeDemand, WheelSlip
 
@@ -12,7 +12,7 @@ from friction_runtime.processor import Health, Output, Report
 from friction_runtime.processor_node import ProcessorNode
 from friction_runtime.spin import run
 from vehicle_models.vehicle import Vehicle
-from vehicle_models.vehicle_file import moved, vehicle_file_parameter
+from vehicle_models.vehicle_file import vehicle_file_parameter
 
 MUCH = 1e6
 """Demand [Pa] that is answered, with a warning."""
@@ -44,8 +44,6 @@ class EchoParameters:
     method: str = parameter("plain", "what is echoed", choices=("plain", "mirror"))
     filter: FilterParameters = group(FilterParameters())
     mirror: MirrorParameters = group(MirrorParameters(), selector="method", methods=("mirror",))
-
-    MOVED: ClassVar[Mapping[str, str]] = {"wheels": moved("wheels"), "offset": "it is 'filter.offset'"}
 
 
 class Echo:

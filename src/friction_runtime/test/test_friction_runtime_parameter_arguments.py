@@ -1,9 +1,8 @@
 """Command lines with checked parameters; sections, order and values have the same meaning as in ROS."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import pytest
 import rclpy
@@ -29,8 +28,6 @@ class EchoParameters:
     names: tuple[str, ...] = parameter(("a",), "names")
     distances: tuple[float, ...] = parameter((0.0,), "distances")
     filter: FilterParameters = group(FilterParameters())
-
-    MOVED: ClassVar[Mapping[str, str]] = {"factor": "it is 'gain'"}
 
 
 def checked(directory: Path, *arguments: str) -> list[str]:
@@ -138,7 +135,6 @@ def test_arguments_of_the_user_and_of_other_nodes_are_left_alone(tmp_path: Path)
     ("arguments", "text"),
     [
         (["-p", "gian:=1"], "node /echo: unknown parameter 'gian': known are gain, count, "),
-        (["-p", "factor:=1"], "node /echo: parameter 'factor' no longer exists: it is 'gain'"),
         (["-p", "gain:=11"], "parameter 'gain' = 11.0 is outside [0.0, 10.0]"),
         (["-p", "distances:=[0, x]"], "parameter 'distances' = 'x' must be of type float"),
         (["-p", "gain:=[1"], "-p gain:=[1: line 1: not YAML: "),

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from math import isfinite, isnan, nan
 from typing import Final
 
-from friction_parameters import shared
-from friction_parameters.parameter import parameter
+from friction_parameters.parameter import max_gap_parameter, minimum_speed_parameter, parameter
 from friction_slope.crossing import CrossingDetector
 from friction_slope.doubt import Doubt
 from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
@@ -74,7 +73,7 @@ class DetectorParameters:
     braking_hold: float = parameter(
         0.3, "time for which a released wheel still counts as braked", unit="s", minimum=0.0, maximum=10.0
     )
-    minimum_speed: float = shared.minimum_speed(1.5)
+    minimum_speed: float = minimum_speed_parameter(1.5)
     max_deceleration: float = parameter(
         12.0,
         "hardest braking of any car: bounds an unknown vehicle speed, to distinguish a locked wheel from standstill",
@@ -91,7 +90,7 @@ class DetectorParameters:
         minimum=0.0,
         maximum=1000.0,
     )
-    max_gap: float = shared.max_gap(0.03)
+    max_gap: float = max_gap_parameter(0.03)
 
     def __post_init__(self) -> None:
         """Refuse a window too short for its polynomial."""

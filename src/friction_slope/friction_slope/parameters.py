@@ -1,16 +1,14 @@
 """Parameters of friction_slope: of the node, the bag runner and the parameter files."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import ClassVar
+from dataclasses import dataclass
 
-from friction_parameters import shared
 from friction_parameters.generated import ShippedFile
-from friction_parameters.parameter import group, parameter
+from friction_parameters.parameter import deadline_parameter, group, parameter
 from friction_slope.detector import DetectorParameters, NoSlipParameters
 from friction_slope.estimate import METHODS
 from friction_slope.vote import VoteParameters
-from vehicle_models.vehicle_file import moved, vehicle_file_parameter
+from vehicle_models.vehicle_file import vehicle_file_parameter
 
 
 @dataclass(frozen=True)
@@ -26,17 +24,7 @@ class FrictionSlopeParameters:
     detector: DetectorParameters = group(DetectorParameters())
     no_slip: NoSlipParameters = group(NoSlipParameters())
     vote: VoteParameters = group(VoteParameters())
-    deadline: float = shared.deadline(0.03)
-
-    MOVED: ClassVar[Mapping[str, str]] = {
-        "wheels": moved("wheels"),
-        "radii": moved("radius"),
-        "inertias": moved("inertia"),
-        "vertical_loads": "they follow from 'mass' and 'front_load_share' of the vehicle file ('vehicle_file')",
-        "brake_gains": moved("brake_gain"),
-        **{each.name: f"it is 'detector.{each.name}'" for each in fields(DetectorParameters)},
-        **{each.name: f"it is 'no_slip.{each.name}'" for each in fields(NoSlipParameters)},
-    }
+    deadline: float = deadline_parameter(0.03)
 
     def __post_init__(self) -> None:
         """Refuse a prediction as an estimate: a file from before the vote had its own group tunes the vote with it."""

@@ -11,8 +11,8 @@ from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
 from dds_client import dds_client, output_of, stop
+from friction_parameters.parameter import changed
 from friction_parameters.parameter_file import load
-from friction_parameters.values import changed
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
 from friction_slope.parameters import FrictionSlopeParameters

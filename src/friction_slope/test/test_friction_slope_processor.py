@@ -16,9 +16,8 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
 
-from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter import ParameterError, changed, from_mapping, ignored
 from friction_parameters.parameter_file import load
-from friction_parameters.values import changed, from_mapping, ignored
 from friction_runtime.processor import Level, Output
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from friction_slope.detector import DetectorParameters, NoSlipParameters
@@ -446,25 +445,6 @@ def test_vote_does_not_wait_for_a_late_acceleration_and_comes_before_the_estimat
 def test_bad_parameters_are_refused_by_name(values: dict[str, Any], named: str) -> None:
     with pytest.raises(ParameterError, match=named):
         from_mapping(FrictionSlopeParameters, values)
-
-
-@pytest.mark.parametrize(
-    ("name", "place"),
-    [
-        ("wheels", "vehicle file"),
-        ("radii", "'radius' of the vehicle file"),
-        ("inertias", "'inertia' of the vehicle file"),
-        ("vertical_loads", "'mass' and 'front_load_share' of the vehicle file"),
-        ("brake_gains", "'brake_gain' of the vehicle file"),
-        ("window", "'detector.window'"),
-        ("max_gap", "'detector.max_gap'"),
-        ("eta_margin", "'no_slip.eta_margin'"),
-        ("slip_at_crossing", "'no_slip.slip_at_crossing'"),
-    ],
-)
-def test_old_name_of_a_parameter_is_refused_with_its_new_place(name: str, place: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{name}' no longer exists: .*{place}"):
-        from_mapping(FrictionSlopeParameters, {name: 1.0})
 
 
 def test_parameters_of_no_slip_serve_both_methods() -> None:

@@ -2,13 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import group, parameter
 from smart_tyre_forces.correction import ZeroParameters
 from smart_tyre_forces.patch_tracker import TrackerParameters
-from vehicle_models.vehicle_file import moved, vehicle_file_parameter
+from vehicle_models.vehicle_file import vehicle_file_parameter
 
 
 @dataclass(frozen=True)
@@ -26,20 +25,6 @@ class SmartTyreParameters:
     publish_wrench: bool = parameter(False, "publish <wheel>/tyre_wrench beside tyre_force")
     tracker: TrackerParameters = group(TrackerParameters())
     zero: ZeroParameters = group(ZeroParameters())
-
-    MOVED: ClassVar[Mapping[str, str]] = {
-        "wheels": moved("wheels"),
-        "tyre_radius": moved("radius"),
-        "teeth": moved("encoder_teeth"),
-        **{
-            name: f"it is 'tracker.{name}'"
-            for name in ("sample_rate", "minimum_speed", "maximum_speed", "acceleration_range")
-        },
-        "encoder_hysteresis": "it is 'tracker.crossings.hysteresis'",
-        "interval_ratio": "it is 'tracker.crossings.interval_ratio'",
-        **{f"zero_{name}": f"it is 'zero.{name}'" for name in ("duration", "speed_spread", "maximum_speed")},
-        "pressure_tolerance": "it is 'zero.pressure_tolerance'",
-    }
 
     def __post_init__(self) -> None:
         """Refuse a template without the file that holds it."""

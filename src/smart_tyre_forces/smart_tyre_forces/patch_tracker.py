@@ -10,8 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_parameters import shared
-from friction_parameters.parameter import group, parameter
+from friction_parameters.parameter import group, minimum_speed_parameter, parameter
 from smart_tyre_forces.encoder_crossings import CrossingParameters, EncoderCrossings
 from smart_tyre_forces.front_template import FrontRefiner
 from smart_tyre_forces.fronts import FREE_BEGIN, FREE_END, WINDOW_END, find_fronts, noise_over_slope
@@ -44,7 +43,7 @@ class TrackerParameters:
     """The sensors of a wheel, and the speeds at which they show the contact patch."""
 
     sample_rate: float = parameter(1.0e4, "rate of the tyre signals", unit="Hz", minimum=5e3, maximum=1e5)
-    minimum_speed: float = shared.minimum_speed(5.0)
+    minimum_speed: float = minimum_speed_parameter(5.0)
     maximum_speed: float = parameter(
         35.0, "no estimate above this vehicle speed", unit="m/s", minimum=5.0, maximum=100.0
     )

@@ -12,9 +12,8 @@ from sensor_msgs.msg import Imu
 from std_msgs.msg import Header
 
 from friction_parameters.generated import parameter_file
-from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import load
-from friction_parameters.values import declared, from_mapping
 from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces.calibration import Calibration, TyreCalibration, WheelCalibration
@@ -89,14 +88,6 @@ def test_bad_parameters_are_refused_by_name(values: dict[str, Any], said: str) -
 
 OLD = """wheels sample_rate tyre_radius teeth encoder_hysteresis interval_ratio acceleration_range minimum_speed
 maximum_speed zero_duration zero_speed_spread zero_maximum_speed pressure_tolerance"""
-
-
-@pytest.mark.parametrize("name", OLD.split())
-def test_old_parameter_is_refused_with_its_new_place(name: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{name}' no longer exists: ") as refused:
-        from_mapping(SmartTyreParameters, {name: 1.0})
-    place = str(refused.value).split("'")[3]
-    assert "vehicle file" in str(refused.value) or place in declared(SmartTyreParameters)
 
 
 def changed(**values: Any) -> Vehicle:

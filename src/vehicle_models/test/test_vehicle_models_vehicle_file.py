@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from friction_parameters.parameter import ParameterError
 from vehicle_models.vehicle import Accelerometer, Deviation, SharedBy, Vehicle, Wheel
-from vehicle_models.vehicle_file import file_keys, load_vehicle, moved, shipped_vehicles, vehicle_path
+from vehicle_models.vehicle_file import file_keys, load_vehicle, shipped_vehicles, vehicle_path
 
 CAR = """\
 name: my car
@@ -273,10 +273,6 @@ def test_a_vehicle_that_does_not_exist_is_refused_with_those_shipped(name: str) 
 def test_no_vehicle_is_refused_with_those_shipped() -> None:
     with pytest.raises(ParameterError, match=r"no vehicle file is given .*'vehicle_file'.* bmw_m8, chapter_car"):
         load_vehicle("")
-
-
-def test_an_old_parameter_is_told_its_key() -> None:
-    assert moved("radius") == "it is 'radius' of the vehicle file (parameter 'vehicle_file')"
 
 
 KEYS = [

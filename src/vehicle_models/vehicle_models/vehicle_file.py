@@ -29,8 +29,7 @@ from typing import Any, get_type_hints
 
 from friction_parameters.generated import range_text
 from friction_parameters.parameter import ParameterError, checked, parameter
-from friction_parameters.yaml_entries import YamlEntries
-from friction_parameters.yaml_source import Entry, plain, read_yaml, refuse_repeated
+from friction_parameters.yaml_file import Entry, YamlEntries, plain, read_yaml
 from vehicle_models.vehicle import FRONT, REAR, Accelerometer, Deviation, SharedBy, Vehicle, Wheel
 
 _SHIPPED = Path(__file__).parent / "vehicles"
@@ -89,11 +88,6 @@ def vehicle_file_parameter(default: str = "") -> Any:
     """Parameter `vehicle_file` of a node."""
     text = "the car: path of a vehicle file, or the name of a shipped one"
     return parameter(default, text, read_only=True)
-
-
-def moved(key: str) -> str:
-    """Text for MOVED of a node: the parameter is now a key of the vehicle file."""
-    return f"it is '{key}' of the vehicle file (parameter 'vehicle_file')"
 
 
 def load_vehicle(name: str | Path) -> Vehicle:
@@ -184,8 +178,6 @@ def _in_brackets(unit: str) -> str:
 
 
 def _vehicle(file: _File, entries: dict[str, Entry]) -> Vehicle:
-    for key, entry in entries.items():
-        refuse_repeated(file.path, key, entry)
     parts = ("accelerometer", "all_wheels", "axles", "wheels")
     file.known(entries, ("name", *file_keys(Vehicle), *parts))
     for key in ("name", "wheels"):

@@ -4,7 +4,7 @@ from dataclasses import fields
 from typing import Any
 
 from friction_parameters.generated import range_text, table_row
-from friction_parameters.yaml_source import yaml_text
+from friction_parameters.yaml_file import yaml_text
 from vehicle_models.vehicle import Accelerometer, Vehicle, Wheel
 from vehicle_models.vehicle_file import TWO_AXLES_NEED, file_keys, required_keys
 

@@ -14,9 +14,8 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import Imu, JointState
 
 from friction_parameters.generated import parameter_file
-from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import load
-from friction_parameters.values import declared, from_mapping
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimate import Reason, SpeedSource
@@ -285,14 +284,6 @@ OLD = """wheels radii driven_wheels wheel_speed_stddev wheel_jerk_density imu_ax
 acceleration_stddev offset_stddev offset_walk blind_offset_walk slide_window slide_threshold slide_above roll_below
 slip_per_acceleration radius_uncertainty speed_stddev speed_latency speed_wait speed_timeout minimum_speed
 max_slip_stddev learn_radii max_gap"""
-
-
-@pytest.mark.parametrize("name", OLD.split())
-def test_old_parameter_is_refused_with_its_new_place(name: str) -> None:
-    with pytest.raises(ParameterError, match=f"'{name}' no longer exists: ") as refused:
-        from_mapping(WheelSlipParameters, {name: 1.0})
-    place = str(refused.value).split("'")[3]
-    assert "vehicle file" in str(refused.value) or place in declared(WheelSlipParameters)
 
 
 def test_mounting_of_the_accelerometer_is_that_of_the_car(processor: CarProcessor) -> None:

@@ -15,7 +15,7 @@ from corner_sim.car.recording import record
 from corner_sim.car.tyre import TYRES
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
-from friction_parameters.values import from_mapping
+from friction_parameters.parameter import from_mapping
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimate import Reason
 from wheel_slip.estimator import SlipEstimator

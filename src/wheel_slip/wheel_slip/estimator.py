@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from math import isfinite, nan, sqrt
 from typing import NamedTuple
 
-from friction_parameters import shared
-from friction_parameters.parameter import group, parameter
+from friction_parameters.parameter import group, max_gap_parameter, minimum_speed_parameter, parameter
 from vehicle_models.plausible import HIGHEST_SLIP, is_vague
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimate import Mode, Reason, WheelEstimate
@@ -27,8 +26,8 @@ from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilte
 class EstimatorParameters:
     """When there is a slip, and the parameters of the filters below it."""
 
-    minimum_speed: float = shared.minimum_speed(1.0)
-    max_gap: float = shared.max_gap(0.1)
+    minimum_speed: float = minimum_speed_parameter(1.0)
+    max_gap: float = max_gap_parameter(0.1)
     max_slip_stddev: float = parameter(0.2, "no slip where its standard deviation is larger", minimum=1e-3, maximum=1.0)
     learn_radii: bool = parameter(
         False, "calibrate the radii against vehicle_velocity while the car coasts, and use them"

@@ -2,12 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
-from friction_parameters import shared
 from friction_parameters.generated import ShippedFile
-from friction_parameters.parameter import group, parameter
-from vehicle_models.vehicle_file import moved, vehicle_file_parameter
+from friction_parameters.parameter import deadline_parameter, group, parameter
+from vehicle_models.vehicle_file import vehicle_file_parameter
 from wheel_slip.estimator import EstimatorParameters
 
 
@@ -36,32 +34,9 @@ class WheelSlipParameters:
 
     vehicle_file: str = vehicle_file_parameter()
     use_imu: bool = parameter(True, "take imu/data and wait for it")
-    deadline: float = shared.deadline()
+    deadline: float = deadline_parameter()
     speed_sensor: SpeedSensorParameters = group(SpeedSensorParameters())
     estimator: EstimatorParameters = group(EstimatorParameters())
-
-    MOVED: ClassVar[Mapping[str, str]] = {
-        "wheels": moved("wheels"),
-        "radii": moved("radius"),
-        "driven_wheels": moved("driven"),
-        **{f"imu_{name}": moved(f"accelerometer.{name}") for name in ("axis", "sign", "offset")},
-        **{f"speed_{name}": f"it is 'speed_sensor.{name}'" for name in ("stddev", "latency", "wait")},
-        "speed_timeout": "it is 'estimator.vehicle_speed.sensor_timeout'",
-        **{
-            name: f"it is 'estimator.{name}'" for name in ("minimum_speed", "max_gap", "max_slip_stddev", "learn_radii")
-        },
-        "wheel_speed_stddev": "it is 'estimator.wheel_filter.speed_stddev'",
-        "wheel_jerk_density": "it is 'estimator.wheel_filter.jerk_density'",
-        **{name: f"it is 'estimator.vehicle_speed.{name}'" for name in ("slip_per_acceleration", "radius_uncertainty")},
-        **{
-            name: f"it is 'estimator.vehicle_speed.speed_filter.{name}'"
-            for name in ("acceleration_stddev", "offset_stddev", "offset_walk", "blind_offset_walk")
-        },
-        "slide_window": "it is 'estimator.vehicle_speed.slide.window'",
-        "slide_threshold": "it is 'estimator.vehicle_speed.slide.threshold'",
-        "slide_above": "it is 'estimator.vehicle_speed.slide.slide_above'",
-        "roll_below": "it is 'estimator.vehicle_speed.slide.roll_below'",
-    }
 
 
 SHIPPED: Mapping[str, ShippedFile] = {

@@ -23,7 +23,7 @@ from friction_bags.offline.estimators import (
     read_parameters,
     vehicle_of,
 )
-from friction_parameters.values import from_mapping, values_of
+from friction_parameters.parameter import from_mapping, values_of
 from friction_runtime.processor import Processor, Report, Severity
 from friction_runtime.report_kind import report_kind
 from friction_runtime.shipped_files import shipped_parameters

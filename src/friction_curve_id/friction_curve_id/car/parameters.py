@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from friction_curve_id.car.curve_family import PUBLISHED_ROADS, SHAPE_PRIORS, Family, ShapePrior
-from friction_parameters import shared
-from friction_parameters.parameter import parameter
+from friction_parameters.parameter import max_gap_parameter, minimum_speed_parameter, parameter
 
 ANY = "any"
 
@@ -26,8 +25,8 @@ class CarEstimatorParameters:
     torque_stddev: float = parameter(
         5.0, "standard deviation of what the wheel equation leaves out", unit="N m", minimum=0.01, maximum=1000.0
     )
-    minimum_speed: float = shared.minimum_speed(3.0)
-    max_gap: float = shared.max_gap(0.05)
+    minimum_speed: float = minimum_speed_parameter(3.0)
+    max_gap: float = max_gap_parameter(0.05)
 
     def families(self) -> Mapping[Family, ShapePrior]:
         """Formulas to fit, each with the prior of its shape."""

@@ -12,8 +12,7 @@ from friction_curve_id.chapter.friction_samples import LARGEST_FRICTION, Frictio
 from friction_curve_id.chapter.maximum_likelihood import MaximumLikelihood
 from friction_curve_id.chapter.start_parameters import StartParameters
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal
-from friction_parameters import shared
-from friction_parameters.parameter import parameter
+from friction_parameters.parameter import max_gap_parameter, parameter
 
 _BRAKING_FRICTION = 0.02
 """mu [-] from which the brake counts as applied."""
@@ -40,7 +39,7 @@ class TyreForceParameters(StartParameters):
     """When a fit begins, and which samples may enter it."""
 
     min_load: float = parameter(200.0, "no friction from a vertical load below", unit="N", minimum=1.0, maximum=1e5)
-    max_gap: float = shared.max_gap(1.0)
+    max_gap: float = max_gap_parameter(1.0)
 
 
 class TyreForceFitting:

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.interface import Reason, Refusal
-from friction_parameters import shared
-from friction_parameters.parameter import parameter
+from friction_parameters.parameter import max_gap_parameter, minimum_speed_parameter, parameter
 from vehicle_models.plausible import HIGHEST_ACCELERATION
 from vehicle_models.single_corner import GRAVITY
 from vehicle_models.vehicle import AIR_DENSITY, Vehicle
@@ -34,11 +33,11 @@ class WholeVehicleParameters:
         minimum=1e-4,
         maximum=0.1,
     )
-    minimum_speed: float = shared.minimum_speed(6.0)
+    minimum_speed: float = minimum_speed_parameter(6.0)
     min_deceleration: float = parameter(
         2.0, "deceleration above which the car brakes, not coasts", unit="m/s^2", minimum=0.1, maximum=10.0
     )
-    max_gap: float = shared.max_gap(0.1)
+    max_gap: float = max_gap_parameter(0.1)
 
 
 def relaxation_spread(vehicle: Vehicle) -> float:

@@ -1,11 +1,11 @@
-"""YAML with line numbers and repeated keys; scalars have the types that the parser of ROS gives them.
+"""YAML files with line numbers; scalars have the types that the parser of ROS gives them.
 
 So a value in a parameter file, after `-p` and in a vehicle file is read in the same way. Only y and n stay strings,
-because y is an axis. Aliases and tags of other kinds are refused.
+because y is an axis. Repeated keys, aliases and tags of other kinds are refused.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -37,15 +37,44 @@ class Entry:
     """Line of its key, from 1."""
     value: Any
     """A scalar, a list, or a dict of Entry."""
-    before: "Entry | None" = None
-    """Entry of the same key further up, if it occurs there too."""
+
+
+class YamlEntries:
+    """Entries of one file; errors name file and line."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def error(self, entry: Entry, text: str) -> ParameterError:
+        """Return an error at an entry."""
+        return ParameterError(f"{self.path}: line {entry.line}: {text}")
+
+    def mapping(self, key: str, entry: Entry) -> dict[str, Entry]:
+        """Return the entries of a mapping.
+
+        Raises:
+            ParameterError: it is none.
+        """
+        if not isinstance(entry.value, dict):
+            raise self.error(entry, f"'{key}' must hold keys and values")
+        return entry.value
+
+    def known(self, entries: Mapping[str, Entry], known: Collection[str]) -> None:
+        """Refuse a key that is unknown here.
+
+        Raises:
+            ParameterError: a key is unknown; the text names those that are known.
+        """
+        for key, entry in entries.items():
+            if key not in known:
+                raise self.error(entry, f"unknown key '{key}': known here are {', '.join(known)}")
 
 
 def read_yaml(path: str | Path, what: str) -> dict[str, Entry]:
     """Read a file that holds one mapping; `what` kind of file it is stands in the text where it cannot be read.
 
     Raises:
-        ParameterError: the file cannot be read, is not YAML, or its top level is not a mapping; one line of text.
+        ParameterError: the file cannot be read, is not YAML, a key is repeated, or its top level is not a mapping.
     """
     try:
         node = _node(Path(path).read_text(encoding="utf-8"))
@@ -95,26 +124,6 @@ def plain(value: Any) -> Any:
     return value
 
 
-def occurrences(entry: Entry) -> Iterator[Entry]:
-    """Yield the entries of a key, from its first occurrence to the last."""
-    if entry.before is not None:
-        yield from occurrences(entry.before)
-    yield entry
-
-
-def refuse_repeated(path: str | Path, key: str, entry: Entry) -> None:
-    """Refuse a repeated key: this one, or one below it.
-
-    Raises:
-        ParameterError: a key occurs twice; the text has both lines.
-    """
-    if entry.before is not None:
-        raise ParameterError(f"{path}: line {entry.line}: '{key}' is repeated here, first in line {entry.before.line}")
-    if isinstance(entry.value, dict):
-        for inner, below in entry.value.items():
-            refuse_repeated(path, inner, below)
-
-
 class _Loader(yaml.BaseLoader):
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         if self.check_event(yaml.AliasEvent):
@@ -142,7 +151,9 @@ def _mapping(node: yaml.MappingNode, depth: int) -> dict[str, Entry]:
         if not isinstance(key_node, yaml.ScalarNode):
             raise ParameterError(f"line {line}: a key must be a text")
         key = str(key_node.value)
-        found[key] = Entry(line, _value(value_node, depth + 1), found.get(key))
+        if key in found:
+            raise ParameterError(f"line {line}: '{key}' is repeated here, first in line {found[key].line}")
+        found[key] = Entry(line, _value(value_node, depth + 1))
     return found
 
 
