@@ -37,7 +37,6 @@ import wheel_slip.estimate
 
 SOURCES = Path(__file__).parents[1] / "src"
 MIRRORED: list[tuple[type[IntEnum], Any, str]] = [
-    (abs_supervisor.fsm.Command, BrakeCommand, ""),
     (vehicle_models.brake_actuator.Command, BrakeCommand, ""),
     (abs_supervisor.fsm.Cause, SupervisorState, "CAUSE_"),
     (abs_supervisor.fsm.State, SupervisorState, "S0 S1 S21 S22"),

@@ -19,7 +19,7 @@ from progress import run_with_progress
 COMPILED = {
     "friction_runtime": "aligned_processor aligner brake_torque cdr_codec cdr_layout new_message pressure_watch "
     "primary processor_graph reason_text slip_fault stamp_progress stamps wheel_speeds wire",
-    "vehicle_models": "acceleration_unit derivatives plausible pressure_unit slowest_car wheel_load",
+    "vehicle_models": "acceleration_unit derivatives physical_bounds pressure_unit wheel_load",
     "wheel_slip": "accelerometer_age accelerometer_watch brake_pressures carried_wheels close_wheel estimate estimator "
     "free_rolling mode online_radii outvoted processor radius_calibration radius_doubt released_wheels ring_gap "
     "sensor_age sensor_skew sensor_watch slide_detector slip slope_watch speed_filter speed_parameters speed_queue "

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from abs_supervisor.fsm import Command
 from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
 from abs_supervisor.law.road_curve import RoadCurve
 from abs_supervisor.law.usable_curve import CurveReport, Estimate
@@ -11,6 +10,7 @@ from benchmarks.closed_loop.panic_stop import PanicStops, brake_to_rest
 from benchmarks.closed_loop.trouble import Trouble
 from benchmarks.protocol import STEP
 from vehicle_models import burckhardt
+from vehicle_models.brake_actuator import Command
 
 _SEEN = 3
 """Valid reports after which the law takes the peak as seen."""

@@ -19,8 +19,8 @@ from corner_sim.road import Road
 from corner_sim.sensors import Sensors
 from friction_runtime.processor import Output
 from vehicle_models.brake_actuator import ActuatorParameters, Command
+from vehicle_models.constants import GRAVITY
 from vehicle_models.sensor_noise import CHAPTER_NOISE
-from vehicle_models.single_corner import GRAVITY
 from vehicle_models.vehicle_file import load_vehicle
 
 ROAD = "dry"

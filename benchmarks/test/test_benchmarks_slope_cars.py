@@ -14,7 +14,7 @@ from benchmarks.slope.ordinary_braking import ordinary_braking, sensor_messages
 from corner_sim.plant import SAMPLE_TIME
 from friction_bags.experiments.stops import STOPS
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import GRAVITY
 
 SETTINGS = shipped_settings(imu=True)
 

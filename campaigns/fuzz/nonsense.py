@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf, isinf, isnan, pi
 from typing import Any
 
-from vehicle_models.plausible import HIGHEST_SPEED, HIGHEST_WHEEL_SPEED
+from vehicle_models.physical_bounds import HIGHEST_SPEED, HIGHEST_WHEEL_SPEED
 
 _WITHIN = {
     "WheelSlip": {

@@ -5,8 +5,7 @@ that has been released once is therefore kept before it: the pressure does not r
 """
 
 from abs_supervisor.fast_dive import FastDive
-from abs_supervisor.fsm import Command
-from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.single_corner import CornerParameters
 
 

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import Final
 
 from abs_supervisor.fast_dive import FastDive
-from abs_supervisor.fsm import Command
 from abs_supervisor.law.brake_line import BrakeLine
 from abs_supervisor.release_caps import Cap, CapParameters, ReleaseCaps
 from abs_supervisor.release_evidence import EvidenceParameters, Release, ReleaseEvidence, Wheel
 from abs_supervisor.road_torque import RoadTorque
 from friction_parameters.parameter import group
-from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import CornerParameters
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from friction_parameters.parameter import parameter
+from vehicle_models.brake_actuator import Command
 
 
 class State(IntEnum):
@@ -38,15 +39,6 @@ class Cause(IntEnum):
     FAIL_SAFE = 7
     RESET = 8
     LOW_SPEED = 9
-
-
-class Command(IntEnum):
-    """Command to the ABS core; the values are those of friction_msgs/BrakeCommand."""
-
-    NONE = 0
-    INCREASE = 1
-    HOLD = 2
-    DECREASE = 3
 
 
 COMMANDS = {

@@ -8,14 +8,13 @@ from math import isfinite, nan
 from typing import Final
 
 from abs_supervisor.envelope import Envelope, EnvelopeParameters
-from abs_supervisor.fsm import Command
 from abs_supervisor.pressure_check import PressureCheck
 from abs_supervisor.release_evidence import Wheel
 from abs_supervisor.speed_trend import SpeedTrend
 from abs_supervisor.wheel_check import Surroundings, WheelCheck
-from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.brake_actuator import ActuatorParameters, Command
+from vehicle_models.physical_bounds import SlowestCar
 from vehicle_models.single_corner import CornerParameters
-from vehicle_models.slowest_car import SlowestCar
 
 _BRAKED: Final = 20.0
 """[N m] below this, measured and demanded, a wheel rolls freely."""

@@ -9,8 +9,7 @@ from collections import deque
 from math import nan
 from typing import Final
 
-from abs_supervisor.fsm import Command
-from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _LATE: Final = 0.025

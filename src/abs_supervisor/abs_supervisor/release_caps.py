@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
-from abs_supervisor.fsm import Command
 from friction_parameters.parameter import parameter
-from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
 
 

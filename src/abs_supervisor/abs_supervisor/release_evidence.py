@@ -9,9 +9,9 @@ from abs_supervisor.own_fall import OwnFall
 from abs_supervisor.rolling_scatter import RollingScatter
 from abs_supervisor.wheel_motion import ORDINARY_STDDEV, WheelMotion
 from friction_parameters.parameter import parameter
+from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.single_corner import GRAVITY
-from vehicle_models.slowest_car import HARDEST_BRAKING, SlowestCar
+from vehicle_models.physical_bounds import HARDEST_BRAKING, SlowestCar
 
 
 class Release(IntEnum):

@@ -11,10 +11,9 @@ from typing import Final
 from abs_supervisor.coming_back import ComingBack
 from abs_supervisor.sudden_stop import SuddenStop
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION, LOWEST_APPARENT_FRICTION
 from vehicle_models.single_corner import CornerParameters
 
-_HIGHEST_FRICTION: Final = 1.5
-"""Of any road."""
 _LOAD_TRANSFER: Final = 2.0
 """Largest load of a wheel over that at rest."""
 _JITTER: Final = 2.0
@@ -45,8 +44,6 @@ _FREE_FOR: Final = 1.0
 """[s] after the brake."""
 _BRAKED: Final = 50.0
 """[N m]"""
-_LEAST_FRICTION: Final = 0.035
-"""Of any road: wet ice has 0.05, the brake may be stronger than its gain says, and the load less."""
 _RELEASED_FOR: Final = 0.08
 """[s] beyond `_TORQUE_MEMORY`; a locked wheel has 1 m/s by then."""
 _GAP: Final = 0.05
@@ -86,8 +83,8 @@ class WheelCheck:
     def __init__(self, corner: CornerParameters) -> None:
         """Choose a wheel with the load that rests on it."""
         self._radius, self._inertia = corner.radius, corner.inertia
-        self._grip = _HIGHEST_FRICTION * _LOAD_TRANSFER * corner.radius * corner.vertical_load
-        self._open = _LEAST_FRICTION * corner.radius * corner.vertical_load
+        self._grip = HIGHEST_ROAD_FRICTION * _LOAD_TRANSFER * corner.radius * corner.vertical_load
+        self._open = LOWEST_APPARENT_FRICTION * corner.radius * corner.vertical_load
         self._sudden, self._back = SuddenStop(corner.radius, _JITTER), ComingBack()
         self.reset()
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from math import inf, isfinite
 from typing import Final
 
-from abs_supervisor.fsm import Command
+from vehicle_models.brake_actuator import Command
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import FRONT, REAR, Vehicle
 

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from abs_supervisor.envelope import EnvelopeParameters
-from abs_supervisor.fsm import Command
 from abs_supervisor.guard import Guard, Seen
 from abs_supervisor.pressure_check import PressureCheck
 from abs_supervisor.wheel_check import Surroundings, WheelCheck
-from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
+from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator, Command
 from vehicle_models.vehicle_file import load_vehicle
 
 STEP, DT = 5_000_000, 0.005

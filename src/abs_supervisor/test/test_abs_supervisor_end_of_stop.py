@@ -5,8 +5,7 @@ from math import nan
 import pytest
 
 from abs_supervisor.end_of_stop import EndOfStop
-from abs_supervisor.fsm import Command
-from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.single_corner import CornerParameters
 
 DRY, SNOW = 1800.0, 300.0

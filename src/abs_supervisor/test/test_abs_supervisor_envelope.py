@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from abs_supervisor.envelope import Envelope, EnvelopeParameters
-from abs_supervisor.fsm import Command
 from abs_supervisor.release_caps import Cap
 from abs_supervisor.release_evidence import EvidenceParameters, Release, ReleaseEvidence, Wheel
-from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.single_corner import CornerParameters
 
 STEP = 5_000_000

@@ -5,7 +5,8 @@ from math import inf, nan
 
 import pytest
 
-from abs_supervisor.fsm import COMMANDS, Cause, Command, Inputs, State, Thresholds, transition
+from abs_supervisor.fsm import COMMANDS, Cause, Inputs, State, Thresholds, transition
+from vehicle_models.brake_actuator import Command
 
 T = Thresholds(h_instability=-100.0, h_stability=1000.0, wait=0.04, release_timeout=0.08)
 INDICATORS = (nan, -inf, -100.1, -100.0, -99.9, 0.0, 999.9, 1000.0, 1000.1, inf)

@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from abs_supervisor.fsm import Command
 from abs_supervisor.law.brake_line import BrakeLine
 from abs_supervisor.law.late_brake import LateBrake
-from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
+from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator, Command
 from vehicle_models.sensor_noise import CHAPTER_NOISE
 
 STATED = ActuatorParameters()

@@ -8,7 +8,6 @@ from friction_msgs.msg import FrictionCurve
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from abs_supervisor.fsm import Command
 from abs_supervisor.law.brake_line import BrakeLine
 from abs_supervisor.law.choice import Change, Law, LawChoice
 from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
@@ -25,7 +24,7 @@ from abs_supervisor.law.wheel_step import slip_of, wheel_step
 from abs_supervisor.ros.curve_report import curve_report
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models import burckhardt
-from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
+from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator, Command
 from vehicle_models.single_corner import CornerParameters, SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
 

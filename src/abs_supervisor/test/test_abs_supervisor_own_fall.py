@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from abs_supervisor.envelope import Envelope, EnvelopeParameters
-from abs_supervisor.fsm import Command
 from abs_supervisor.own_fall import OwnFall
 from abs_supervisor.release_evidence import Wheel
-from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.single_corner import CornerParameters
 
 STEP, DT = 5_000_000, 0.005

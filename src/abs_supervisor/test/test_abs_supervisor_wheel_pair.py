@@ -6,10 +6,9 @@ from math import nan
 import pytest
 
 from abs_supervisor.envelope import EnvelopeParameters
-from abs_supervisor.fsm import Command
 from abs_supervisor.guard import Guard, Seen
 from abs_supervisor.wheel_pair import NO_AXLE, WheelPair, wheel_pairs
-from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.vehicle import FRONT, REAR
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -13,7 +13,7 @@ from friction_bags.experiments.library import EXPERIMENTS, START_STAMP, simulate
 from friction_bags.experiments.stops import STOPS
 from friction_bags.experiments.stops import simulate as simulate_stop
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import GRAVITY
 from vehicle_models.surfaces import SURFACES
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from corner_sim.car.car_parameters import AIR_DENSITY
 from corner_sim.car_model import SAME
 from corner_sim.models import CAR, in_order
 from friction_bags.offline.estimators import SMART_TYRE
 from friction_bringup.graph import PLANT, ParameterValue, plant_calibration
 from friction_parameters.parameter import ParameterError
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import AIR_DENSITY, GRAVITY
 from vehicle_models.surfaces import TABLE_8_1, surface
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle

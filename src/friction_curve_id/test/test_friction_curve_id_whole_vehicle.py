@@ -21,8 +21,9 @@ from friction_curve_id.vehicle.vehicle_samples import (
 from friction_curve_id.vehicle.whole_vehicle import WholeVehicle
 from friction_parameters.parameter import ParameterError, from_mapping
 from vehicle_models import burckhardt
+from vehicle_models.constants import AIR_DENSITY
 from vehicle_models.surfaces import surface
-from vehicle_models.vehicle import AIR_DENSITY, Deviation, SharedBy, Vehicle
+from vehicle_models.vehicle import Deviation, SharedBy, Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
 CAR = load_vehicle("bmw_m8")

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_report.recorded_run import CrossingEvent
+from vehicle_models.constants import GRAVITY
 
 Array = NDArray[np.float64]
 
-GRAVITY = 9.81
-"""[m/s^2]"""
 BUILD_UP = 0.4
 """Time [s] after brake onset in which the torque builds up; utilisation is also given without it."""
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from friction_report.braking_metrics import (
-    GRAVITY,
     judge_crossings,
     measure_braking,
     release_times,

@@ -19,7 +19,7 @@ from math import inf
 from typing import Final, Generic, TypeVar
 
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.plausible import LATEST_STAMP, NEW_RUN
+from vehicle_models.physical_bounds import LATEST_STAMP, NEW_RUN
 
 Payload = TypeVar("Payload")
 

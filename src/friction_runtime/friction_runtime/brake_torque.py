@@ -5,7 +5,7 @@ from sensor_msgs.msg import FluidPressure
 from friction_runtime.pressure_watch import PressureWatch
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.plausible import HIGHEST_PRESSURE, HIGHEST_TORQUE
+from vehicle_models.physical_bounds import HIGHEST_PRESSURE, HIGHEST_TORQUE
 from vehicle_models.vehicle import Vehicle
 
 

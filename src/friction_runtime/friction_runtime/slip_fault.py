@@ -3,7 +3,7 @@
 from friction_msgs.msg import WheelSlip
 
 from friction_runtime.reason_text import of_topic
-from vehicle_models.plausible import HIGHEST_SLIP, HIGHEST_SLIP_RATE, HIGHEST_SPEED, is_vague
+from vehicle_models.physical_bounds import HIGHEST_SLIP, HIGHEST_SLIP_RATE, HIGHEST_SPEED, is_vague
 
 _ORDINARY = (int(WheelSlip.OK), int(WheelSlip.NOT_READY), int(WheelSlip.LOW_SPEED))
 """Reasons that belong to ordinary driving."""

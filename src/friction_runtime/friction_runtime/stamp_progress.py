@@ -12,7 +12,7 @@ read), or with a new reference for `_NEW_REFERENCE` (its clock has been set). A 
 from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECOND
-from vehicle_models.plausible import NEW_RUN
+from vehicle_models.physical_bounds import NEW_RUN
 
 LAG: Final = 0.035
 """Lag of the stamps, beyond the input's period, with which it is lost [s]: 50 ms, less a period of the watch."""

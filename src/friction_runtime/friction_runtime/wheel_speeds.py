@@ -8,7 +8,7 @@ from typing import Final
 from sensor_msgs.msg import JointState
 
 from friction_runtime.processor import Report
-from vehicle_models.plausible import HIGHEST_WHEEL_SPEED
+from vehicle_models.physical_bounds import HIGHEST_WHEEL_SPEED
 from vehicle_models.vehicle import Vehicle
 
 WHEEL_STATES: Final = "wheel_states"

@@ -26,7 +26,7 @@ from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Severity, level_of
 from friction_runtime.reason_text import of_topic, of_wheel, set_reason, without_wheel
 from friction_runtime.stamps import to_nanoseconds
-from vehicle_models.plausible import NEW_RUN
+from vehicle_models.physical_bounds import NEW_RUN
 
 if TYPE_CHECKING:
     from friction_runtime.aligned_processor import AlignedProcessor

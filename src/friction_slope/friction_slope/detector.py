@@ -16,9 +16,10 @@ from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rat
 from friction_slope.signals import SignalWindow
 from friction_slope.told_slips import ToldSlips
 from friction_slope.tyre_relaxation import TyreRelaxation
+from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.single_corner import GRAVITY, CornerParameters
-from vehicle_models.slowest_car import SlowestCar
+from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION, SlowestCar
+from vehicle_models.single_corner import CornerParameters
 from vehicle_models.wheel_load import WheelLoad
 
 LOCKED_SLIP: Final = 0.8
@@ -31,8 +32,6 @@ FAR: Final = 0.5
 """Share of its slip by which a wheel may have come nearer to the peak since a sign was told."""
 LEAST_FAR: Final = 0.03
 """The same for small slips [-]."""
-HIGHEST_FRICTION: Final = 1.5
-"""Largest friction coefficient of any road [-]."""
 LEAST_PEAK: Final = 0.02
 """Slip below which no road has its peak [-]."""
 LEAST_SCATTER: Final = 0.05
@@ -323,14 +322,14 @@ class SlopeDetector:
             self._load.reset()
             return nan
         # Tyres push a car no harder than this; what is more shakes the sensor and not the load.
-        hardest = HIGHEST_FRICTION * GRAVITY
+        hardest = HIGHEST_ROAD_FRICTION * GRAVITY
         self._load.update(sample.stamp, min(max(sample.acceleration, -hardest), hardest))
         return self._load.load
 
     def _possible_jump(self, sample: SlopeSample, last: SlopeSample, gap: float) -> bool:
         """Whether brake and road can have caused this wheel speed: a spike must not raise the reference speed."""
         braking = max(abs(sample.brake_torque), abs(last.brake_torque))
-        torque = braking + HIGHEST_FRICTION * self._radius * self._vertical_load
+        torque = braking + HIGHEST_ROAD_FRICTION * self._radius * self._vertical_load
         return abs(sample.wheel_speed - last.wheel_speed) <= gap * torque / self._inertia + JITTER
 
     def _forget_samples(self) -> None:

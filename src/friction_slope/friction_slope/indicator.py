@@ -10,7 +10,7 @@ of this one, b = mu = (J omega_dot + T_b) / (r Fz). So this interval can be left
 stands for a slip rate of at least (g / v)(eta - b): the dead zone of the slip rate adds v / g times itself.
 """
 
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import GRAVITY
 
 
 def slope_indicator(h: float, growing: int) -> float:

@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_slope.detector import (
-    HIGHEST_FRICTION,
     LEAST_PEAK,
     LOCKED_INDICATOR,
     DetectorParameters,
@@ -20,7 +19,9 @@ from friction_slope.detector import (
 )
 from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import GRAVITY, SingleCorner
+from vehicle_models.constants import GRAVITY
+from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION
+from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
 from vehicle_models.vehicle_file import load_vehicle
 from vehicle_models.wheel_load import WheelLoad
@@ -317,7 +318,7 @@ def test_kick_of_the_sensor_does_not_count_as_more_than_tyres_can_brake() -> Non
         fed[40].acceleration = kick
         return run(detector, fed)[-1]
 
-    assert content([after(-190.0)]) == content([after(-HIGHEST_FRICTION * GRAVITY)])
+    assert content([after(-190.0)]) == content([after(-HIGHEST_ROAD_FRICTION * GRAVITY)])
 
 
 def test_measured_braking_of_the_car_decides_where_eta_tells_the_slip_rate() -> None:

@@ -2,7 +2,7 @@
 
 from math import hypot
 
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import GRAVITY
 from vehicle_models.stated_deviations import absolute_deviation, mass_deviation, relative_deviation
 from vehicle_models.straight_forces import wheel_forces
 from vehicle_models.vehicle import FRONT, REAR, Vehicle, Wheel

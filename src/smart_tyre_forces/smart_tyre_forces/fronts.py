@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicle_models.constants import GRAVITY
+
 Array = NDArray[np.float64]
 
-GRAVITY = 9.81
 FREE_BEGIN, FREE_END = -np.pi, float(-np.radians(50.0))
 """The free belt before the patch [rad from its expected centre]."""
 WINDOW_END = float(np.radians(50.0))

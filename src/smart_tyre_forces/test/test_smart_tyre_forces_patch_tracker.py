@@ -7,10 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from smart_tyre_forces.front_template import TemplateFit, TemplateLearner
-from smart_tyre_forces.fronts import GRAVITY, Fronts, find_fronts
+from smart_tyre_forces.fronts import Fronts, find_fronts
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker
 from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
+from vehicle_models.constants import GRAVITY
 from vehicle_models.tyre_ring import TyreRing
 from vehicle_models.tyre_signal import TyreBlock
 from vehicle_models.vehicle_file import load_vehicle

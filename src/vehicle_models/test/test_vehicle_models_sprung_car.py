@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import GRAVITY
 from vehicle_models.sprung_car import SprungCar
 from vehicle_models.surfaces import SURFACES
 from vehicle_models.vehicle_file import load_vehicle

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal
 
+from vehicle_models.constants import GRAVITY
 from vehicle_models.force_history import dynamic_drive, quasi_static_drives, steady_drive
-from vehicle_models.single_corner import GRAVITY
 from vehicle_models.straight_forces import coasting_acceleration, drag, wheel_forces
 from vehicle_models.vehicle_file import load_vehicle
 

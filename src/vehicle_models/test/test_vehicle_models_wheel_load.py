@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import GRAVITY
 from vehicle_models.sprung_car import SprungCar
 from vehicle_models.surfaces import surface
 from vehicle_models.two_axle import wheel_loads

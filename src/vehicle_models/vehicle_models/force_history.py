@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import GRAVITY
 from vehicle_models.straight_forces import WheelForces, coasting_acceleration, wheel_forces
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle

@@ -9,7 +9,7 @@ from math import inf, isfinite
 from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.plausible import HIGHEST_PRESSURE
+from vehicle_models.physical_bounds import HIGHEST_PRESSURE
 from vehicle_models.vehicle import Vehicle
 
 _IN_PASCAL: Final = 1e4

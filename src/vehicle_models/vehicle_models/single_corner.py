@@ -19,8 +19,6 @@ from vehicle_models.rosenbrock import GAMMA, check_start, inner_steps, two_stage
 
 Array = NDArray[np.float64]
 
-GRAVITY: Final = 9.81
-"""Standard acceleration of free fall as the chapter uses it [m/s^2]."""
 SLIP_SPEED_FLOOR: Final = 0.1
 """Below this speed [m/s] slip is taken relative to it: the tyre then acts as a stiff damper."""
 REST_SPEED: Final = 1e-3

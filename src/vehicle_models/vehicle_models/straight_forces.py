@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vehicle_models import load_transfer
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import AIR_DENSITY, GRAVITY
 from vehicle_models.two_axle import four_wheels
-from vehicle_models.vehicle import AIR_DENSITY, Vehicle
+from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 

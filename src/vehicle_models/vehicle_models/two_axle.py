@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vehicle_models import burckhardt, load_transfer
+from vehicle_models.constants import AIR_DENSITY, GRAVITY
 from vehicle_models.rosenbrock import GAMMA, check_start, inner_steps, two_stages
-from vehicle_models.single_corner import GRAVITY, REST_SPEED, SLIP_SPEED_FLOOR
-from vehicle_models.vehicle import AIR_DENSITY, FRONT, REAR, Vehicle, Wheel
+from vehicle_models.single_corner import REST_SPEED, SLIP_SPEED_FLOOR
+from vehicle_models.vehicle import FRONT, REAR, Vehicle, Wheel
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import signal
 
+from vehicle_models.constants import GRAVITY
 from vehicle_models.encoder import EncoderParameters, ToothedRing
-from vehicle_models.single_corner import GRAVITY
 from vehicle_models.tyre_ring import TyreRing
 
 Array = NDArray[np.float64]

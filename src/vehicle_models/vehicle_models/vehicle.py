@@ -7,13 +7,12 @@ from math import inf, nan
 from typing import Any
 
 from friction_parameters.parameter import parameter
-from vehicle_models.single_corner import GRAVITY, CornerParameters
+from vehicle_models.constants import GRAVITY
+from vehicle_models.single_corner import CornerParameters
 
 _REQUIRED = nan
 """Default of a required value; NaN passes no check."""
 FRONT, REAR = "front", "rear"
-AIR_DENSITY = 1.2
-"""Density of air [kg/m^3]."""
 
 
 class SharedBy(Enum):

@@ -6,7 +6,7 @@ from math import isfinite, nan, sqrt
 from typing import NamedTuple
 
 from friction_parameters.parameter import group, max_gap_parameter, minimum_speed_parameter, parameter
-from vehicle_models.plausible import HIGHEST_SLIP, is_vague
+from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimate import Mode, Reason, WheelEstimate
 from wheel_slip.free_rolling import FreeRolling

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Generic, TypeVar
 
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.plausible import LATEST_STAMP, NEW_RUN
+from vehicle_models.physical_bounds import LATEST_STAMP, NEW_RUN
 
 Payload = TypeVar("Payload")
 

@@ -14,8 +14,8 @@ from math import copysign, hypot, isfinite, sqrt
 from statistics import median
 from typing import Final
 
+from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.single_corner import GRAVITY
 from vehicle_models.stated_deviations import deviation_of, stated_deviation
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.accelerometer_watch import AccelerometerWatch

@@ -6,8 +6,7 @@ An order acts from its stamp plus the delay of the hydraulics on, until the next
 from collections import deque
 from typing import Final
 
-from abs_supervisor.fsm import Command
-from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _KEPT: Final = round(0.1 * NANOSECONDS)

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from math import inf, isfinite, nan
 
-from abs_supervisor.fsm import Command
 from abs_supervisor.law.choice import Law, LawChoice
 from abs_supervisor.law.disturbance import DisturbanceFilter
 from abs_supervisor.law.explained import LITTLE, Explained
@@ -15,7 +14,7 @@ from abs_supervisor.law.torque_set_point import most_torque, steady_torque, torq
 from abs_supervisor.law.usable_curve import CurveReport, UsableCurve
 from abs_supervisor.law.wheel_observer import WheelObserver
 from friction_parameters.parameter import parameter
-from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import CornerParameters
 

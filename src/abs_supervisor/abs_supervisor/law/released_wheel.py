@@ -4,13 +4,11 @@ from math import nan
 from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.physical_bounds import HARDEST_BRAKING, ICE_FRICTION
 from vehicle_models.single_corner import CornerParameters
-from vehicle_models.slowest_car import HARDEST_BRAKING
 
 _OPEN: Final = 0.02
 """Friction whose torque an open brake stays below: the noise of its sensor, its drag."""
-_LEAST: Final = 0.05
-"""Friction of the smoothest ice."""
 _TIME: Final = round(0.05 * NANOSECONDS)
 """[ns] over which the wheel has to gain speed."""
 _DIVES: Final = 0.5
@@ -57,6 +55,6 @@ class ReleasedWheel:
         elif since is None:
             self._since, self._begun = stamp, wheel_speed
         elif stamp - since >= _TIME:
-            expected = _LEAST * road / corner.inertia * (stamp - since) / NANOSECONDS
+            expected = ICE_FRICTION * road / corner.inertia * (stamp - since) / NANOSECONDS
             self.rolls = gained < expected
             self._since, self._begun = stamp, wheel_speed

@@ -1,6 +1,6 @@
 """The command of three that comes nearest to a torque."""
 
-from abs_supervisor.fsm import Command
+from vehicle_models.brake_actuator import Command
 
 
 def command_towards(wanted: float, torque: float, demand: float, band: float) -> Command:

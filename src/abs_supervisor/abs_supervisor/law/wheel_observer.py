@@ -6,12 +6,11 @@ it does otherwise is a disturbance torque: an error of the curve, of the load, o
 
 from math import ceil, isfinite, nan
 
-from abs_supervisor.fsm import Command
 from abs_supervisor.law.brake_line import BrakeLine
 from abs_supervisor.law.late_brake import LateBrake
 from abs_supervisor.law.road_curve import RoadCurve
 from abs_supervisor.law.wheel_step import slip_of, wheel_step
-from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.single_corner import CornerParameters
 

@@ -5,13 +5,12 @@ from math import isfinite, nan
 from friction_msgs.msg import FrictionCurve, SupervisorState
 
 from abs_supervisor.curve_queue import CurveQueue
-from abs_supervisor.fsm import Command
 from abs_supervisor.guard import Seen
 from abs_supervisor.law.choice import Change, Law
 from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
 from abs_supervisor.law.usable_curve import CurveReport
 from abs_supervisor.ros.curve_report import curve_report
-from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.wheel_load import LEAST_SHARE, WheelLoad
 

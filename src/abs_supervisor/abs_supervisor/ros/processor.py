@@ -10,7 +10,7 @@ from std_msgs.msg import Header
 from abs_supervisor.braking import TorqueWithHysteresis
 from abs_supervisor.braking_log import BrakingLog
 from abs_supervisor.end_of_stop import EndOfStop
-from abs_supervisor.fsm import COMMANDS, Cause, Command, State
+from abs_supervisor.fsm import COMMANDS, Cause, State
 from abs_supervisor.guard import Guard, Seen
 from abs_supervisor.parameters import CURVE, SupervisorParameters
 from abs_supervisor.reference_wheel import ReferenceWheel
@@ -28,6 +28,7 @@ from friction_runtime.processor import Level, Output, Report, level_of, silent
 from friction_runtime.reason_text import of_topic, set_reason, without_wheel
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES
+from vehicle_models.brake_actuator import Command
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import REAR, Vehicle
 

@@ -17,7 +17,7 @@ from friction_runtime.reason_text import of_topic
 from friction_runtime.slip_fault import speed_is_known
 from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
-from vehicle_models.plausible import HIGHEST_SLIP
+from vehicle_models.physical_bounds import HIGHEST_SLIP
 from vehicle_models.vehicle import Vehicle
 
 _SPEED_SENSOR, _UNCERTAIN = int(WheelSlip.SPEED_SENSOR), int(WheelSlip.UNCERTAIN)

@@ -1,5 +1,5 @@
-"""A whole car with what is never known of one: the plant the estimators are judged on. It needs numpy and nothing else.
+"""A whole car with unknown parameters: the plant that the estimators are judged on.
 
-Its equations are written down here once more on purpose: a plant that shares its model with an estimator proves
-nothing.
+Its equations are written here once more on purpose, with numpy and constants of nature only: a plant that shares its
+model with an estimator proves nothing.
 """

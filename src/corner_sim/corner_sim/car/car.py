@@ -12,9 +12,10 @@ slip that is left to go. Forces across the car are not part of it; a curve moves
 
 from math import sqrt
 
-from corner_sim.car.car_parameters import AIR_DENSITY, GRAVITY, CarParameters, Four
+from corner_sim.car.car_parameters import CarParameters, Four
 from corner_sim.car.pitch import Pitch
 from corner_sim.car.unevenness import load_variation
+from vehicle_models.constants import AIR_DENSITY, GRAVITY
 
 GAMMA = 1.0 - sqrt(0.5)
 """Of the method ROS2, which is L-stable with it and of second order with any Jacobian."""

@@ -7,10 +7,6 @@ from corner_sim.car.tyre import TYRES, Tyre
 
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 """Wheels in the order of every array."""
-GRAVITY = 9.81
-"""[m/s^2]"""
-AIR_DENSITY = 1.2
-"""[kg/m^3]"""
 Four = tuple[float, float, float, float]
 
 

@@ -7,9 +7,10 @@ import numpy as np
 
 from corner_sim.car.brake import Brake
 from corner_sim.car.car import STEP, Car
-from corner_sim.car.car_parameters import GRAVITY, CarParameters
+from corner_sim.car.car_parameters import CarParameters
 from corner_sim.car.encoder import Encoder, ideal
 from corner_sim.car.late_signal import LateSignal
+from vehicle_models.constants import GRAVITY
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,9 @@ from math import cos, pi, sin
 import numpy as np
 
 from corner_sim.car.car import Car
-from corner_sim.car.car_parameters import AIR_DENSITY, GRAVITY, CarParameters
+from corner_sim.car.car_parameters import CarParameters
 from corner_sim.car.recording import Surroundings
+from vehicle_models.constants import AIR_DENSITY, GRAVITY
 
 LOWEST, HIGHEST = 6.0, 33.0
 """Speeds between which the driver keeps the car [m/s]."""

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from corner_sim.car.car import Car
-from corner_sim.car.car_parameters import GRAVITY, CarParameters
+from corner_sim.car.car_parameters import CarParameters
 from corner_sim.car.tyre import Tyre
+from vehicle_models.constants import GRAVITY
 
 
 def peak_pressures(parameters: CarParameters) -> list[float]:

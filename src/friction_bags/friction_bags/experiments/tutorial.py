@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 
 from corner_sim.car.car import STEP, Car
-from corner_sim.car.car_parameters import AIR_DENSITY, GRAVITY, WHEELS, CarParameters, SensorParameters
+from corner_sim.car.car_parameters import WHEELS, CarParameters, SensorParameters
 from corner_sim.car.pressure_prescription import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, Surroundings, record
 from friction_adapter.can_frames import INSTALL_LINE
 from friction_bags.bag_io.bag_format import BagError
 from friction_parameters.parameter import ParameterError
+from vehicle_models.constants import AIR_DENSITY, GRAVITY
 
 SMALL_WHEEL = 0.97
 """Radius of the front left wheel over that of the car's file."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from friction_curve_id.car.car_model import CarConstants, Motion, Nodes
 from friction_curve_id.car.unknowns import Unknown
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import GRAVITY
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from scipy.linalg.lapack import dtbtrs
 
 from friction_curve_id.car.pitch import Pitch, PitchState, pitch_of_body
 from friction_curve_id.car.unknowns import FADING_WORK, SHARED, Unknown
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import GRAVITY
 from vehicle_models.vehicle import FRONT, Vehicle
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from friction_curve_id.interface import Reason, Refusal
 from friction_curve_id.stamp_order import Admission, StampOrder
-from vehicle_models.plausible import HIGHEST_PRESSURE, HIGHEST_SPEED
+from vehicle_models.physical_bounds import HIGHEST_PRESSURE, HIGHEST_SPEED
 
 Array = NDArray[np.float64]
 

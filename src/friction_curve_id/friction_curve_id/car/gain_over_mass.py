@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 
 from friction_curve_id.car.car_sample import Checked
 from friction_curve_id.car.prior import radius_deviation
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import AIR_DENSITY, GRAVITY
 from vehicle_models.stated_deviations import absolute_deviation, mass_deviation, relative_deviation
-from vehicle_models.vehicle import AIR_DENSITY, FRONT, REAR, Vehicle
+from vehicle_models.vehicle import FRONT, REAR, Vehicle
 
 Array = NDArray[np.float64]
 

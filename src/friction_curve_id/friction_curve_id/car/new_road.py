@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.car_model import CarConstants, Motion
+from vehicle_models.physical_bounds import ICE_FRICTION
 
 Array = NDArray[np.float64]
 
@@ -34,8 +35,6 @@ _LEAST_SPEED = 8.0
 
 _LATER = 0.01
 """By so much the wheels of the other axle may come later to another road than their distance says [s]."""
-_LEAST_MU = 0.05
-"""Of any road."""
 _DELAY, _LATE_SHARE = 0.015, 0.25
 """A torque that may be wrong by this share of the tyre's does not tell, if its time is wrong by so much [s]."""
 
@@ -100,7 +99,7 @@ def friction_there(road: NewRoad, time: Array, used: Array) -> float:
         used: friction that the wheels have used, zero where it tells nothing, shape (W, n).
     """
     newest = used[road.wheels, int(np.searchsorted(time, road.since)) :]
-    return max(float(np.median(newest[newest > 0.0])), _LEAST_MU) if (newest > 0.0).any() else _LEAST_MU
+    return max(float(np.median(newest[newest > 0.0])), ICE_FRICTION) if (newest > 0.0).any() else ICE_FRICTION
 
 
 def silenced(until: Array, road: NewRoad, car: CarConstants, wheelbase: float, time: Array, speed: Array) -> Array:

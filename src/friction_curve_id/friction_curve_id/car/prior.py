@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from friction_curve_id.car.curve_family import ShapePrior
 from friction_curve_id.car.unknowns import SHARED, Unknown
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import GRAVITY
 from vehicle_models.stated_deviations import (
     STATED,
     absolute_deviation,

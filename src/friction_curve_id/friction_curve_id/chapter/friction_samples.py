@@ -27,7 +27,7 @@ from friction_curve_id.interface import Reason, Refusal, Sample
 from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.sample_gate import GateParameters, SampleGate
 from friction_curve_id.stamp_order import Admission
-from vehicle_models.plausible import HIGHEST_TORQUE, HIGHEST_WHEEL_SPEED
+from vehicle_models.physical_bounds import HIGHEST_TORQUE, HIGHEST_WHEEL_SPEED
 from vehicle_models.single_corner import CornerParameters
 
 _GATE, _NOISE = GateParameters(), MeasurementNoise()

@@ -10,7 +10,7 @@ from friction_curve_id.interface import CurveEstimate, Refusal
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.slip_fault import slip_is_known, speed_is_known
 from friction_runtime.stamps import to_nanoseconds
-from vehicle_models.plausible import HIGHEST_SPEED
+from vehicle_models.physical_bounds import HIGHEST_SPEED
 
 VEHICLE_VELOCITY: Final = "vehicle_velocity"
 IMU: Final = "imu/data"

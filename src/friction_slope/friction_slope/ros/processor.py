@@ -20,7 +20,7 @@ from friction_slope.doubt import doubt_of
 from friction_slope.estimate import METHODS, Method, Reason, SlopeEstimate, SlopeSample
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.ros.messages import estimate_message, vote_message
-from vehicle_models.plausible import HIGHEST_ACCELERATION
+from vehicle_models.physical_bounds import HIGHEST_ACCELERATION
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.wheel_load import WheelLoad
 

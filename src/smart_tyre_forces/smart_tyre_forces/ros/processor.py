@@ -28,7 +28,7 @@ from smart_tyre_forces.ros import messages
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.tyre_comparison import TyreComparison
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.plausible import HIGHEST_ACCELERATION, LATEST_STAMP, NEW_RUN
+from vehicle_models.physical_bounds import HIGHEST_ACCELERATION, LATEST_STAMP, NEW_RUN
 from vehicle_models.vehicle import Vehicle
 
 _QUIET = (PatchReason.OK, PatchReason.NOT_READY, PatchReason.SPEED_RANGE, PatchReason.REVERSAL)

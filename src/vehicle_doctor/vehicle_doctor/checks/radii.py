@@ -8,9 +8,9 @@ from vehicle_doctor.comparison import BLOCK, block_means
 from vehicle_doctor.drive import Array, Drive
 from vehicle_doctor.findings import Finding, Verdict, against_file
 from vehicle_doctor.motion import Motion
-from vehicle_models.single_corner import GRAVITY
+from vehicle_models.constants import AIR_DENSITY, GRAVITY
 from vehicle_models.stated_deviations import stated_deviation
-from vehicle_models.vehicle import AIR_DENSITY, Deviations, SharedBy
+from vehicle_models.vehicle import Deviations, SharedBy
 
 MIN_ROLLING_TIME = 4.0
 """Rolling time [s] below which there is no answer."""

@@ -17,7 +17,7 @@ from friction_runtime.reason_text import set_reason
 from friction_runtime.stamps import header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.plausible import HIGHEST_ACCELERATION, HIGHEST_SPEED
+from vehicle_models.physical_bounds import HIGHEST_ACCELERATION, HIGHEST_SPEED
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimate import Mode, Reason, WheelEstimate
 from wheel_slip.estimator import SlipEstimator

@@ -2,7 +2,7 @@
 
 import pytest
 
-from vehicle_models.slowest_car import SlowestCar
+from vehicle_models.physical_bounds import SlowestCar
 
 STEP = 5_000_000
 
