@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from friction_report.braking_metrics import (
+from vehicle_models.constants import GRAVITY
     judge_crossings,
     measure_braking,
     release_times,
