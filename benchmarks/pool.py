@@ -1,4 +1,4 @@
-"""Runs in processes of their own, with a progress bar that says how long it takes."""
+"""Parallel runs in processes, with a progress bar."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed

@@ -1,4 +1,4 @@
-"""How long something lasts, each time that it holds."""
+"""Durations of the intervals in which a condition holds."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""What is kept of an answer of a curve estimator."""
+"""Record of an answer of a curve estimator."""
 
 from friction_curve_id.interface import CurveEstimate
 

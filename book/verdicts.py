@@ -1,4 +1,4 @@
-"""What the chapter states, each beside what this run found: agrees, differs because, or not public.
+"""Statements of the chapter beside the results of this run.
 
 A verdict is never written by hand where there are numbers: it follows from the chapter's number, ours and a rule.
 """

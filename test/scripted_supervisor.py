@@ -1,4 +1,4 @@
-"""A supervisor of one wheel as a process, which releases and applies by the clock of the samples, whatever they say.
+"""A supervisor of one wheel as a process, which releases and applies by the clock of the samples alone.
 
 What stands between the plant and a supervisor that is killed or stopped is shown with it on any machine: the real one
 gives the brake back to the driver whenever the machine is too slow for its fail-safe.

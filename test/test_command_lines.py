@@ -1,4 +1,4 @@
-"""Command lines that are wrong: one line that says so and exit code 2, never a traceback."""
+"""Command lines that are wrong: a one-line error and exit code 2, never a traceback."""
 
 import os
 import shutil

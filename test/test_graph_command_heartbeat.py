@@ -1,4 +1,4 @@
-"""What the consumer of brake_command sees of a supervisor that is killed, stopped, or started again."""
+"""brake_command as its consumer sees it when the supervisor is killed, stopped or restarted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the messages of two bags differ. Each bag is decoded by the definitions that it carries."""
+"""Differences between the messages of two bags, each decoded by its own definitions."""
 
 from collections import Counter, defaultdict
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""How two decoded messages differ, field by field. Their types may have different definitions."""
+"""Differences between two decoded messages, field by field; their definitions may differ."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass

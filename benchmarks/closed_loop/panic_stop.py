@@ -1,4 +1,4 @@
-"""What a stop from full speed to standstill gives, whoever commands the brake."""
+"""Metrics of a stop from full speed to standstill."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the smart tyres say beside the loop: mu = Fx / Fz of `tyre_force` (8.14), (8.16), and how late.
+"""Tyre force cross-check outside the loop: mu = Fx / Fz of `tyre_force` (8.14), (8.16), and its delay.
 
 The car of the demo: 8 m/s, on which the tyres find their zero, up to 22 m/s, and a panic stop under a law of
 abs_supervisor, which does not hear of them. A force is that of one contact patch, one in a turn of the wheel.

@@ -1,4 +1,4 @@
-"""What an estimator says of a recording, sample by sample."""
+"""Estimates over a recording, sample by sample."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What the troubles of a random car leave to be known: a Cramer-Rao bound with all of them as nuisances.
+"""Cramér-Rao bound of a random car, with all perturbations as nuisance parameters.
 
 Wheel equations of the four wheels and the sum of forces against the accelerometer are linearised about the true motion,
 

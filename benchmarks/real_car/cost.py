@@ -1,4 +1,4 @@
-"""What a sample costs, of every estimator on the same stops, sample by sample in the same process."""
+"""Cost per sample of every estimator on the same stops, in the same process."""
 
 import time
 from collections.abc import Mapping, Sequence

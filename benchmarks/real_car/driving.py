@@ -1,4 +1,4 @@
-"""Ordinary driving of random cars: there is no peak to be seen, and nothing may say so."""
+"""Ordinary driving of random cars: no peak is passed, and none may be reported."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

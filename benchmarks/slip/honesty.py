@@ -1,4 +1,4 @@
-"""Whether the stated deviations of speed and slip hold without a speed sensor, on a plant of its own."""
+"""Consistency of the standard deviations of speed and slip without a speed sensor, on an independent plant."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What smart tyres say beside the loop, against what their tyres did."""
+"""Tyre force cross-check outside the loop, against the true forces."""
 
 from math import inf, isnan, nan
 

@@ -1,4 +1,4 @@
-"""What a fault is: it stands between the plant and the graph, messages in, messages out."""
+"""Fault injection between plant and graph: messages in, messages out."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What no fault may do: the limits of each row."""
+"""Limits of each row of the fault campaign."""
 
 from collections.abc import Iterator
 from math import inf

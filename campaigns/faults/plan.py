@@ -1,4 +1,4 @@
-"""Which rows are made: manoeuvres, each with its cases."""
+"""Plan of the rows: manoeuvres, each with its cases."""
 
 from collections.abc import Sequence
 

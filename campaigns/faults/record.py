@@ -1,4 +1,4 @@
-"""What is kept of a run: the truth, the commands in force and what the graph said."""
+"""Record of a run: truth, commands in force and outputs of the graph."""
 
 from dataclasses import dataclass
 from math import inf, nan

@@ -1,4 +1,4 @@
-"""What no estimate may say of a car on a road while it calls itself valid."""
+"""Bounds that a valid estimate of a car on a road must keep."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How long an update takes at most: the clean drive, and blocks of a tyre that are as long as a message may be."""
+"""Longest update time: a clean drive, and tyre blocks of the largest size."""
 
 from __future__ import annotations
 

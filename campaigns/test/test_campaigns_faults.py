@@ -1,4 +1,4 @@
-"""The campaign of faults: its faults do what they say, its numbers are right, and its shortest rows hold."""
+"""The fault campaign: its faults act as named, its numbers are right, and its shortest rows pass."""
 
 from argparse import Namespace
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Whether the driver brakes: the condition between S0 and the other states."""
+"""Detection of the driver's braking: the condition between S0 and the other states."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""A wheel that rolls slower than its car and gains on it: on ice one that was locked takes seconds to come back.
+"""Wheel recovery: a wheel slower than its car that gains speed; on ice it takes seconds.
 
 A sensor that reads a share of the speed gains while the car gains more, and comes nearer only while it falls itself.
 """

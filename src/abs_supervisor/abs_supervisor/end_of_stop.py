@@ -1,4 +1,4 @@
-"""The end of a stop: where a wheel dives to a lock faster than its brake can release it, no dive is provoked.
+"""Low-speed hold: no approach to the peak where a lock is faster than the brake's release.
 
 The machine of section 8.2.2 knows only rising and falling pressure, so that each of its cycles passes the peak. A wheel
 that has been released once is therefore kept before it: the pressure does not rise beyond the slip of a release.

@@ -1,4 +1,4 @@
-"""The envelope around any law: a release needs evidence that is independent of the law, and has its caps.
+"""Safety envelope: pressure release requires independent evidence and is limited in duration.
 
 No healthy brake is released, whatever asks for it: a fault of the law, of its inputs, or of a message.
 """

@@ -1,4 +1,4 @@
-"""Whether a wheel that passes its peak dives to a lock faster than its brake can release it.
+"""Lock time margin: time from the peak to a lock against the release time of the brake.
 
 Beyond the peak a wheel lacks the torque D that a sliding tyre gives less than a rolling one. It stands still after
 2 J omega / D, and the brake needs D / rate to let it turn again: on dry at 7 m/s, with 1.8 kN m, 75 ms and 130 ms.

@@ -1,4 +1,4 @@
-"""What stands between the law of one wheel and its brake: envelope, checks of the wheel's sensor and of the pressure.
+"""Safety monitor between controller and brake of one wheel: envelope, wheel sensor and pressure checks.
 
 Pure: no messages.
 """

@@ -1,4 +1,4 @@
-"""Whether a wheel falls behind its own fastest speed of late, carried on by the deceleration of its car.
+"""Slip relative to the wheel's own recent maximum, extrapolated with vehicle deceleration.
 
 The speed of the car errs by what its accelerometer errs by, added up over the whole stop, and slip with it. The change
 of slip in the last second does not, and a braked wheel has never less slip than none: what it has lost since is slip.

@@ -1,4 +1,4 @@
-"""A rear wheel that rolls for a moment, so that a long slide keeps a speed to refer to: no law asks for it.
+"""Reference release: a rear wheel rolls briefly so that a long slide keeps a speed reference.
 
 Where the speed of the car is integrated, a slip that is held at its peak says nothing of that speed. On a slope that
 begins during the stop all wheels creep with its error: uphill to no slip, downhill into a lock. Braked wheels tell

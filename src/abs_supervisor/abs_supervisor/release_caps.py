@@ -1,4 +1,4 @@
-"""How long a wheel may be released, and how its pressure comes back when it was released for that long."""
+"""Limits on the duration of a release, and the return of the pressure after a limit."""
 
 from collections import deque
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Evidence for a release that is independent of the law: the wheel's slip, or its deceleration."""
+"""Release conditions independent of the control law: slip or deceleration of the wheel."""
 
 from dataclasses import dataclass
 from enum import IntEnum

@@ -1,4 +1,4 @@
-"""The torque that the road gave to a wheel while it slipped: where slip is vague, it tells when pressure is enough.
+"""Last road torque: torque transmitted while the wheel slipped, the reference where slip is uncertain.
 
 Slip has a standard deviation that grows as 1/v. At the end of a stop it no longer shows whether a wheel is near its
 peak, but how it last slipped does: r Fx = T - J a / r, from (2.15) with a the deceleration of the circumference.

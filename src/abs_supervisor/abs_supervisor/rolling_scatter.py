@@ -1,4 +1,4 @@
-"""How far slip and deceleration of a wheel that rolls freely stray from 0 and from the car's.
+"""Free-rolling noise: scatter of slip and deceleration of an unbraked wheel.
 
 A wheel that is not braked has no slip, and no deceleration of its own: what is measured then is error (ripple of the
 encoder, a radius that is not right, noise of the speed) and will be there under braking too. An eccentric encoder wheel

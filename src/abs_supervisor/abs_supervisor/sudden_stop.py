@@ -1,4 +1,4 @@
-"""A wheel that turned at one sample and stands from the next on, faster than its brake could stop it on any road.
+"""Speed dropout check: a wheel speed that falls to zero faster than brake and road allow.
 
 The longer it stands the more of the fall its brake could have caused: only the first sample tells. A wheel that is
 braked hard, or that dives, is else taken for a locked one, as soon as its brake could have locked it.

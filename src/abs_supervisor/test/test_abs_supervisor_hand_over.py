@@ -1,4 +1,4 @@
-"""How the driver gets the brake back near standstill: what the road takes is kept, as the speed may be wrong there."""
+"""Hand-over of the brake to the driver near standstill, limited to the last road torque."""
 
 from math import isfinite, nan
 

@@ -1,4 +1,4 @@
-"""Which lambda_max of <wheel>/friction_curve counts for a sample, and for how long."""
+"""Selection and lifetime of lambda_max from <wheel>/friction_curve."""
 
 from itertools import permutations
 from math import isnan

@@ -1,4 +1,4 @@
-"""A dead sensor of a wheel that brakes hard or dives is told from a lock by its first sample; a lock never is one."""
+"""A dead sensor of a hard-braked wheel is distinguished from a lock by its first sample."""
 
 from collections.abc import Sequence
 

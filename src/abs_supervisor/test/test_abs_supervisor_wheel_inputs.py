@@ -1,4 +1,4 @@
-"""What the supervisor reads beside the law's inputs does not depend on the order in which messages arrive."""
+"""Inputs of the safety monitor do not depend on the order of arrival."""
 
 from math import isfinite
 

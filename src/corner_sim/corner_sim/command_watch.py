@@ -1,4 +1,4 @@
-"""What the middleware reports of the senders of a wheel's brake_command, in words for diagnostics."""
+"""Middleware events of the publishers of brake_command as diagnostics texts."""
 
 from rclpy.event_handler import (
     QoSLivelinessChangedInfo,

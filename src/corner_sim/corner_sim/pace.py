@@ -1,4 +1,4 @@
-"""When the next sample is due on the wall clock."""
+"""Schedule of the samples on the wall clock."""
 
 from corner_sim.plant import SAMPLE_TIME
 

@@ -1,4 +1,4 @@
-"""What the numbers of an entry of `signals` mean: unit, scale, sign, age, what is invalid."""
+"""Interpretation of the numbers of an entry of `signals`: unit, scale, sign, age, invalid values."""
 
 from math import inf, nan
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a signal map can name: each quantity with its dimension and the message that carries it."""
+"""Quantities of a signal map, each with its dimension and the message that carries it."""
 
 from dataclasses import dataclass
 from typing import Final

@@ -1,4 +1,4 @@
-"""Where signals are found: in the fields of messages, in the frames of a CAN bus, in the columns of a table."""
+"""Sources of signals: fields of messages, frames of a CAN bus, columns of a table."""
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass

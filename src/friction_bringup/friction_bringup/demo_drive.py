@@ -1,4 +1,4 @@
-"""What the plant of the demo does: which car drives where, and when its driver brakes."""
+"""Scenario of the demo's plant: car, road and the driver's braking."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the processes of a graph on this machine alone find each other."""
+"""Discovery settings for a graph on a single machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How each node of a graph is started, checked before anything runs, for the launch files and the demo."""
+"""Start of the nodes of a graph, validated before anything runs, for the launch files and the demo."""
 
 from __future__ import annotations
 

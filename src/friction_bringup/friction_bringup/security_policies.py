@@ -1,4 +1,4 @@
-"""What each estimator's node may publish, read and answer, as a policy file for SROS2.
+"""SROS2 policy file: permissions of each estimator's node.
 
 The topics are those that the processors declare for the car at hand, so the file can neither lag behind the code nor
 allow more than a node does.

@@ -1,4 +1,4 @@
-"""How noisy the measurements are."""
+"""Measurement noise of wheel speed, vehicle speed and torque."""
 
 from dataclasses import dataclass
 from math import sqrt

@@ -1,4 +1,4 @@
-"""Which samples may enter a fit: finite, in order of time, moving, without a gap."""
+"""Gate of the samples of a fit: finite, in order of time, moving, without a gap."""
 
 from dataclasses import dataclass
 from math import isfinite

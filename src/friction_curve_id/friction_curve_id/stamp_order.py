@@ -1,4 +1,4 @@
-"""Which stamps may enter a fit, and how they follow each other."""
+"""Order of the stamps of a fit."""
 
 from enum import Enum
 from typing import Final

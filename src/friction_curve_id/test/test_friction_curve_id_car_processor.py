@@ -1,4 +1,4 @@
-"""Method car as messages: a curve for every wheel from one processor, and what is said of inputs that are missing."""
+"""Method car as messages: a curve for every wheel from one processor, and the reasons for missing inputs."""
 
 import random
 from functools import cache

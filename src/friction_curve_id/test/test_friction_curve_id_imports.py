@@ -1,4 +1,4 @@
-"""Which module of the package may import which, read from the sources."""
+"""Import rules between the modules of the package, read from the sources."""
 
 import ast
 import sys

@@ -1,4 +1,4 @@
-"""Whether one curve describes the roads under all wheels: what each wheel uses beside what the curve says."""
+"""Homogeneous surface check: friction used by each wheel against the common curve."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Which stamps enter a fit: in order, without a gap, and a single wrong one costs one sample."""
+"""Order of the stamps of a fit: without a gap, and a single wrong one costs one sample."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What a tyre has of its own is in the interval of its wheel."""
+"""The tolerance of a single tyre is in the interval of its wheel."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace

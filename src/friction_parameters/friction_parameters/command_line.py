@@ -1,4 +1,4 @@
-"""What all commands have in common: numbers with limits, and a user's mistake as one line."""
+"""Common parts of all commands: numbers with limits, user errors as one line."""
 
 import sys
 from argparse import ArgumentTypeError

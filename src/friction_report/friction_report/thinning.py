@@ -1,4 +1,4 @@
-"""Fewer points that look the same: a picture of a long drive keeps the extremes of every part of it."""
+"""Decimation that keeps the minimum and maximum of every interval."""
 
 from collections.abc import Sequence
 

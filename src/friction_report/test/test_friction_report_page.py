@@ -1,4 +1,4 @@
-"""The page of a drive: it holds what the bag holds, says what it does not, and runs nothing that a bag says."""
+"""The page of a drive holds the contents of the bag, names what is missing, and runs no code from it."""
 
 from __future__ import annotations
 

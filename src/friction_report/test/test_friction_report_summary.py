@@ -1,4 +1,4 @@
-"""What the summary says of the releases of the brake."""
+"""Releases of the brake in the summary."""
 
 from __future__ import annotations
 

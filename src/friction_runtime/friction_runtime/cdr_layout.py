@@ -1,4 +1,4 @@
-"""Where the fields of a message are in its CDR, once the lengths of its strings and sequences are known.
+"""CDR layout of a message, given the lengths of its strings and sequences.
 
 The strings and sequences of a topic seldom change their lengths. As long as they do not, a whole message is one struct,
 read or written at once instead of field by field. Another library reads what is not covered here, and a message whose

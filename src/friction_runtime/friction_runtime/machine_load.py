@@ -1,4 +1,4 @@
-"""How busy this machine is. Limits of wall time are chosen for an idle machine and scaled by this."""
+"""Load of this machine, which scales limits of wall time chosen for an idle one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Why an estimate may not be used, in messages: valid, reason, and a text that names its wheel once."""
+"""Validity of an estimate in messages: valid, reason, and a text that names its wheel once."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What can be used of a slip that another node has estimated, and what is wrong with it."""
+"""Usable part of a slip estimated by another node, and its fault."""
 
 from friction_msgs.msg import WheelSlip
 

@@ -1,4 +1,4 @@
-"""How far H can be off where brake and wheel are not known exactly.
+"""Uncertainty of H from errors of brake gain, inertia and pressure delay.
 
 H is the small difference of two large terms, omega_ddot + T_b_dot / J. An error of brake gain or inertia by a share
 adds that share of T_b_dot / J; a pressure that acts d later than the vehicle file says adds d T_b_ddot / J. While the

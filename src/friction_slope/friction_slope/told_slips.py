@@ -1,4 +1,4 @@
-"""Slips at which H has surely told a side of the peak, for the times at which it tells none.
+"""Memory of slips with a confident slope sign, used while the sign is unknown.
 
 A friction curve has one peak: a wheel below a slip that was surely stable is stable, one above a slip that was surely
 beyond the peak is beyond it. Another road has another curve, so what was told is soon forgotten, and a contradiction

@@ -1,4 +1,4 @@
-"""Tuning of the fast vote for the machine of Figure 8.1: the detector of the estimate, early rather than sure."""
+"""Tuning of the fast slope indicator for the machine of Figure 8.1: the same detector, early and noisy."""
 
 from dataclasses import dataclass, replace
 

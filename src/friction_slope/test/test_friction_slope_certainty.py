@@ -1,4 +1,4 @@
-"""When a sign is sure: brake and wheel that are not known exactly, cycles within the window, slips that were told."""
+"""Confidence of a sign: parameter errors, cycles within the window, remembered slips."""
 
 from math import inf, nan
 

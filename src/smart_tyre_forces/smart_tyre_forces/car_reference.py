@@ -1,4 +1,4 @@
-"""What the car says of one wheel: its static load, its share of mass times acceleration, with their deviations."""
+"""Reference forces of one wheel from the motion of the car: static load and mass times acceleration."""
 
 from math import hypot
 

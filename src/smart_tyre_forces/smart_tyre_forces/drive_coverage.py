@@ -1,4 +1,4 @@
-"""What calibration drives lack, said before anything is fitted: drives that are alike tell nothing new."""
+"""Missing excitation of calibration drives, reported before anything is fitted."""
 
 import numpy as np
 

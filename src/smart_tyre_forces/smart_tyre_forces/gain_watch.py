@@ -1,4 +1,4 @@
-"""How far a tyre is from its calibration, learned slowly from the car while it drives (not in the chapter).
+"""Slow adaptation of a tyre's gains to the motion of the car (not in the chapter).
 
 Temperature and wear change the stiffness of a tyre, and its angles with it. Two things are watched:
 

@@ -1,4 +1,4 @@
-"""Why a contact patch or a force may not be used; values as in friction_msgs/ContactPatch and TyreForce."""
+"""Reasons for an invalid contact patch or force; values as in friction_msgs/ContactPatch and TyreForce."""
 
 from enum import IntEnum
 

@@ -1,4 +1,4 @@
-"""Where the crossings of an encoder really are: the tooth table, and how a revolution is located in it.
+"""Tooth table: true angles of the encoder's crossings, and location of a revolution in it.
 
 Teeth are not quite equal, the ring is not quite centred, and a second harmonic moves falling against rising crossings:
 the angle of crossing k of a revolution is k pi/teeth + d_k. The d_k are learned from driving. They are also a

@@ -1,4 +1,4 @@
-"""One tyre that differs from its calibration, or all of them: told apart where four wheels are instrumented."""
+"""Comparison of tyres: one that differs from its calibration, or all, with four instrumented wheels."""
 
 from smart_tyre_forces.tyre_gain import TyreGain
 

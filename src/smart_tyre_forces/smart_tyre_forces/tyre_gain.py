@@ -1,4 +1,4 @@
-"""A tyre against its calibration, as far as it is known."""
+"""Gains of a tyre relative to its calibration."""
 
 from dataclasses import dataclass, field
 

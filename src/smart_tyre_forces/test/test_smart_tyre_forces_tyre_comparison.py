@@ -1,4 +1,4 @@
-"""One tyre and all tyres are told apart where four wheels are known, and otherwise said not to be."""
+"""One changed tyre is distinguished from four where four wheels are known."""
 
 import pytest
 

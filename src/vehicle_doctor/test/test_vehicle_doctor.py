@@ -1,4 +1,4 @@
-"""The doctor's command: what it says of a bag, its exit code, JSON, and the vehicle file with what it learned."""
+"""The command of the vehicle doctor: output, exit code, JSON, and the vehicle file it writes."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Whether an accelerometer measures m/s^2, forward positive, by how the rolling wheels change their speed.
+"""Unit and sign check of the accelerometer against rolling wheels.
 
 Offset and slope of the road are in its reading and not in the speed of the wheels, and a slope alone changes the speed
 of a car that coasts: so the changes of both are compared, in steps of 0.1 s, as a straight line through those of the

@@ -1,4 +1,4 @@
-"""Whether a brake pressure is in pascals, by how its wheel slows down.
+"""Unit check of a brake pressure against the deceleration of its wheel.
 
 A pressure in bar is a number below 10 000, and 10 000 Pa brake nothing: the first pressures in Pa beyond that show the
 unit, which does not change on the way. As long as there have been none, a wheel that slows down is compared with the

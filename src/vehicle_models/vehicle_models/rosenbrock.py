@@ -1,4 +1,4 @@
-"""What the plants of one wheel and of a whole car do alike: check their start, divide a step, integrate stiff slip."""
+"""Common integration of the plants: check of the start, sub-steps, stiff slip (Rosenbrock)."""
 
 from collections.abc import Callable
 

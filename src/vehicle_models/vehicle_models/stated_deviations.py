@@ -1,4 +1,4 @@
-"""How well a car is known: the deviations of its vehicle file, and those of what the file does not state."""
+"""Standard deviations of a car: those of its vehicle file, and defaults for what the file omits."""
 
 from vehicle_models.vehicle import Deviations, Vehicle, Wheel
 

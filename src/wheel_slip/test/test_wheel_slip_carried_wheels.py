@@ -1,4 +1,4 @@
-"""Which wheels turn with the car during a slide."""
+"""Detection of rolling wheels during a slide."""
 
 from math import nan, sin
 

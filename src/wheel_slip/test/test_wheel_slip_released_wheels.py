@@ -1,4 +1,4 @@
-"""A wheel whose brake opens in the middle of a slide tells the speed of the car, whatever the road has done."""
+"""A wheel whose brake opens within a slide measures the speed of the car on any grade."""
 
 from collections.abc import Callable
 from math import exp, nan, sqrt

@@ -1,4 +1,4 @@
-"""A step of the road's slope is told from wheels that dive, or slip steadily."""
+"""A grade step is distinguished from locking or steadily slipping wheels."""
 
 from collections.abc import Callable
 from math import nan

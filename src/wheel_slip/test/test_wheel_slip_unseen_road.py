@@ -1,4 +1,4 @@
-"""What the road may have done to speed and offset unseen, against roads that are drawn."""
+"""Grade uncertainty of speed and bias, against random roads."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Whether the accelerometer tells of the car's motion when it happens, or long after the wheels did.
+"""Delay of the accelerometer relative to the wheels.
 
 An accelerometer that is filtered too much, or whose messages wait somewhere, follows the wheels late. To an estimate of
 the speed each change of acceleration then looks like a slide: it integrates what is no longer so. One braking does not

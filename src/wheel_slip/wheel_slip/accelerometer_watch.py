@@ -1,4 +1,4 @@
-"""Whether the accelerometer may be used: it is left out where it is stuck, comes too late, is outvoted, or
+"""Accelerometer monitor: rejects readings that are frozen, late, outvoted, or
 feels no dive of the wheels.
 """
 

@@ -1,4 +1,4 @@
-"""Wheels that turn with the car in the middle of a slide: released for a moment, they roll.
+"""Rolling wheel detector: wheels that roll for a moment within a slide.
 
 The gap of a wheel, its rim speed minus the integrated speed of the car, swings while brake and road fight for it, and
 stands still when the road carries it alone. Mean m and variance s of the gap are averaged over a time constant T:

@@ -1,4 +1,4 @@
-"""What the braked wheel that comes closest to the integrated speed says of its error, in one slide.
+"""Bounds the drift of the integrated speed by the smallest wheel slip within a slide.
 
 A braked wheel is no faster than the car, so a speed that is too high is so by no more than that wheel is behind it. A
 tyre that springs back turns its wheel faster than the car for some hundredths of a second, which says nothing: what

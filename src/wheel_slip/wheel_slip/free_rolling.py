@@ -1,4 +1,4 @@
-"""Stretches in which the tyres have next to no force: mean rim speeds of wheels that roll with the car, and no less.
+"""Coasting segments: mean rim speeds of wheels that roll without force.
 
 The accelerometer reads the force of all tyres over the mass of the car, whatever the slope of the road; its own offset
 may be in it, or be learned and taken off, so the smaller of the two readings counts. Without an accelerometer a car

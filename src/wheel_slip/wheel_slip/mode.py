@@ -1,4 +1,4 @@
-"""Which inputs the speed of the car is made of: an explicit machine, a total function of mode and evidence.
+"""Mode of the speed estimate: an explicit machine, a total function of mode and evidence.
 
 In ROLLING the wheels correct the speed. In SLIDING the accelerometer is integrated and the wheels are bounds. A speed
 sensor corrects in either. WAITING has no speed: no wheel is trusted before it has been seen to roll. One transition is

@@ -1,4 +1,4 @@
-"""Whether a speed sensor and the wheels outvote the accelerometer: two against one.
+"""Two-out-of-three consistency check: speed sensor and wheels against the accelerometer.
 
 The sensor differs from the integrated speed and does not from wheels that turn alike. One sample of a sensor says
 little; the mean over `_TIME` says what is left of its noise, and what does not average out: radii, and its age.

@@ -1,4 +1,4 @@
-"""How far radii make a speed of wheels wrong: what they have in common, and what those that gave it last leave."""
+"""Covariance of the wheel-based speed from radius errors, common and individual."""
 
 from collections.abc import Sequence
 

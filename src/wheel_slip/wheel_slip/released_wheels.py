@@ -1,4 +1,4 @@
-"""Wheels whose brake has opened in the middle of a slide: once they turn with the car, they tell its speed.
+"""Released wheels: a wheel whose brake opened within a slide measures the speed once it rolls.
 
 Without its brake a wheel comes back to the speed of the car, and once its tyre has sprung back it stays there. Its rim
 has gained speed as the pressure fell, then keeps its gap to the integrated speed, and no other wheel is faster: that

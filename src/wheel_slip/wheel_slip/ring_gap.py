@@ -1,4 +1,4 @@
-"""The gap of a toothed ring that lacks teeth, such as 60-2, in speeds whose sender does not know of it.
+"""Missing-tooth filter: speed errors at the gap of a toothed ring such as 60-2.
 
 Over the gap fewer edges pass than pitches, so once in every revolution a speed is too low, by m pitches over the time
 between its edges. Such a speed says nothing. A wheel that dives is low as well, but not at one angle, and for longer:

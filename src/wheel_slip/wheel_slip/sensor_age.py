@@ -1,4 +1,4 @@
-"""How old the samples of the speed sensor are: while the engine pulls, it is behind the free wheels.
+"""Delay of the speed sensor relative to the undriven wheels while the engine pulls.
 
 A speed of a satellite receiver is some tenths of a second old, one that a logger writes into every row until the next
 one comes is older. While the car keeps its speed nothing shows that. With the mean rim speed w of the wheels that the

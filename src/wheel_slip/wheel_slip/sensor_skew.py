@@ -1,4 +1,4 @@
-"""How old the samples of the speed sensor are beside the accelerometer: whenever the car changes its acceleration.
+"""Delay of the speed sensor relative to the accelerometer, from changes of the acceleration.
 
 Wheels that brake slip by as much as an age of the sensor would make them differ (sensor_age.py); the accelerometer does
 not. With T its integral and t_m the stamp of a sample, the age tau_j is that of the sensor where

@@ -1,4 +1,4 @@
-"""Whether the speed sensor may be used: it is judged by wheels that roll by the accelerometer's reading.
+"""Speed sensor monitor: consistency with wheels that roll according to the accelerometer.
 
 Such wheels and the accelerometer agree with each other. A sensor that differs from them for a while contradicts both
 and is left out. Had it agreed with them before, it is the one that has changed. Had it never, the radii of the vehicle

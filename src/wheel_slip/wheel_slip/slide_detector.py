@@ -1,4 +1,4 @@
-"""Which wheels roll, and for how long they have: the evidence on which the mode is changed (mode.py).
+"""Detection of rolling wheels and of their duration: the evidence for a change of mode (mode.py).
 
 Over a short window each wheel's change of rim speed r omega is compared with the integrated corrected acceleration:
 

@@ -1,4 +1,4 @@
-"""Whether the road may have changed its slope: wheels that turn alike and the accelerometer differ, and go on to.
+"""Grade change detector: a lasting difference between equally turning wheels and the accelerometer.
 
 The accelerometer does not see a slope of the road: reading = acceleration + g sin(slope). So a step of the slope makes
 wheels that roll, or slip steadily, change their speed by up to 1.5 m/s^2 more or less than the corrected reading says.

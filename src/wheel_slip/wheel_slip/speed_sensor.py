@@ -1,4 +1,4 @@
-"""What is done with the samples of the speed sensor: compared with wheels and accelerometer, judged, used.
+"""Processing of the speed sensor: comparison with wheels and accelerometer, validation, use.
 
 It owns what is known of the sensor (sensor_watch.py, sensor_age.py, sensor_skew.py) and changes the speed by it.
 """

@@ -1,4 +1,4 @@
-"""Whether a sensor repeats one value to the last bit."""
+"""Frozen signal check: a sensor that repeats one value to the last bit."""
 
 from typing import Final
 

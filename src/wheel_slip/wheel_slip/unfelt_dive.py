@@ -1,4 +1,4 @@
-"""Whether the accelerometer feels it when all wheels dive: one that comes late still reads nothing.
+"""Detects excessive accelerometer latency: all wheels lose speed while it still reads zero.
 
 A wheel slips by more than some percent only where its brake and the road pull at it, and the road pulls at the car as
 much: on the softest snow a force of `_FORCELESS` makes 2 % of slip. It builds up within a length of the tyre. So wheels

@@ -1,4 +1,4 @@
-"""Whether wheels, speed sensor and accelerometer speak of one motion in the same units.
+"""Unit check: wheels, speed sensor and accelerometer against each other.
 
 A unit does not change on the way. Once the sensors have agreed while the car rolled they are never suspected again, so
 no slip of a healthy car passes for a wrong unit.

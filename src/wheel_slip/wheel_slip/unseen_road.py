@@ -1,4 +1,4 @@
-"""What the road may have done to speed and offset unseen: covariances that a filter keeps beside its own.
+"""Grade uncertainty: covariances of speed and bias kept beside those of the filter.
 
 Two independent parts of the accelerometer's offset, b_1 that stays and b_2 that comes and goes with the way:
 

@@ -1,4 +1,4 @@
-"""What the wheels say of the speed while they slide: bounds, and the ones that the road carries for a moment.
+"""Bounds on the speed from sliding wheels, and wheels that roll for a moment.
 
 Braked wheels are no faster than the car, driven ones no slower. A braked wheel that comes close to the integrated speed
 confirms it, and limits its uncertainty without moving it. One that the road carries corrects it as far as integration

@@ -1,4 +1,4 @@
-"""Noise of the wheel speeds as they show it: coarse counters and loose sensors have more than is stated.
+"""Wheel-speed noise, estimated where it exceeds the specified one (coarse counters, loose sensors).
 
 What wheels that turn alike differ by from their mean, x, changes slowly: by curves and slips. So its second differences
 over a step L of time are noise, of a variance R in each of n wheels:

@@ -1,1 +1,1 @@
-"""Slip control on the identified friction curve: what it asks for. The envelope decides what the brake gets. No ROS."""
+"""Slip control on the identified friction curve, below the safety envelope. No ROS."""

@@ -1,4 +1,4 @@
-"""Which law is in force, and why it changed."""
+"""Arbitration between the two control laws, with the cause of each change."""
 
 from enum import IntEnum
 

@@ -1,4 +1,4 @@
-"""How much of the disturbance torque the law follows: its slow part, and what cannot be noise of the fast one."""
+"""Disturbance torque compensation: the slow part, and the fast part beyond its noise."""
 
 from typing import Final
 

@@ -1,4 +1,4 @@
-"""Whether the curve explains how its wheel moves: one that does not is that of another road, or of other wheels.
+"""Model mismatch: torque that the friction curve leaves unexplained at its wheel.
 
 A method that fits one curve to all wheels has a wrong one for each of them where the sides of the road differ.
 """

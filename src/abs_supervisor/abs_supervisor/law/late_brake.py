@@ -1,4 +1,4 @@
-"""By how much a brake answers later than its hydraulics are stated to, learned from its own orders and its pressure.
+"""Brake delay estimator: additional delay from the own orders and the measured pressure.
 
 Each lateness that may be is a way in which the pressure should have changed from the last sample to this one. The true
 one is wrong by noise alone; another is wrong by a whole step wherever rise, hold and fall follow each other. A wrong

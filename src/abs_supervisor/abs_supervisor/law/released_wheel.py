@@ -1,4 +1,4 @@
-"""A wheel without brake torque comes back on any road: one that does not, rolls already, and its slip is wrong."""
+"""Released wheel check: an unbraked wheel that does not spin up already rolls, and its slip is wrong."""
 
 from math import nan
 from typing import Final

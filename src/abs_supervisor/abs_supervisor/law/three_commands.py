@@ -1,4 +1,4 @@
-"""The command of three that comes nearest to a torque."""
+"""Three-level command nearest to a torque set-point."""
 
 from vehicle_models.brake_actuator import Command
 

@@ -1,4 +1,4 @@
-"""Which of the estimates of the friction curve the law uses."""
+"""Selection of the friction curve that the slip controller uses."""
 
 from enum import Enum
 from math import isfinite

@@ -1,4 +1,4 @@
-"""What the wheel does now, and what it will do when a command given now begins to act.
+"""Wheel observer, and prediction to the time at which a command given now acts.
 
 The brake torque follows the orders and is drawn to the measured pressure. The wheel follows the curve under it; what
 it does otherwise is a disturbance torque: an error of the curve, of the load, of the brake's gain.

@@ -1,4 +1,4 @@
-"""Whether the inputs of a supervisor that commands can be relied upon now: progress of their stamps against the clock.
+"""Input monitor of a commanding supervisor: progress of the stamps against the steady clock.
 
 The supervisor listens to the sensors themselves, not only to what becomes of them in a vote: so a lost sensor is
 known within 50 ms and its own period, however long the nodes between wait for each other.

@@ -1,4 +1,4 @@
-"""What envelope and checks need beside the law's inputs: wheel speeds, slip, pressure and curve of one wheel."""
+"""Inputs of the safety monitor: wheel speeds, slip, pressure and friction curve of one wheel."""
 
 from collections import deque
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""What a car is: its body, wheels, brakes and sensors, as they are and not as anybody knows them."""
+"""True parameters of the simulated car: body, wheels, brakes and sensors."""
 
 from dataclasses import dataclass, field
 from math import radians

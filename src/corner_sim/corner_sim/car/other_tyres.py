@@ -1,4 +1,4 @@
-"""Tyres of neither Burckhardt's formula nor Pacejka's: what an estimator is not told of."""
+"""Tyres of neither Burckhardt's formula nor Pacejka's: brush model, load sensitivity, axle differences."""
 
 from dataclasses import dataclass
 from math import exp

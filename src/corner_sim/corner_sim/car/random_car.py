@@ -1,4 +1,4 @@
-"""Cars of which nothing is known exactly: drawn around the nominal one with all troubles at once."""
+"""Random cars: drawn around the nominal one with all perturbations at once."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Recordings: what the sensors of a car say during a run, and the truth beside it."""
+"""Recording of a run: sensor signals and truth as arrays."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

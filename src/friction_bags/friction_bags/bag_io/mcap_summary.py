@@ -1,4 +1,4 @@
-"""Whether an mcap file may be read by the summary at its end."""
+"""Validation of the summary at the end of an mcap file."""
 
 import struct
 import zlib

@@ -1,4 +1,4 @@
-"""Whether the fits of a road have gone astray: far from what the vehicle file says, and what must happen after that.
+"""Prior divergence: fits far from the vehicle file, and the conditions for trusting them again.
 
 What they fold then is wrong, and so is what they find next. Before any of it was valid, it is forgotten instead, and is
 valid only after a wheel has left its car as a wheel beyond its peak does. What was valid before stays: an

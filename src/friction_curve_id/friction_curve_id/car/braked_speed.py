@@ -1,4 +1,4 @@
-"""How the brakes change the speed of a car, by pressures and wheel speeds alone.
+"""Deceleration of the car from brake pressures and wheel speeds alone.
 
 The force of each tyre is what its brake takes less what its wheel gives: r F = -(T + J d omega/dt) by (2.15), whatever
 the road and however far the wheel slips. Drag, slope and engine are not in it.

@@ -1,4 +1,4 @@
-"""Whether an axle has come to a road with much less grip, and when: the fit then begins anew within the braking.
+"""Change of surface: an axle on a road with much less grip restarts the fit within the braking.
 
 A wheel that comes from dry to snow dives, and stands 30 ms later. What it uses on the way, kappa T + J omega_dot +
 T_drag, is a sixth of the curve's friction at its slip, on either side of the axle alike. Nothing else is: a wheel that

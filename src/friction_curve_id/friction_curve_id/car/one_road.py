@@ -1,4 +1,4 @@
-"""Whether the wheels are on one road: the friction that each has used beside that of the curve for the car.
+"""Homogeneous surface check: friction used by each wheel against the common curve.
 
     mu_used = (J omega_dot + kappa T + T_drag) / (r Fz)
 

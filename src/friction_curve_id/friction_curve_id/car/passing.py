@@ -1,4 +1,4 @@
-"""For how long the wheels have surely been beyond the peak: what is valid has been seen."""
+"""Time spent beyond the peak (95 % confidence), required for validity."""
 
 from math import exp, inf, sqrt
 

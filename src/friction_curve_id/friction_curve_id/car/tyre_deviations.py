@@ -1,4 +1,4 @@
-"""How far a tyre may be from the curve that is told of it: four tyres share one curve, of one of two formulas."""
+"""Tyre tolerance: deviation of a single tyre from the common curve."""
 
 import numpy as np
 from numpy.typing import NDArray

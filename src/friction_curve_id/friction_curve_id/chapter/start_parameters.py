@@ -1,4 +1,4 @@
-"""When a fit to friction samples begins."""
+"""Conditions for the start of a fit to friction samples."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Whether the peak of a fitted curve may be used: the same limits for all methods."""
+"""Validity of the peak of a fitted curve: the same limits for all methods."""
 
 from dataclasses import dataclass
 from math import isfinite

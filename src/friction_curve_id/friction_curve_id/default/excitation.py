@@ -1,4 +1,4 @@
-"""Whether the latest samples carry information on the curve, and whether the brake alone moves the wheel."""
+"""Excitation of the latest samples, and braking without drive torque."""
 
 from dataclasses import dataclass
 

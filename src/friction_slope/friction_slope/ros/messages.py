@@ -1,4 +1,4 @@
-"""What the detectors of a wheel say, as messages."""
+"""Output of the detectors of a wheel as messages."""
 
 from typing import Any
 
