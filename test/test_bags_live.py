@@ -22,7 +22,6 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header, String
 
-from dds_client import PATIENCE, own_domain
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
@@ -30,6 +29,7 @@ from friction_bags.bag_io.cdr import encode, installed_topic
 from friction_bags.bag_io.reindex import reindex
 from friction_bags.record_replay.foreign_type import foreign_class
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_test_support.dds_client import PATIENCE, own_domain
 
 SECOND = 10**9
 DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[2] / "shared" / "data"))

@@ -14,7 +14,6 @@ from typing import Any
 import pytest
 from rclpy.serialization import deserialize_message
 
-from dds_client import PATIENCE, own_domain
 from friction_adapter.map_file import load_map
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
@@ -27,6 +26,7 @@ from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_runtime.message_type import message_class
 from friction_runtime.shipped_files import shipped_file
+from friction_test_support.dds_client import PATIENCE, own_domain
 
 CAR = Path(__file__).parents[1] / "src" / "friction_bags" / "test" / "two_corners.yaml"
 WHEELS = ["front_left", "rear_right"]

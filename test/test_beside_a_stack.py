@@ -13,13 +13,13 @@ from rclpy.node import Node, NodeNameNonExistentError
 from sensor_msgs.msg import Imu, JointState
 from std_msgs.msg import Header
 
-from dds_client import DdsClient, dds_client
 from friction_bags.offline.estimators import ESTIMATORS
 from friction_bringup import graph
 from friction_bringup.node_start import WATCHING, node_starts
 from friction_bringup.security_policies import policies
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
+from friction_test_support.dds_client import DdsClient, dds_client
 
 PERIOD = 5_000_000
 JOINTS = {"FL": "car::wheel_fl", "FR": "front-right", "RL": "car::wheel_rl", "RR": "rear-right"}

@@ -21,7 +21,6 @@ from std_srvs.srv import Trigger
 
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
-from dds_client import DdsClient, dds_client, output_of, stop
 from friction_bags.bag_io.cdr import encode
 from friction_bags.offline.estimators import make_processors, read_parameters
 from friction_bringup import graph
@@ -29,6 +28,7 @@ from friction_parameters.parameter import from_mapping
 from friction_runtime import qos
 from friction_runtime.processor import Output, silent
 from friction_runtime.stamps import to_nanoseconds
+from friction_test_support.dds_client import DdsClient, dds_client, output_of, stop
 from vehicle_models.vehicle_file import load_vehicle
 
 CAR = "smart_tyre_car"

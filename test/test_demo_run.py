@@ -18,13 +18,13 @@ import yaml
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
-from dds_client import PATIENCE
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.message_bag import write_bag
 from friction_bringup.__main__ import main
 from friction_report.recorded_run import RecordedRun, read_run
 from friction_runtime.shipped_files import shipped_file
 from friction_runtime.stamps import from_nanoseconds
+from friction_test_support.dds_client import PATIENCE
 
 SHORT = {"initial_speed": 20.0, "end_speed": 5.0, "real_time_factor": 0.0}
 """A braking of two seconds, as fast as the commands come."""

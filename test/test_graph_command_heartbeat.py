@@ -18,12 +18,12 @@ from rclpy.qos import LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import FluidPressure, JointState
 
 from campaigns.live.part import LOOP
-from dds_client import DdsClient, dds_client
 from friction_bringup import graph
 from friction_runtime import qos
 from friction_runtime.machine_load import slowdown
 from friction_runtime.shipped_files import shipped_file
 from friction_runtime.stamps import to_nanoseconds
+from friction_test_support.dds_client import DdsClient, dds_client
 from vehicle_models.nanoseconds import NANOSECONDS
 
 WHEEL = "front_left"

@@ -17,12 +17,12 @@ from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
 from campaigns.live.part import LOOP
-from dds_client import DdsClient, dds_client
 from friction_bags.bag_io.cdr import encode
 from friction_bringup import graph
 from friction_runtime import qos
 from friction_runtime.shipped_files import shipped_file
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_test_support.dds_client import DdsClient, dds_client
 
 WHEEL = "front_left"
 OUTPUTS: Mapping[str, type] = {

@@ -9,8 +9,8 @@ import yaml
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
 from rclpy.parameter import Parameter, parameter_value_to_python
 
-from dds_client import DdsClient, dds_client, stop
 from friction_bringup import graph
+from friction_test_support.dds_client import DdsClient, dds_client, stop
 
 NAMESPACE = "/my_car"
 CAR: dict[str, graph.ParameterValue] = {"vehicle_file": "compact_car"}

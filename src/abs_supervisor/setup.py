@@ -8,7 +8,7 @@ package_name = "abs_supervisor"
 
 setup(
     name=package_name,
-    version="0.1.0",
+    version="0.2.0",
     packages=find_packages(exclude=["test"]),
     package_data={package_name: ["py.typed"]},
     data_files=[
@@ -16,7 +16,10 @@ setup(
         ("share/" + package_name, ["package.xml"]),
         ("share/" + package_name + "/config", glob("config/*.yaml")),
     ],
+    install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=True,
+    url="https://friction.example.org",
     maintainer="friction developers",
     maintainer_email="developers@friction.example.org",
     description="ABS supervisory logic: the finite state machine of Figure 8.1.",

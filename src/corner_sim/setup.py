@@ -8,7 +8,7 @@ package_name = "corner_sim"
 
 setup(
     name=package_name,
-    version="0.1.0",
+    version="0.2.0",
     packages=find_packages(exclude=["test"]),
     package_data={package_name: ["py.typed"]},
     data_files=[
@@ -16,7 +16,10 @@ setup(
         ("share/" + package_name, ["package.xml"]),
         ("share/" + package_name + "/config", glob("config/*.yaml")),
     ],
+    install_requires=["setuptools", "numpy"],
+    extras_require={"test": ["pytest"]},
     zip_safe=True,
+    url="https://friction.example.org",
     maintainer="friction developers",
     maintainer_email="developers@friction.example.org",
     description="Plant of the friction graph: braked wheels, their sensors and the truth, at 200 Hz",

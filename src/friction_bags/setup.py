@@ -8,7 +8,7 @@ package_name = "friction_bags"
 
 setup(
     name=package_name,
-    version="0.1.0",
+    version="0.2.0",
     packages=find_packages(exclude=["test"]),
     package_data={package_name: ["py.typed", "tutorial/*"]},
     data_files=[
@@ -16,7 +16,10 @@ setup(
         ("share/" + package_name, ["package.xml"]),
         ("share/" + package_name + "/config", glob("config/*.yaml")),
     ],
+    install_requires=["setuptools", "numpy", "PyYAML", "rich"],
+    extras_require={"test": ["pytest"]},
     zip_safe=True,
+    url="https://friction.example.org",
     maintainer="friction developers",
     maintainer_email="developers@friction.example.org",
     description="Record, replay, repair and offline processing of bags; importers for measured data.",

@@ -8,7 +8,7 @@ package_name = "friction_bringup"
 
 setup(
     name=package_name,
-    version="0.1.0",
+    version="0.2.0",
     packages=find_packages(exclude=["test"]),
     package_data={package_name: ["py.typed"]},
     data_files=[
@@ -18,7 +18,10 @@ setup(
         ("share/" + package_name + "/launch", glob("launch/*.py")),
         ("share/" + package_name + "/layouts", glob("layouts/*")),
     ],
+    install_requires=["setuptools", "rich"],
+    extras_require={"test": ["pytest"]},
     zip_safe=True,
+    url="https://friction.example.org",
     maintainer="friction developers",
     maintainer_email="developers@friction.example.org",
     description="Starts the friction graph: launch files, parameter files, the demo and its live view",

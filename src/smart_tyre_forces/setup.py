@@ -8,7 +8,7 @@ package_name = "smart_tyre_forces"
 
 setup(
     name=package_name,
-    version="0.1.0",
+    version="0.2.0",
     packages=find_packages(exclude=["test"]),
     package_data={package_name: ["py.typed"]},
     data_files=[
@@ -17,7 +17,10 @@ setup(
         ("share/" + package_name + "/config", glob("config/*.yaml")),
         ("share/" + package_name + "/calibration", glob("calibration/*.yaml")),
     ],
+    install_requires=["setuptools", "matplotlib", "numpy", "PyYAML", "rich", "scipy"],
+    extras_require={"test": ["pytest"]},
     zip_safe=True,
+    url="https://friction.example.org",
     maintainer="friction developers",
     maintainer_email="developers@friction.example.org",
     description="Vertical and longitudinal tyre force from an in-tyre accelerometer and a wheel encoder.",

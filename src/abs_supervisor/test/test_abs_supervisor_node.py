@@ -10,9 +10,9 @@ from rclpy.qos import ReliabilityPolicy
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
-from dds_client import DdsClient, dds_client, output_of, stop
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
+from friction_test_support.dds_client import DdsClient, dds_client, output_of, stop
 from vehicle_models.vehicle_file import shipped_vehicles
 
 CAR = ("-p", "vehicle_file:=chapter_corner")

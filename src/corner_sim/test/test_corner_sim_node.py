@@ -19,9 +19,9 @@ from std_srvs.srv import Trigger
 from corner_sim import messages
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation
-from dds_client import DdsClient, dds_client, stop
 from friction_runtime import qos
 from friction_runtime.stamps import to_nanoseconds
+from friction_test_support.dds_client import DdsClient, dds_client, stop
 from vehicle_models.vehicle_file import load_vehicle
 
 DEEP = 10_000

@@ -7,13 +7,13 @@ import pytest
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import Imu, JointState
 
-from dds_client import dds_client, output_of, stop
 from friction_adapter.map_file import load_map
 from friction_adapter.ros.message_fields import installed_fields
 from friction_adapter.ros.processor import AdapterProcessor
 from friction_runtime import qos
 from friction_runtime.processor import silent
 from friction_runtime.stamps import from_nanoseconds
+from friction_test_support.dds_client import dds_client, output_of, stop
 
 CAR = Path(__file__).parent / "four_wheels.yaml"
 STATES = "sensor_msgs/msg/JointState"

@@ -13,9 +13,9 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
-from dds_client import DdsClient, dds_client, output_of, stop
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
+from friction_test_support.dds_client import DdsClient, dds_client, output_of, stop
 from vehicle_models.nanoseconds import NANOSECONDS
 
 Brake = Callable[..., Any]

@@ -8,10 +8,10 @@ import pytest
 import rclpy
 from rclpy.context import Context
 
-from dds_client import own_domain
 from friction_parameters.parameter import ParameterError, group, parameter
 from friction_parameters.parameter_file import NodeName, file_values
 from friction_runtime.parameter_arguments import node_name, with_checked_parameters
+from friction_test_support.dds_client import own_domain
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import pytest
 from friction_msgs.msg import BrakeCommand, WheelSlip
 from rclpy.qos import LivelinessPolicy, QoSProfile, ReliabilityPolicy
 
-from dds_client import DdsClient, dds_client
 from friction_runtime import qos
+from friction_test_support.dds_client import DdsClient, dds_client
 
 OVERRIDDEN = (
     *("--ros-args", "-p", "qos_overrides./slip.publisher.depth:=5"),

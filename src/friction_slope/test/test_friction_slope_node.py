@@ -10,13 +10,13 @@ from rcl_interfaces.srv import SetParameters
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
-from dds_client import dds_client, output_of, stop
 from friction_parameters.parameter import changed
 from friction_parameters.parameter_file import load
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.ros.processor import WheelProcessor
+from friction_test_support.dds_client import dds_client, output_of, stop
 from vehicle_models.vehicle_file import load_vehicle, shipped_vehicles
 
 CONFIG = Path(__file__).parents[1] / "config" / "friction_slope.yaml"

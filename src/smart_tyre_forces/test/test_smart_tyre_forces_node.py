@@ -10,10 +10,10 @@ from rcl_interfaces.srv import SetParameters
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
-from dds_client import dds_client, output_of, stop
 from friction_runtime import qos
 from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds
+from friction_test_support.dds_client import dds_client, output_of, stop
 
 CAR = ("--ros-args", "-p", "vehicle_file:=smart_tyre_car")
 

@@ -12,10 +12,10 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import Imu, JointState
 
-from dds_client import dds_client, stop
 from friction_bags.bag_io.message_bag import write_bag
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
+from friction_test_support.dds_client import dds_client, stop
 from vehicle_doctor.__main__ import main
 from vehicle_doctor.learned_vehicle import with_values
 from vehicle_models.vehicle import Deviation, SharedBy

@@ -11,10 +11,10 @@ from rcl_interfaces.srv import SetParameters
 from sensor_msgs.msg import Imu, JointState
 from std_srvs.srv import Trigger
 
-from dds_client import dds_client, output_of, stop
 from friction_parameters.parameter_file import load
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
+from friction_test_support.dds_client import dds_client, output_of, stop
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.ros.processor import CarProcessor

@@ -1,9 +1,10 @@
-"""Test support: a client node in the test's process and the real nodes as child processes, on their own domain."""
+"""Client node in the process of the test, with the nodes under test as child processes on a ROS domain of their own."""
 
 from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -17,10 +18,11 @@ from rcl_interfaces.srv import ListParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from friction_runtime.domain import free_domain_id
-
 PATIENCE = 120.0
 """Wall time [s] after which a test gives up: far more than a busy machine needs, so that timing decides nothing."""
+_DOMAINS = 101
+"""Number of domains whose DDS ports are below those that Linux assigns to any program."""
+_reservations: list[socket.socket] = []
 
 
 class DdsClient:
@@ -94,8 +96,24 @@ def output_of(process: subprocess.Popen[str]) -> str:
 
 @cache
 def own_domain() -> int:
-    """Return the ROS domain of this test process, which no other process on this machine uses."""
-    return free_domain_id()
+    """Return a ROS_DOMAIN_ID from 1 to 101, reserved on this machine until the test process ends.
+
+    It is reserved under the names that free_domain_id() of friction_runtime uses, so that a demo takes another one.
+
+    Raises:
+        RuntimeError: every domain is reserved.
+    """
+    for offset in range(_DOMAINS):
+        domain = 1 + (os.getpid() + offset) % _DOMAINS
+        reservation = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        try:
+            reservation.bind(f"\0friction_ros_domain_{domain}")
+        except OSError:
+            reservation.close()
+        else:
+            _reservations.append(reservation)
+            return domain
+    raise RuntimeError(f"every ROS_DOMAIN_ID from 1 to {_DOMAINS} is reserved")
 
 
 @contextmanager

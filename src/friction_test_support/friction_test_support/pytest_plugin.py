@@ -1,4 +1,4 @@
-"""Settings of every test run, however pytest is started: the middleware stays on this machine, plots need no screen."""
+"""Pytest plugin with the settings of every test run: middleware on this machine only, plots without a screen."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from pathlib import Path
 
 from hypothesis import settings
 
-# What local_discovery() of friction_bringup gives; its package is not on the path of every test.
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SYSTEM_DEFAULT"
-os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(__file__).parent / "src/friction_bringup/config/discovery.xml")
+os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(__file__).with_name("discovery.xml"))
 os.environ["MPLBACKEND"] = "Agg"
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
