@@ -19,7 +19,7 @@ PARTS = {
     "bags": "offline processing of bags: real-time factor, memory over length",
     "checkouts": "the estimates of two built checkouts over every bag, compared field by field",
 }
-MODULES = {"abs": "benchmarks.closed_loop.part"}
+MODULES = {"measured": "benchmarks.measured", "bags": "benchmarks.bags"}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

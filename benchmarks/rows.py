@@ -8,6 +8,9 @@ from collections.abc import Sequence
 from math import isfinite, isnan
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 Row = dict[str, Any]
 """Names and numbers or texts."""
 
@@ -56,3 +59,10 @@ def plain(row: Row) -> Row:
             value = None if isnan(value) else ("inf" if value > 0 else "-inf")
         found[name] = value
     return found
+
+
+def run_lengths(true: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Lengths of all runs of true values down each column of an array of shape (n, wheels)."""
+    padded = np.pad(true, ((1, 1), (0, 0))).astype(np.int8).T
+    edges = np.diff(padded, axis=1).ravel()
+    return np.flatnonzero(edges == -1) - np.flatnonzero(edges == 1)

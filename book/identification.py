@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks.identification.readings import READINGS
 from benchmarks.rows import Row, as_text
 from book import identification_verdicts, texts
+from book.identification_figures import figures
 from book.page import Picture, Section, Table
 from book.parts import FEWEST, Seeds, rows_of
+from book.tables import READINGS, chapter_tables
+from book.tables import readings as readings_of
 
 _FIRST = "cobblestone"
 """The chapter's figures are of this road."""
@@ -21,9 +23,9 @@ CHAPTER_KEPT = {("rml", "cobblestone", 10): 30.0, ("rls", "cobblestone", 10): 40
 
 def section(pictures: Path, seeds: Seeds) -> Section:
     """Make the runs and draw into `pictures`."""
-    drawn = rows_of("identification", "--study", "figures", "--figures", str(pictures), "--methods", *_METHODS)
-    tables = rows_of("identification", "--study", "tables", "--seeds", seeds(500))
-    readings = rows_of("identification", "--study", "readings", "--seeds", str(max(int(seeds(300)), FEWEST)))
+    drawn = figures(pictures, _METHODS)
+    numbers = chapter_tables(int(seeds(500)))
+    readings = readings_of(max(int(seeds(300)), FEWEST))
     in_c = ("--manoeuvre", "C", "--methods", "rml", "rls")
     kept = kept_rows(
         [
@@ -34,12 +36,12 @@ def section(pictures: Path, seeds: Seeds) -> Section:
     shown = [
         Table("Which reading gives which number: |error| of lambda_max [%], median (5 to 95 %)", by_number(readings)),
         Table("Sample from which the error of lambda_max stays within 10 % and 5 % (median of the runs)", kept),
-        Table("Tables 8.1 to 8.3, medians over the runs beside the chapter's single runs", tables),
+        Table("Tables 8.1 to 8.3, medians over the runs beside the chapter's single runs", numbers),
     ]
-    figures = sorted((_picture(row) for row in drawn), key=lambda picture: bool(picture.fold))
+    shown_figures = sorted((_picture(row) for row in drawn), key=lambda picture: bool(picture.fold))
     title = "Identification of the friction curve, Tables 8.1 to 8.3, Figures 8.5 to 8.8"
-    verdicts = identification_verdicts.verdicts(tables, readings, kept)
-    return Section("identification", title, texts.IDENTIFICATION, shown, figures, verdicts)
+    verdicts = identification_verdicts.verdicts(numbers, readings, kept)
+    return Section("identification", title, texts.IDENTIFICATION, shown, shown_figures, verdicts)
 
 
 def by_number(rows: Sequence[Row]) -> list[Row]:

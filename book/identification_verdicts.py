@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.identification.readings import READINGS
 from benchmarks.identification.studies import on_roads
 from benchmarks.rows import Row, as_text
+from book.tables import READINGS
 from book.verdicts import Spread, Verdict, claim, close, single_run
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import SURFACES, TABLE_8_1

@@ -1,4 +1,4 @@
-"""The report as one HTML file that opens offline: sections of text, tables and pictures."""
+"""Symbols of the page, for who has not read the chapter."""
 
 from __future__ import annotations
 
@@ -11,6 +11,31 @@ from pathlib import Path
 
 from benchmarks.rows import Row, as_text, columns
 from book.verdicts import Judgement, Verdict, counts
+
+SYMBOLS = {
+    "slip, lambda": "1 - omega r / v: 0 for a rolling wheel, 1 for a locked one [-]",
+    "mu(slip)": "friction coefficient over slip, Fx / Fz in braking; the curve rises to a peak and falls beyond it [-]",
+    "lambda_max, mu_max": "slip and friction coefficient at the peak of that curve [-]",
+    "mu_1": "slope of the curve: positive on the stable side of the peak, negative beyond it [-]",
+    "omega, r, J": "speed [rad/s], radius [m] and moment of inertia [kg m^2] of the wheel",
+    "v, T_b": "speed of the car [m/s], brake torque of a wheel [N m]",
+    "H": "omega_ddot + T_b_dot / J, which has the sign of mu_1 times that of the slip rate [rad/s^3], (8.3)",
+    "eta": "normalised wheel deceleration, -omega_dot r / g [-]; (8.5) takes its sign for that of the slip rate",
+    "slip / no_slip": "sign of the slope with a known slip (8.4), and with wheel speed and pressure alone (8.5)",
+    "H_inst, H_st": "thresholds of H at which stability counts as lost and as regained [rad/s^3]",
+    "S0, S1, S21, S22": "supervisor: not braking; stable, pressure may rise; released, waiting; released",
+    "theta_1, theta_2, theta_3": "parameters of the Burckhardt curve theta_1 (1 - exp(-theta_2 slip)) - theta_3 slip",
+    "ML, RML, RML+ML": "maximum likelihood over all samples; recursive; recursive with a few batch iterations",
+    "LS, RLS": "least squares on four fixed exponentials, a line and a constant (8.12); recursive",
+    "default": "the estimator that friction_curve_id ships, which is not of the chapter",
+    "lambda_init, ABS activation": "slip beyond which the methods start (0.07), and at which an ABS would act (0.15)",
+    "Fx, Fz": "longitudinal and vertical force of a tyre on the road [N]",
+    "alpha_1, alpha_2": "wheel angles at which a point of the tyre enters and leaves the contact patch",
+    "delta phi, Delta phi": "shift of the middle of the patch, which follows Fx, and its length, which follows Fz",
+    "beta": "share of the length's change that is in the shift by cross-talk (8.19) [-]",
+    "RMSE, coverage_95": "root of the mean squared error; share of runs whose stated 95 % interval holds the truth [%]",
+}
+
 
 _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 1240px; margin: 2em auto; padding: 0 1em; color: #222; }

@@ -15,6 +15,7 @@ from pathlib import Path
 from rich.console import Console
 
 from benchmarks.rows import Row, plain
+from benchmarks.slip.stops import shipped
 from book import (
     friction_samples,
     identification,
@@ -26,9 +27,9 @@ from book import (
     state_machine_figure,
     texts,
 )
-from book.page import Picture, Section, Table, page
+from book.page import SYMBOLS, Picture, Section, Table, page
 from book.parts import FEWEST, Seeds, rows_of
-from book.symbols import SYMBOLS
+from book.speed_tables import tables
 from book.verdicts import rows as verdict_rows
 from friction_parameters.command_line import positive
 from friction_parameters.parameter import ParameterError
@@ -39,6 +40,7 @@ _SLOPE_SEEDS = 200
 
 _LIVE_SECONDS = (10.0, 60.0)
 """Shortest and full length of the live run in real time [s]."""
+_SPEED_SEED = 30_000
 _STOPS = 20
 """Driver's stops of each road for the methods of section 8.3."""
 
@@ -115,14 +117,14 @@ def _detection(pictures: Path, seeds: Seeds) -> Section:
 
 def _speed(pictures: Path, seeds: Seeds) -> Section:
     runs = max(int(seeds(100)), FEWEST)
-    rows, stops = rows_of("slip", "--cases", "tables", "--seeds", str(runs)), speed.stop_rows(min(runs, _STOPS))
-    tables = [
+    rows, stops = tables(range(_SPEED_SEED, _SPEED_SEED + runs), shipped()), speed.stop_rows(min(runs, _STOPS))
+    shown = [
         Table("Tables 8.4 and 8.5 in simulation, errors of lambda_max", rows),
         Table("The same on the driver's stops, of which Figures 8.10 to 8.13 show one each", stops),
     ]
     title = "With and without a speed sensor, Tables 8.4 and 8.5, Figures 8.10 to 8.13"
     drawn, verdicts = speed.pictures(pictures), speed_verdicts.verdicts(rows, stops)
-    return Section("speed", title, texts.SPEED, tables, drawn, verdicts)
+    return Section("speed", title, texts.SPEED, shown, drawn, verdicts)
 
 
 def _beyond(seeds: Seeds) -> Section:

@@ -11,7 +11,7 @@ Seeds = Callable[[int], str]
 """Number of seeds of this run, as an argument, from the full number."""
 FEWEST = 20
 """Runs without which their middle 90 % say nothing of a number of a single run: as few at any effort."""
-_MODULES = {"abs": "benchmarks.closed_loop.part", "live": "campaigns.live.part"}
+_MODULES = {"measured": "benchmarks.measured", "live": "campaigns.live.part"}
 
 
 @cache

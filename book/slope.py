@@ -11,10 +11,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from benchmarks.rows import Row
-from benchmarks.slope.as_printed import VARIANTS, slips_at_detection
-from benchmarks.slope.detection import METHODS, detect, shipped_settings
-from benchmarks.slope.runs import through_the_peak
+from benchmarks.slope.detection import METHODS, detect, shipped_settings, through_the_peak
 from book import slope_verdicts
+from book.as_printed import VARIANTS, slips_at_detection
 from book.page import Picture, Section, Table
 from book.stop_run import ROADS, StopRun, stop_run
 from vehicle_models.sensor_noise import CHAPTER_NOISE

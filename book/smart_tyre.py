@@ -7,10 +7,11 @@ from itertools import groupby
 from pathlib import Path
 
 from benchmarks.rows import Row
-from benchmarks.smart_tyre.figures import CASE
+from benchmarks.smart_tyre.runs import NOISY, calibration_runs
 from book import smart_tyre_verdicts, texts
 from book.page import Picture, Section, Table
 from book.parts import Seeds, rows_of
+from book.smart_tyre_figures import CASE, draw
 
 _CAPTIONS = {
     "figure_8_16": "Figure 8.16: raw radial acceleration in the tyre over 0.7 s: constant but for a twin spike"
@@ -39,8 +40,8 @@ _CAPTIONS = {
 
 def section(pictures: Path, seeds: Seeds, live: bool) -> Section:
     """Make the runs and draw into `pictures`."""
-    arguments = ["--seeds", seeds(30), "--figures", str(pictures), *([] if live else ["--no-live"])]
-    rows = rows_of("smart_tyre", *arguments)
+    rows = [*rows_of("smart_tyre", "--seeds", seeds(30), *([] if live else ["--no-live"]))]
+    rows += draw(pictures, calibration_runs(NOISY))
     title = "Contact forces from the smart tyre, Figures 8.16 to 8.28"
     drawn = [Picture(caption, pictures / f"{name}.png") for name, caption in _CAPTIONS.items()]
     verdicts = smart_tyre_verdicts.verdicts(rows)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from benchmarks.rows import Row, as_text
-from benchmarks.smart_tyre.figures import CASE
-from benchmarks.smart_tyre.phases import STEADY
+from benchmarks.smart_tyre.runs import STEADY
+from book.smart_tyre_figures import CASE
 from book.verdicts import Verdict, claim, close, not_public
 
 _NO_SHIFT = 0.15

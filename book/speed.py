@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from benchmarks.rows import Row
-from benchmarks.slip.tables import ACTIVATION_SLIP, LAMBDA_INIT
-from benchmarks.slip.tables import ROADS as CHAPTER_ROADS
 from book.page import Picture
+from book.speed_tables import ACTIVATION_SLIP, LAMBDA_INIT
+from book.speed_tables import ROADS as CHAPTER_ROADS
 from book.stop_run import ROADS, StopRun, stop_run
 from friction_curve_id.chapter.curve_fitting import PointFitting
 from friction_curve_id.chapter.start_parameters import StartParameters

@@ -10,8 +10,7 @@ from math import hypot
 import numpy as np
 from rich.progress import track
 
-from benchmarks.doctor.drives import Driven, driven
-from benchmarks.doctor.sabotage import PAIRS, TROUBLES, Trouble
+from benchmarks.doctor.drives import PAIRS, TROUBLES, Driven, Trouble, driven
 from benchmarks.rows import Row, at_most, not_judged
 from friction_parameters.command_line import count
 from vehicle_doctor.checks.accelerometer import FLAT, UNKNOWN

@@ -1,22 +1,15 @@
 """Identification of lambda_max over manoeuvres, surfaces and methods, beside the Cramer-Rao bound.
 
 Studies: methods (the table of all methods), random (500 random curves), alarms (P(beyond the peak) against the true
-crossing), model_error (bias by wrong parameters), outliers, surface_change, cost (beside padasip and curve_fit), tables
-(Tables 8.1 to 8.3 beside the chapter's numbers), readings (which of them each reading of the chapter gives), figures
-(8.5 to 8.8 for every method and surface).
+crossing), model_error (bias by wrong parameters), outliers, surface_change, cost (beside padasip and curve_fit).
 """
 
 import argparse
 from collections.abc import Callable
-from pathlib import Path
 
 from benchmarks.identification import studies
-from benchmarks.identification.chapter_tables import chapter_tables
-from benchmarks.identification.cost import cost
-from benchmarks.identification.figures import figures
-from benchmarks.identification.readings import readings
-from benchmarks.identification.surface_change import surface_change
-from benchmarks.manoeuvres import RAMP_TIMES
+from benchmarks.identification.surface_change import cost, surface_change
+from benchmarks.protocol import RAMP_TIMES
 from benchmarks.rows import Row
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.methods import METHODS
@@ -30,9 +23,6 @@ _STUDIES: dict[str, Callable[[argparse.Namespace], list[Row]]] = {
     "outliers": studies.outliers,
     "surface_change": surface_change,
     "cost": cost,
-    "tables": chapter_tables,
-    "readings": readings,
-    "figures": figures,
 }
 
 
@@ -49,7 +39,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="how the chapter's methods make their friction samples",
     )
     parser.add_argument("--processes", type=count, default=2, help="processes that share the runs")
-    parser.add_argument("--figures", type=Path, default=Path("figures"), help="directory for the study 'figures'")
 
 
 def run(options: argparse.Namespace) -> list[Row]:

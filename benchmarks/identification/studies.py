@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 from scipy.special import lambertw
 
 from benchmarks.identification import cramer_rao
-from benchmarks.identification.runs import Batch, make
-from benchmarks.identification.statistics import alarm_row, coverage, kept_from, peak_row
-from benchmarks.manoeuvres import Truth, braking
-from benchmarks.protocol import CORNER, DT, SPEED
+from benchmarks.identification.runs import Batch, alarm_row, coverage, kept_from, make, peak_row
+from benchmarks.protocol import CORNER, DT, SPEED, Truth, braking
 from benchmarks.rows import Row
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.default.curve_prior import CurvePrior

@@ -1,43 +1,107 @@
-"""Friction curves on a plant that shares nothing with the estimators' models: corner_sim.car.
+"""Each trouble of a real car alone, on a car that is otherwise as the estimator that is judged believes it to be.
 
-The estimators know the vehicle file compact_car. Stops begin at 25 m/s without a speed sensor, the brake pressure takes
-every wheel through its peak by prescription. Judged are the wheels that are valid 0.4 s after the first wheel has
-passed its peak; a wheel has passed when the slip of its tyre, behind the relaxation length, exceeds lambda_max. An
-interval is the estimate +- 1.96 of its stated deviations. An alarm is P(beyond the peak) > 0.9, early if it comes more
-than 25 ms before the wheel passes, lasting in ordinary driving from 50 ms on. A share of the peak, before it, is one of
-mu_max. Beside the random cars stands a Cramer-Rao bound with all troubles as nuisances.
-
-A stop takes about 1.5 s of one process with the default estimator, 50 seeds are 3400 stops and 400 rises: an hour
-with two processes. An hour of driving takes 12 minutes of one process.
+The default believes a car without load transfer, relaxation and delays, `car` the values of the vehicle file.
 """
 
 import argparse
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
 
 from benchmarks.pool import in_processes
-from benchmarks.real_car.before_peak import Rise, make_rise, rise_rows
 from benchmarks.real_car.bound import Bound, bound, bound_rows
-from benchmarks.real_car.cost import cost_rows, timed
 from benchmarks.real_car.driving import (
     DRIVE,
     Drive,
     DriveResult,
+    SlopeDrive,
     curves_of_drive,
     drive_rows,
     record_drive,
+    signs_of_drive,
+    slope_drive_rows,
 )
-from benchmarks.real_car.known import Known, known_rows, make_known
-from benchmarks.real_car.methods import METHODS
-from benchmarks.real_car.road_change import CHANGES, SPLITS, TwoRoads, make_two_roads, two_roads_rows
-from benchmarks.real_car.slope_driving import SlopeDrive, signs_of_drive, slope_drive_rows
-from benchmarks.real_car.stop_rows import stop_rows
-from benchmarks.real_car.stops import Stop, make_stop
-from benchmarks.real_car.troubles import ROADS, TROUBLES, troubled_car
+from benchmarks.real_car.known import Known, cost_rows, known_rows, make_known, timed
+from benchmarks.real_car.road_change import (
+    CHANGES,
+    SPLITS,
+    Rise,
+    TwoRoads,
+    make_rise,
+    make_two_roads,
+    rise_rows,
+    two_roads_rows,
+)
+from benchmarks.real_car.stops import METHODS, Stop, make_stop, stop_rows
 from benchmarks.rows import Row
+from corner_sim.car.car_parameters import CarParameters, SensorParameters
+from corner_sim.car.other_tyres import BRUSH_TYRES, Scaled
+from corner_sim.car.pressure_prescription import Cycling
 from corner_sim.car.random_car import random_car
 from corner_sim.car.tyre import TYRES
 from friction_curve_id.methods import DEFAULT
 from friction_parameters.command_line import count, positive
 from vehicle_models.surfaces import TABLE_8_1
+
+ROADS = tuple(TYRES["burckhardt"])
+BELIEVED: Mapping[str, CarParameters] = MappingProxyType(
+    {
+        DEFAULT: CarParameters(height=0.0),
+        "car": CarParameters(
+            relaxation_length=(0.3,) * 4,
+            damper_share=0.5,
+            pitch_gain=0.0026,
+            sensors=SensorParameters(encoder_teeth=48, acceleration_delay=0.005),
+        ),
+    }
+)
+"""The car without any trouble, by the method that is judged."""
+
+
+def _gains(factor: float) -> Mapping[str, Any]:
+    gains = CarParameters().brake_gain
+    return {"brake_gain": tuple(factor * gain for gain in gains)}
+
+
+TROUBLES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "none": {},
+        "load transfer": {"height": 0.2 * CarParameters().wheelbase},
+        "relaxation 0.05 m": {"relaxation_length": (0.05,) * 4},
+        "relaxation 0.3 m": {"relaxation_length": (0.3,) * 4},
+        "pressure 10 ms late": {"pressure_delay": 0.01},
+        "pressure 20 ms late": {"pressure_delay": 0.02},
+        "brake gain -10 %": _gains(0.9),
+        "pads fading 20 %": {"fading": 0.2},
+        "slope 5 %": {"slope": 0.05},
+        "engine drag 100 N m": {"engine_drag": 100.0},
+        "wheel stamps 10 ms late": {"wheel_delay": 0.01},
+        "48 teeth at 100 Hz": {"encoder_teeth": 48, "sample_rate": 100},
+        "Pacejka": {"family": "pacejka"},
+        "brush tyres": {"family": "brush"},
+        "tyres with load sensitivity 10 %": {"load_sensitivity": 0.1},
+        "other tyres at the rear": {"rear": {"friction_factor": 1.06, "slip_factor": 1.1}},
+        "load varying 5 % RMS": {"load_variation": 0.05},
+        "first rise of 3 s": {"ramp": 3.0},
+        "50 Hz": {"sample_rate": 50},
+        "1000 Hz": {"sample_rate": 1000},
+    }
+)
+"""Changes to the car, by the name of the trouble; `car` believes in the relaxation length of 0.3 m."""
+
+
+def troubled_car(trouble: str, road: str, method: str) -> tuple[CarParameters, Cycling]:
+    """Make the car of a trouble on a road, for a method of BELIEVED, and the way it is braked."""
+    changes = dict(TROUBLES[trouble])
+    cycling = Cycling(ramp=changes.pop("ramp", Cycling.ramp))
+    tyre = {**TYRES, "brush": BRUSH_TYRES}[changes.pop("family", "burckhardt")][road]
+    rear = Scaled(tyre, **changes.pop("rear")) if "rear" in changes else tyre
+    believed = BELIEVED[method]
+    of_sensors = {name: changes.pop(name) for name in list(changes) if hasattr(SensorParameters, name)}
+    sensors = replace(believed.sensors, **of_sensors)
+    return replace(believed, tyres=(tyre, tyre, rear, rear), sensors=sensors, **changes), cycling
+
 
 _FIRST_SEED = 40_000
 """Far from the seeds of the tuning."""

@@ -1,16 +1,106 @@
-"""Stops through the peak: the answers beside the truth, summed up per stop."""
+"""The estimators of all wheels of a car, by name: what is judged."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from benchmarks.real_car.answers import Answers, follow
+from benchmarks.identification.runs import STATED, stated
+from benchmarks.rows import Row, at_least, at_most, not_judged
 from corner_sim.car.car_parameters import CarParameters
 from corner_sim.car.pressure_prescription import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
+from friction_curve_id.car import CarEstimator, CarSample
+from friction_curve_id.interface import CurveEstimate, Refusal, Sample
+from friction_curve_id.methods import DEFAULT, make_estimator
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]
+
+
+class CarMethod(Protocol):
+    """Friction curves of all wheels of a car without a speed sensor."""
+
+    def update(
+        self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float
+    ) -> Sequence[CurveEstimate | Refusal]:
+        """Take the next sample [s, rad/s, Pa, m/s^2]; return an answer for each wheel, in the order of the wheels."""
+
+
+class WheelByWheel:
+    """One estimator for each wheel, with its share of the nominal car; the acceleration is not used."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        """Make them of method `default` with their shipped parameters."""
+        self._gains = [wheel.brake_gain for wheel in vehicle.wheels]
+        self._estimators = [make_estimator(DEFAULT, vehicle.corner(name)) for name in vehicle.wheel_names]
+
+    def update(
+        self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float
+    ) -> Sequence[CurveEstimate | Refusal]:
+        """See CarMethod."""
+        del acceleration
+        parts = zip(self._estimators, self._gains, wheel_speed, brake_pressure, strict=True)
+        return [
+            estimator.update(Sample(time, float(omega), None, gain * float(pressure)))
+            for estimator, gain, omega, pressure in parts
+        ]
+
+
+class WholeCar:
+    """friction_curve_id.car: all wheels at once."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        """Make it with its shipped parameters."""
+        self._estimator = CarEstimator(vehicle)
+
+    def update(
+        self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float
+    ) -> Sequence[CurveEstimate | Refusal]:
+        """See CarMethod."""
+        return self._estimator.update(CarSample(time, wheel_speed, brake_pressure, acceleration))
+
+
+METHODS: dict[str, Callable[[Vehicle], CarMethod]] = {DEFAULT: WheelByWheel, "car": WholeCar}
+"""What may be judged."""
+
+
+VEHICLE = "compact_car"
+"""Vehicle file of the estimators: nominal values and deviations, of no car of the plant."""
+
+
+@dataclass(frozen=True)
+class Answers:
+    """Answers after each of n samples, STATED in order, arrays of shape (n, 4); NaN where there was none."""
+
+    lambda_max: Array
+    lambda_max_stddev: Array
+    mu_max: Array
+    mu_max_stddev: Array
+    probability_beyond_peak: Array
+    valid: Array
+    """Whether it was valid, 0 or 1."""
+    restarted: Array
+
+
+def follow(method: str, run: Recording, samples: int) -> Answers:
+    """Feed the first `samples` samples of a recording to an estimator by name."""
+    estimator = METHODS[method](load_vehicle(VEHICLE))
+    found = np.full((samples, 4, len(STATED)), np.nan)
+    found[:, :, -2:] = 0.0
+    for k in range(samples):
+        answers = estimator.update(
+            float(run.time[k]), run.wheel_speed[k], run.brake_pressure[k], float(run.acceleration[k])
+        )
+        for wheel, answer in enumerate(answers):
+            if not isinstance(answer, Refusal):
+                found[k, wheel] = stated(answer)
+    return Answers(*np.moveaxis(found, 2, 0))
+
+
 JUDGED = 0.4
 """Time after the first wheel has passed its peak at which estimates are judged [s]."""
 FOLLOWED = 1.5
@@ -121,3 +211,76 @@ def _spread(beyond: NDArray[np.bool_], samples: int) -> NDArray[np.bool_]:
         near[shift:] |= beyond[:-shift]
         near[:-shift] |= beyond[shift:]
     return near
+
+
+COVERAGE = 90.0
+"""Least coverage of a 95 % interval [%]."""
+VALID = 90.0
+"""Least share of the stops that are valid JUDGED after the first passing [%]."""
+MOST_EARLY = 1.0
+"""Most early alarms [%]."""
+MEDIAN = {"lambda_max": 4.0, "mu_max": 1.5}
+RMSE = {"lambda_max": 12.0}
+"""Largest errors over random cars [%]."""
+
+
+def stop_rows(case: str, road: str, results: Sequence[StopResult], judge_errors: bool) -> list[Row]:
+    """Rows of a case on a road; with `judge_errors` the errors themselves have limits too."""
+    rows: list[Row] = []
+
+    def add(quantity: str, judged: Row, **more: float) -> None:
+        rows.append({"case": case, "road": road, "stops": len(results), "quantity": quantity} | judged | more)
+
+    messages = sum(result.messages for result in results)
+    for name, errors, inside, all_inside in (
+        (
+            "lambda_max",
+            [result.lambda_error for result in results],
+            [result.lambda_inside for result in results],
+            sum(result.messages_lambda_inside for result in results),
+        ),
+        (
+            "mu_max",
+            [result.mu_error for result in results],
+            [result.mu_inside for result in results],
+            sum(result.messages_mu_inside for result in results),
+        ),
+    ):
+        error = 100.0 * np.concatenate(errors)
+        statistics = {
+            "bias_pct": _mean(error),
+            "rmse_pct": _mean(error**2) ** 0.5,
+            "median_pct": float(np.median(np.abs(error))) if error.size else np.nan,
+            "estimates": float(error.size),
+        }
+        add(f"coverage of {name} [%]", at_least(100.0 * _mean(np.concatenate(inside)), COVERAGE), **statistics)
+        of_messages = 100.0 * all_inside / messages if messages else np.nan
+        add(f"coverage of {name}, all valid messages [%]", at_least(of_messages, COVERAGE))
+        if judge_errors:
+            add(f"median |error| of {name} [%]", at_most(statistics["median_pct"], MEDIAN[name]))
+            if name in RMSE:
+                add(f"RMSE of {name} [%]", at_most(statistics["rmse_pct"], RMSE[name]))
+    first = np.array([result.first_valid for result in results])
+    times = {"median_ms": 1e3 * float(np.median(first)), "p90_ms": 1e3 * _quantile(first, 0.9)}
+    add(f"valid within {JUDGED} s [%]", at_least(100.0 * _mean(first <= JUDGED), VALID), **times)
+    add(f"valid before {TOO_SOON} s [%]", at_most(100.0 * _mean(first < TOO_SOON), 0.0))
+    wheels = 4 * len(results)
+    delay = np.concatenate([result.alarm_delay for result in results])
+    delays = {"median_ms": 1e3 * float(np.median(delay)), "p90_ms": 1e3 * _quantile(delay, 0.9)} if delay.size else {}
+    early = 100.0 * sum(result.early for result in results) / wheels
+    add("early alarms [% of wheels]", at_most(early, MOST_EARLY), **delays)
+    passed = sum(result.passed for result in results)
+    missed = 100.0 * sum(result.missed for result in results) / max(passed, 1)
+    add("missed alarms [% of passings]", not_judged(missed))
+    add("P > 0.9 before the peak [% of samples]", not_judged(100.0 * _mean([r.false_beyond for r in results])))
+    add("restarts of a wheel", not_judged(_mean([result.restarts / 4.0 for result in results])))
+    return rows
+
+
+def _mean(values: ArrayLike) -> float:
+    array = np.asarray(values, dtype=np.float64)
+    return float(np.mean(array)) if array.size else np.nan
+
+
+def _quantile(values: Array, share: float) -> float:
+    return float(np.quantile(values, share, method="higher"))

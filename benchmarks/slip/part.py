@@ -1,9 +1,4 @@
-"""Vehicle speed and slip without a speed sensor: simulated stops with the supervisor, and the measured one.
-
-The estimator is wheel_slip with its shipped parameters; what differs between the cars are their vehicle files:
-compact_car (or --vehicle) for the stops, bmw_m8 for the measured one. The baseline `best_wheel` takes the fastest wheel
-for the car. Errors count from brake onset down to 3 m/s, over every sample and wheel, valid or not.
-"""
+"""One stop through wheel_slip with its shipped parameters, and the errors of speed and slip over it."""
 
 import argparse
 from collections.abc import Sequence
@@ -11,23 +6,25 @@ from math import sqrt
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.progress import Progress
 
-from benchmarks.measured_data import BMW, IAC, data_directory
+from benchmarks.measured import BMW, IAC, data_directory
 from benchmarks.rows import Row, at_most
-from benchmarks.slip.following import Followed, follow, follow_bmw, shipped
-from benchmarks.slip.honesty import honesty_rows
-from benchmarks.slip.laps import laps_rows
-from benchmarks.slip.stops import cruise_torque, stops
-from benchmarks.slip.tables import tables
+from benchmarks.slip.honesty import honesty_rows, laps_rows
+from benchmarks.slip.stops import (
+    Array,
+    Followed,
+    cruise_torque,
+    follow,
+    follow_bmw,
+    shipped,
+    stops,
+)
 from friction_parameters.command_line import count
 from friction_parameters.parameter import ParameterError
 from vehicle_models.two_axle import four_wheels
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
-
-Array = NDArray[np.float64]
 
 ROADS = ("dry", "wet", "snow")
 LIMITS = {"dry": (0.08, 0.009), "wet": (0.085, 0.010), "snow": (0.13, 0.006), "bmw": (0.05, 0.006)}
@@ -36,8 +33,8 @@ _CAR_OF_STOPS = "compact_car"
 INJECTED_OFFSET = 0.35
 """[m/s^2]"""
 GRADE_STEP = 0.02
-CASES = ("stops", "measured", "tables", "drives")
-"""Simulated stops, the BMW stop, Tables 8.4 and 8.5, drives of a car that is known only by its vehicle file."""
+CASES = ("stops", "measured", "drives")
+"""Simulated stops, the BMW stop, drives of a car that is known only by its vehicle file."""
 _FIRST_SEED = 30_000
 
 
@@ -67,8 +64,6 @@ def run(options: argparse.Namespace) -> list[Row]:
         measured = _measured(options.data / BMW)
         rows += measured + _judged(measured)
         rows += _laps(options.data / IAC)
-    if "tables" in options.cases:
-        rows += tables(seeds, shipped())
     if "drives" in options.cases:
         rows += honesty_rows(_car_of_stops(options.vehicle), shipped().estimator, range(options.cars))
     return rows

@@ -1,24 +1,28 @@
-"""Evaluation of the smart tyre (section 8.4): angle, fronts, forces and cost against the limits of the project.
-
-The dynamic drive of Figure 8.20 with all noise on, 30 seeds, none used for calibration, one front and one rear wheel.
-RMSE is pooled over seeds and valid revolutions, in % of the static load, against the truth at the middle of each
-passage.
-"""
+"""CPU of the smart tyre: the algorithm alone, and the live node with the middleware around it."""
 
 from __future__ import annotations
 
 import argparse
+import os
+import subprocess
+import sys
+import time
+from array import array
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import rclpy
+from friction_msgs.msg import TyreSignals
 from numpy.typing import NDArray
+from rclpy.node import Node
 from rich.progress import Progress
+from scipy import linalg, signal
+from std_msgs.msg import Header
 
 from benchmarks.rows import Row, at_most, not_judged
-from benchmarks.smart_tyre import cost, figures, gains
-from benchmarks.smart_tyre.fronts import Waveform, scatter
+from benchmarks.smart_tyre import gains
 from benchmarks.smart_tyre.runs import (
     LOW,
     NOISY,
@@ -28,6 +32,8 @@ from benchmarks.smart_tyre.runs import (
     QUIET_UNEVEN,
     RING,
     ROUGH,
+    TRACKER,
+    WHEEL,
     WHEEL_SEEDS,
     Estimated,
     Sensors,
@@ -38,15 +44,190 @@ from benchmarks.smart_tyre.runs import (
     simulate,
     wheel_angle,
 )
+from friction_bringup.discovery import local_discovery
 from friction_parameters.command_line import count
+from friction_runtime import qos
+from friction_runtime.domain import free_domain_id
+from friction_runtime.stamps import from_nanoseconds
 from smart_tyre_forces.calibration import Calibration
-from smart_tyre_forces.front_template import FrontTemplate, TemplateFit
+from smart_tyre_forces.correction import PatchCorrection
+from smart_tyre_forces.forces import forces
+from smart_tyre_forces.front_template import FrontRefiner, FrontTemplate, TemplateFit
+from smart_tyre_forces.fronts import LEVEL
+from smart_tyre_forces.patch_tracker import PatchTracker
+from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.encoder import EncoderParameters
-from vehicle_models.force_history import dynamic_drive
-from vehicle_models.tyre_signal import TyreBlock
+from vehicle_models.force_history import dynamic_drive, steady_drive
+from vehicle_models.tyre_signal import AccelerometerParameters, TyreBlock
+from vehicle_models.vehicle_file import load_vehicle
+
+_VEHICLE = "smart_tyre_car"
+_WHEELS = load_vehicle(_VEHICLE).wheel_names
+_BLOCK = 100
+"""Samples: 10 ms."""
+_LIVE_SECONDS = 15.0
+_CRUISE = 250_000
+"""Sample of the drive from which it cruises: the most revolutions a second."""
+
+
+def algorithm(known: Calibration) -> list[tuple[str, float]]:
+    """CPU of four wheels in 10 ms blocks over the dynamic drive, in % of a core."""
+    drive = dynamic_drive(road_seed=0)
+    blocks = {axle: simulate(drive, axle, 0) for axle in WHEEL_SEEDS}
+    spent, sampled = 0.0, 0.0
+    for axle, block in blocks.items():
+        wheel = known.wheels[axle]
+        tracker = PatchTracker(WHEEL, TRACKER, ToothTable(np.asarray(wheel.tooth_table)))
+        correction = PatchCorrection(known.tyre, WHEEL.radius, TRACKER.sample_rate)
+        began = time.process_time()
+        for first in range(0, len(block.encoder_voltage), _BLOCK):
+            part = slice(first, first + _BLOCK)
+            for passage in tracker.push(first, block.encoder_voltage[part], block.radial_acceleration[part]):
+                forces(correction.update(passage), known.tyre, wheel, correction.zero_speed, restore_steady=True)
+        spent += time.process_time() - began
+        sampled += len(block.encoder_voltage) / TRACKER.sample_rate
+    return [("four wheels, 10 ms blocks, algorithm [% of a core]", 100.0 * len(_WHEELS) * spent / sampled)]
+
+
+def live_node() -> list[tuple[str, float]]:
+    """CPU of the live node with four wheels over DDS, in % of a core."""
+    block = simulate(dynamic_drive(road_seed=0), "front", 0)
+    os.environ |= {"ROS_DOMAIN_ID": str(free_domain_id()), **local_discovery()}
+    command = [sys.executable, "-m", "smart_tyre_forces", "--ros-args", "-p", f"vehicle_file:={_VEHICLE}"]
+    process = subprocess.Popen(command)
+    rclpy.init()
+    node = rclpy.create_node("tyre_cost")
+    try:
+        return [("four wheels, 10 ms blocks, live node over DDS [% of a core]", _feed(node, process.pid, block))]
+    finally:
+        process.terminate()
+        process.wait(timeout=10.0)
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+def _feed(node: Node, pid: int, block: TyreBlock) -> float:
+    """Publish the cruise of the drive in real time; return the share of a core the process took [%]."""
+    publishers = [qos.publish(node, TyreSignals, f"{wheel}/tyre_signals") for wheel in _WHEELS]
+    patience = time.monotonic() + 20.0
+    while not all(p.get_subscription_count() for p in publishers):
+        if time.monotonic() > patience:
+            raise TimeoutError("smart_tyre_forces does not subscribe to its blocks")
+        time.sleep(0.05)
+    began, spent = time.monotonic(), _cpu_seconds(pid)
+    for k in range(round(_LIVE_SECONDS * TRACKER.sample_rate) // _BLOCK):
+        part = slice(_CRUISE + k * _BLOCK, _CRUISE + (k + 1) * _BLOCK)
+        due = k * _BLOCK / TRACKER.sample_rate
+        for wheel, publisher in zip(_WHEELS, publishers, strict=True):
+            message = TyreSignals(
+                header=Header(stamp=from_nanoseconds(1_000_000_000 + round(due * 1e9)), frame_id=wheel),
+                wheel=wheel,
+                sample_rate=TRACKER.sample_rate,
+                first_sample=k * _BLOCK,
+                encoder_voltage=array("f", block.encoder_voltage[part].tobytes()),
+                radial_acceleration=array("f", block.radial_acceleration[part].tobytes()),
+                inflation_pressure=np.nan,
+            )
+            publisher.publish(message)
+        time.sleep(max(0.0, began + due - time.monotonic()))
+    return 100.0 * (_cpu_seconds(pid) - spent) / (time.monotonic() - began)
+
+
+def _cpu_seconds(pid: int) -> float:
+    """User and system time of a process so far [s]."""
+    with open(f"/proc/{pid}/stat", encoding="ascii") as stat:
+        counters = stat.read().rsplit(")", 1)[1].split()
+    return (int(counters[11]) + int(counters[12])) / os.sysconf("SC_CLK_TCK")
+
 
 Array = NDArray[np.float64]
+
+_WITHOUT_JITTER = replace(NOISY, accelerometer=replace(NOISY.accelerometer, edge_jitter=0.0))
+_HALF_WINDOW = np.radians(50.0)
+_SETTLED = 100
+"""Samples after which the sensor's filter has settled."""
+_SMALL = 3e-3
+"""Step of the numerical slope [rad]."""
+
+
+def scatter(
+    speed: float, axle: str, seeds: range, table: ToothTable, refiners: list[FrontRefiner | None], duration: float
+) -> Array:
+    """RMS of alpha_1 and alpha_2 [rad] about their mean in each run at constant speed, without edge jitter.
+
+    Returns:
+        Shape (2,), pooled over the runs; one refiner (or None) for each seed.
+    """
+    squares, count = np.zeros(2), 0
+    drive = steady_drive(speed, duration, road_seed=0)
+    for seed, refiner in zip(seeds, refiners, strict=True):
+        block = simulate(drive, axle, seed, _WITHOUT_JITTER)
+        found = [p for p in passages(block, table, refiner) if p.reason is PatchReason.OK]
+        fronts = np.array([(p.alpha_1, p.alpha_2) for p in found])
+        squares += np.sum((fronts - fronts.mean(axis=0)) ** 2, axis=0)
+        count += len(fronts) - 1
+    return np.asarray(np.sqrt(squares / count))
+
+
+class Waveform:
+    """The noise-free signal of one passage over the wheel angle, and the noise on it."""
+
+    def __init__(self, speed: float, sensors: Sensors = _WITHOUT_JITTER) -> None:
+        """Fold many noise-free revolutions at `speed` [m/s] into one."""
+        self._step = speed / RING.radius / TRACKER.sample_rate
+        block = simulate(steady_drive(speed, 20.0, road_seed=0), "front", 0, QUIET)
+        angle = np.mod(block.wheel_angle[_SETTLED:], 2.0 * np.pi)
+        order = np.argsort(angle)
+        grid = np.linspace(0.0, 2.0 * np.pi, 7200, endpoint=False)
+        wave = np.interp(grid, angle[order], block.radial_acceleration[_SETTLED:][order], period=2.0 * np.pi)
+        width = 480
+        mean = np.convolve(np.concatenate((wave, wave)), np.ones(width), "valid")[: len(wave)]
+        self._angle = grid - np.pi
+        self._wave = np.roll(wave, len(wave) // 2 - int(np.argmin(mean)) - width // 2)
+        self._covariance = noise_covariance(sensors.accelerometer, speed, round(2.0 * _HALF_WINDOW / self._step) + 2)
+        level = LEVEL * (speed / RING.radius) ** 2 * RING.radius
+        above = self._wave > level
+        self._fronts = (
+            float(self._angle[np.flatnonzero(above[:-1] & ~above[1:])[0]]),
+            float(self._angle[np.flatnonzero(~above[:-1] & above[1:])[-1]]),
+        )
+
+    def _at(self, angle: Array) -> Array:
+        return np.asarray(np.interp(angle, self._angle, self._wave))
+
+    def _slope(self, angle: Array) -> Array:
+        return (self._at(angle + _SMALL) - self._at(angle - _SMALL)) / (2.0 * _SMALL)
+
+    def noise_over_slope(self) -> Array:
+        """Deviation of both fronts at the crossing of a level [rad], shape (2,)."""
+        return np.asarray(np.sqrt(self._covariance[0]) / np.abs(self._slope(np.array(self._fronts))))
+
+    def cramer_rao(self) -> Array:
+        """Bound of the deviation of both fronts [rad], shape (2,); amplitude and offset unknown."""
+        angle = np.arange(-_HALF_WINDOW, _HALF_WINDOW, self._step)
+        slope = self._slope(angle)
+        before = angle < 0.5 * sum(self._fronts)
+        design = np.stack(
+            [np.where(before, slope, 0.0), np.where(before, 0.0, slope), self._at(angle), np.ones(len(angle))], axis=1
+        )
+        information = design.T @ linalg.solve_toeplitz(self._covariance[: len(angle)], design)
+        return np.asarray(np.sqrt(np.diag(np.linalg.inv(information))[:2]))
+
+
+def noise_covariance(p: AccelerometerParameters, speed: float, lags: int) -> Array:
+    """Autocovariance [m^2/s^4] of the accelerometer's noise at `speed` [m/s], shape (lags,)."""
+    impulse = np.zeros(8192)
+    impulse[0] = 1.0
+    band = signal.butter(2, p.texture_band, "bandpass", fs=TRACKER.sample_rate, output="sos")
+    sensor = signal.butter(2, p.bandwidth, fs=TRACKER.sample_rate, output="sos")
+    shaking = signal.sosfilt(band, impulse)
+    shaking *= p.texture_noise * (speed / 20.0) ** 1.5 / np.sqrt(np.sum(shaking**2))
+    felt = signal.sosfilt(sensor, shaking)
+    covariance = np.asarray(signal.correlate(felt, felt, "full")[len(felt) - 1 :][:lags]).copy()
+    covariance[0] += p.electronic_noise**2 + p.resolution**2 / 12.0
+    return covariance
+
 
 LIMITS = {
     ("2.0 bar", "angle RMS (deg)"): 0.02,
@@ -84,7 +265,6 @@ _FRONT_SPEEDS = (8.0, 15.0, 22.0)
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
     parser.add_argument("--seeds", type=count, default=30, help="noise seeds")
-    parser.add_argument("--figures", type=Path, help="directory for Figures 8.16 and 8.18 to 8.28")
     parser.add_argument(
         "--plant-calibration", type=Path, help="only write the calibration of corner_sim's wheels there"
     )
@@ -107,11 +287,9 @@ def run(args: argparse.Namespace) -> list[Row]:
     known, ideal = runs.calibrate(), calibration_runs(QUIET).calibrate()
     with Progress(transient=True) as progress:
         rows = list(evaluate(range(args.seeds), known, ideal, progress))
-    rows += [_row("cost", "all", quantity, value) for quantity, value in cost.algorithm(known)]
+    rows += [_row("cost", "all", quantity, value) for quantity, value in algorithm(known)]
     if not args.no_live:
-        rows += [_row("cost", "all", quantity, value) for quantity, value in cost.live_node()]
-    if args.figures is not None:
-        rows += figures.draw(args.figures, runs)
+        rows += [_row("cost", "all", quantity, value) for quantity, value in live_node()]
     return rows
 
 

@@ -5,8 +5,7 @@ from friction_msgs.msg import BrakeDemand
 from mcap.reader import make_reader
 from std_msgs.msg import Header, String
 
-from benchmarks.bags.libraries import library_seconds
-from benchmarks.bags.part import _write
+from benchmarks.bags import _write, library_seconds
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import decode, encode, installed_topic

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from benchmarks import manoeuvres
+from benchmarks import protocol as manoeuvres
 from benchmarks.identification import cramer_rao
 from benchmarks.protocol import CORNER, DT, SPEED
 from vehicle_models import burckhardt

@@ -1,8 +1,7 @@
 """A short cut of the doctor's evaluation: sabotaged drives of `model: car`."""
 
-from benchmarks.doctor.drives import driven
+from benchmarks.doctor.drives import TROUBLES, driven
 from benchmarks.doctor.part import named
-from benchmarks.doctor.sabotage import TROUBLES
 from vehicle_doctor.checks.accelerometer import FLAT
 from vehicle_doctor.examine import examine
 from vehicle_doctor.findings import Verdict

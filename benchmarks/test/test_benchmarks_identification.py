@@ -8,11 +8,10 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from benchmarks.identification import part as identification
-from benchmarks.identification.runs import SERIES, Batch, Traces, measured
-from benchmarks.identification.statistics import alarm_row, coverage, kept_from, peak_row
+from benchmarks.identification.runs import SERIES, Batch, Traces, alarm_row, coverage, kept_from, measured, peak_row
 from benchmarks.identification.studies import draw_curves, roads, seeds_of
 from benchmarks.identification.surface_change import drive
-from benchmarks.manoeuvres import SAMPLES, braking
+from benchmarks.protocol import SAMPLES, braking
 from vehicle_models import burckhardt
 
 Array = NDArray[np.float64]

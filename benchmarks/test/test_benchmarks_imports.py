@@ -14,7 +14,7 @@ ABOVE = {
     "src": {"benchmarks", "campaigns", "book"},
 }
 ALLOWED: dict[str, set[str]] = {
-    "slip": {"closed_loop"},  # its stops have the same supervisor
+    "slip": {"abs"},  # its stops have the same supervisor
     "real_car": {"slope"},  # friction_slope in ordinary driving, with the settings that are judged there
 }
 

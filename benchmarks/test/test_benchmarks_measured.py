@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks import measured_data
-from benchmarks.measured import part as measured
-from benchmarks.measured.tyre_rig import tyre_rig_rows
+from benchmarks import measured
+from benchmarks import measured as measured_data
+from benchmarks.measured import tyre_rig_rows
 from benchmarks.rows import Row
-from benchmarks.slip.laps import laps_rows
+from benchmarks.slip.honesty import laps_rows
 from friction_parameters.parameter import ParameterError
 
 DATA = measured_data.data_directory()

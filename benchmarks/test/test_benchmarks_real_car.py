@@ -8,18 +8,12 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks.real_car import part
-from benchmarks.real_car.answers import VEHICLE, Answers
-from benchmarks.real_car.before_peak import rise_rows
 from benchmarks.real_car.bound import Bound, _burckhardt, _correlation, _pacejka, _sensitivities, bound
-from benchmarks.real_car.driving import DriveResult, drive_rows
-from benchmarks.real_car.methods import METHODS
-from benchmarks.real_car.road_change import TwoRoads, TwoRoadsResult, make_two_roads, two_roads_rows
-from benchmarks.real_car.slope_driving import SlopeDrive, slope_drive_rows
-from benchmarks.real_car.stop_rows import stop_rows
-from benchmarks.real_car.stops import judge
-from benchmarks.real_car.troubles import BELIEVED, TROUBLES, troubled_car
-from benchmarks.rows import Row
-from benchmarks.run_lengths import run_lengths
+from benchmarks.real_car.driving import DriveResult, SlopeDrive, drive_rows, slope_drive_rows
+from benchmarks.real_car.part import BELIEVED, TROUBLES, troubled_car
+from benchmarks.real_car.road_change import TwoRoads, TwoRoadsResult, make_two_roads, rise_rows, two_roads_rows
+from benchmarks.real_car.stops import METHODS, VEHICLE, Answers, judge, stop_rows
+from benchmarks.rows import Row, run_lengths
 from corner_sim.car.pressure_prescription import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
 from corner_sim.car.tyre import TYRES, Burckhardt, Pacejka

@@ -5,7 +5,7 @@ from math import inf, isnan, nan
 import numpy as np
 import pytest
 
-from benchmarks.closed_loop.second_opinion import Heard, Opinion
+from benchmarks.abs.second_opinion import Heard, Opinion
 
 MS = 1_000_000
 """[ns]"""

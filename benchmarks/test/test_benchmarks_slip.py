@@ -5,15 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.measured_data import BMW, data_directory
-from benchmarks.protocol import CORNER, DT
+from benchmarks.measured import BMW, data_directory
+from benchmarks.protocol import DT
 from benchmarks.rows import failures
 from benchmarks.slip import part as slip
 from benchmarks.slip.car_drives import cases, deviates, drive
-from benchmarks.slip.following import follow, follow_bmw, shipped
 from benchmarks.slip.honesty import Judged, case_rows, judge
-from benchmarks.slip.stops import CAR, CRUISE, Stop, stops
-from benchmarks.slip.tables import ACTIVATION_SLIP, LAMBDA_INIT, ROADS, Road, braking, tables
+from benchmarks.slip.stops import CAR, CRUISE, Stop, follow, follow_bmw, shipped, stops
 from vehicle_models.vehicle_file import load_vehicle
 
 needs_data = pytest.mark.skipif(
@@ -109,18 +107,3 @@ def test_measured_stop_is_within_the_limits_and_an_offset_does_not_matter() -> N
     assert abs(shifted["speed_rms"] - plain["speed_rms"]) <= 0.02
     assert baseline["speed_rms"] > 0.3
     assert plain["valid"] > 0.95
-
-
-@pytest.mark.parametrize("road", ROADS, ids=lambda road: road.name)
-def test_manoeuvre_takes_the_chapters_samples_from_init_to_activation(road: Road) -> None:
-    truth = braking(road)
-    slips = 1.0 - truth.wheel_speed * CORNER.radius / truth.speed
-    assert slips[truth.begin - 1] <= LAMBDA_INIT < slips[truth.begin]
-    assert slips[truth.begin + road.activation] == pytest.approx(ACTIVATION_SLIP, abs=1e-3)
-
-
-def test_tables_with_estimated_speed_are_as_good_as_with_measured_speed() -> None:
-    rows = tables(range(1), shipped())
-    default = [row for row in rows if row["method"] == "default" and row["instant"] == "end"]
-    assert {row["speed"] for row in default} == {"measured", "estimated"}
-    assert all(abs(row["bias_percent"]) < 6.0 and row["failures"] == 0 for row in default)

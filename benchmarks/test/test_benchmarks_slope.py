@@ -9,9 +9,16 @@ import pytest
 
 from benchmarks.protocol import CORNER, DT
 from benchmarks.slope import part as slope_part
-from benchmarks.slope.detection import Detection, Settings, detect, shipped_settings
+from benchmarks.slope.detection import (
+    Detection,
+    Run,
+    Settings,
+    below_the_peak,
+    detect,
+    shipped_settings,
+    through_the_peak,
+)
 from benchmarks.slope.part import disagreement, row
-from benchmarks.slope.runs import Run, below_the_peak, through_the_peak
 from vehicle_models import burckhardt
 from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
 from vehicle_models.surfaces import TABLE_8_1, surface

@@ -10,7 +10,7 @@ from benchmarks.rows import failures
 from benchmarks.slope import driver_stops as stops_module
 from benchmarks.slope.detection import Detection, shipped_settings
 from benchmarks.slope.driver_stops import LATEST, StopTruth, driver_stops, true_stop
-from benchmarks.slope.ordinary_braking import ordinary_braking, sensor_messages
+from benchmarks.slope.part import ordinary_braking, sensor_messages
 from corner_sim.plant import SAMPLE_TIME
 from friction_bags.experiments.stops import STOPS
 from vehicle_models import burckhardt

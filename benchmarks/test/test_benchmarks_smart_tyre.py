@@ -3,32 +3,29 @@
 import argparse
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from rich.progress import Progress
 
-from benchmarks.smart_tyre import figures
 from benchmarks.smart_tyre import part as smart_tyre
-from benchmarks.smart_tyre.fronts import Waveform, noise_covariance
-from benchmarks.smart_tyre.phases import PHASES, means
+from benchmarks.smart_tyre.part import Waveform, noise_covariance
 from benchmarks.smart_tyre.runs import (
     LOW,
     NOISY,
     NOMINAL,
+    PHASES,
     QUIET,
     RING,
     CalibrationRuns,
     Estimated,
     calibration_runs,
     estimate,
+    means,
     passages,
     simulate,
 )
-from book import smart_tyre_verdicts
-from book.verdicts import Judgement
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.encoder import EncoderParameters
@@ -217,23 +214,3 @@ def test_rows_name_case_axle_quantity_value_limit_and_whether_it_holds(known: Ca
     assert all((row["passed"] is None) == (row["limit"] is None) for row in rows)
     assert {row["axle"] for row in rows} == {"front", "rear"}
     assert all(np.isfinite(row["value"]) for row in rows)
-
-
-def test_figures_are_drawn(runs: CalibrationRuns, tmp_path: Path) -> None:
-    rows = figures.draw(tmp_path, runs)
-    shown = {row["quantity"]: row["value"] for row in rows if row["axle"] in ("front", "both")}
-    assert shown["twin spikes a revolution"] == pytest.approx(1.0, abs=0.05)
-    assert all(np.isfinite(row["value"]) for row in rows)
-    rows.append({"case": "2.0 bar", "axle": "front", "quantity": "angle RMS (deg)", "value": 0.01})
-    judged = {verdict.statement: verdict.judgement for verdict in smart_tyre_verdicts.verdicts(rows)}
-    differing = {statement for statement, judgement in judged.items() if judgement is Judgement.DIFFERS}
-    assert {statement.split()[0] for statement in differing} == {"The", "Shift"}  # the 10 ms, and the trend that hides
-    wrong = "2.0 bar, corrected: shift, braking [deg]"
-    turned = [row | {"value": -row["value"]} if row["quantity"] == wrong else row for row in rows]
-    after = {verdict.statement: verdict.judgement for verdict in smart_tyre_verdicts.verdicts(turned)}
-    assert {statement for statement in after if after[statement] is not judged[statement]} == {
-        "In braking both patches shift back",
-        "and its shift is much the same",
-    }
-    expected = {"figure_8_16.png", "figure_forces.png", *(f"figure_8_{n}.png" for n in range(18, 29))}
-    assert {file.name for file in tmp_path.iterdir()} == expected

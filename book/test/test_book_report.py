@@ -8,12 +8,12 @@ import pytest
 from matplotlib.figure import Figure
 
 from benchmarks.rows import Row
-from benchmarks.slip.following import shipped
-from benchmarks.slip.tables import tables
+from benchmarks.slip.stops import shipped
 from book import friction_samples, smart_tyre, speed, speed_verdicts
 from book import part as report
 from book.page import Picture, Section, Table, page
 from book.parts import rows_of
+from book.speed_tables import tables
 from book.stop_run import ROADS, stop_run
 from book.verdicts import Judgement, close
 from friction_parameters.parameter import ParameterError

@@ -1,13 +1,14 @@
 """Every fault of the campaign."""
 
+from collections.abc import Sequence
 from functools import partial
 
 from benchmarks.protocol import DT
-from campaigns.faults import estimates, imu, stamps, transport, wheel_sensor
-from campaigns.faults.case import BEFORE_BRAKING, Case, Hit
-from campaigns.faults.fault import Site, at_once
-from campaigns.faults.signals import constant, frozen, lagging, scaled, silent
+from campaigns.faults import sensors, transport
+from campaigns.faults.case import BEFORE_BRAKING, CORNER, FOUR_WHEELS, Case, Hit, Manoeuvre
+from campaigns.faults.fault import Site, at_once, constant, frozen, lagging, scaled, silent
 from friction_runtime.wheel_speeds import WHEEL_STATES
+from vehicle_models.surfaces import TABLE_8_1
 
 _DEMAND = "brake_demand"
 _NAN = float("nan")
@@ -33,30 +34,26 @@ def _sensors(site: Site) -> tuple[str, ...]:
 
 
 NOISE = (
-    Case("wheel_noise_x3", wheel_sensor.noisy, ALL, BEFORE_BRAKING),
-    Case("wheel_ripple", wheel_sensor.rippled, ALL, BEFORE_BRAKING),
+    Case("wheel_noise_x3", sensors.noisy, ALL, BEFORE_BRAKING),
+    Case("wheel_ripple", sensors.rippled, ALL, BEFORE_BRAKING),
 )
 WHEEL_SENSOR = (
     Case(
         "wheel_dead",
-        wheel_sensor.dead,
+        sensors.dead,
         FIRST,
         none_within=_CONTRADICTION,
         none_later=_RELEASE,
         named_within=_CONTRADICTION,
         named="front_left",
     ),
-    Case(
-        "wheel_dead_before", wheel_sensor.dead, FIRST, BEFORE_BRAKING, named_within=_CONTRADICTION, named="front_left"
-    ),
-    Case("wheel_stuck", wheel_sensor.stuck, FIRST),
-    Case(
-        "wheel_flicker", wheel_sensor.flickering, FIRST, BEFORE_BRAKING, named_within=_CONTRADICTION, named="front_left"
-    ),
-    Case("wheel_+5%", partial(wheel_sensor.biased, factor=1.05), FIRST, BEFORE_BRAKING),
-    Case("wheel_-5%", partial(wheel_sensor.biased, factor=0.95), FIRST, BEFORE_BRAKING),
-    Case("wheel_nan", wheel_sensor.not_a_number, FIRST, none_within=FAIL_SAFE),
-    Case("wheel_missing", wheel_sensor.missing, FIRST, none_within=FAIL_SAFE),
+    Case("wheel_dead_before", sensors.dead, FIRST, BEFORE_BRAKING, named_within=_CONTRADICTION, named="front_left"),
+    Case("wheel_stuck", sensors.stuck, FIRST),
+    Case("wheel_flicker", sensors.flickering, FIRST, BEFORE_BRAKING, named_within=_CONTRADICTION, named="front_left"),
+    Case("wheel_+5%", partial(sensors.biased, factor=1.05), FIRST, BEFORE_BRAKING),
+    Case("wheel_-5%", partial(sensors.biased, factor=0.95), FIRST, BEFORE_BRAKING),
+    Case("wheel_nan", sensors.not_a_number, FIRST, none_within=FAIL_SAFE),
+    Case("wheel_missing", sensors.missing, FIRST, none_within=FAIL_SAFE),
     Case("wheel_states_silent", lambda site: silent([WHEEL_STATES]), ALL, none_within=FAIL_SAFE),
     Case("wheel_states_frozen", lambda site: frozen([WHEEL_STATES]), ALL, none_within=FAIL_SAFE),
 )
@@ -96,32 +93,32 @@ DEMAND = (
     Case("demand_frozen", lambda site: frozen([_DEMAND]), ALL, none_within=FAIL_SAFE),
 )
 GRAPH = (
-    Case("slip_lost", partial(estimates.lost, name="slip")),
-    Case("curve_lost", partial(estimates.lost, name="friction_curve")),
-    Case("slope_lost", partial(estimates.lost, name="slope_vote"), ALL, none_within=FAIL_SAFE),
-    Case("slope_invalid", estimates.invalid_slope, FIRST, none_within=FAIL_SAFE),
-    Case("command_lost", partial(estimates.lost, name="brake_command"), ALL),
+    Case("slip_lost", partial(transport.lost, name="slip")),
+    Case("curve_lost", partial(transport.lost, name="friction_curve")),
+    Case("slope_lost", partial(transport.lost, name="slope_vote"), ALL, none_within=FAIL_SAFE),
+    Case("slope_invalid", transport.invalid_slope, FIRST, none_within=FAIL_SAFE),
+    Case("command_lost", partial(transport.lost, name="brake_command"), ALL),
 )
 IMU = (
-    Case("imu_dead", imu.dead),
-    Case("imu_dead_before", imu.dead, begin=BEFORE_BRAKING),
-    Case("imu_biased", imu.biased, begin=BEFORE_BRAKING),
-    Case("imu_stuck", imu.stuck),
+    Case("imu_dead", sensors.imu_dead),
+    Case("imu_dead_before", sensors.imu_dead, begin=BEFORE_BRAKING),
+    Case("imu_biased", sensors.imu_biased, begin=BEFORE_BRAKING),
+    Case("imu_stuck", sensors.imu_stuck),
 )
 STAMPS = (
-    Case("stamps_repeat", lambda site: stamps.repeating([WHEEL_STATES]), ALL, none_within=FAIL_SAFE),
-    Case("stamps_zero", lambda site: stamps.zero([WHEEL_STATES]), ALL, none_within=FAIL_SAFE),
-    Case("stamps_crawl", lambda site: stamps.crawling([WHEEL_STATES]), ALL, none_within=FAIL_SAFE),
-    Case("stamps_back_50ms", lambda site: stamps.shifted([WHEEL_STATES], -0.05), ALL, none_within=FAIL_SAFE),
-    Case("all_stamps_repeat", lambda site: stamps.repeating(_sensors(site)), ALL, none_within=FAIL_SAFE),
-    Case("all_stamps_crawl", lambda site: stamps.crawling(_sensors(site)), ALL, none_within=FAIL_SAFE),
-    Case("all_stamps_back_50ms", lambda site: stamps.shifted(_sensors(site), -0.05), ALL, none_within=FAIL_SAFE),
-    Case("pressure_stamps_repeat", lambda site: stamps.repeating(site.pressures[:1]), FIRST, none_within=FAIL_SAFE),
-    Case("demand_stamps_crawl", lambda site: stamps.crawling([_DEMAND]), ALL, none_within=FAIL_SAFE),
-    Case("clock_+1s", lambda site: stamps.clock_jump(site, _sensors(site), 1.0), ALL),
-    Case("clock_-1s", lambda site: stamps.clock_jump(site, _sensors(site), -1.0), ALL),
-    Case("clock_+1h", lambda site: stamps.clock_jump(site, _sensors(site), 3600.0), ALL),
-    Case("clock_-1h", lambda site: stamps.clock_jump(site, _sensors(site), -3600.0), ALL),
+    Case("stamps_repeat", lambda site: transport.repeating([WHEEL_STATES]), ALL, none_within=FAIL_SAFE),
+    Case("stamps_zero", lambda site: transport.zero([WHEEL_STATES]), ALL, none_within=FAIL_SAFE),
+    Case("stamps_crawl", lambda site: transport.crawling([WHEEL_STATES]), ALL, none_within=FAIL_SAFE),
+    Case("stamps_back_50ms", lambda site: transport.shifted([WHEEL_STATES], -0.05), ALL, none_within=FAIL_SAFE),
+    Case("all_stamps_repeat", lambda site: transport.repeating(_sensors(site)), ALL, none_within=FAIL_SAFE),
+    Case("all_stamps_crawl", lambda site: transport.crawling(_sensors(site)), ALL, none_within=FAIL_SAFE),
+    Case("all_stamps_back_50ms", lambda site: transport.shifted(_sensors(site), -0.05), ALL, none_within=FAIL_SAFE),
+    Case("pressure_stamps_repeat", lambda site: transport.repeating(site.pressures[:1]), FIRST, none_within=FAIL_SAFE),
+    Case("demand_stamps_crawl", lambda site: transport.crawling([_DEMAND]), ALL, none_within=FAIL_SAFE),
+    Case("clock_+1s", lambda site: transport.clock_jump(site, _sensors(site), 1.0), ALL),
+    Case("clock_-1s", lambda site: transport.clock_jump(site, _sensors(site), -1.0), ALL),
+    Case("clock_+1h", lambda site: transport.clock_jump(site, _sensors(site), 3600.0), ALL),
+    Case("clock_-1h", lambda site: transport.clock_jump(site, _sensors(site), -3600.0), ALL),
 )
 TRANSPORT = (
     Case(
@@ -138,7 +135,37 @@ TRANSPORT = (
 )
 FAULTS = (*NOISE, *WHEEL_SENSOR, *PRESSURE, *DEMAND, *GRAPH, *IMU, *STAMPS, *TRANSPORT)
 """All of them."""
-LOCKED_START = Case("locked_start", partial(estimates.lost, name="brake_command"), ALL, BEFORE_BRAKING, end=1.5)
+LOCKED_START = Case("locked_start", partial(transport.lost, name="brake_command"), ALL, BEFORE_BRAKING, end=1.5)
 """Commands reach the brake only when the wheel has locked."""
 CASES = {case.name: case for case in (NO_FAULT, *FAULTS, LOCKED_START)}
 """By name."""
+
+
+Plan = Sequence[tuple[Manoeuvre, Sequence[Case]]]
+
+_FAULT_DEMANDS = (0.6, 1.5)
+_ORDINARY = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
+
+
+def whole() -> Plan:
+    """Return every car and surface: all faults at 0.6 and 1.5, ordinary and noisy braking at 0.1 to 0.9."""
+    found: list[tuple[Manoeuvre, Sequence[Case]]] = []
+    for car in (CORNER, FOUR_WHEELS):
+        for surface in TABLE_8_1:
+            for demand in sorted({*_ORDINARY, *_FAULT_DEMANDS}):
+                cases = (NO_FAULT, *FAULTS) if demand in _FAULT_DEMANDS else (NO_FAULT, *NOISE)
+                found.append((Manoeuvre(car, surface, demand), cases))
+        found.append((Manoeuvre(car, "snow", 1.5), (LOCKED_START,)))
+    return found
+
+
+def quick() -> Plan:
+    """Return the subset: the corner with every fault, the car with the faults that differ where wheels are compared."""
+    return [
+        (Manoeuvre(CORNER, "dry", 0.2), (NO_FAULT,)),
+        (Manoeuvre(CORNER, "cobblestone", 0.8), (NO_FAULT, *NOISE)),
+        (Manoeuvre(CORNER, "wet", 1.5), (NO_FAULT, *STAMPS, *TRANSPORT)),
+        (Manoeuvre(CORNER, "dry", 0.6), (NO_FAULT, *FAULTS)),
+        (Manoeuvre(FOUR_WHEELS, "dry", 0.6), (NO_FAULT, *NOISE)),
+        (Manoeuvre(FOUR_WHEELS, "dry", 1.5), (NO_FAULT, *WHEEL_SENSOR, *PRESSURE, *GRAPH, *IMU)),
+    ]

@@ -1,21 +1,68 @@
-"""Numbers of one run, and the worst of several."""
+"""The stop without ABS: the plant alone, which no command reaches."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
+from functools import cache, lru_cache
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 from friction_msgs.msg import BrakeCommand
 from numpy.typing import NDArray
 
+from abs_supervisor.parameters import SupervisorParameters
 from benchmarks.protocol import DT
-from benchmarks.run_lengths import run_lengths
-from campaigns.faults.case import Case, Hit
-from campaigns.faults.manoeuvre import ONSET, Manoeuvre
-from campaigns.faults.record import Record
-from campaigns.faults.reference import ABS_END, LOCK_SLIP, Reference
+from benchmarks.rows import run_lengths
+from campaigns.faults.case import CORNER, ONSET, Case, Hit, Manoeuvre
+from campaigns.faults.catalogue import LOCKED_START, NO_FAULT
+from campaigns.faults.loop import Record
+from corner_sim.plant import SAMPLE_TIME, PlantSample
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
+
+_LONGEST = 600.0
+"""[s]"""
+ABS_END = 5.0
+"""Utilisation and locks count above this speed [m/s], as in the part abs."""
+LOCK_SLIP = 0.95
+
+
+@dataclass(frozen=True)
+class Reference:
+    """From the onset of braking to standstill."""
+
+    duration: float
+    """[s]"""
+    distance: float
+    """[m]"""
+    locks: bool
+    """A wheel locks above 5 m/s: the demand is above its own peak torque, as at the rear at 0.9 of the front's."""
+    torque: float
+    """Of the wheel that is braked least [N m]."""
+
+
+@lru_cache(maxsize=1)  # a gentle stop on snow has 30,000 samples
+def samples_without_abs(manoeuvre: Manoeuvre) -> Sequence[PlantSample]:
+    """Brake without commands. Without them no sensor reaches the plant, so it is the same for every seed and fault."""
+    simulation = manoeuvre.simulation(0)
+    samples = [simulation.sample]
+    while simulation.end is None and simulation.time < _LONGEST:
+        simulation.advance()
+        samples.append(simulation.sample)
+    return samples
+
+
+@cache
+def without_abs(manoeuvre: Manoeuvre) -> Reference:
+    """Return the numbers of the stop without ABS."""
+    samples = samples_without_abs(manoeuvre)
+    return Reference(
+        duration=samples[-1].index * SAMPLE_TIME - ONSET,
+        distance=samples[-1].distance - samples[round(ONSET / SAMPLE_TIME)].distance,
+        locks=any(each.speed > ABS_END and each.slip.max() > LOCK_SLIP for each in samples),
+        torque=float(samples[-1].brake_torque.min()),
+    )
+
 
 _SLOW = 3.0
 """Below this speed [m/s] slip and the loss of ABS do not count."""
@@ -109,3 +156,64 @@ def _hit(case: Case, wheels: int) -> Flags:
 def _longest(flags: Flags) -> float:
     """Longest time [s] that a column of flags, shape (k, n), stays true."""
     return int(run_lengths(flags).max(initial=0)) * DT
+
+
+_ORDINARY = 1.01
+"""Distance and time without fault over those without ABS."""
+_PARTIAL = 1.05
+"""Distance with a fault over that without ABS, at a demand below the peak torque."""
+_PANIC = 1.02
+"""The same above it."""
+_WRONG_RELEASE = 0.02
+"""[s] longest release at a slip below half of the true lambda_max, at a demand below the peak torque."""
+_UTILISATION = {"dry": 0.798, "wet": 0.850, "cobblestone": 0.742, "snow": 0.777}
+"""Least of the corner in a panic stop without fault."""
+_LONGEST_LOCK = 0.05
+"""[s] in a panic stop without fault."""
+_RECOVERY = 1.0
+"""[s] within which a wheel that has locked turns again."""
+
+
+class Limit(NamedTuple):
+    """One limit of a row."""
+
+    name: str
+    value: float
+    limit: float
+
+    @property
+    def passed(self) -> bool:
+        """Is the value within the limit?"""
+        return self.value <= self.limit + 1e-9
+
+    def __str__(self) -> str:
+        """Name, value and limit."""
+        return f"{self.name} {self.value:.3g} > {self.limit:.3g}"
+
+
+def limits(case: Case, manoeuvre: Manoeuvre, found: Measures, no_fault: Measures) -> list[Limit]:
+    """Return the limits of a row, that of the distance first."""
+    return [each for each in _all(case, manoeuvre, found, no_fault) if each.limit < inf]
+
+
+def _all(case: Case, manoeuvre: Manoeuvre, found: Measures, no_fault: Measures) -> Iterator[Limit]:
+    panic = manoeuvre.demand > 1.0 or without_abs(manoeuvre).locks
+    if case is NO_FAULT and not panic:
+        yield Limit("distance ratio", found.distance_ratio, _ORDINARY)
+        yield Limit("duration ratio", found.duration_ratio, _ORDINARY)
+        yield Limit("DECREASE", found.samples_released, 0.0)
+    else:
+        yield Limit("distance ratio", found.distance_ratio, _PANIC if panic else _PARTIAL)
+    if case is NO_FAULT and panic:
+        yield Limit("lock [s]", found.longest_lock, _LONGEST_LOCK)
+        if manoeuvre.car == CORNER:
+            yield Limit("utilisation lost", 1.0 - found.utilisation, 1.0 - _UTILISATION[manoeuvre.surface])
+    if case is LOCKED_START:
+        yield Limit("lock [s]", found.longest_lock, _RECOVERY)
+    if not panic:
+        yield Limit("release below half of lambda_max [s]", found.wrong_release, _WRONG_RELEASE)
+    yield Limit("NONE after [s]", found.none, case.none_within + (case.none_later if panic else 0.0))
+    yield Limit("named after [s]", found.named, case.named_within)
+    yield Limit("over no fault", found.distance / no_fault.distance, case.stretch)
+    if without_abs(manoeuvre).torque >= SupervisorParameters().braking_torque:
+        yield Limit("healthy wheels without ABS", float(found.healthy_lost), 0.0)

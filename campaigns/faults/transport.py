@@ -1,14 +1,65 @@
-"""Faults of the way that messages take: late, lost, twice, in another order, and from two senders."""
+"""Faults of stamps and of the transport, and nodes that are gone."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from copy import deepcopy
 from typing import Any
 
+from friction_msgs.msg import FrictionSlope
+
 from benchmarks.protocol import DT
-from campaigns.faults.fault import Arrival, Fault, Site, at_once
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from campaigns.faults.fault import Arrival, Fault, Site, at_once, changed, silent
+from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES
 from vehicle_models.nanoseconds import NANOSECONDS
+
+_CRAWL = 1_000
+"""Nanoseconds of stamps for a second: they pass as new ones."""
+
+
+def _restamped(topics: Collection[str], stamp: Callable[[int, int], int]) -> Fault:
+    """`stamp` makes the new stamp of the first one since the begin of the fault, and the present one [ns]."""
+    first: dict[str, int] = {}
+
+    def pass_on(topic: str, message: Any) -> Sequence[Arrival]:
+        if topic in topics:
+            now = to_nanoseconds(message.header.stamp)
+            # a header of its own: messages of one sender share theirs
+            message.header = header_at(stamp(first.setdefault(topic, now), now), message.header.frame_id)
+        return at_once(topic, message)
+
+    return pass_on
+
+
+def repeating(topics: Collection[str]) -> Fault:
+    """The values go on under one stamp."""
+    return _restamped(topics, lambda first, now: first)
+
+
+def zero(topics: Collection[str]) -> Fault:
+    """No stamp is set."""
+    return _restamped(topics, lambda first, now: 0)
+
+
+def crawling(topics: Collection[str]) -> Fault:
+    """Stamps grow by a millionth of the time that passes."""
+    return _restamped(topics, lambda first, now: first + (now - first) * _CRAWL // NANOSECONDS)
+
+
+def shifted(topics: Collection[str], seconds: float) -> Fault:
+    """The clock of these topics jumps once and goes on from there."""
+    return _restamped(topics, lambda first, now: now + round(seconds * NANOSECONDS))
+
+
+def clock_jump(site: Site, topics: Collection[str], seconds: float) -> Fault:
+    """The clock of the car jumps: that of all sensors, and that of the brake, which compares commands with it."""
+    sensors = shifted(topics, seconds)
+    brake = shifted([f"{wheel}/brake_command" for wheel in site.vehicle.wheel_names], -seconds)
+
+    def pass_on(topic: str, message: Any) -> Sequence[Arrival]:
+        return brake(topic, message) if topic.endswith("/brake_command") else sensors(topic, message)
+
+    return pass_on
+
 
 _HOUR = 3600 * NANOSECONDS
 _OTHER_SPEED = 20.0
@@ -75,3 +126,22 @@ def second_demand(site: Site) -> Fault:
         return [*at_once(topic, message), *at_once(topic, other)]
 
     return pass_on
+
+
+_WORST_INDICATOR = -1e5
+"""[rad/s^3] Calls for a release wherever validity is not looked at."""
+
+
+def lost(site: Site, name: str) -> Fault:
+    """The topic `name` of every wheel does not come."""
+    return silent([f"{wheel}/{name}" for wheel in site.vehicle.wheel_names])
+
+
+def invalid_slope(site: Site) -> Fault:
+    """The vote of the first wheel says that it does not count, beside an indicator that calls for a release."""
+
+    def change(message: Any) -> None:
+        message.reason, message.reason_text = FrictionSlope.BAD_INPUT, "injected"
+        message.indicator = _WORST_INDICATOR
+
+    return changed((f"{site.wheel}/slope_vote",), change)

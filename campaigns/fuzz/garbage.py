@@ -1,13 +1,71 @@
-"""Messages that no sensor sends: any value that a field can hold, in any field."""
+"""Every message of a short drive with one hard braking: sensors, smart tyres, and the estimates made from them."""
 
 from __future__ import annotations
 
 from array import array
+from collections.abc import Sequence
 from copy import deepcopy
+from dataclasses import replace
+from math import inf, isinf, isnan, pi
 from typing import Any
 
 import numpy as np
 from numpy.random import Generator
+
+from corner_sim.parameters import SimParameters
+from corner_sim.simulation import Simulation
+from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, closed_loop_parameters, make_processors
+from friction_bringup.graph import plant_calibration
+from friction_parameters.parameter import from_mapping
+from friction_runtime.processor import silent
+from friction_runtime.processor_graph import ProcessorGraph
+from vehicle_models.physical_bounds import HIGHEST_SPEED, HIGHEST_WHEEL_SPEED
+from vehicle_models.vehicle import Vehicle
+
+START = 10**12
+"""Stamp of the first sample [ns]."""
+
+
+def fuzzed_parameters() -> dict[str, Any]:
+    """Return the parameters of the nodes, by name: the supervisor commands, and the tyres are calibrated."""
+    found = closed_loop_parameters(ESTIMATORS)
+    found[SMART_TYRE] = replace(found[SMART_TYRE], calibration_file=str(plant_calibration()))
+    return found
+
+
+def clean_run(vehicle: Vehicle, seconds: float) -> list[tuple[str, Any]]:
+    """Return topics and messages in the order of the data flow.
+
+    Args:
+        vehicle: the car.
+        seconds: length of the drive; braking begins after 0.5 s.
+    """
+    given = {
+        "demand_level": 1.2,
+        "demand_start": 0.5,
+        "demand_rise": 0.3,
+        "end_time": seconds,
+        "acceleration_variance": 0.01,
+        "tyre_signals": True,
+        "vehicle_velocity": False,
+    }
+    simulation = Simulation(from_mapping(SimParameters, given), vehicle, START)
+    graph = ProcessorGraph(make_processors(fuzzed_parameters(), vehicle, silent))
+    run: list[tuple[str, Any]] = []
+    while simulation.end is None:
+        for topic, message in simulation.messages():
+            if not topic.startswith("truth/"):
+                run.append((topic, message))
+                run.extend(graph.feed(topic, message))
+        simulation.advance()
+    return run
+
+
+def inputs_of(processor: Any, run: Sequence[tuple[str, Any]]) -> list[tuple[str, Any]]:
+    """Return the part of a run that a processor takes."""
+    topics = {*processor.sensors, *processor.estimates}
+    return [(topic, message) for topic, message in run if topic in topics]
+
 
 _FLOATS = (np.nan, np.inf, -np.inf, 0.0, -0.0, 1e300, -1e300, 1e-300, 1e18, -1e9, 3.6, -1.0, 9.81, 1e5)
 _FLOATS32 = (np.nan, np.inf, -np.inf, 0.0, 3e38, -3e38, 1e-38, 1e9, -1.0, 5.0)
@@ -116,3 +174,76 @@ def _with_other_element(value: Any, kind: str, rng: Generator) -> Any:
     else:
         changed[number] = _other(element, kind.removeprefix("sequence<").removesuffix(">"), rng)
     return changed
+
+
+_WITHIN = {
+    "WheelSlip": {
+        "slip": (-1.5, 1.5),
+        "slip_rate": (-inf, inf),
+        "vehicle_speed": (-HIGHEST_SPEED, HIGHEST_SPEED),
+        "wheel_speed": (-HIGHEST_WHEEL_SPEED, HIGHEST_WHEEL_SPEED),
+        "slip_variance": (0.0, 1.0),
+    },
+    "FrictionSlope": {"sign": (-1, 1), "indicator": (-inf, inf)},
+    "FrictionCurve": {"lambda_max": (0.0, 1.0), "mu_max": (0.0, 2.5)},
+    "ContactPatch": {"length": (0.0, pi), "shift": (-pi, pi)},
+    "TyreForce": {"fx": (-1e5, 1e5), "fz": (-1e4, 1e5)},
+}
+"""Fields of a valid message, with what they lie within; an infinite or missing value never does."""
+_ALWAYS = {
+    "FrictionSlope": {"slip_at_crossing": (-1.5, 1.5)},
+    "FrictionCurve": {"probability_beyond_peak": (0.0, 1.0), "lambda_max": (0.0, 1.0)},
+}
+"""Fields that are NaN or lie within, valid or not."""
+
+
+def nonsense(message: Any) -> str:
+    """Return what is impossible in the answer of a processor, empty where all may be."""
+    kind = type(message).__name__
+    if getattr(message, "valid", False):
+        for name, (low, high) in _WITHIN.get(kind, {}).items():
+            value = getattr(message, name)
+            if isnan(value) or isinf(value) or not low <= value <= high:
+                return f"{kind}: valid with {name} = {value}"
+    for name, (low, high) in _ALWAYS.get(kind, {}).items():
+        value = getattr(message, name)
+        if not isnan(value) and not low <= value <= high:
+            return f"{kind}: {name} = {value}"
+    return ""
+
+
+_ENCAPSULATION = 4
+_LONGEST = 4096
+
+
+def raw_garbage(serialized: bytes, rng: Generator) -> bytes:
+    """Return something else in place of a serialized message: broken, cut, of another encapsulation, or noise."""
+    kind = int(rng.integers(6))
+    if kind == 0:
+        return bytes(rng.bytes(int(rng.integers(_LONGEST))))
+    if kind == 1:
+        return serialized[: int(rng.integers(len(serialized)))]
+    if kind == 2:
+        return bytes(rng.bytes(_ENCAPSULATION)) + serialized[_ENCAPSULATION:]
+    if kind == 3:
+        return serialized + bytes(rng.bytes(int(rng.integers(_LONGEST))))
+    if kind == 4:
+        return _flipped(serialized, rng)
+    return _with_long_length(serialized, rng)
+
+
+def _flipped(serialized: bytes, rng: Generator) -> bytes:
+    """Flip one to twenty bits."""
+    broken = bytearray(serialized)
+    for _ in range(int(rng.integers(1, 21))):
+        broken[int(rng.integers(len(broken)))] ^= 1 << int(rng.integers(8))
+    return bytes(broken)
+
+
+def _with_long_length(serialized: bytes, rng: Generator) -> bytes:
+    """Claim a length of up to 4 GiB somewhere, where the length of a text or of an array may stand."""
+    broken = bytearray(serialized)
+    words = max((len(broken) - _ENCAPSULATION) // 4, 1)
+    begin = _ENCAPSULATION + 4 * int(rng.integers(words))
+    broken[begin : begin + 4] = int(rng.integers(2**24, 2**32)).to_bytes(4, "little")
+    return bytes(broken)

@@ -23,13 +23,9 @@ from numpy.random import Generator
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
-from benchmarks.arrived import arrived, tap
-from benchmarks.process_use import use_of
 from benchmarks.rows import Row, at_least, at_most
-from campaigns.fuzz.clean_run import START, clean_run, fuzzed_parameters
-from campaigns.fuzz.garbage import garbage
-from campaigns.fuzz.nonsense import nonsense
-from campaigns.fuzz.raw_bytes import raw_garbage
+from campaigns.dds import arrived, tap, use_of
+from campaigns.fuzz.garbage import START, clean_run, fuzzed_parameters, garbage, nonsense, raw_garbage
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS
 from friction_bags.bag_io.cdr import encode
 from friction_bags.offline.estimators import make_processors

@@ -20,14 +20,11 @@ import numpy as np
 from numpy.random import Generator
 from rich.progress import track
 
-from benchmarks.process_use import use_of
 from benchmarks.rows import Row, at_most
-from campaigns.fuzz.clean_run import clean_run, fuzzed_parameters, inputs_of
-from campaigns.fuzz.garbage import garbage
+from campaigns.dds import use_of
+from campaigns.fuzz.garbage import clean_run, fuzzed_parameters, garbage, inputs_of, nonsense
 from campaigns.fuzz.live import live_rows
-from campaigns.fuzz.nonsense import nonsense
-from campaigns.fuzz.update_time import update_time_rows
-from campaigns.fuzz.wrong_units import wrong_unit_rows
+from campaigns.fuzz.update_time import update_time_rows, wrong_unit_rows
 from friction_bags.bag_io.cdr import encode
 from friction_bags.offline.estimators import make_processors
 from friction_parameters.command_line import count, not_negative

@@ -15,12 +15,16 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.subscription import Subscription
 from std_srvs.srv import Trigger
 
-from benchmarks.arrived import arrived, tap
+from campaigns.dds import arrived, tap
+from corner_sim.simulation import Simulation
+from friction_bags.bag_io.cdr import encode
 from friction_bringup import graph
 from friction_bringup.discovery import local_discovery
 from friction_bringup.processes import ProcessGroup
 from friction_runtime.domain import free_domain_id
 from friction_runtime.machine_load import slowdown
+from friction_runtime.processor import Processor
+from friction_runtime.processor_graph import ProcessorGraph
 from friction_runtime.stamps import to_nanoseconds
 
 Overrides = Mapping[str, Mapping[str, graph.ParameterValue]]
@@ -150,3 +154,33 @@ def _check(processes: ProcessGroup, deadline: float) -> None:
             raise LiveRunError(f"{name} ended with code {code}:\n{text}")
     if time.monotonic() > deadline:
         raise LiveRunError("the plant did not come to the end of its run in time")
+
+
+def run_offline(simulation: Simulation, processors: Sequence[Processor]) -> dict[str, list[bytes]]:
+    """Run the simulation to its end with the processors in the loop.
+
+    Args:
+        simulation: the plant, at its first sample.
+        processors: all that take part, in any order.
+
+    Returns:
+        Every message of the run, encoded, by topic, in order.
+
+    Raises:
+        RuntimeError: a sample stays without brake_command: the loop is not closed.
+    """
+    graph = ProcessorGraph(processors)
+    found: dict[str, list[bytes]] = {}
+    while True:
+        for topic, message in simulation.messages():
+            for name, each in ((topic, message), *graph.feed(topic, message)):
+                found.setdefault(name, []).append(encode(each))
+                if name.endswith("/brake_command"):
+                    simulation.take_command(each.wheel, each)
+        if simulation.end is not None:
+            return found
+        if simulation.unanswered:
+            raise RuntimeError(
+                f"no brake_command at stamp {simulation.stamp} ns for {', '.join(simulation.unanswered)}"
+            )
+        simulation.advance()

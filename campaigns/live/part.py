@@ -1,41 +1,99 @@
-"""The graph live over DDS: samples lost, delay from sensor to command, and agreement with the offline processors.
-
-First a run in real time: at 200 Hz, node to node, cruising and then braking with the supervisor in the loop. Delays are
-from the publication of a wheel_states sample to the publication of what answers it, by the wall clock of one machine.
-Then a run in lock-step, whose messages must be those of the same processors without middleware, bit for bit.
-With --composed, a comparison of the estimators in one process with those in processes of their own instead; with
---adapter, one of friction_adapter with a bare relay; with --latency the delay of four wheels beside that of relays.
-"""
+"""friction_adapter beside a bare relay of the same messages: processor time, side by side."""
 
 from __future__ import annotations
 
 import argparse
+import os
+import sys
+import tempfile
 from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from friction_msgs.msg import BrakeCommand, SlopeVote, SupervisorState, WheelSlip
-from rich.progress import Progress
+from rich.progress import Progress, track
 from sensor_msgs.msg import JointState
 
 from benchmarks.protocol import CAR, VEHICLE, WHEEL
-from benchmarks.rows import Row, at_most
-from campaigns.live.adapter import adapter_rows
+from benchmarks.rows import Row, at_most, not_judged
 from campaigns.live.composed import comparison_rows, growth_rows, latency_rows
-from campaigns.live.graph import Observation, run_graph
-from campaigns.live.offline_loop import run_offline
+from campaigns.live.graph import Observation, run_graph, run_offline
+from campaigns.live.recorded_run import PLAYER, SOURCE, Drive, observe, record
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS
 from corner_sim.simulation import Simulation
 from friction_bags.bag_io.cdr import encode
 from friction_bags.offline.estimators import closed_loop_parameters, make_processors
 from friction_bringup import graph
+from friction_bringup.discovery import local_discovery
+from friction_bringup.processes import ProcessGroup
 from friction_parameters.command_line import positive
-from friction_parameters.parameter import ParameterError, from_mapping
+from friction_parameters.parameter import ParameterError
+from friction_parameters.parameter import from_mapping
+from friction_runtime.domain import free_domain_id
+from friction_runtime.machine_load import slowdown
 from friction_runtime.processor import silent
 from vehicle_models.surfaces import TABLE_8_1
 
-SOURCE = "wheel_states"
+_DRIVE = Drive("compact_car", ("/car",), "two_axle", tyres=False)
+_ROUNDS = 3
+_MOST = 1.5
+_ADAPTER, _RELAY = "friction_adapter", "bare relay"
+_MAP = f"""vehicle: {_DRIVE.vehicle}
+signals:
+  wheel_speed:
+    from: {{topic: /car/wheel_states, type: sensor_msgs/msg/JointState}}
+    field: "velocity[name={{joint}}]"
+    unit: rpm
+  acceleration: {{from: {{topic: /car/imu/data, type: sensor_msgs/msg/Imu}}, field: linear_acceleration.x, unit: g}}
+  brake_pressure:
+    from: {{topic: "/car/{{wheel}}/brake_pressure", type: sensor_msgs/msg/FluidPressure}}
+    field: fluid_pressure
+    unit: bar
+"""
+
+
+def adapter_rows(seconds: float) -> list[Row]:
+    """Play joint states, IMU and four pressures at 200 Hz for `seconds` [s] to both; a row a round, then the rule."""
+    rows: list[Row] = []
+    with tempfile.TemporaryDirectory(prefix="friction_recording_") as directory:
+        bag, signal_map = Path(directory, "bag"), Path(directory, "map.yaml")
+        signal_map.write_text(_MAP, encoding="utf-8")
+        record(_DRIVE, seconds, bag)
+        for number in track(range(_ROUNDS), "rounds"):
+            rows.append({"run": f"round {number + 1}", **_round(bag, signal_map, Path(directory, f"log_{number}"))})
+    ratios = [float(row[f"{_ADAPTER} [% of a core]"]) / float(row[f"{_RELAY} [% of a core]"]) for row in rows]
+    lost = sum(int(row["lost"]) for row in rows)
+    return [
+        *rows,
+        {"run": "all", "quantity": "processor time over that of the relay", **at_most(float(np.median(ratios)), _MOST)},
+        {"run": "all", "quantity": "samples that one of the two lost", **not_judged(float(lost))},
+    ]
+
+
+def _round(bag: Path, signal_map: Path, logs: Path) -> Row:
+    os.environ.update(local_discovery())
+    env = os.environ | {"ROS_DOMAIN_ID": str(free_domain_id()), "OMP_NUM_THREADS": "1"}
+    parameters = ("-p", f"vehicle_file:={_DRIVE.vehicle}", "-p", f"map_file:={signal_map}")
+    adapter = ["friction_adapter", "--ros-args", "-r", "__ns:=/mapped", *parameters]
+    relay = ["campaigns.live.bare_relay", _DRIVE.vehicle, "/car", "/relayed"]
+    play = ["friction_bags", "play", str(bag), "--wait", "8", "--settle", str(2.0 * slowdown()), "--subscribers", "2"]
+    processes = ProcessGroup(logs)
+    try:
+        for name, module in ((_ADAPTER, adapter), (_RELAY, relay)):
+            processes.start(name, [sys.executable, "-m", *module], env)
+        start = partial(processes.start, PLAYER, [sys.executable, "-m", *play], env)
+        taps = {f"{place}/{SOURCE}": JointState for place in ("/car", "/mapped", "/relayed")}
+        measured = observe(taps, env["ROS_DOMAIN_ID"], processes, start, lambda _: None)
+    finally:
+        processes.stop()
+    sent, *made = (each.published.keys() for each in measured.answers.values())
+    row: Row = {f"{name} [% of a core]": 100.0 * measured.processor[name] for name in (_ADAPTER, _RELAY)}
+    return {**row, "samples": len(sent), "lost": sum(len(sent - each) for each in made)}
+
+
 LOOP = ("wheel_slip", "friction_slope", "abs_supervisor")
 """The nodes between the sensors and the command."""
 CHAIN: Mapping[str, type] = {

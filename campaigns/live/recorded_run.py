@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
-from benchmarks.arrived import arrived, tap
+from campaigns.dds import arrived, tap
 from campaigns.live.graph import LiveRunError
 from corner_sim.parameters import SimParameters
 from corner_sim.simulation import Simulation

@@ -6,9 +6,11 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
 
+import numpy as np
 import rclpy
 from friction_msgs.msg import (
     BrakeCommand,
@@ -19,13 +21,12 @@ from friction_msgs.msg import (
     SupervisorState,
     WheelSlip,
 )
+from numpy.typing import NDArray
 from rclpy.executors import SingleThreadedExecutor
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-from benchmarks.arrived import arrived, tap
-from benchmarks.process_use import ProcessUse, use_of
-from campaigns.soak.lap import Answers, Seen, answers
+from campaigns.dds import ProcessUse, arrived, tap, use_of
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, WHEEL_ESTIMATORS
 from friction_bags.record_replay.flow_control import header_stamp
 from friction_bringup import graph
@@ -35,6 +36,57 @@ from friction_bringup.processes import ProcessGroup
 from friction_runtime.domain import free_domain_id
 from friction_runtime.machine_load import slowdown
 from vehicle_models.nanoseconds import NANOSECONDS
+
+
+@dataclass
+class Seen:
+    """Publications [ns, wall clock] of each stamp [ns] of one topic: a command is repeated as a heartbeat."""
+
+    published: dict[int, list[int]] = field(default_factory=dict)
+
+    def note(self, stamp: int, at: int) -> None:
+        """Take one message."""
+        self.published.setdefault(stamp, []).append(at)
+
+    def answer(self, stamp: int, asked: int) -> int | None:
+        """Return the first publication [ns] of a stamp since it was asked for [ns], None where there is none.
+
+        What was published before answers the same stamp of the lap before.
+        """
+        return min((at for at in self.published.get(stamp, ()) if at >= asked), default=None)
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What one topic had to say to the samples of a lap."""
+
+    samples: int
+    """Samples that were to be answered."""
+    lost: int
+    """Those that were not."""
+    delays: NDArray[np.float64]
+    """From the publication of a sample to that of its answer [ms], shape (answers,)."""
+
+
+def answers(sent: Seen, topic: Seen, begin: int) -> Answers:
+    """Compare a topic with wheel_states.
+
+    Args:
+        sent: wheel_states.
+        topic: what answers it.
+        begin: first stamp that is to be answered [ns].
+    """
+    asked = {stamp: at[0] for stamp, at in sent.published.items() if stamp >= begin}
+    first = {stamp: topic.answer(stamp, at) for stamp, at in asked.items()}
+    delays = [at - asked[stamp] for stamp, at in first.items() if at is not None]
+    return Answers(len(asked), len(asked) - len(delays), np.array(delays, dtype=float) * 1e-6)
+
+
+def together(parts: Sequence[Answers]) -> Answers:
+    """Return the answers in several laps, at least one, as those of one."""
+    delays = np.concatenate([part.delays for part in parts])
+    return Answers(sum(part.samples for part in parts), sum(part.lost for part in parts), delays)
+
 
 _VEHICLE = "chapter_corner"
 _WHEELS = ("front_left",)

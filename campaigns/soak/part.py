@@ -1,8 +1,4 @@
-"""The whole graph with tyres over DDS for minutes or hours: memory, threads, descriptors, lost samples, delays.
-
-A corner with a smart tyre rolls, brakes to a standstill with the supervisor in the loop, and begins again, every 6 s;
-each node is a process of its own.
-"""
+"""One lap of the car as the topics show it: stamps and times of publication, what is missing, how late answers are."""
 
 from __future__ import annotations
 
@@ -17,10 +13,9 @@ from math import ceil
 import numpy as np
 from rich.progress import Progress
 
-from benchmarks.process_use import ProcessUse
 from benchmarks.rows import Row, at_least, at_most, not_judged
-from campaigns.soak.graph import SoakError, SoakGraph
-from campaigns.soak.lap import Answers, together
+from campaigns.dds import ProcessUse
+from campaigns.soak.graph import Answers, SoakError, SoakGraph, together
 from friction_parameters.command_line import positive
 
 _INTERVAL = 60.0

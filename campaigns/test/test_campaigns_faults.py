@@ -13,18 +13,12 @@ from std_msgs.msg import Header
 
 from benchmarks.command import load_part
 from benchmarks.protocol import DT, SPEED
-from campaigns.faults import stamps, transport, wheel_sensor
-from campaigns.faults.case import BEFORE_BRAKING, Case, Hit
-from campaigns.faults.catalogue import FAULTS, LOCKED_START, NO_FAULT
-from campaigns.faults.fault import Arrival, Fault, Site
-from campaigns.faults.limits import limits
-from campaigns.faults.loop import Loop
-from campaigns.faults.manoeuvre import CORNER, FOUR_WHEELS, ONSET, Manoeuvre
-from campaigns.faults.measures import Measures, measure
-from campaigns.faults.plan import quick, whole
-from campaigns.faults.record import Record
-from campaigns.faults.reference import Reference, samples_without_abs, without_abs
-from campaigns.faults.signals import frozen, lagging, silent
+from campaigns.faults import sensors, transport
+from campaigns.faults.case import BEFORE_BRAKING, CORNER, FOUR_WHEELS, ONSET, Case, Hit, Manoeuvre
+from campaigns.faults.catalogue import FAULTS, LOCKED_START, NO_FAULT, quick, whole
+from campaigns.faults.fault import Arrival, Fault, Site, frozen, lagging, silent
+from campaigns.faults.loop import Loop, Record
+from campaigns.faults.measures import Measures, Reference, limits, measure, samples_without_abs, without_abs
 from corner_sim.plant import SAMPLE_TIME_NS
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models import burckhardt
@@ -58,46 +52,46 @@ def stamps_of(found: Sequence[Arrival]) -> list[int]:
 
 
 def test_a_dead_sensor_reads_zero_and_leaves_the_other_wheels_and_topics_alone(site: Site) -> None:
-    found = arrivals(wheel_sensor.dead(site), 3)
+    found = arrivals(sensors.dead(site), 3)
     assert all(list(each.message.velocity) == [0.0, *SPEEDS[1:]] for each in found)
     assert stamps_of(found) == [0, SAMPLE_TIME_NS, 2 * SAMPLE_TIME_NS]
-    (passed,) = wheel_sensor.dead(site)("brake_demand", BrakeDemand(pressure=3.0))
+    (passed,) = sensors.dead(site)("brake_demand", BrakeDemand(pressure=3.0))
     assert passed.message == BrakeDemand(pressure=3.0)
 
 
 def test_a_flickering_sensor_reads_zero_now_and_then(site: Site) -> None:
-    read = first_wheel(arrivals(wheel_sensor.flickering(site), 1000))
+    read = first_wheel(arrivals(sensors.flickering(site), 1000))
     assert set(read) == {0.0, SPEEDS[0]}
     assert 0.01 < read.count(0.0) / 1000 < 0.5
 
 
 def test_noise_has_three_times_the_standard_deviation_of_the_chapter(site: Site) -> None:
-    read = np.array(first_wheel(arrivals(wheel_sensor.noisy(site), 5000)))
+    read = np.array(first_wheel(arrivals(sensors.noisy(site), 5000)))
     assert np.hypot(read.std(), np.sqrt(0.005)) == pytest.approx(3.0 * np.sqrt(0.005), rel=0.05)
 
 
 def test_ripple_has_two_per_cent_once_a_revolution(site: Site) -> None:
-    read = np.array(first_wheel(arrivals(wheel_sensor.rippled(site), 2000))) / SPEEDS[0] - 1.0
+    read = np.array(first_wheel(arrivals(sensors.rippled(site), 2000))) / SPEEDS[0] - 1.0
     assert np.abs(read).max() == pytest.approx(0.02, rel=0.01)
     periods = np.count_nonzero((read[:-1] < 0.0) & (read[1:] >= 0.0))
     assert periods == pytest.approx(2000 * DT * SPEEDS[0] / (2.0 * np.pi), abs=1.0)
 
 
 def test_a_wheel_that_is_missing_leaves_the_others_in_their_places(site: Site) -> None:
-    (found,) = wheel_sensor.missing(site)("wheel_states", wheel_states(0))
+    (found,) = sensors.missing(site)("wheel_states", wheel_states(0))
     assert (list(found.message.name), list(found.message.velocity)) == (["b", "c", "d"], SPEEDS[1:])
 
 
 def test_stamps_repeat_crawl_step_back_or_are_zero(site: Site) -> None:
     topics = ["wheel_states"]
-    assert stamps_of(arrivals(stamps.repeating(topics), 4)) == [0, 0, 0, 0]
-    assert stamps_of(arrivals(stamps.zero(topics), 2)) == [-START, -START]
-    assert stamps_of(arrivals(stamps.crawling(topics), 3)) == [0, 5, 10]
-    assert stamps_of(arrivals(stamps.shifted(topics, -0.05), 2)) == [-50_000_000, -45_000_000]
+    assert stamps_of(arrivals(transport.repeating(topics), 4)) == [0, 0, 0, 0]
+    assert stamps_of(arrivals(transport.zero(topics), 2)) == [-START, -START]
+    assert stamps_of(arrivals(transport.crawling(topics), 3)) == [0, 5, 10]
+    assert stamps_of(arrivals(transport.shifted(topics, -0.05), 2)) == [-50_000_000, -45_000_000]
 
 
 def test_a_clock_that_jumps_is_that_of_the_sensors_and_of_the_brake(site: Site) -> None:
-    fault = stamps.clock_jump(site, ["wheel_states"], 3600.0)
+    fault = transport.clock_jump(site, ["wheel_states"], 3600.0)
     (measured,) = fault("wheel_states", wheel_states(0))
     topic = f"{site.wheel}/brake_command"
     (answered,) = fault(topic, BrakeCommand(header=measured.message.header))

@@ -9,11 +9,9 @@ from sensor_msgs.msg import FluidPressure, JointState
 from benchmarks.__main__ import main
 from benchmarks.rows import failures
 from campaigns.fuzz import part
-from campaigns.fuzz.garbage import garbage
+from campaigns.fuzz.garbage import garbage, nonsense, raw_garbage
 from campaigns.fuzz.live import live_rows
-from campaigns.fuzz.nonsense import nonsense
-from campaigns.fuzz.raw_bytes import raw_garbage
-from campaigns.fuzz.wrong_units import CORNER, wrong_unit_rows
+from campaigns.fuzz.update_time import CORNER, wrong_unit_rows
 from friction_bags.bag_io.cdr import encode
 
 

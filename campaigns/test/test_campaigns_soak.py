@@ -11,10 +11,9 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
-from benchmarks.process_use import ProcessUse, use_of
 from benchmarks.rows import failures
-from campaigns.soak.graph import SoakGraph
-from campaigns.soak.lap import Answers, Seen, answers, together
+from campaigns.dds import ProcessUse, use_of
+from campaigns.soak.graph import Answers, Seen, SoakGraph, answers, together
 from campaigns.soak.part import Lap, lost_rows, use_rows
 from friction_bags.record_replay.flow_control import header_stamp
 from friction_runtime.stamps import from_nanoseconds

@@ -1,0 +1,222 @@
+"""The best that a brake can do: its full rate until the slip reaches lambda_max, and mu_max from there on."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle_models.brake_actuator import Command
+from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
+from abs_supervisor.law.road_curve import RoadCurve
+from abs_supervisor.law.usable_curve import CurveReport, Estimate
+from benchmarks.abs.car import MODELS, CarSetup
+from benchmarks.abs.controllers import ROLLING
+from benchmarks.abs.panic_stop import (
+    END_SPEED,
+    LOCK_ABOVE,
+    Commands,
+    Flags,
+    LongestLock,
+    PanicPlant,
+    PanicStops,
+    Trouble,
+    brake_to_rest,
+)
+from benchmarks.protocol import DT, SPEED, STEP
+from corner_sim.car.car import Car
+from corner_sim.car.tyre import TYRES
+from corner_sim.car_model import CarModelParameters, SensorErrors, as_it_is
+from corner_sim.models import CAR
+from vehicle_models import burckhardt
+from vehicle_models.sensor_noise import NO_NOISE
+from vehicle_models.two_axle import TwoAxleCar
+
+
+@dataclass(frozen=True)
+class ActuatorBound:
+    """Of one plant; no law is better but by luck."""
+
+    utilisation: float
+    """To END_SPEED [-]."""
+    utilisation_to_rest: float
+    """[-]"""
+    distance: float
+    """To standstill [m]."""
+    longest_lock: float = 0.0
+    """[s] where the road changes: what no release comes in time for."""
+
+
+def actuator_bound(surface: str, trouble: Trouble) -> ActuatorBound:
+    """Return the bound of a plant on a road of one surface; a load that varies does not count."""
+    plant = PanicPlant(surface, trouble.steady, np.zeros((1, 1)))
+    corner = plant.corner
+    lambda_max = float(burckhardt.peak(plant.theta)[0][0])
+    increase = np.array([int(Command.INCREASE)])
+    while corner.slip[0] < lambda_max and corner.speed[0] > END_SPEED:
+        plant.advance(plant.demand, increase)
+    best, time = float(plant.best_deceleration[0]), plant.since
+    speed = float(corner.speed[0])
+    to_end, to_rest = time + (speed - END_SPEED) / best, time + speed / best
+    return ActuatorBound(
+        (SPEED - END_SPEED) / (best * to_end),
+        SPEED / (best * to_rest),
+        float(corner.distance[0]) + speed**2 / (2.0 * best),
+    )
+
+
+Array = NDArray[np.float64]
+
+_STEP = 1e-3
+"""[s]"""
+_RATE = 100.0
+"""[1/s] with which an error of the wheel speed vanishes once the slip is held."""
+_SLOW = 1.0
+"""[m/s] from here on the car brakes as before."""
+
+
+class _Plant(Protocol):
+    """A car of four wheels; arrays have the shape (4,)."""
+
+    speed: float
+    wheel_speed: Array
+    slip: Array
+    tyre_slip: Array
+    load: Array
+    friction: Array
+    lambda_max: Array
+    mu_max: Array
+    distance: float
+
+    def step(self, torque: Array) -> None:
+        """Advance by _STEP."""
+
+
+class _TwoAxle:
+    def __init__(self, setup: CarSetup) -> None:
+        self._road, self._behind = setup.road, _behind(setup)
+        self._car = TwoAxleCar(setup.vehicle, [SPEED])
+        self._read()
+
+    def _read(self) -> None:
+        car = self._car
+        self.speed, self.distance = float(car.speed[0]), float(car.distance[0])
+        self._theta = self._road.theta(self.distance - self._behind)
+        self.wheel_speed, self.slip = car.wheel_speed[0], car.slip[0]
+        self.tyre_slip = self.slip
+        self.load = car.wheel_loads(self._theta[np.newaxis])[0]
+        self.friction = car.friction(self._theta[np.newaxis])[0]
+        self.lambda_max, self.mu_max = burckhardt.peak(self._theta)
+
+    def step(self, torque: Array) -> None:
+        self._car.step(torque, torque, self._theta[np.newaxis], _STEP)
+        self._read()
+
+
+class _Car:
+    def __init__(self, setup: CarSetup) -> None:
+        self._road, self._behind = setup.road, _behind(setup)
+        errors = SensorErrors(NO_NOISE, 0.0, 0.0, 0)
+        self._tyres = [TYRES["burckhardt"][name] for name in self._road.names]
+        self._told = setup.parameters.car
+        self._car = Car(as_it_is(setup.vehicle, self._tyres[0], CarModelParameters(), errors), SPEED, 0)
+        self._read()
+
+    def _read(self) -> None:
+        car = self._car
+        self.speed, self.distance = car.speed, car.distance
+        car.tyres = [self._tyres[k] for k in self._road.index(car.distance - self._behind)]
+        self.wheel_speed, self.slip, self.tyre_slip = map(np.array, (car.wheel_speed, car.slip, car.tyre_slip))
+        self.load, self.friction = np.array(car.vertical_load), np.array(car.friction)
+        self.lambda_max, self.mu_max = np.array([tyre.peak for tyre in car.tyres]).T
+
+    def step(self, torque: Array) -> None:
+        self._car.step(torque.tolist(), slope=self._told.hill_at(self._car.distance))
+        self._read()
+
+
+def _behind(setup: CarSetup) -> Array:
+    wheelbase = setup.vehicle.wheelbase
+    return np.array([0.0, 0.0, wheelbase, wheelbase])
+
+
+def car_bound(setup: CarSetup) -> ActuatorBound:
+    """Return the bound of a car on its road, whose surface is even.
+
+    Where it changes to one with less grip the brake comes down with its full rate from there on, not before.
+    """
+    plant: _Plant = _Car(setup) if MODELS[setup.car] == CAR else _TwoAxle(setup)
+    for _ in range(round(ROLLING * DT / _STEP)):
+        plant.step(np.zeros(4))
+    car, actuator = setup.vehicle, setup.trouble.actuator
+    radius = np.array([wheel.radius for wheel in car.wheels])
+    inertia = np.array([wheel.inertia for wheel in car.wheels])
+    rise, fall = actuator.apply_rate * _STEP, actuator.release_rate * _STEP
+    torque, held, falls = np.zeros(4), np.zeros(4, dtype=bool), np.zeros(4, dtype=bool)
+    mu_max = plant.mu_max
+    lock = LongestLock(4, _STEP)
+    time, used, speed, start = 0.0, 0.0, plant.speed, plant.distance
+    to_end = used_to_end = best = 0.0
+    while speed > _SLOW:
+        if speed > END_SPEED:
+            to_end, used_to_end = time, used
+        held |= plant.tyre_slip >= plant.lambda_max
+        force, best = plant.load * plant.friction, float(plant.load @ plant.mu_max)
+        rolls = 1.0 - plant.lambda_max
+        spin = inertia * rolls * force.sum() / car.mass / radius
+        error = plant.wheel_speed - rolls * speed / radius
+        hold = radius * plant.mu_max * plant.load + spin + inertia * _RATE * error
+        wanted = np.where(held, np.maximum(hold, 0.0), torque + rise * (time >= actuator.delay))
+        falls = (falls | (plant.mu_max < mu_max)) & (torque - fall > wanted)
+        torque, mu_max = np.where(falls, torque - fall, wanted), plant.mu_max
+        plant.step(torque)
+        lock.update(plant.slip, np.full(4, plant.speed > LOCK_ABOVE))
+        time += _STEP
+        used += _STEP * float(force.sum()) / best
+        speed = plant.speed
+    last = speed * car.mass / best
+    return ActuatorBound(
+        used_to_end / to_end,
+        (used + last) / (time + last),
+        plant.distance - start + 0.5 * speed * last,
+        float(lock.longest.max()),
+    )
+
+
+_SEEN = 3
+"""Valid reports after which the law takes the peak as seen."""
+
+
+def oracle(surface: str, trouble: Trouble) -> PanicStops:
+    """Return the stop of the oracle, arrays of shape (1,); a load that varies does not count."""
+    plant = PanicPlant(surface, trouble.steady, np.zeros((1, 1)))
+    corner = plant.corner
+    law = CurveLaw(plant.parameters, trouble.actuator, CurveLawParameters())
+    thetas = plant.way.theta(np.array(plant.way.distances))
+    values = np.column_stack((thetas, burckhardt.peak(thetas)[0])).tolist()
+    curves = [RoadCurve(theta_1, theta_2, theta_3, peak) for theta_1, theta_2, theta_3, peak in values]
+
+    def brake(running: Flags) -> Commands:
+        stamp = round(plant.since * 1e9) + STEP
+        now = int(plant.way.index(plant.braked_way)[0])
+        for _ in range(_SEEN):
+            # A fit of its own for each sample: what is known leaves no torque unexplained.
+            law.learn(CurveReport(stamp, Estimate.VALID, curves[now], 0.0, 0.0, 1000, stamp))
+        speed = float(corner.speed[0])
+        demand = plant.demand * plant.gain
+        asked = law.ask(
+            stamp,
+            float(corner.wheel_speed[0]),
+            speed,
+            float(corner.slip[0]),
+            float(plant.torque[0]),
+            demand,
+            True,
+        )
+        given = Command.NONE if asked is None else asked
+        law.commanded(stamp, given, demand)
+        commands = np.array([int(given)])
+        plant.advance(plant.demand, commands)
+        return commands
+
+    return brake_to_rest(plant, brake)

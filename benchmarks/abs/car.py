@@ -1,0 +1,182 @@
+"""The cars with four wheels that brake in panic, and what their graph is told."""
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from friction_msgs.msg import BrakeCommand
+
+from abs_supervisor.wheel_pair import NO_AXLE
+from benchmarks.abs.controllers import OFFSET, ROLLING
+from benchmarks.abs.panic_stop import (
+    DEMAND_RATIO,
+    END_SPEED,
+    LOCK_ABOVE,
+    LONGEST,
+    NONE,
+    Array,
+    LongestLock,
+    PanicStops,
+    Trouble,
+    panic_road,
+)
+from benchmarks.protocol import ACCELERATION_STDDEV, DT, SPEED
+from corner_sim.car_model import SAME, CarModelParameters
+from corner_sim.models import CAR, in_order
+from corner_sim.parameters import SimParameters
+from corner_sim.plant import SAMPLE_TIME
+from corner_sim.road import Road
+from corner_sim.simulation import Simulation
+from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
+from friction_runtime.processor import Processor, silent
+from friction_runtime.processor_graph import ProcessorGraph
+from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.surfaces import surface
+from vehicle_models.two_axle import peak_torque
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle_file import load_vehicle
+
+MODELS = {"four_wheels": "two_axle", "car": CAR}
+"""Models of corner_sim by the names of the rows."""
+SHIPPED_CAR = "compact_car"
+_ROLLED = SPEED * ROLLING * DT
+"""[m] before the onset; less what the drag takes."""
+_HILL = _ROLLED + 15.0
+"""[m] Where a hill begins."""
+_START = 10_000 * NANOSECONDS
+"""Stamp of the first sample."""
+
+
+@dataclass(frozen=True)
+class CarSetup:
+    """A car on one road, without speed sensor, braked with the full demand after ROLLING samples."""
+
+    car: str
+    """Of MODELS."""
+    surface: str
+    """Name of a road, which panic_road knows."""
+    trouble: Trouble = NONE
+    right_surface: str = SAME
+    """Of the right wheels; only with the car whose model is CAR."""
+    select_low: str = NO_AXLE
+    """Axle whose wheels get the same pressure."""
+    yaw_moment_rate: float = 0.0
+    """Fastest growth of the moment of the front brakes [N m/s]; 0: no limit."""
+
+    @property
+    def told(self) -> Vehicle:
+        """The car as the graph knows it, wheels in the order of the plant."""
+        car = replace(load_vehicle(SHIPPED_CAR), front_yaw_moment_rate=self.yaw_moment_rate)
+        return in_order(MODELS[self.car], car)
+
+    @property
+    def vehicle(self) -> Vehicle:
+        """The car that brakes."""
+        return self.trouble.vehicle(self.told)
+
+    @property
+    def road(self) -> Road:
+        """Surfaces from where the run starts on; one that changes does so soon after the onset of braking."""
+        way = panic_road(self.surface)
+        return Road(way.names, [distance + _ROLLED * (distance > 0.0) for distance in way.distances])
+
+    @property
+    def demand(self) -> float:
+        """DEMAND_RATIO times the pressure [Pa] at which the wheel with the weakest brake for its load has its peak.
+
+        On the surface of the way where that is highest.
+        """
+        car = self.vehicle
+        gains = np.array([wheel.brake_gain for wheel in car.wheels])
+        torques = [peak_torque(car, surface(name)) for name in self.road.names]
+        return DEMAND_RATIO * float(np.max(torques / gains))
+
+    @property
+    def parameters(self) -> SimParameters:
+        """Those of the plant."""
+        return SimParameters(
+            model=MODELS[self.car],
+            initial_speed=SPEED,
+            surfaces=self.road.names,
+            surface_distances=self.road.distances,
+            demand_unit="torque",
+            demand_level=self.demand * self.vehicle.wheels[0].brake_gain,
+            demand_start=ROLLING * DT,
+            acceleration_variance=ACCELERATION_STDDEV**2,
+            acceleration_offset=OFFSET,
+            vehicle_velocity=False,
+            actuator=self.trouble.actuator,
+            car=CarModelParameters(right_surface=self.right_surface, hill=self.trouble.hill, hill_distance=_HILL),
+        )
+
+    def simulation(self, seed: int) -> Simulation:
+        """Return the plant at its first sample."""
+        return Simulation(replace(self.parameters, seed=seed), self.vehicle, _START)
+
+
+def car_stops(setup: CarSetup, seeds: range, law: str) -> PanicStops:
+    """Brake once for each seed, of the sensor noise and of the road, under a law of abs_supervisor.
+
+    Utilisation is that of the tyres: their braking forces over those of their peaks. The longest lock is that of any
+    wheel, the changes of the command are a mean of the wheels.
+    """
+    found = [car_stop(setup, seed, law)[0] for seed in seeds]
+    columns = {each.name: np.concatenate([getattr(stop, each.name) for stop in found]) for each in fields(PanicStops)}
+    return PanicStops(**columns)
+
+
+def car_stop(setup: CarSetup, seed: int, law: str) -> tuple[PanicStops, Array]:
+    """Brake once; return the result, and the moment about the vertical from the onset on [N m], shape (k,)."""
+    wheels = setup.told.wheel_names
+    graph = ProcessorGraph(_processors(law, setup))
+    simulation = setup.simulation(seed)
+    lock = LongestLock(len(wheels))
+    slip, force = np.zeros(len(wheels)), np.zeros(len(wheels))
+    commands = np.ones(len(wheels), dtype=np.int64)
+    before = commands.copy()
+    used: list[float] = []
+    moments: list[float] = []
+    changes, fast, start = 0, 0, 0.0
+    while simulation.end is None and simulation.time < ROLLING * SAMPLE_TIME + LONGEST:
+        braking = simulation.index >= ROLLING
+        for topic, message in simulation.messages():
+            if topic.startswith("truth/"):
+                if topic.endswith("/slip"):
+                    slip[wheels.index(message.wheel)] = message.slip
+                elif topic.endswith("/tyre_force"):
+                    force[wheels.index(message.wheel)] = -message.fx
+                continue
+            for _, each in graph.feed(topic, message):
+                if isinstance(each, BrakeCommand):
+                    simulation.take_command(each.wheel, each)
+                    commands[wheels.index(each.wheel)] = each.command
+        if simulation.unanswered:
+            raise RuntimeError(f"no brake_command for {', '.join(simulation.unanswered)}")
+        if simulation.index == ROLLING:
+            start = simulation.distance
+        if braking:
+            sample = simulation.sample
+            used.append(float(force.sum() / (sample.vertical_load @ sample.peak[:, 1])))
+            moments.append(sample.yaw_moment)
+            lock.update(np.nan_to_num(slip), np.full(len(wheels), simulation.speed > LOCK_ABOVE))
+            if simulation.speed > END_SPEED:
+                fast += 1
+                changes += int((commands != before).sum())
+        before = commands.copy()
+        simulation.advance()
+    found = PanicStops(
+        utilisation=np.array([np.mean(used[:fast])]),
+        utilisation_to_rest=np.array([np.mean(used)]),
+        distance=np.array([simulation.distance - start]),
+        longest_lock=lock.longest.max(keepdims=True),
+        changes=np.array([changes / len(wheels) / (fast * SAMPLE_TIME)]),
+        stopped=np.array([simulation.end is not None]),
+    )
+    return found, np.array(moments)
+
+
+def _processors(law: str, setup: CarSetup) -> list[Processor]:
+    told = setup.told
+    parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, len(told.wheels))
+    supervisor = replace(parameters["abs_supervisor"], real_time=False, select_low=setup.select_low)
+    parameters["abs_supervisor"] = supervisor
+    return make_processors(parameters, told, silent)

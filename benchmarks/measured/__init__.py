@@ -1,1 +1,0 @@
-"""Curves from measured data."""

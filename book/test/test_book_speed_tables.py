@@ -1,0 +1,22 @@
+"""Tables 8.4 and 8.5: their manoeuvre has the chapter's numbers of samples, and either speed gives the same peak."""
+
+import pytest
+
+from benchmarks.protocol import CORNER
+from benchmarks.slip.stops import shipped
+from book.speed_tables import ACTIVATION_SLIP, LAMBDA_INIT, ROADS, Road, braking, tables
+
+
+@pytest.mark.parametrize("road", ROADS, ids=lambda road: road.name)
+def test_manoeuvre_takes_the_chapters_samples_from_init_to_activation(road: Road) -> None:
+    truth = braking(road)
+    slips = 1.0 - truth.wheel_speed * CORNER.radius / truth.speed
+    assert slips[truth.begin - 1] <= LAMBDA_INIT < slips[truth.begin]
+    assert slips[truth.begin + road.activation] == pytest.approx(ACTIVATION_SLIP, abs=1e-3)
+
+
+def test_tables_with_estimated_speed_are_as_good_as_with_measured_speed() -> None:
+    rows = tables(range(1), shipped())
+    default = [row for row in rows if row["method"] == "default" and row["instant"] == "end"]
+    assert {row["speed"] for row in default} == {"measured", "estimated"}
+    assert all(abs(row["bias_percent"]) < 6.0 and row["failures"] == 0 for row in default)
