@@ -6,7 +6,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle_models.brake_actuator import Command
 from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
 from abs_supervisor.law.road_curve import RoadCurve
 from abs_supervisor.law.usable_curve import CurveReport, Estimate
@@ -29,6 +28,7 @@ from corner_sim.car.tyre import TYRES
 from corner_sim.car_model import CarModelParameters, SensorErrors, as_it_is
 from corner_sim.models import CAR
 from vehicle_models import burckhardt
+from vehicle_models.brake_actuator import Command
 from vehicle_models.sensor_noise import NO_NOISE
 from vehicle_models.two_axle import TwoAxleCar
 

@@ -28,9 +28,9 @@ from friction_slope.detector import SlopeDetector
 from friction_slope.estimate import Method, SlopeSample
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
+from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.sensor_noise import CHAPTER_NOISE
-from vehicle_models.constants import GRAVITY
 from vehicle_models.straight_forces import drag
 from vehicle_models.surfaces import surface
 from vehicle_models.two_axle import TwoAxleCar, four_wheels, peak_torque, split_torque

@@ -33,8 +33,8 @@ from corner_sim.sensors import Sensors
 from friction_parameters.command_line import count
 from friction_runtime.processor import Output
 from vehicle_models.brake_actuator import ActuatorParameters, Command
-from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
 from vehicle_models.constants import GRAVITY
+from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
 from vehicle_models.surfaces import TABLE_8_1
 from vehicle_models.vehicle_file import load_vehicle
 

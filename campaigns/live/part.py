@@ -30,8 +30,7 @@ from friction_bringup import graph
 from friction_bringup.discovery import local_discovery
 from friction_bringup.processes import ProcessGroup
 from friction_parameters.command_line import positive
-from friction_parameters.parameter import ParameterError
-from friction_parameters.parameter import from_mapping
+from friction_parameters.parameter import ParameterError, from_mapping
 from friction_runtime.domain import free_domain_id
 from friction_runtime.machine_load import slowdown
 from friction_runtime.processor import silent
