@@ -11,19 +11,16 @@ options_real_car ?= --method car --seeds 2 --hours 0.1
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build ready test lint demo bench report mdf parquet bags docs clean
+.PHONY: help setup build test lint demo bench report mdf parquet bags docs clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
 
 setup: ## make .venv with ROS 2 Jazzy (where ROS is sourced: with the few extra tools)
-	@tools/setup.bash $(PYTHON)
+	@tools/run.bash --setup $(PYTHON)
 
 build: setup ## colcon build of all packages; afterwards: source install/setup.bash
 	@$(run) python tools/build.py
-
-ready: setup
-	@$(run) python tools/build.py --sources-do
 
 lint: setup ## ruff and mypy
 	@$(run) ruff check
@@ -33,7 +30,7 @@ lint: setup ## ruff and mypy
 test: build lint ## everything that must hold: lint, format, types, tests
 	@$(run) pytest -n auto --dist loadfile --max-worker-restart 0
 
-demo: ready ## a car braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow|split|"dry snow" CAR=car|corner LAW=curve|slope_sign, or BAG=path [MAP=name|file] to replay; VEHICLE=name|file
+demo: build ## a car braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow|split|"dry snow" CAR=car|corner LAW=curve|slope_sign, or BAG=path [MAP=name|file] to replay; VEHICLE=name|file
 	@$(run) python -m friction_bringup demo $(if $(BAG),--bag "$(BAG)",--surface "$(SURFACE)" --car $(CAR)) --law $(LAW) \
 		$(if $(MAP),--map "$(MAP)") $(if $(VEHICLE),--vehicle "$(VEHICLE)") --out "$(OUT)/demo"
 
@@ -44,11 +41,11 @@ bench: build ## every table of the evaluation as text and JSON, or PARTS="slope 
 report: build ## every table and figure of the chapter as one page; EFFORT=0.1 for a quick one
 	@$(run) python -m book --out build/report --effort $(EFFORT)
 
-mdf: ready ## install asammdf (209 MB), which reads MDF logs, and test it
+mdf: build ## install asammdf (209 MB), which reads MDF logs, and test it
 	@$(run) python -m pip install --quiet asammdf
 	@$(run) pytest src/friction_bags/test/test_friction_bags_mdf.py
 
-parquet: ready ## install pyarrow (170 MB), which reads Parquet tables, and test it
+parquet: build ## install pyarrow (170 MB), which reads Parquet tables, and test it
 	@$(run) python -m pip install --quiet pyarrow
 	@$(run) pytest src/friction_bags/test/test_friction_bags_parquet.py
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-import make_underlay
+import make_venv
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -60,11 +60,11 @@ def test_include_directories_of_the_wheels_builder_are_repointed_once(tmp_path: 
         f'  INTERFACE_INCLUDE_DIRECTORIES "{built}/include/python3.12;'
         f'{built}/lib/python3.12/site-packages/numpy/_core/include"\n  INTERFACE_LINK_LIBRARIES "rmw"\n'
     )
-    assert make_underlay.repoint_include_directories(tmp_path, "/my/python", "/my/numpy") == 1
+    assert make_venv.repoint_include_directories(tmp_path, "/my/python", "/my/numpy") == 1
     assert export.read_text() == (
         '  INTERFACE_INCLUDE_DIRECTORIES "/my/python;/my/numpy"\n  INTERFACE_LINK_LIBRARIES "rmw"\n'
     )
-    assert make_underlay.repoint_include_directories(tmp_path, "/my/python", "/my/numpy") == 0
+    assert make_venv.repoint_include_directories(tmp_path, "/my/python", "/my/numpy") == 0
 
 
 def test_no_exported_target_names_a_directory_of_another_machine() -> None:
@@ -77,8 +77,8 @@ def test_setup_scripts_are_written_once_and_survive_a_blank_in_the_path(tmp_path
     (prefix / "bin").mkdir(parents=True)
     packages = prefix / "lib/python3.12/site-packages"
     (packages / "ros_rclpy.libs").mkdir(parents=True)
-    assert make_underlay.write_setup_scripts(prefix, packages) == 6
-    assert make_underlay.write_setup_scripts(prefix, packages) == 0
+    assert make_venv.write_setup_scripts(prefix, packages) == 6
+    assert make_venv.write_setup_scripts(prefix, packages) == 0
     shown = clean_shell(f"source '{prefix}/setup.bash'; echo $LD_LIBRARY_PATH; echo $AMENT_PREFIX_PATH")
     assert shown.splitlines() == [f"{prefix}/lib:{packages}/ros_rclpy.libs", str(prefix)]
 

@@ -18,19 +18,40 @@ import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 from pathlib import Path
-
-from progress import run_with_progress
 
 TOOLS = Path(__file__).resolve().parent
 # Where ROS is sourced these come from its own distribution: its message modules are compiled against that numpy.
 FROM_THE_SYSTEM = {"numpy", "scipy", "matplotlib", "pyyaml", "setuptools"}
 
+LOCAL_SETUP_SH = """\
+# Written by tools/make_venv.py: ROS 2 Jazzy from Python wheels as a colcon underlay.
+_underlay_prepend() {{
+  eval "_underlay_value=\\"\\${{$1-}}\\""
+  case ":$_underlay_value:" in
+    *":$2:"*) ;;
+    *) eval "export $1=\\"$2\\${{_underlay_value:+:\\$_underlay_value}}\\"" ;;
+  esac
+  unset _underlay_value
+}}
+{prepends}
+unset -f _underlay_prepend
+export ROS_DISTRO=jazzy ROS_VERSION=2 ROS_PYTHON_VERSION=3
+# The libraries are on LD_LIBRARY_PATH already: spare every python its second start.
+export _ROS_WHEELS_BOOTSTRAP_COMPLETE=1
+"""
+
+SOURCE_OTHER = """\
+# Written by tools/make_venv.py.
+. "{path}"
+"""
+
 
 def wanted_stamp(prefix: Path, ros_sourced: bool) -> dict[str, str]:
     """Return the stamp of the wanted environment; ``content`` alone may change in place."""
     content = hashlib.sha256()
-    for name in ("requirements.txt", "requirements-tools.in", "make_underlay.py"):
+    for name in ("requirements.txt", "requirements-tools.in", "make_venv.py"):
         content.update((TOOLS / name).read_bytes())
     return {
         "python": f"{sys.version} {sys.base_prefix}",
@@ -61,22 +82,14 @@ def requirement_arguments(prefix: Path, ros_sourced: bool) -> list[str]:
 
 
 def install(prefix: Path, ros_sourced: bool, env: dict[str, str]) -> None:
-    """Install the requirements with one line of progress; exit with the end of the log where that fails."""
-    collected = 0
-
-    def describe(line: str) -> str | None:
-        nonlocal collected
-        if match := re.match(r"(?:Collecting|Requirement already satisfied:) ([\w.-]+)", line):
-            collected += 1
-            return f"{collected} packages, {match[1]}"
-        return "copying into .venv" if line.startswith("Installing collected packages") else None
-
-    log = prefix / "pip.log"
+    """Install the requirements; exit where that fails, after what pip says."""
+    arguments = requirement_arguments(prefix, ros_sourced)
+    print(f"Python packages: installing into {prefix}, about a minute ...", flush=True)
     # Python compiles what is imported; compiling everything now would hold the first demo up.
-    command = [str(prefix / "bin/python"), "-m", "pip", "install", "--progress-bar=off", "--no-compile"]
-    command += requirement_arguments(prefix, ros_sourced)
-    if run_with_progress("Python packages", command, log, describe, env) != 0:
-        sys.exit("".join(log.read_text().splitlines(keepends=True)[-12:]))
+    pip = [str(prefix / "bin/python"), "-m", "pip", "install", "--quiet", "--no-compile"]
+    log = ["--log", str(prefix / "pip.log")]
+    if subprocess.run([*pip, *log, *arguments], env=env, check=False).returncode != 0:
+        sys.exit(f"Python packages: failed, see {prefix / 'pip.log'}")
 
 
 def make(prefix: Path, ros_sourced: bool) -> None:
@@ -98,8 +111,77 @@ def make(prefix: Path, ros_sourced: bool) -> None:
         subprocess.run([str(base), "-m", "venv", *options, str(prefix)], check=True, env=env)
     install(prefix, ros_sourced, env)
     if not ros_sourced:
-        subprocess.run([str(prefix / "bin/python"), str(TOOLS / "make_underlay.py")], check=True, env=env)
+        make_underlay(prefix)
     (prefix / ".complete").write_text(json.dumps(wanted, indent=1))
+
+
+def make_underlay(prefix: Path) -> None:
+    """Turn an environment with the wheels of ROS 2 into a colcon underlay; a second time changes nothing.
+
+    The wheels put libraries, CMake packages and the ament index where ROS expects them, below the prefix, but they lack
+    the scripts one sources, and some of their CMake files name directories of the machine that built them.
+    """
+    site_packages = next(prefix.glob("lib/python*/site-packages"))
+    numpy_include = next(site_packages.glob("numpy/*core/include"))
+    repoint_include_directories(prefix, sysconfig.get_path("include"), str(numpy_include))
+    write_setup_scripts(prefix, site_packages)
+
+
+def repoint_include_directories(prefix: Path, python_include: str, numpy_include: str) -> int:
+    """Point the include directories of exported CMake targets to this machine's headers.
+
+    Args:
+        prefix: root of the virtual environment.
+        python_include: directory that holds Python.h.
+        numpy_include: directory that holds numpy/arrayobject.h.
+
+    Returns:
+        The number of files changed (0 on a second run).
+    """
+    built_on = r"/opt/python/cp\d+-cp\d+t?"
+    changed = 0
+    for path in sorted(prefix.glob("share/*/cmake/*Export.cmake")):
+        before = path.read_text()
+        text = re.sub(rf"{built_on}/lib/[^;\"]*/numpy/_?core/include", lambda _: numpy_include, before)
+        text = re.sub(rf"{built_on}/include/python[\w.]+", lambda _: python_include, text)
+        if text != before:
+            write_atomically(path, text)
+            changed += 1
+    return changed
+
+
+def environment_entries(prefix: Path, site_packages: Path) -> list[tuple[str, Path]]:
+    """Return the search paths of the underlay, in the order in which they are prepended (the last comes first)."""
+    libraries = sorted(site_packages.glob("ros_*.libs"))
+    return [
+        ("AMENT_PREFIX_PATH", prefix),
+        ("CMAKE_PREFIX_PATH", prefix),
+        ("PYTHONPATH", site_packages),
+        *(("LD_LIBRARY_PATH", directory) for directory in libraries),
+        ("LD_LIBRARY_PATH", prefix / "lib"),
+        ("PATH", prefix / "bin"),
+    ]
+
+
+def write_setup_scripts(prefix: Path, site_packages: Path) -> int:
+    """Write ``local_setup.*`` (this prefix) and ``setup.*`` (the same: nothing lies below) and count the changes."""
+    prepends = "\n".join(
+        f'_underlay_prepend {name} "{directory}"' for name, directory in environment_entries(prefix, site_packages)
+    )
+    scripts = {"local_setup.sh": LOCAL_SETUP_SH.format(prepends=prepends)}
+    for name in ("local_setup.bash", "local_setup.zsh", "setup.sh", "setup.bash", "setup.zsh"):
+        scripts[name] = SOURCE_OTHER.format(path=prefix / "local_setup.sh")
+    return sum(write_atomically(prefix / name, text) for name, text in scripts.items())
+
+
+def write_atomically(path: Path, text: str) -> bool:
+    """Write the text unless the file holds it already; a kill leaves the old file or the new one, never half."""
+    if path.exists() and path.read_text() == text:
+        return False
+    temporary = path.with_name(f".{path.name}.new")
+    temporary.write_text(text)
+    temporary.replace(path)
+    return True
 
 
 def main() -> None:

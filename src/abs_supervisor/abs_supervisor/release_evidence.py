@@ -312,5 +312,5 @@ def _since(since: int | None, stamp: int, holds: bool) -> int | None:
 
 
 def _root_of_squares(one: float, other: float) -> float:
-    """Root of the sum of two squares; as products, which compiled code computes without making an object."""
+    """Root of the sum of two squares."""
     return sqrt(one * one + other * other)
