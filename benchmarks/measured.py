@@ -1,4 +1,4 @@
-"""Where the measured data are, and the cars they were measured on.
+"""Location of the measured data, and the cars they were measured on.
 
 They are not part of the project: --data names their directory, else the environment variable FRICTION_DATA, else
 shared/data beside the repository. See the README of benchmarks for what each file is.

@@ -1,4 +1,4 @@
-"""The cars with four wheels that brake in panic, and what their graph is told."""
+"""Cars with four wheels under full braking, and the nominal parameters of their graph."""
 
 from dataclasses import dataclass, fields, replace
 

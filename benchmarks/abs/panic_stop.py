@@ -1,4 +1,4 @@
-"""What differs between the car that brakes and the one that the graph is told of."""
+"""Perturbations: differences between the car that brakes and its nominal parameters."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace

@@ -1,4 +1,4 @@
-"""Ordinary braking of a car with load transfer: nothing is beyond the peak, and nothing may say so.
+"""Ordinary braking of a car with load transfer: no wheel passes the peak, and none may be reported beyond it.
 
 The plant is corner_sim's car on two axles, whose load follows the acceleration at once; the processors take the body to
 pitch. Both a front and a rear wheel are judged.

@@ -1,4 +1,4 @@
-"""What is driven: a car, a surface and a demand, from 30 m/s to standstill."""
+"""Manoeuvre: a car, a surface and a demand, from 30 m/s to standstill."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

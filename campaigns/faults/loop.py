@@ -1,4 +1,4 @@
-"""What is kept of a run: the truth, the commands in force and what the graph said."""
+"""Record of a run: truth, commands in force and outputs of the graph."""
 
 from collections import deque
 from collections.abc import Sequence
