@@ -1,4 +1,4 @@
-"""The index of the README: every number of the chapter leads to an existing function that names the number."""
+"""The chapter index: every number of the chapter leads to an existing function that names the number."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ ROOT = Path(__file__).resolve().parents[1]
 NOT_DRAWN = {"Figure 8.14", "Figure 8.15", "Figure 8.17"}
 """Photographs and a sketch."""
 ROW = re.compile(
-    r"\| (?P<numbers>.+?) \| (?P<what>.+?) \| \[(?P<name>\S+)\]\((?P<file>\S+)\) \| `(?P<function>\S+)` \|"
+    r"\| (?P<numbers>.+?) \| (?P<content>.+?) \| \[(?P<name>\S+)\]\(\.\./(?P<file>\S+)\)"
+    r" \| `(?P<function>\S+)` \| `(?P<command>[^`]+)` \|"
 )
+COMMAND = re.compile(r"python3 -m (book|benchmarks|campaigns)( [\w.\-]+)*|pytest \S+")
 
 
 def numbers_in(text: str) -> set[str]:
@@ -30,14 +32,14 @@ def numbers_in(text: str) -> set[str]:
 
 def index_rows() -> Iterator[tuple[str, str, str]]:
     """Numbers, file and function of every row."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    section = text.split("## The numbers of the chapter\n")[1].split("\n## ")[0]
-    for line in section.splitlines():
-        if line.startswith("| ") and not line.startswith("| |"):
+    text = (ROOT / "docs/chapter_index.md").read_text(encoding="utf-8")
+    for line in text.splitlines():
+        if line.startswith("| ") and not line.startswith("| number"):
             row = ROW.fullmatch(line)
             assert row, f"a row of the index cannot be read: {line}"
             package, name = row["name"].split("/", 1)
             assert row["file"] in (f"src/{package}/{package}/{name}", f"{package}/{name}")
+            assert COMMAND.fullmatch(row["command"]), row["command"]
             yield row["numbers"], row["file"], row["function"]
 
 
