@@ -1,4 +1,4 @@
-"""lambda_init read as "only samples beyond it": a method of the chapter that is not given those before."""
+"""Tables 8.4 and 8.5: lambda_max with measured and estimated speed, with the readings of lambda_init."""
 
 from dataclasses import dataclass
 from functools import cache
