@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from corner_sim.corner import SingleCorner
+from corner_sim.sensors import CHAPTER_NOISE
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import CHAPTER_NOISE
-from vehicle_models.single_corner import CornerParameters, SingleCorner
+from vehicle_models.vehicle import CornerParameters
 from vehicle_models.vehicle_file import load_vehicle
 
 VEHICLE = "chapter_corner"

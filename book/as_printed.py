@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from benchmarks.protocol import ACCELERATION_STDDEV, BRAKE_GAIN, CAR, CORNER
 from benchmarks.slope.detection import METHODS, Run, sensor_messages
+from corner_sim.sensors import CHAPTER_NOISE
 from friction_runtime.stamps import to_nanoseconds
 from friction_slope.estimate import SlopeSample
 from friction_slope.signals import SignalWindow
-from vehicle_models.sensor_noise import CHAPTER_NOISE
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.ros.processor import CarProcessor
 

@@ -16,7 +16,7 @@ from book import slope_verdicts
 from book.as_printed import VARIANTS, slips_at_detection
 from book.page import Picture, Section, Table
 from book.stop_run import ROADS, StopRun, stop_run
-from vehicle_models.sensor_noise import CHAPTER_NOISE
+from corner_sim.sensors import CHAPTER_NOISE
 
 Array = NDArray[np.float64]
 

@@ -31,6 +31,8 @@ from benchmarks.smart_tyre.runs import (
     wheel_angle,
 )
 from benchmarks.smart_tyre.runs import NOISY as SENSORS
+from corner_sim.smart_tyre.drives import CAR, dynamic_drive
+from corner_sim.smart_tyre.tyre_signal import TyreBlock
 from smart_tyre_forces.calibrate import raw_points
 from smart_tyre_forces.calibration import Calibration, polynomial
 from smart_tyre_forces.calibration_plots import quasi_static_maps
@@ -38,8 +40,6 @@ from smart_tyre_forces.correction import Patch, PatchCorrection
 from smart_tyre_forces.fronts import LEVEL, find_fronts
 from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
-from vehicle_models.force_history import CAR, dynamic_drive
-from vehicle_models.tyre_signal import TyreBlock
 
 Array = NDArray[np.float64]
 

@@ -10,6 +10,8 @@ from scipy.optimize import brentq
 from benchmarks.protocol import ACCELERATION_STDDEV, CAR, CORNER, DT, SPEED, STEP
 from benchmarks.rows import Row
 from benchmarks.slip.stops import ACCELERATION_OFFSET, GRADE
+from corner_sim.corner import SingleCorner
+from corner_sim.sensors import CHAPTER_NOISE
 from friction_curve_id.chapter.curve_fitting import PointFitting
 from friction_curve_id.chapter.friction_samples import FrictionSamples
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, Sample
@@ -17,8 +19,6 @@ from friction_curve_id.methods import CHAPTER_METHODS
 from friction_curve_id.parameters import SHIPPED, FrictionCurveParameters
 from friction_parameters.parameter import changed
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import CHAPTER_NOISE
-from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import surface
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters

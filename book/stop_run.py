@@ -15,14 +15,13 @@ from numpy.typing import NDArray
 
 from benchmarks.slope.detection import METHODS, shipped_settings
 from benchmarks.slope.driver_stops import StopTruth, true_stop
-from corner_sim import messages
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, PlantSample
-from corner_sim.sensors import Sensors
+from corner_sim.ros import messages
+from corner_sim.sensors import CHAPTER_NOISE, Sensors
 from friction_bags.experiments.stops import ACCELERATION_VARIANCE, STOPS, car_of_the_stops
 from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSamples, FrictionSource
 from friction_curve_id.interface import Sample
-from vehicle_models.sensor_noise import CHAPTER_NOISE
-from vehicle_models.wheel_load import WheelLoad
+from vehicle_models.wheel_forces import WheelLoad
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from rclpy.parameter import Parameter, parameter_value_to_python
 from std_srvs.srv import Trigger
 
 from corner_sim.parameters import SimParameters
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
 from friction_bags.bag_io.cdr import encode
 from friction_bags.offline.estimators import make_processors, read_parameters
 from friction_bringup import graph

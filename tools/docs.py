@@ -13,7 +13,7 @@ from pathlib import Path
 from book import mode_diagram, state_machine_figure
 from friction_bringup import graph
 from friction_parameters.generated import ShippedFile, parameter_file, parameter_table
-from vehicle_models.vehicle_table import vehicle_table
+from vehicle_models.vehicle_file import vehicle_table
 
 NODES = (*graph.NODES, graph.ADAPTER)
 ROOT = Path(__file__).resolve().parents[1]

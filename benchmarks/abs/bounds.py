@@ -24,13 +24,13 @@ from benchmarks.abs.panic_stop import (
 )
 from benchmarks.protocol import DT, SPEED, STEP
 from corner_sim.car.car import Car
-from corner_sim.car.tyre import TYRES
-from corner_sim.car_model import CarModelParameters, SensorErrors, as_it_is
+from corner_sim.car.tyres import TYRES
+from corner_sim.car_plant import CarModelParameters, SensorErrors, as_it_is
 from corner_sim.models import CAR
+from corner_sim.sensors import NO_NOISE
+from corner_sim.two_axle import TwoAxleCar
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import Command
-from vehicle_models.sensor_noise import NO_NOISE
-from vehicle_models.two_axle import TwoAxleCar
 
 
 @dataclass(frozen=True)

@@ -20,18 +20,18 @@ from benchmarks.abs.panic_stop import (
     panic_road,
 )
 from benchmarks.protocol import ACCELERATION_STDDEV, DT, SPEED
-from corner_sim.car_model import SAME, CarModelParameters
+from corner_sim.car_plant import SAME, CarModelParameters
 from corner_sim.models import CAR, in_order
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME
 from corner_sim.road import Road
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
+from corner_sim.two_axle import peak_torque
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
 from friction_runtime.processor import Processor, silent
 from friction_runtime.processor_graph import ProcessorGraph
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.surfaces import surface
-from vehicle_models.two_axle import peak_torque
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 

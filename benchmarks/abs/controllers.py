@@ -16,8 +16,8 @@ from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.ros.processor import WheelProcessor as SupervisorProcessor
 from benchmarks.abs.panic_stop import NONE, Commands, Flags, PanicPlant, PanicStops, Trouble, brake_to_rest
 from benchmarks.protocol import ACCELERATION_STDDEV, CAR, DT, STEP
-from corner_sim import messages
-from corner_sim.sensors import Measurement
+from corner_sim.ros import messages
+from corner_sim.sensors import Measurement, SensorNoise
 from friction_curve_id.parameters import SHIPPED as SHIPPED_CURVE
 from friction_curve_id.ros.processor import build as curve_processors
 from friction_runtime.processor import Health, Output, Processor
@@ -26,7 +26,6 @@ from friction_slope.parameters import SHIPPED as SHIPPED_SLOPE
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.ros.processor import WheelProcessor as SlopeProcessor
 from vehicle_models.brake_actuator import Command
-from vehicle_models.sensor_noise import SensorNoise
 from vehicle_models.vehicle import FRONT, Vehicle
 from wheel_slip.parameters import SHIPPED as SHIPPED_SLIP
 from wheel_slip.ros.processor import CarProcessor

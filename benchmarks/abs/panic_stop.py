@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.protocol import CORNER, DT, SPEED
+from corner_sim.corner import SingleCorner
 from corner_sim.road import Road
+from corner_sim.sensors import CHAPTER_NOISE, SensorNoise
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
-from vehicle_models.sensor_noise import CHAPTER_NOISE, SensorNoise
-from vehicle_models.single_corner import CornerParameters, SingleCorner
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import CornerParameters, Vehicle
 
 Array = NDArray[np.float64]
 

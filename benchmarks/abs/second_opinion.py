@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from benchmarks.abs.car import MODELS, SHIPPED_CAR, CarSetup
 from benchmarks.abs.panic_stop import LONGEST
 from benchmarks.rows import Row
-from corner_sim.car.tyre import TYRES
-from corner_sim.car_model import CarModelParameters
+from corner_sim.car.tyres import TYRES
+from corner_sim.car_plant import CarModelParameters
 from corner_sim.models import CAR
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, closed_loop_parameters, make_processors
 from friction_bringup.demo_drive import plant_of_demo
 from friction_bringup.graph import PLANT, plant_calibration

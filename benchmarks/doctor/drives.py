@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from corner_sim.car.car import STEP, Car
 from corner_sim.car.car_parameters import CarParameters
-from corner_sim.car.ordinary_driving import OrdinaryDriver
+from corner_sim.car.driving import OrdinaryDriver, Surroundings
 from corner_sim.car.random_car import random_car
-from corner_sim.car.recording import Recording, Surroundings, record
-from corner_sim.car.tyre import TYRES
+from corner_sim.car.recording import Recording, record
+from corner_sim.car.tyres import TYRES
 from vehicle_doctor.drive import IMU, SPEED, WHEEL_STATES, Array, Drive, Recorded, pressure_topic
 from vehicle_models.vehicle import Vehicle
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from benchmarks.protocol import CORNER
+from corner_sim.sensors import CHAPTER_NOISE, SensorNoise
 from vehicle_models import burckhardt, burckhardt_log
-from vehicle_models.sensor_noise import CHAPTER_NOISE, SensorNoise
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from benchmarks.rows import Row
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.interface import CurveEstimate, CurveEstimator, Refusal, Sample
 from friction_curve_id.methods import make_estimator
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 Array = NDArray[np.float64]
 

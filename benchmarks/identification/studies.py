@@ -17,8 +17,8 @@ from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.default.curve_prior import CurvePrior
 from friction_curve_id.methods import DEFAULT
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import CornerParameters
 from vehicle_models.surfaces import SURFACES, TABLE_8_1
+from vehicle_models.vehicle import CornerParameters
 
 Array = NDArray[np.float64]
 

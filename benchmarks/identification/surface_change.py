@@ -17,11 +17,11 @@ from benchmarks.identification.runs import Batch, measured
 from benchmarks.identification.studies import on_roads, seeds_of
 from benchmarks.protocol import CORNER, DT, SAMPLES, SPEED, brake_torque, hold_torque, noisy
 from benchmarks.rows import Row
+from corner_sim.corner import SingleCorner
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.interface import CurveEstimate, CurveEstimator, RestartCause, Sample
 from friction_curve_id.methods import DEFAULT, METHODS, make_estimator
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
 
 Array = NDArray[np.float64]

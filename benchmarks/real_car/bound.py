@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 
 from benchmarks.real_car.stops import JUDGED
 from benchmarks.rows import Row, not_judged
+from corner_sim.car.car import BAND
 from corner_sim.car.car_parameters import WHEELS
-from corner_sim.car.pressure_prescription import SlipCycle
+from corner_sim.car.driving import SlipCycle
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
-from corner_sim.car.tyre import Burckhardt, Pacejka, Tyre
-from corner_sim.car.unevenness import BAND
+from corner_sim.car.tyres import Burckhardt, Pacejka, Tyre
 from vehicle_models.constants import GRAVITY
 
 Array = NDArray[np.float64]

@@ -18,14 +18,14 @@ from benchmarks.protocol import CAR, CORNER, DT, SAMPLES, SPEED, braking, noisy
 from benchmarks.real_car.bound import Bound
 from benchmarks.real_car.stops import FOLLOWED, METHODS, VEHICLE
 from benchmarks.rows import Row, at_least, at_most, not_judged
-from corner_sim.car.pressure_prescription import SlipCycle
+from corner_sim.car.driving import SlipCycle
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import record
+from corner_sim.sensors import CHAPTER_NOISE
 from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
 from friction_curve_id.interface import CurveEstimate, Refusal, Sample
 from friction_curve_id.methods import DEFAULT, make_estimator
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.surfaces import SURFACES, TABLE_8_1
 from vehicle_models.vehicle import Deviation, SharedBy, Vehicle
 from vehicle_models.vehicle_file import load_vehicle

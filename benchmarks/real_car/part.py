@@ -36,10 +36,9 @@ from benchmarks.real_car.road_change import (
 from benchmarks.real_car.stops import METHODS, Stop, make_stop, stop_rows
 from benchmarks.rows import Row
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
-from corner_sim.car.other_tyres import BRUSH_TYRES, Scaled
-from corner_sim.car.pressure_prescription import Cycling
+from corner_sim.car.driving import Cycling
 from corner_sim.car.random_car import random_car
-from corner_sim.car.tyre import TYRES
+from corner_sim.car.tyres import BRUSH_TYRES, TYRES, Scaled
 from friction_curve_id.methods import DEFAULT
 from friction_parameters.command_line import count, positive
 from vehicle_models.surfaces import TABLE_8_1

@@ -13,10 +13,10 @@ import numpy as np
 from benchmarks.real_car.stops import follow
 from benchmarks.rows import Row, at_least, at_most, not_judged
 from corner_sim.car.car import Car
-from corner_sim.car.pressure_prescription import SlipCycle
+from corner_sim.car.driving import SlipCycle, Surroundings
 from corner_sim.car.random_car import random_car
-from corner_sim.car.recording import Surroundings, record
-from corner_sim.car.tyre import TYRES, Tyre
+from corner_sim.car.recording import record
+from corner_sim.car.tyres import TYRES, Tyre
 
 CHANGES = (("dry", "snow"), ("snow", "dry"), ("dry", "wet"), ("wet", "dry"))
 """Roads before and after."""

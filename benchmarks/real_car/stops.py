@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from benchmarks.identification.runs import STATED, stated
 from benchmarks.rows import Row, at_least, at_most, not_judged
 from corner_sim.car.car_parameters import CarParameters
-from corner_sim.car.pressure_prescription import Cycling, SlipCycle
+from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
 from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.interface import CurveEstimate, Refusal, Sample

@@ -16,11 +16,10 @@ import numpy as np
 
 from corner_sim.car.car import Car
 from corner_sim.car.car_parameters import CarParameters
-from corner_sim.car.ordinary_driving import OrdinaryDriver
-from corner_sim.car.pressure_prescription import Cycling, SlipCycle, peak_pressures
+from corner_sim.car.driving import Cycling, OrdinaryDriver, SlipCycle, Surroundings, peak_pressures
 from corner_sim.car.random_car import random_car
-from corner_sim.car.recording import Prescription, Recording, Surroundings, record
-from corner_sim.car.tyre import TYRES
+from corner_sim.car.recording import Prescription, Recording, record
+from corner_sim.car.tyres import TYRES
 from vehicle_models.vehicle import Vehicle
 
 BEGIN = 6.0

@@ -22,8 +22,7 @@ from benchmarks.slip.stops import (
 )
 from friction_parameters.command_line import count
 from friction_parameters.parameter import ParameterError
-from vehicle_models.two_axle import four_wheels
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import Vehicle, four_wheels
 from vehicle_models.vehicle_file import load_vehicle
 
 ROADS = ("dry", "wet", "snow")

@@ -21,6 +21,8 @@ from benchmarks.abs.controllers import shipped as shipped_supervisor
 from benchmarks.abs.panic_stop import DEMAND_RATIO
 from benchmarks.measured import BMW_M8
 from benchmarks.protocol import ACCELERATION_STDDEV, DT, SPEED, STEP
+from corner_sim.sensors import CHAPTER_NOISE
+from corner_sim.two_axle import TwoAxleCar, peak_torque, split_torque
 from friction_adapter.map_file import load_map
 from friction_bags.importers.table import Table
 from friction_runtime.stamps import to_nanoseconds
@@ -30,12 +32,10 @@ from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.sensor_noise import CHAPTER_NOISE
-from vehicle_models.straight_forces import drag
 from vehicle_models.surfaces import surface
-from vehicle_models.two_axle import TwoAxleCar, four_wheels, peak_torque, split_torque
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import Vehicle, four_wheels
 from vehicle_models.vehicle_file import load_vehicle
+from vehicle_models.wheel_forces import drag
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import SHIPPED, WheelSlipParameters
 from wheel_slip.ros.processor import VEHICLE_VELOCITY, CarProcessor

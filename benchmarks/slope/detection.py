@@ -10,15 +10,14 @@ from friction_msgs.msg import FrictionSlope
 from numpy.typing import NDArray
 
 from benchmarks.protocol import ACCELERATION_STDDEV, BRAKE_GAIN, CAR, CORNER, DT, SPEED, STEP, WHEEL, hold_torque
-from corner_sim import messages
-from corner_sim.sensors import Measurement
+from corner_sim.corner import SingleCorner
+from corner_sim.ros import messages
+from corner_sim.sensors import Measurement, SensorNoise
 from friction_parameters.parameter import changed
 from friction_runtime.processor import Output
 from friction_slope.parameters import SHIPPED, FrictionSlopeParameters
 from friction_slope.ros.processor import WheelProcessor
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import SensorNoise
-from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.parameters import SHIPPED as SHIPPED_SLIP

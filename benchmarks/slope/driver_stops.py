@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 
 from benchmarks.rows import Row, at_least, at_most, not_judged
 from benchmarks.slope.detection import METHODS, Detection, Settings, detections
-from corner_sim import messages
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, PlantSample
-from corner_sim.sensors import Sensors
+from corner_sim.ros import messages
+from corner_sim.sensors import CHAPTER_NOISE, Sensors
 from friction_bags.experiments.stops import ACCELERATION_VARIANCE, STOPS, car_of_the_stops, drive
 from friction_parameters.parameter import changed
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import CHAPTER_NOISE
 from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]

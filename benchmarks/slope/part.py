@@ -24,17 +24,16 @@ from benchmarks.slope.detection import (
     through_the_peak,
 )
 from benchmarks.slope.driver_stops import driver_stops, number_of_runs
-from corner_sim import messages
 from corner_sim.driver import DriverProfile
 from corner_sim.models import build_model, in_order
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant
 from corner_sim.road import Road
-from corner_sim.sensors import Sensors
+from corner_sim.ros import messages
+from corner_sim.sensors import CHAPTER_NOISE, NO_NOISE, Sensors
 from friction_parameters.command_line import count
 from friction_runtime.processor import Output
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.constants import GRAVITY
-from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
 from vehicle_models.surfaces import TABLE_8_1
 from vehicle_models.vehicle_file import load_vehicle
 

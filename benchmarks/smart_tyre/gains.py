@@ -22,14 +22,15 @@ from benchmarks.rows import Row, at_least, at_most
 from benchmarks.smart_tyre.runs import PLANT_WHEELS, RING, TRACKER, WHEEL
 from corner_sim.car.car import Car
 from corner_sim.car.car_parameters import CarParameters
-from corner_sim.car.recording import Recording, Surroundings, record
+from corner_sim.car.driving import Surroundings
+from corner_sim.car.recording import Recording, record
+from corner_sim.smart_tyre.drives import CAR
+from corner_sim.smart_tyre.tyre_signal import TyreSignalSource
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.ros.processor import TyreProcessor
-from vehicle_models.force_history import CAR
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.tyre_signal import TyreSignalSource
 
 Array = NDArray[np.float64]
 

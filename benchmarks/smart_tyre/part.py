@@ -44,6 +44,8 @@ from benchmarks.smart_tyre.runs import (
     simulate,
     wheel_angle,
 )
+from corner_sim.smart_tyre.drives import dynamic_drive, steady_drive
+from corner_sim.smart_tyre.tyre_signal import AccelerometerParameters, EncoderParameters, TyreBlock
 from friction_bringup.discovery import local_discovery
 from friction_parameters.command_line import count
 from friction_runtime import qos
@@ -57,9 +59,6 @@ from smart_tyre_forces.fronts import LEVEL
 from smart_tyre_forces.patch_tracker import PatchTracker
 from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
-from vehicle_models.encoder import EncoderParameters
-from vehicle_models.force_history import dynamic_drive, steady_drive
-from vehicle_models.tyre_signal import AccelerometerParameters, TyreBlock
 from vehicle_models.vehicle_file import load_vehicle
 
 _VEHICLE = "smart_tyre_car"

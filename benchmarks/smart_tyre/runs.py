@@ -7,6 +7,9 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from corner_sim.smart_tyre.drives import CAR, Drive, dynamic_drive, quasi_static_drives
+from corner_sim.smart_tyre.tyre_ring import TyreRing
+from corner_sim.smart_tyre.tyre_signal import AccelerometerParameters, EncoderParameters, TyreBlock, TyreSignalSource
 from smart_tyre_forces.calibrate import calibrate
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.correction import Patch, PatchCorrection
@@ -18,10 +21,6 @@ from smart_tyre_forces.reasons import ForceReason
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.wheel_angle import WheelAngle
 from smart_tyre_forces.wheel_run import WheelRun
-from vehicle_models.encoder import EncoderParameters
-from vehicle_models.force_history import CAR, Drive, dynamic_drive, quasi_static_drives
-from vehicle_models.tyre_ring import TyreRing
-from vehicle_models.tyre_signal import AccelerometerParameters, TyreBlock, TyreSignalSource
 from vehicle_models.vehicle import FRONT, REAR, Wheel
 
 Array = NDArray[np.float64]

@@ -15,10 +15,10 @@ from benchmarks.abs.panic_stop import CAR_TROUBLES, END_SPEED, NONE, PanicPlant,
 from benchmarks.abs.part import stops
 from benchmarks.command import load_part
 from benchmarks.protocol import CAR, CORNER, SPEED, VEHICLE
+from corner_sim.two_axle import peak_torque
 from friction_parameters.parameter import changed
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
-from vehicle_models.two_axle import peak_torque
 from vehicle_models.vehicle_file import load_vehicle
 
 

@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 from benchmarks import protocol as manoeuvres
 from benchmarks.identification import cramer_rao
 from benchmarks.protocol import CORNER, DT, SPEED
+from corner_sim.corner import SingleCorner
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import SURFACES, TABLE_8_1
 
 ROADS = np.array([SURFACES[name] for name in TABLE_8_1])

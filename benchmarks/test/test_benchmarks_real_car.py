@@ -14,10 +14,10 @@ from benchmarks.real_car.part import BELIEVED, TROUBLES, troubled_car
 from benchmarks.real_car.road_change import TwoRoads, TwoRoadsResult, make_two_roads, rise_rows, two_roads_rows
 from benchmarks.real_car.stops import METHODS, VEHICLE, Answers, judge, stop_rows
 from benchmarks.rows import Row, run_lengths
-from corner_sim.car.pressure_prescription import Cycling, SlipCycle
+from corner_sim.car.car import load_variation
+from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
-from corner_sim.car.tyre import TYRES, Burckhardt, Pacejka
-from corner_sim.car.unevenness import load_variation
+from corner_sim.car.tyres import TYRES, Burckhardt, Pacejka
 from vehicle_models.surfaces import TABLE_8_1
 from vehicle_models.vehicle_file import load_vehicle
 

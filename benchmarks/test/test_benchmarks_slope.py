@@ -19,8 +19,8 @@ from benchmarks.slope.detection import (
     through_the_peak,
 )
 from benchmarks.slope.part import disagreement, row
+from corner_sim.sensors import CHAPTER_NOISE, NO_NOISE
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE
 from vehicle_models.surfaces import TABLE_8_1, surface
 
 

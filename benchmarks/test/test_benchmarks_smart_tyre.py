@@ -26,12 +26,11 @@ from benchmarks.smart_tyre.runs import (
     passages,
     simulate,
 )
+from corner_sim.smart_tyre.drives import CAR, dynamic_drive
+from corner_sim.smart_tyre.tyre_signal import AccelerometerParameters, EncoderParameters, TyreSignalSource
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.tooth_table import ToothTable
-from vehicle_models.encoder import EncoderParameters
-from vehicle_models.force_history import CAR, dynamic_drive
-from vehicle_models.straight_forces import drag, wheel_forces
-from vehicle_models.tyre_signal import AccelerometerParameters, TyreSignalSource
+from vehicle_models.wheel_forces import drag, wheel_forces
 
 Phases = Mapping[tuple[str, float], Mapping[str, tuple[float, float]]]
 

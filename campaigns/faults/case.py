@@ -10,7 +10,7 @@ from campaigns.faults.fault import Fault, Site
 from corner_sim.models import in_order
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import PlantSample
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle

@@ -26,10 +26,10 @@ from campaigns.faults import sensors, transport
 from campaigns.faults.case import ONSET
 from campaigns.faults.catalogue import FAIL_SAFE
 from campaigns.faults.fault import Fault, Site, at_once, constant, frozen, silent
-from corner_sim.messages import topics
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS
-from corner_sim.simulation import Simulation
+from corner_sim.ros.messages import topics
+from corner_sim.ros.simulation import Simulation
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS
 from friction_bringup import graph
 from friction_bringup.discovery import local_discovery

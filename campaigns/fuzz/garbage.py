@@ -13,7 +13,7 @@ import numpy as np
 from numpy.random import Generator
 
 from corner_sim.parameters import SimParameters
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, closed_loop_parameters, make_processors
 from friction_bringup.graph import plant_calibration
 from friction_parameters.parameter import from_mapping

@@ -17,16 +17,15 @@ from sensor_msgs.msg import FluidPressure, Imu
 from benchmarks.rows import Row, at_least, at_most, not_judged
 from campaigns.fuzz.garbage import START, inputs_of
 from corner_sim.parameters import SimParameters
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
+from corner_sim.smart_tyre.tyre_ring import TyreRing
+from corner_sim.smart_tyre.tyre_signal import AccelerometerParameters, EncoderParameters, TyreSignalSource
 from friction_bags.offline.estimators import SMART_TYRE, closed_loop_parameters, make_processors
 from friction_parameters.parameter import from_mapping
 from friction_runtime.processor import silent
 from friction_runtime.processor_graph import ProcessorGraph
 from friction_runtime.stamps import header_at
-from vehicle_models.encoder import EncoderParameters
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.tyre_ring import TyreRing
-from vehicle_models.tyre_signal import AccelerometerParameters, TyreSignalSource
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -16,7 +16,7 @@ from rclpy.subscription import Subscription
 from std_srvs.srv import Trigger
 
 from campaigns.dds import arrived, tap
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
 from friction_bags.bag_io.cdr import encode
 from friction_bringup import graph
 from friction_bringup.discovery import local_discovery

@@ -23,7 +23,7 @@ from campaigns.live.graph import Observation, run_graph, run_offline
 from campaigns.live.recorded_run import PLAYER, SOURCE, Drive, observe, record
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
 from friction_bags.bag_io.cdr import encode
 from friction_bags.offline.estimators import closed_loop_parameters, make_processors
 from friction_bringup import graph

@@ -21,7 +21,7 @@ from sensor_msgs.msg import JointState
 from campaigns.dds import arrived, tap
 from campaigns.live.graph import LiveRunError
 from corner_sim.parameters import SimParameters
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
 from friction_bags.bag_io.message_bag import write_bag
 from friction_bags.record_replay.flow_control import header_stamp
 from friction_bringup import graph

@@ -16,7 +16,7 @@ setup(
         ("share/" + package_name, ["package.xml"]),
         ("share/" + package_name + "/config", glob("config/*.yaml")),
     ],
-    install_requires=["setuptools", "numpy"],
+    install_requires=["setuptools", "numpy", "scipy"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
     url="https://friction.example.org",
@@ -24,5 +24,5 @@ setup(
     maintainer_email="developers@friction.example.org",
     description="Plant of the friction graph: braked wheels, their sensors and the truth, at 200 Hz",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["corner_sim_node = corner_sim.node:main"]},
+    entry_points={"console_scripts": ["corner_sim_node = corner_sim.ros.node:main"]},
 )

@@ -13,7 +13,7 @@ setup(
         ("share/ament_index/resource_index/packages", ["resource/" + package_name]),
         ("share/" + package_name, ["package.xml"]),
     ],
-    install_requires=["setuptools", "numpy", "scipy"],
+    install_requires=["setuptools", "numpy"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
     url="https://friction.example.org",

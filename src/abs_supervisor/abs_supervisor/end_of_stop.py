@@ -6,7 +6,7 @@ that has been released once is therefore kept before it: the pressure does not r
 
 from abs_supervisor.fast_dive import FastDive
 from vehicle_models.brake_actuator import ActuatorParameters, Command
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 
 class EndOfStop:

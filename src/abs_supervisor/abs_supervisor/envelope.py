@@ -14,7 +14,7 @@ from abs_supervisor.road_torque import RoadTorque
 from friction_parameters.parameter import group
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 _STANDS: Final = 0.75
 """[m/s] Speed of the car down to which a pressure that is near what the road gave is kept from the driver's."""

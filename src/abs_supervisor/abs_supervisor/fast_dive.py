@@ -7,7 +7,7 @@ Beyond the peak a wheel lacks the torque D that a sliding tyre gives less than a
 from typing import Final
 
 from vehicle_models.brake_actuator import ActuatorParameters
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 _LOST: Final = 0.35
 """Share of the torque at the peak that a sliding tyre does not give: 0.30 to 0.37 on the roads of Table 8.1."""

@@ -14,7 +14,7 @@ from abs_supervisor.speed_trend import SpeedTrend
 from abs_supervisor.wheel_check import Surroundings, WheelCheck
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.physical_bounds import SlowestCar
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 _BRAKED: Final = 20.0
 """[N m] below this, measured and demanded, a wheel rolls freely."""

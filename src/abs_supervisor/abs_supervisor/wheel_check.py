@@ -12,7 +12,7 @@ from abs_supervisor.coming_back import ComingBack
 from abs_supervisor.sudden_stop import SuddenStop
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION, LOWEST_APPARENT_FRICTION
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 _LOAD_TRANSFER: Final = 2.0
 """Largest load of a wheel over that at rest."""

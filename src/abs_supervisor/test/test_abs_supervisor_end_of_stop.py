@@ -6,7 +6,7 @@ import pytest
 
 from abs_supervisor.end_of_stop import EndOfStop
 from vehicle_models.brake_actuator import ActuatorParameters, Command
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 DRY, SNOW = 1800.0, 300.0
 """Brake torque at the peak of a front wheel of a car [N m]."""

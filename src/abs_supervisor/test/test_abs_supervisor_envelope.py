@@ -10,7 +10,7 @@ from abs_supervisor.envelope import Envelope, EnvelopeParameters
 from abs_supervisor.release_caps import Cap
 from abs_supervisor.release_evidence import EvidenceParameters, Release, ReleaseEvidence, Wheel
 from vehicle_models.brake_actuator import ActuatorParameters, Command
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 STEP = 5_000_000
 DT = 0.005

@@ -7,8 +7,8 @@ import pytest
 
 from abs_supervisor.law.brake_line import BrakeLine
 from abs_supervisor.law.late_brake import LateBrake
+from corner_sim.sensors import CHAPTER_NOISE
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator, Command
-from vehicle_models.sensor_noise import CHAPTER_NOISE
 
 STATED = ActuatorParameters()
 STEP, DT = 5_000_000, 0.005

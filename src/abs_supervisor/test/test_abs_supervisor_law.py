@@ -22,11 +22,12 @@ from abs_supervisor.law.usable_curve import CurveReport, Estimate, UsableCurve
 from abs_supervisor.law.wheel_observer import WheelObserver, WheelState
 from abs_supervisor.law.wheel_step import slip_of, wheel_step
 from abs_supervisor.ros.curve_report import curve_report
+from corner_sim.corner import SingleCorner
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator, Command
-from vehicle_models.single_corner import CornerParameters, SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
+from vehicle_models.vehicle import CornerParameters
 
 CORNER = CornerParameters(radius=0.3, inertia=1.0, mass=225.0, vertical_load=225.0 * 9.81)
 ACTUATOR = ActuatorParameters()

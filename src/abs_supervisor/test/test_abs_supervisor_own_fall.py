@@ -9,7 +9,7 @@ from abs_supervisor.envelope import Envelope, EnvelopeParameters
 from abs_supervisor.own_fall import OwnFall
 from abs_supervisor.release_evidence import Wheel
 from vehicle_models.brake_actuator import ActuatorParameters, Command
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 STEP, DT = 5_000_000, 0.005
 RADIUS = 0.3

@@ -2,7 +2,7 @@
 
 import sys
 
-from corner_sim.node import main
+from corner_sim.ros.node import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from corner_sim.two_axle import peak_torque
 from corner_sim.two_axle_car import TwoAxleCar, WheelRoads
 from corner_sim.vehicle_model import JoinedCorners, VehicleModel
-from vehicle_models.two_axle import four_wheels, peak_torque
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import Vehicle, four_wheels
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from corner_sim.car_model import CarModelParameters
+from corner_sim.car_plant import CarModelParameters
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import group, parameter
 from vehicle_models.brake_actuator import ActuatorParameters

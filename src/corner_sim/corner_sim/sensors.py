@@ -6,8 +6,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from corner_sim.plant import PlantSample
-from vehicle_models.sensor_noise import SensorNoise
 from vehicle_models.vehicle import Vehicle
+
+
+@dataclass(frozen=True)
+class SensorNoise:
+    """Variances of the additive white noise of the sensors."""
+
+    wheel_speed_variance: float = 0.005
+    """[rad^2/s^2]"""
+    speed_variance: float = 0.25
+    """[m^2/s^2]"""
+    torque_variance: float = 10.0
+    """[N^2 m^2]"""
+
+
+CHAPTER_NOISE = SensorNoise()
+NO_NOISE = SensorNoise(0.0, 0.0, 0.0)
+
 
 Array = NDArray[np.float64]
 

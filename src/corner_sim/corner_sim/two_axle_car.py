@@ -7,11 +7,9 @@ last bit; a test compares the two. The equations are explained there.
 import numpy as np
 from numpy.typing import NDArray
 
+from corner_sim.corner import GAMMA, REST_SPEED, SLIP_SPEED_FLOOR, inner_steps
 from vehicle_models.constants import AIR_DENSITY, GRAVITY
-from vehicle_models.rosenbrock import GAMMA, inner_steps
-from vehicle_models.single_corner import REST_SPEED, SLIP_SPEED_FLOOR
-from vehicle_models.two_axle import four_wheels
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import Vehicle, four_wheels
 
 Array = NDArray[np.float64]
 Four = list[float]

@@ -6,7 +6,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle_models.single_corner import CornerParameters, SingleCorner
+from corner_sim.corner import SingleCorner
+from vehicle_models.vehicle import CornerParameters
 
 Array = NDArray[np.float64]
 

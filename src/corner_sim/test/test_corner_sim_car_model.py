@@ -9,11 +9,11 @@ import pytest
 from friction_msgs.msg import BrakeCommand
 from std_msgs.msg import Header
 
-from corner_sim import messages
-from corner_sim.car.tyre import TYRES
-from corner_sim.car_model import CarModelParameters
+from corner_sim.car.tyres import TYRES
+from corner_sim.car_plant import CarModelParameters
 from corner_sim.parameters import SimParameters
-from corner_sim.simulation import Simulation
+from corner_sim.ros import messages
+from corner_sim.ros.simulation import Simulation
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle

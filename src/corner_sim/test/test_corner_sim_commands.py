@@ -8,7 +8,7 @@ from builtin_interfaces.msg import Time
 from friction_msgs.msg import BrakeCommand, BrakeDemand
 from std_msgs.msg import Header
 
-from corner_sim.commands import CommandInbox, DemandInbox
+from corner_sim.ros.commands import CommandInbox, DemandInbox
 from vehicle_models.brake_actuator import Command
 
 WHEELS = ("front_left", "front_right")

@@ -16,9 +16,9 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-from corner_sim import messages
 from corner_sim.parameters import SimParameters
-from corner_sim.simulation import Simulation
+from corner_sim.ros import messages
+from corner_sim.ros.simulation import Simulation
 from friction_runtime import qos
 from friction_runtime.stamps import to_nanoseconds
 from friction_test_support.dds_client import DdsClient, dds_client, stop

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from corner_sim.pace import Pace
+from corner_sim.ros.node import Pace
 
 
 @given(st.lists(st.floats(0.0, 0.004), min_size=100, max_size=400), st.sampled_from([0.5, 1.0, 4.0]))

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from corner_sim.parameters import SHIPPED, SimParameters
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
 from friction_parameters.generated import parameter_file
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import load

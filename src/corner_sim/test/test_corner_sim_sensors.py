@@ -9,9 +9,8 @@ import pytest
 from corner_sim.models import build_model
 from corner_sim.plant import Plant, PlantSample
 from corner_sim.road import Road
-from corner_sim.sensors import Measurement, Sensors
+from corner_sim.sensors import CHAPTER_NOISE, NO_NOISE, Measurement, SensorNoise, Sensors
 from vehicle_models.brake_actuator import ActuatorParameters
-from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE, SensorNoise
 from vehicle_models.vehicle import Accelerometer
 from vehicle_models.vehicle_file import load_vehicle
 

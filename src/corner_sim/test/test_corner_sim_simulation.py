@@ -9,9 +9,9 @@ import pytest
 from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionCurve, FrictionSlope
 from std_msgs.msg import Header
 
-from corner_sim import messages
 from corner_sim.parameters import SimParameters
-from corner_sim.simulation import Simulation
+from corner_sim.ros import messages
+from corner_sim.ros.simulation import Simulation
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from corner_sim.models import Car, in_order
+from corner_sim.two_axle import TwoAxleCar
 from vehicle_models.surfaces import surface
-from vehicle_models.two_axle import TwoAxleCar
 from vehicle_models.vehicle_file import load_vehicle
 
 STEP = 5e-3

@@ -29,7 +29,7 @@ from friction_parameters.parameter import ParameterError
 from friction_report.recorded_run import require_samples
 from friction_runtime.processor import silent
 from friction_runtime.shipped_files import shipped_file
-from vehicle_models.vehicle_argument import add_vehicle_argument
+from vehicle_models.vehicle_file import add_vehicle_argument
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from corner_sim.car_model import SAME
+from corner_sim.car_plant import SAME
 from corner_sim.models import CAR, in_order
 from friction_bags.offline.estimators import SMART_TYRE
 from friction_bringup.graph import PLANT, ParameterValue, plant_calibration

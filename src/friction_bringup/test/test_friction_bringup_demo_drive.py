@@ -12,7 +12,7 @@ from friction_msgs.msg import BrakeCommand, FrictionSlope
 
 from corner_sim.models import CAR, in_order
 from corner_sim.parameters import SimParameters
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
 from friction_bringup.demo_drive import CARS, ROADS, plant_of_demo
 from friction_bringup.graph import PLANT

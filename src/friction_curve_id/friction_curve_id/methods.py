@@ -16,7 +16,7 @@ from friction_curve_id.interface import CurveEstimator
 from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.sample_gate import GateParameters
 from friction_parameters.parameter import parameter
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 CHAPTER_METHODS: Mapping[str, Callable[[], CurveFit]] = MappingProxyType(
     {

@@ -15,8 +15,7 @@ from friction_curve_id.vehicle.vehicle_samples import WholeVehicleParameters
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import deadline_parameter, group, parameter
 from vehicle_models.physical_bounds import HIGHEST_MU
-from vehicle_models.single_corner import CornerParameters
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import CornerParameters, Vehicle
 from vehicle_models.vehicle_file import vehicle_file_parameter
 
 AUTO, CAR, VEHICLE, TYRE_FORCE = "auto", "car", "vehicle", "tyre_force"

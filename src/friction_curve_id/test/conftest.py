@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from corner_sim.corner import SingleCorner
+from corner_sim.sensors import CHAPTER_NOISE, NO_NOISE, SensorNoise
 from friction_curve_id.interface import Sample
-from vehicle_models.sensor_noise import CHAPTER_NOISE, NO_NOISE, SensorNoise
-from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle_file import load_vehicle
 

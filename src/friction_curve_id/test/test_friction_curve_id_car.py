@@ -11,11 +11,10 @@ import pytest
 
 from corner_sim.car.car import Car
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
-from corner_sim.car.ordinary_driving import OrdinaryDriver
-from corner_sim.car.pressure_prescription import Cycling, PressureProfile, SlipCycle, peak_pressures
+from corner_sim.car.driving import Cycling, OrdinaryDriver, PressureProfile, SlipCycle, Surroundings, peak_pressures
 from corner_sim.car.random_car import random_car
-from corner_sim.car.recording import Recording, Surroundings, record
-from corner_sim.car.tyre import TYRES
+from corner_sim.car.recording import Recording, record
+from corner_sim.car.tyres import TYRES
 from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
 from vehicle_models import burckhardt

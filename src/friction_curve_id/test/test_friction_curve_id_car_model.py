@@ -19,9 +19,8 @@ from friction_curve_id.car.prior import car_prior
 from friction_curve_id.car.unknowns import FADING_WORK, SHARED, Unknown
 from friction_curve_id.car.wheel_equation import wheel_equation
 from vehicle_models import burckhardt
-from vehicle_models.stated_deviations import STATED
 from vehicle_models.surfaces import SURFACES
-from vehicle_models.vehicle import Deviation, SharedBy
+from vehicle_models.vehicle import STATED, Deviation, SharedBy
 from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]

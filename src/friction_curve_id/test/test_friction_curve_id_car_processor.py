@@ -9,7 +9,7 @@ from friction_msgs.msg import FrictionCurve, VehicleFit
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
 
-from corner_sim.car.pressure_prescription import SlipCycle
+from corner_sim.car.driving import SlipCycle
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
 from friction_curve_id.parameters import FrictionCurveParameters

@@ -11,11 +11,11 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from corner_sim.corner import SingleCorner
+from corner_sim.sensors import CHAPTER_NOISE
 from friction_curve_id.default.estimator import DefaultEstimator, DefaultParameters
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import CHAPTER_NOISE
-from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from corner_sim.car.ordinary_driving import OrdinaryDriver
+from corner_sim.car.driving import OrdinaryDriver
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import record
 from friction_curve_id.car.car_sample import Checked

@@ -7,10 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from corner_sim.car.car import Car
-from corner_sim.car.pressure_prescription import SlipCycle
+from corner_sim.car.driving import SlipCycle, Surroundings
 from corner_sim.car.random_car import random_car
-from corner_sim.car.recording import Recording, Surroundings, record
-from corner_sim.car.tyre import TYRES
+from corner_sim.car.recording import Recording, record
+from corner_sim.car.tyres import TYRES
 from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.car.car_model import CarConstants
 from friction_curve_id.car.fit import forgotten

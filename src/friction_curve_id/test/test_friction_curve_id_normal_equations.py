@@ -18,8 +18,8 @@ from friction_curve_id.default.past_evidence import PastEvidence, momentum_evide
 from friction_curve_id.default.robust_weights import robust_cost, robust_weights
 from friction_curve_id.measurement_noise import MeasurementNoise
 from vehicle_models import burckhardt, burckhardt_log
-from vehicle_models.single_corner import CornerParameters
 from vehicle_models.surfaces import SURFACES
+from vehicle_models.vehicle import CornerParameters
 
 Array = NDArray[np.float64]
 

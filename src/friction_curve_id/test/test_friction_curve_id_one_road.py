@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from corner_sim.car.pressure_prescription import SlipCycle
+from corner_sim.car.driving import SlipCycle
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
-from corner_sim.car.tyre import TYRES
+from corner_sim.car.tyres import TYRES
 from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.car.one_road import (
     MOST_CHANGE,

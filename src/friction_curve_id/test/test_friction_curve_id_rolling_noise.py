@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from corner_sim.corner import SingleCorner
+from corner_sim.sensors import CHAPTER_NOISE
 from friction_curve_id.default.estimator import DefaultEstimator
 from friction_curve_id.default.rolling_noise import RollingNoise
 from friction_curve_id.interface import CurveEstimate, Reason, Sample
 from vehicle_models import burckhardt
-from vehicle_models.sensor_noise import CHAPTER_NOISE
-from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from corner_sim.car.car_parameters import CarParameters
-from corner_sim.car.other_tyres import BRUSH_TYRES, Scaled
-from corner_sim.car.pressure_prescription import SlipCycle
+from corner_sim.car.driving import SlipCycle
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
+from corner_sim.car.tyres import BRUSH_TYRES, Scaled
 from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
 from friction_curve_id.interface import CurveEstimate, Refusal
 from vehicle_models.vehicle_file import load_vehicle

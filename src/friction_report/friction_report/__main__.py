@@ -23,7 +23,7 @@ from friction_parameters.command_line import command
 from friction_report.page import refuse_existing, write_page
 from friction_report.recorded_run import read_run
 from friction_runtime.message_type import UnknownTypeError
-from vehicle_models.vehicle_argument import add_vehicle_argument
+from vehicle_models.vehicle_file import add_vehicle_argument
 
 _ABOUT = "Show a drive as one page for a browser."
 _ESTIMATES = ("WheelSlip", "FrictionSlope", "FrictionCurve", "SupervisorState", "ContactPatch", "TyreForce")

@@ -4,7 +4,7 @@ from collections import deque
 from math import nan
 from typing import Final
 
-from vehicle_models.pressure_unit import PressureUnit
+from vehicle_models.signal_units import PressureUnit
 from vehicle_models.vehicle import Vehicle
 
 _KEPT: Final = 100

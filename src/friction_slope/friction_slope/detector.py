@@ -19,8 +19,8 @@ from friction_slope.tyre_relaxation import TyreRelaxation
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION, SlowestCar
-from vehicle_models.single_corner import CornerParameters
-from vehicle_models.wheel_load import WheelLoad
+from vehicle_models.vehicle import CornerParameters
+from vehicle_models.wheel_forces import WheelLoad
 
 LOCKED_SLIP: Final = 0.8
 """Beyond the peak of any road [-]. A wheel that stands does so by constraint: (8.3) does not hold for it."""

@@ -8,8 +8,7 @@ pressure rises, and where it turns, that is as much as the slope of the curve gi
 from dataclasses import dataclass
 from math import hypot
 
-from vehicle_models.stated_deviations import absolute_deviation, relative_deviation
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import Vehicle, absolute_deviation, relative_deviation
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ derivative they pass the same filter and cancel exactly; taken apart they would 
 from math import log, nan
 from typing import Final
 
+from friction_slope.derivatives import LocalPolynomial
 from friction_slope.estimate import SlopeSample
-from vehicle_models.derivatives import LocalPolynomial
 from vehicle_models.nanoseconds import NANOSECOND
 
 _OMEGA: Final = 0

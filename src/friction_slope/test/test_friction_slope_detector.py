@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from corner_sim.corner import SingleCorner
 from friction_slope.detector import (
     LEAST_PEAK,
     LOCKED_INDICATOR,
@@ -21,10 +22,9 @@ from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
 from vehicle_models import burckhardt
 from vehicle_models.constants import GRAVITY
 from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION
-from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
 from vehicle_models.vehicle_file import load_vehicle
-from vehicle_models.wheel_load import WheelLoad
+from vehicle_models.wheel_forces import WheelLoad
 
 DT = 0.005
 STEP = 5_000_000

@@ -26,7 +26,7 @@ from friction_slope.parameters import SHIPPED, FrictionSlopeParameters
 from friction_slope.ros.processor import WheelProcessor, build
 from vehicle_models.vehicle import Accelerometer
 from vehicle_models.vehicle_file import load_vehicle
-from vehicle_models.wheel_load import WheelLoad
+from vehicle_models.wheel_forces import WheelLoad
 
 CONFIG = Path(__file__).parents[1] / "config"
 STEP = 5_000_000

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from corner_sim.corner import SingleCorner
 from friction_slope.crossing import CrossingDetector
 from friction_slope.estimate import SlopeSample
 from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign, slope_indicator
 from friction_slope.signals import SignalWindow
 from friction_slope.tyre_relaxation import TyreRelaxation
 from vehicle_models import burckhardt
-from vehicle_models.single_corner import SingleCorner
 from vehicle_models.surfaces import TABLE_8_1, surface
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -18,8 +18,8 @@ from smart_tyre_forces.front_template import FrontTemplate
 from smart_tyre_forces.patch_tracker import Passage, TrackerParameters
 from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.wheel_run import WheelRun
-from vehicle_models.straight_forces import wheel_forces
 from vehicle_models.vehicle import REAR, Vehicle
+from vehicle_models.wheel_forces import wheel_forces
 
 Array = NDArray[np.float64]
 

@@ -3,9 +3,8 @@
 from math import hypot
 
 from vehicle_models.constants import GRAVITY
-from vehicle_models.stated_deviations import absolute_deviation, mass_deviation, relative_deviation
-from vehicle_models.straight_forces import wheel_forces
-from vehicle_models.vehicle import FRONT, REAR, Vehicle, Wheel
+from vehicle_models.vehicle import FRONT, REAR, Vehicle, Wheel, absolute_deviation, mass_deviation, relative_deviation
+from vehicle_models.wheel_forces import wheel_forces
 
 _DRIVING_STDDEV = 0.02
 """Relative deviation of what the engine gives to one of the driven wheels."""

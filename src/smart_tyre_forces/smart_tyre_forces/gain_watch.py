@@ -3,7 +3,7 @@
 Temperature and wear change the stiffness of a tyre, and its angles with it. Two things are watched:
 
 - While the car rolls steadily each wheel carries its static load: the length of its patch over that of the calibration.
-- The acceleration of the car gives each wheel's share of mass times acceleration (`straight_forces`, by brake torque
+- The acceleration of the car gives each wheel's share of mass times acceleration (`wheel_forces`, by brake torque
   while braking): the force of the map is x (1 + g + e) + o + d (omega - omega_0), with x the share, g the gain, o the
   error of the zero, and d a change of the radio's delay, which grows with speed. e is the error of the share itself,
   one for driving and one for braking: it is not the tyre's, and not learned away.

@@ -7,11 +7,10 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
+from corner_sim.smart_tyre.tyre_ring import TyreRing
+from corner_sim.smart_tyre.tyre_signal import AccelerometerParameters, EncoderParameters, TyreBlock, TyreSignalSource
 from smart_tyre_forces.patch_tracker import PatchTracker
 from smart_tyre_forces.tooth_table import ToothTable
-from vehicle_models.encoder import EncoderParameters
-from vehicle_models.tyre_ring import TyreRing
-from vehicle_models.tyre_signal import AccelerometerParameters, TyreBlock, TyreSignalSource
 from vehicle_models.vehicle import Wheel
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -17,14 +17,14 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Header
 
+from corner_sim.smart_tyre.drives import Drive, dynamic_drive, quasi_static_drives
+from corner_sim.smart_tyre.tyre_ring import TyreRing
+from corner_sim.smart_tyre.tyre_signal import TyreSignalSource
 from friction_runtime.stamps import from_nanoseconds
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.ros.calibration_tool import main
 from smart_tyre_forces.ros.processor import build
-from vehicle_models.force_history import Drive, dynamic_drive, quasi_static_drives
-from vehicle_models.tyre_ring import TyreRing
-from vehicle_models.tyre_signal import TyreSignalSource
 from vehicle_models.vehicle_file import load_vehicle, vehicle_path
 
 CAR = ["--vehicle", "smart_tyre_car"]

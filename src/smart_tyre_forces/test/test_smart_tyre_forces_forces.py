@@ -7,6 +7,8 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from corner_sim.smart_tyre.drives import Drive, dynamic_drive, quasi_static_drives
+from corner_sim.smart_tyre.tyre_ring import TyreRing
 from smart_tyre_forces.calibrate import calibrate
 from smart_tyre_forces.calibration import Calibration, TyreCalibration, WheelCalibration, polynomial
 from smart_tyre_forces.correction import Patch, PatchCorrection, ZeroParameters, load_shift
@@ -16,8 +18,6 @@ from smart_tyre_forces.front_template import GRID, FrontTemplate
 from smart_tyre_forces.patch_tracker import Passage
 from smart_tyre_forces.reasons import ForceReason, PatchReason
 from smart_tyre_forces.wheel_run import WheelRun
-from vehicle_models.force_history import Drive, dynamic_drive, quasi_static_drives
-from vehicle_models.tyre_ring import TyreRing
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 

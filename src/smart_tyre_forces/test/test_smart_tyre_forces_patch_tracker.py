@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from corner_sim.smart_tyre.tyre_ring import TyreRing
+from corner_sim.smart_tyre.tyre_signal import TyreBlock
 from smart_tyre_forces.front_template import TemplateFit, TemplateLearner
 from smart_tyre_forces.fronts import Fronts, find_fronts
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker
 from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.constants import GRAVITY
-from vehicle_models.tyre_ring import TyreRing
-from vehicle_models.tyre_signal import TyreBlock
 from vehicle_models.vehicle_file import load_vehicle
 
 RING = TyreRing()

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from corner_sim.parameters import SimParameters
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
+from corner_sim.smart_tyre.tyre_ring import TyreRing
 from friction_runtime.stamps import to_nanoseconds
 from smart_tyre_forces.correction import ZeroParameters
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.ros.processor import build
-from vehicle_models.tyre_ring import TyreRing
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 

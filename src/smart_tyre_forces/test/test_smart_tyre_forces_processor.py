@@ -11,6 +11,7 @@ from friction_msgs.msg import ContactPatch, TyreForce, TyreSignals
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Header
 
+from corner_sim.smart_tyre.tyre_signal import TyreBlock
 from friction_parameters.generated import parameter_file
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import load
@@ -21,7 +22,6 @@ from smart_tyre_forces.force_map import ForceMap
 from smart_tyre_forces.parameters import SHIPPED, SmartTyreParameters
 from smart_tyre_forces.ros.processor import TyreProcessor, build
 from smart_tyre_forces.tooth_table import ToothTable
-from vehicle_models.tyre_signal import TyreBlock
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -6,11 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from corner_sim.smart_tyre.tyre_signal import EncoderParameters, ToothedRing
 from smart_tyre_forces.encoder_crossings import EncoderCrossings, Stretch
 from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.wheel_angle import WheelAngle
-from vehicle_models.encoder import EncoderParameters, ToothedRing
 
 Array = NDArray[np.float64]
 

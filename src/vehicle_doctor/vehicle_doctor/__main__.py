@@ -27,8 +27,7 @@ from vehicle_doctor.findings import as_json, print_findings
 from vehicle_doctor.learned_vehicle import learned_file
 from vehicle_doctor.live import listening
 from vehicle_models.vehicle import Vehicle
-from vehicle_models.vehicle_argument import add_vehicle_argument
-from vehicle_models.vehicle_file import load_vehicle, vehicle_path
+from vehicle_models.vehicle_file import add_vehicle_argument, load_vehicle, vehicle_path
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

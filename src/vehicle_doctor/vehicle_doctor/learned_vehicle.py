@@ -8,8 +8,7 @@ import numpy as np
 import yaml
 
 from vehicle_doctor.findings import Finding, Verdict
-from vehicle_models.stated_deviations import stated_deviation
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import Vehicle, stated_deviation
 from vehicle_models.vehicle_file import load_vehicle
 
 

@@ -9,11 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vehicle_models.load_transfer import axle_loads
-from vehicle_models.single_corner import CornerParameters
-from vehicle_models.vehicle import Accelerometer, Wheel
-from vehicle_models.vehicle_file import load_vehicle
-from vehicle_models.vehicle_table import vehicle_table
+from vehicle_models.vehicle import Accelerometer, CornerParameters, Wheel
+from vehicle_models.vehicle_file import load_vehicle, vehicle_table
+from vehicle_models.wheel_forces import axle_loads
 
 CAR = replace(load_vehicle("compact_car"), front_load_share=0.58)
 

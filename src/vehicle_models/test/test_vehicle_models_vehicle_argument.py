@@ -5,8 +5,7 @@ from argparse import ArgumentParser
 import pytest
 
 from friction_parameters.parameter import ParameterError
-from vehicle_models.vehicle_argument import add_vehicle_argument
-from vehicle_models.vehicle_file import shipped_vehicles, vehicle_choices, vehicle_path
+from vehicle_models.vehicle_file import add_vehicle_argument, shipped_vehicles, vehicle_choices, vehicle_path
 
 
 def test_help_names_the_shipped_cars_and_the_one_without_the_option() -> None:

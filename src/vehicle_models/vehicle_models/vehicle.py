@@ -6,9 +6,14 @@ from enum import Enum
 from math import inf, nan
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from friction_parameters.parameter import parameter
+from vehicle_models import burckhardt
 from vehicle_models.constants import GRAVITY
-from vehicle_models.single_corner import CornerParameters
+
+Array = NDArray[np.float64]
 
 _REQUIRED = nan
 """Default of a required value; NaN passes no check."""
@@ -47,6 +52,41 @@ def _refuse_impossible(part: Any) -> None:
         low, value = each.metadata.get("minimum"), getattr(part, each.name)
         if low is not None and not (0.0 < value < inf or (low == 0.0 == value)):
             raise ValueError(f"'{each.name}' = {value} must be finite and {'>=' if low == 0.0 else '>'} 0")
+
+
+@dataclass(frozen=True)
+class CornerParameters:
+    """A wheel and the share of the car that rests on it."""
+
+    radius: float
+    """Effective rolling radius r [m]."""
+    inertia: float
+    """Wheel inertia J [kg m^2]."""
+    mass: float
+    """Mass m that this wheel decelerates [kg]."""
+    vertical_load: float
+    """Fz at rest [N]."""
+
+    def __post_init__(self) -> None:
+        """Refuse values without physical meaning."""
+        for name in ("radius", "inertia", "mass", "vertical_load"):
+            if not 0.0 < getattr(self, name) < np.inf:
+                raise ValueError(f"{name} must be finite and > 0, is {getattr(self, name)}")
+
+    @property
+    def gravity(self) -> float:
+        """Gravity as Fz / m [m/s^2]."""
+        return self.vertical_load / self.mass
+
+    def peak_torque(self, theta: ArrayLike) -> Array:
+        """Brake torque [N m] that holds the corner at the peak: mu_max (r Fz + J (1 - lambda_max) g / r).
+
+        From (2.15) at constant slip, where omega_dot = (1 - slip) v_dot / r.
+        """
+        lambda_max, mu_max = burckhardt.peak(theta)
+        return np.asarray(
+            mu_max * (self.radius * self.vertical_load + self.inertia * (1.0 - lambda_max) * self.gravity / self.radius)
+        )
 
 
 @dataclass(frozen=True)
@@ -238,3 +278,70 @@ class Vehicle:
 
     def _count(self, axle: str) -> int:
         return sum(wheel.axle == axle for wheel in self.wheels)
+
+
+_CORNERS = ((FRONT, "left"), (FRONT, "right"), (REAR, "left"), (REAR, "right"))
+"""Order of the last dimension of every array per wheel."""
+
+
+def four_wheels(vehicle: Vehicle) -> tuple[Wheel, ...]:
+    """Wheels in the order of the arrays: front left, front right, rear left, rear right.
+
+    Raises:
+        ValueError: the vehicle does not have these four.
+    """
+    at = {(wheel.axle, wheel.side): wheel for wheel in vehicle.wheels}
+    if set(at) != set(_CORNERS):
+        raise ValueError(
+            f"a car on two axles has four wheels, left and right on each axle; those of '{vehicle.name}' are "
+            f"{', '.join(f'{wheel.name} ({wheel.axle} {wheel.side})' for wheel in vehicle.wheels)}"
+        )
+    return tuple(at[corner] for corner in _CORNERS)
+
+
+STATED = {
+    "mass": 0.087,
+    "inertia": 0.1,
+    "brake_gain": 0.058,
+    "radius": 0.006,
+    "relaxation_length": 0.5,
+    "centre_of_gravity_height": 0.06,
+}
+"""Relative deviations of what a vehicle file does not state."""
+STATED_ABSOLUTE = {
+    "front_load_share": 0.0115,
+    "brake_pressure_delay": 0.012,
+    "engine_drag_torque": 46.0,
+    "offset": 0.17,
+    "scale": 0.0115,
+    "pitch_gain": 0.0015,
+    "delay": 0.006,
+}
+"""Deviations of what a vehicle file does not state, in its units."""
+
+
+def stated_deviation(deviations: Deviations, name: str) -> float | None:
+    """Standard deviation of a quantity in its unit, None where its file states none."""
+    return deviations[name].stddev if name in deviations else None
+
+
+def deviation_of(deviations: Deviations, name: str, otherwise: float) -> float:
+    """Standard deviation of a quantity in its unit, `otherwise` where its file states none."""
+    found = stated_deviation(deviations, name)
+    return otherwise if found is None else found
+
+
+def mass_deviation(vehicle: Vehicle) -> float:
+    """Relative standard deviation of the mass."""
+    return deviation_of(vehicle.deviations, "mass", STATED["mass"] * vehicle.mass) / vehicle.mass
+
+
+def relative_deviation(wheel: Wheel, name: str) -> float:
+    """Relative standard deviation of a quantity of a wheel, of STATED where its file states none."""
+    value = float(getattr(wheel, name))
+    return deviation_of(wheel.deviations, name, STATED[name] * value) / value
+
+
+def absolute_deviation(deviations: Deviations, name: str) -> float:
+    """Standard deviation of a quantity in its unit, of STATED_ABSOLUTE where its file states none."""
+    return deviation_of(deviations, name, STATED_ABSOLUTE[name])

@@ -22,14 +22,15 @@ is shared by the wheels at its level: all wheels, an axle, or one.
 """
 
 import re
+from argparse import ArgumentParser
 from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from friction_parameters.generated import range_text
+from friction_parameters.generated import range_text, table_row
 from friction_parameters.parameter import ParameterError, checked, parameter
-from friction_parameters.yaml_file import Entry, YamlEntries, plain, read_yaml
+from friction_parameters.yaml_file import Entry, YamlEntries, plain, read_yaml, yaml_text
 from vehicle_models.vehicle import FRONT, REAR, Accelerometer, Deviation, SharedBy, Vehicle, Wheel
 
 _SHIPPED = Path(__file__).parent / "vehicles"
@@ -253,3 +254,30 @@ def _wheel(file: _File, name: str, entry: Entry, common: tuple[dict[str, Entry],
         if key not in values:
             raise file.error(entry, f"'{key}' of wheel '{name}' is missing: {_must_be(Wheel, key)}")
     return Wheel(name, joint.value, **values, deviations=deviations)
+
+
+def add_vehicle_argument(parser: ArgumentParser, otherwise: str) -> None:
+    """Add `--vehicle`, empty by default; `otherwise` names the car that holds without it."""
+    text = f"the car: {vehicle_choices()} (default: {otherwise})"
+    parser.add_argument("--vehicle", default="", metavar="NAME|FILE", help=text)
+
+
+_PARTS = (("", Vehicle), ("accelerometer.", Accelerometer), ("wheels.NAME.", Wheel))
+
+
+def vehicle_table() -> str:
+    """Markdown table of the keys."""
+    lines = [table_row("key", "unit", "range", "default", ""), "|---|---|---|---|---|"]
+    for prefix, cls in _PARTS:
+        defaults = {each.name: each.default for each in fields(cls)}
+        required = (*required_keys(cls), "axle")
+        for key, limits in file_keys(cls).items():
+            default = "required" if key in required else _default(key, defaults[key])
+            lines.append(
+                table_row(f"`{prefix}{key}`", limits["unit"], range_text(limits), default, limits["description"])
+            )
+    return "\n".join(lines) + "\n"
+
+
+def _default(key: str, value: Any) -> str:
+    return "required if there is a rear axle" if key in TWO_AXLES_NEED else f"`{yaml_text(value)}`"

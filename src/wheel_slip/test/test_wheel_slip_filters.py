@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
-from corner_sim.car.pressure_prescription import Cycling, SlipCycle
+from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import record
 from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
 from wheel_slip.speed_queue import SpeedQueue

@@ -10,11 +10,11 @@ import pytest
 from friction_msgs.msg import WheelSlip
 
 from corner_sim.car.car_parameters import CarParameters
-from corner_sim.car.pressure_prescription import Cycling, SlipCycle
+from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import record
-from corner_sim.car.tyre import TYRES
+from corner_sim.car.tyres import TYRES
 from corner_sim.parameters import SimParameters
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
 from friction_parameters.parameter import from_mapping
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimate import Reason

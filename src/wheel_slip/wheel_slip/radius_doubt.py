@@ -2,8 +2,7 @@
 
 from collections.abc import Sequence
 
-from vehicle_models.stated_deviations import deviation_of
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import Vehicle, deviation_of
 
 
 class RadiusDoubt:

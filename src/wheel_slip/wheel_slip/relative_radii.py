@@ -19,8 +19,7 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle_models.stated_deviations import STATED, stated_deviation
-from vehicle_models.vehicle import REAR, Vehicle
+from vehicle_models.vehicle import REAR, STATED, Vehicle, stated_deviation
 from wheel_slip.free_rolling import Stretch
 
 Array = NDArray[np.float64]

@@ -16,8 +16,7 @@ from typing import Final
 
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.stated_deviations import deviation_of, stated_deviation
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import Vehicle, deviation_of, stated_deviation
 from wheel_slip.accelerometer_watch import AccelerometerWatch
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
 from wheel_slip.mode import Cause, transition

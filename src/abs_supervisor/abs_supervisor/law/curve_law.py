@@ -16,7 +16,7 @@ from abs_supervisor.law.wheel_observer import WheelObserver
 from friction_parameters.parameter import parameter
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 _LEARNS_ABOVE = 5.0
 """[m/s] below this speed of the car the slow part of the disturbance is kept, and whether the curve explains the wheel:

@@ -5,7 +5,7 @@ from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HARDEST_BRAKING, ICE_FRICTION
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 _OPEN: Final = 0.02
 """Friction whose torque an open brake stays below: the noise of its sensor, its drag."""

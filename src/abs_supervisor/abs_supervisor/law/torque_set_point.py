@@ -6,7 +6,7 @@ from typing import Final
 from abs_supervisor.law.road_curve import RoadCurve
 from abs_supervisor.law.wheel_observer import WheelState
 from vehicle_models.brake_actuator import ActuatorParameters
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 _RATE: Final = 35.0
 """[1/s] with which a small error of the wheel speed is to vanish."""

@@ -12,7 +12,7 @@ from abs_supervisor.law.road_curve import RoadCurve
 from abs_supervisor.law.wheel_step import slip_of, wheel_step
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 _TORQUE_GAIN, _SPEED_GAIN, _DISTURBANCE_GAIN = 0.25, 0.45, 0.10
 """Shares of what surprises in a sample, for the torque, the wheel speed and the disturbance torque."""

@@ -8,7 +8,7 @@ from math import exp
 from typing import Final
 
 from abs_supervisor.law.road_curve import RoadCurve
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 _STIFFEST, _STEEPEST_FALL = 20.0, -1.0
 """Range of the exponent: beyond the peak the wheel's motion grows, but not without limit within a step."""

@@ -12,7 +12,7 @@ from abs_supervisor.law.usable_curve import CurveReport
 from abs_supervisor.ros.curve_report import curve_report
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.vehicle import Vehicle
-from vehicle_models.wheel_load import LEAST_SHARE, WheelLoad
+from vehicle_models.wheel_forces import LEAST_SHARE, WheelLoad
 
 _OF_THE_CAR = "car"
 """The method whose friction is that of the tyre; in that of a single wheel the change of its load is contained."""

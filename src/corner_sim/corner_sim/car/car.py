@@ -10,12 +10,67 @@ tau_c is the damping of the tyre's carcass, without which the wheel rings on it 
 slip that is left to go. Forces across the car are not part of it; a curve moves load and makes wheel speeds unequal.
 """
 
-from math import sqrt
+from math import pi, sqrt
+
+import numpy as np
 
 from corner_sim.car.car_parameters import CarParameters, Four
-from corner_sim.car.pitch import Pitch
-from corner_sim.car.unevenness import load_variation
 from vehicle_models.constants import AIR_DENSITY, GRAVITY
+
+
+class Pitch:
+    """p'' + 2 zeta w p' + w^2 p = w^2 a: p [m/s^2] is the acceleration whose steady pitch the body has now."""
+
+    def __init__(self, frequency: float, damping: float, damper_share: float) -> None:
+        """Begin level. `frequency` [Hz], `damping` ratio [-], share of the dampers' force that moves load [-]."""
+        self._w = 2.0 * pi * frequency
+        self._two_zeta = 2.0 * damping
+        self._damper_time = damper_share * self._two_zeta / self._w
+        self.angle = 0.0
+        """p [m/s^2]."""
+        self._rate = 0.0
+
+    @property
+    def load_acceleration(self) -> float:
+        """Acceleration whose steady load transfer acts now [m/s^2]: springs, and the share of the dampers."""
+        return self.angle + self._damper_time * self._rate
+
+    def step(self, acceleration: float, dt: float) -> None:
+        """Advance by dt [s], short against the period, at an acceleration of the body [m/s^2]."""
+        self._rate += dt * self._w * (self._w * (acceleration - self.angle) - self._two_zeta * self._rate)
+        self.angle += dt * self._rate
+
+
+BAND = (1.0, 14.0)
+"""Frequencies [Hz]; the spectrum between them is flat."""
+PERIOD = 32.0
+"""Time after which the road repeats [s]."""
+
+
+def load_variation(rms: float, seed: int, dt: float) -> list[tuple[float, ...]]:
+    """Draw the relative load of four wheels, independent of each other.
+
+    Args:
+        rms: of the relative load of each wheel [-], >= 0; exact over the period.
+        seed: same seed, same road.
+        dt: time step [s].
+
+    Returns:
+        One period of relative loads around 1, each of 4.
+    """
+    n = round(PERIOD / dt)
+    if rms == 0.0:
+        return [(1.0,) * 4] * n
+    frequency = np.fft.rfftfreq(n, dt)
+    inside = (frequency >= BAND[0]) & (frequency <= BAND[1])
+    # a stream of its own: the noise of the sensors has the same seed
+    phase = np.random.default_rng([seed, 1]).uniform(0.0, 2.0 * np.pi, (inside.sum(), 4))
+    spectrum = np.zeros((frequency.size, 4), dtype=complex)
+    spectrum[inside] = np.exp(1j * phase)
+    variation = np.fft.irfft(spectrum, n, axis=0)
+    variation *= rms / np.sqrt((variation**2).mean(axis=0))
+    return [tuple(row) for row in (1.0 + variation).tolist()]
+
 
 GAMMA = 1.0 - sqrt(0.5)
 """Of the method ROS2, which is L-stable with it and of second order with any Jacobian."""

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from math import radians
 
-from corner_sim.car.tyre import TYRES, Tyre
+from corner_sim.car.tyres import TYRES, Tyre
 
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 """Wheels in the order of every array."""

@@ -1,16 +1,115 @@
 """The car with its brakes and sensors, one sample of the recording at a time."""
 
+from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import exp, pi
+from math import exp, floor, pi, sqrt
 
 import numpy as np
 
-from corner_sim.car.brake import Brake
 from corner_sim.car.car import STEP, Car
 from corner_sim.car.car_parameters import CarParameters
-from corner_sim.car.encoder import Encoder, ideal
-from corner_sim.car.late_signal import LateSignal
 from vehicle_models.constants import GRAVITY
+
+
+class Brake:
+    """One brake."""
+
+    def __init__(self, gain: float, fading: float, fading_energy: float, dt: float) -> None:
+        """Begin cold. Arguments as in CarParameters; `dt` [s] is the time step."""
+        self._gain = gain
+        self._fading, self._fading_energy = fading, fading_energy
+        self._dt = dt
+        self._work = 0.0
+
+    @property
+    def gain(self) -> float:
+        """Torque over pressure now [N m/Pa]."""
+        return self._gain * (1.0 - self._fading * min(self._work / self._fading_energy, 1.0))
+
+    def torque(self, pressure: float, wheel_speed: float) -> float:
+        """Torque [N m] over the next step, by pressure [Pa] at the wheel speed [rad/s]."""
+        torque = self.gain * pressure
+        self._work += torque * wheel_speed * self._dt
+        return torque
+
+
+class LateSignal:
+    """Values of every step, given back as they were a while ago; before the first it gives the first."""
+
+    def __init__(self, delay: float, dt: float) -> None:
+        """`delay` [s] >= 0 need be no multiple of the step dt [s]."""
+        whole = floor(delay / dt + 1e-9)
+        self._part = delay / dt - whole
+        self._past: deque[float] = deque(maxlen=whole + 2)
+
+    def put(self, value: float) -> None:
+        """Take the value of the present step."""
+        if not self._past:
+            self._past.extend([value] * (self._past.maxlen or 0))
+        self._past.append(value)
+
+    def value(self) -> float:
+        """Value `delay` before the last step that was put, linear between steps."""
+        return self._past[1] + max(self._part, 0.0) * (self._past[0] - self._past[1])
+
+
+class Encoder:
+    """Counts edges over a sample interval and the time between the last edges before its ends.
+
+    A published speed is n 2 pi / teeth / (t_last - t_last_before): the mean speed over the time between two edges,
+    which ends up to a tooth before the stamp. Times are of a timer of 1 microsecond. Without a new edge the speed is at
+    most a tooth over the time since the last edge, and the last one otherwise. Where the ring lacks teeth no edges
+    come, and the unit does not know it.
+    """
+
+    TIMER = 1e-6
+    """Resolution of the edge times [s]."""
+
+    def __init__(self, teeth: int, speed: float, angle: float, missing: int = 0) -> None:
+        """Begin at `speed` [rad/s] and `angle` [rad] of the wheel after its last edge, in [0, 2 pi / teeth).
+
+        The last `missing` of the `teeth` in a revolution are not there.
+        """
+        self._teeth, self._missing = teeth, missing
+        self._seen = 0
+        self._pitch = 2.0 * pi / teeth
+        self._angle = angle
+        self._edge_count = 0
+        self._edge_time = -angle / speed
+        self._published = (0, self._edge_time, speed)
+
+    def turn(self, time: float, dt: float, begin: float, end: float) -> None:
+        """Take the motion from `time` [s] over dt [s], its speed [rad/s] changing linearly."""
+        before = self._angle
+        self._angle += 0.5 * dt * (begin + end)
+        count = floor(self._angle / self._pitch)
+        while count > self._edge_count and count % self._teeth >= self._teeth - self._missing:
+            count -= 1
+        if count > self._edge_count:
+            gone = count // self._teeth - self._edge_count // self._teeth
+            self._seen += count - self._edge_count - gone * self._missing
+            self._edge_count = count
+            # angle of the last edge: (begin + growth t / 2) t = rest
+            rest, growth = count * self._pitch - before, (end - begin) / dt
+            passed = 2.0 * rest / (begin + sqrt(max(begin * begin + 2.0 * growth * rest, 0.0)))
+            self._edge_time = round((time + min(passed, dt)) / self.TIMER) * self.TIMER
+
+    def publish(self, time: float) -> float:
+        """Wheel speed [rad/s] of the interval that ends at `time` [s]."""
+        count, edge_time, speed = self._published
+        if self._seen > count:
+            speed = (self._seen - count) * self._pitch / (self._edge_time - edge_time)
+        elif time > edge_time:
+            speed = min(speed, self._pitch / (time - edge_time))
+        self._published = (self._seen, self._edge_time, speed)
+        return speed
+
+
+def ideal(speeds: Sequence[float], variance: float, rng: np.random.Generator) -> list[float]:
+    """Wheel speeds at their stamp with white noise of `variance` [rad^2/s^2], as in section 8.3.2."""
+    noise = rng.normal(0.0, sqrt(variance), len(speeds)).tolist()
+    return [speed + error for speed, error in zip(speeds, noise, strict=True)]
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from corner_sim.car.car_parameters import PITCH_GAIN, CarParameters, SensorParameters
-from corner_sim.car.pressure_prescription import Cycling
-from corner_sim.car.tyre import TYRES
+from corner_sim.car.driving import Cycling
+from corner_sim.car.tyres import TYRES
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from corner_sim.car.car import STEP, Car
 from corner_sim.car.car_parameters import CarParameters
+from corner_sim.car.driving import Surroundings
 from corner_sim.car.measured_car import MeasuredCar
 
 Array = NDArray[np.float64]
@@ -21,18 +22,6 @@ class Prescription(Protocol):
 
     def pressure(self, time: float, dt: float, car: Car) -> list[float]:
         """Pressures [Pa] of the step of dt [s] from `time` [s], shape (4,)."""
-
-
-@dataclass(frozen=True)
-class Surroundings:
-    """What acts on the car besides its brakes."""
-
-    engine_torque: float = 0.0
-    """At each rear wheel [N m], >= 0; 0: throttle closed."""
-    slope: float = 0.0
-    """Sine of the angle of the road besides that of the car's parameters, uphill positive."""
-    curvature: float = 0.0
-    """Of the path [1/m], positive to the left."""
 
 
 _NOTHING = Surroundings()

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from corner_sim.parameters import SimParameters
-from corner_sim.simulation import Simulation
+from corner_sim.ros.simulation import Simulation
 from friction_bags.bag_io.bag_format import METADATA_NAME, BagError
 from friction_bags.bag_io.message_bag import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE

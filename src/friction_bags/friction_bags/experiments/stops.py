@@ -5,18 +5,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from corner_sim import messages
 from corner_sim.driver import DriverProfile
-from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant, PlantSample
+from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant, PlantSample, SlopeCrossings
 from corner_sim.road import Road
-from corner_sim.sensors import Sensors
-from corner_sim.slope_truth import SlopeCrossings
+from corner_sim.ros import messages
+from corner_sim.sensors import CHAPTER_NOISE, Sensors
+from corner_sim.sprung_car import SprungCar
 from friction_runtime.processor import Output
 from vehicle_models.brake_actuator import ActuatorParameters, Command
-from vehicle_models.sensor_noise import CHAPTER_NOISE
-from vehicle_models.sprung_car import SprungCar
-from vehicle_models.two_axle import four_wheels
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import Vehicle, four_wheels
 from vehicle_models.vehicle_file import load_vehicle
 
 VEHICLE = "chapter_car"

@@ -15,8 +15,8 @@ import numpy as np
 
 from corner_sim.car.car import STEP, Car
 from corner_sim.car.car_parameters import WHEELS, CarParameters, SensorParameters
-from corner_sim.car.pressure_prescription import Cycling, SlipCycle
-from corner_sim.car.recording import Recording, Surroundings, record
+from corner_sim.car.driving import Cycling, SlipCycle, Surroundings
+from corner_sim.car.recording import Recording, record
 from friction_adapter.can_frames import INSTALL_LINE
 from friction_bags.bag_io.bag_format import BagError
 from friction_parameters.parameter import ParameterError

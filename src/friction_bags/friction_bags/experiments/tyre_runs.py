@@ -10,13 +10,12 @@ from friction_msgs.msg import TyreForce, TyreSignals
 from numpy.typing import NDArray
 from std_msgs.msg import Header
 
+from corner_sim.smart_tyre.drives import Drive, dynamic_drive, quasi_static_drives
+from corner_sim.smart_tyre.tyre_ring import TyreRing
+from corner_sim.smart_tyre.tyre_signal import AccelerometerParameters, EncoderParameters, TyreSignalSource
 from friction_runtime.processor import Output
 from friction_runtime.stamps import from_nanoseconds
-from vehicle_models.encoder import EncoderParameters
-from vehicle_models.force_history import Drive, dynamic_drive, quasi_static_drives
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.tyre_ring import TyreRing
-from vehicle_models.tyre_signal import AccelerometerParameters, TyreSignalSource
 from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]

@@ -23,7 +23,7 @@ from friction_bags.mapped.write_mapped import write_mapped
 from friction_bags.progress_bars import bars
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output, Severity
-from vehicle_models.vehicle_argument import add_vehicle_argument
+from vehicle_models.vehicle_file import add_vehicle_argument
 
 _BAG_SUFFIXES = (".mcap", ".db3", ".zstd")
 _SHOW_EVERY = 1000

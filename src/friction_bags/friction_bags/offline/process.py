@@ -19,7 +19,7 @@ from friction_bags.offline.run import ProcessResult, process_bag
 from friction_bags.progress_bars import bars
 from friction_parameters.command_line import count
 from friction_parameters.parameter import ParameterError
-from vehicle_models.vehicle_argument import add_vehicle_argument
+from vehicle_models.vehicle_file import add_vehicle_argument
 
 _REFRESH_PERIOD = 0.2
 

@@ -19,8 +19,7 @@ from friction_parameters.command_line import positive
 from friction_parameters.parameter import ParameterError
 from friction_runtime.spin import made, start_middleware, stop_on_signals, take_down
 from friction_runtime.stop_flag import StopFlag
-from vehicle_models.vehicle_argument import add_vehicle_argument
-from vehicle_models.vehicle_file import load_vehicle, vehicle_reference
+from vehicle_models.vehicle_file import add_vehicle_argument, load_vehicle, vehicle_reference
 
 _TAKE_PERIOD = 0.02
 _DISCOVER_PERIOD = 0.1

@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 from friction_curve_id.car.car_sample import Checked
 from friction_curve_id.car.prior import radius_deviation
 from vehicle_models.constants import AIR_DENSITY, GRAVITY
-from vehicle_models.stated_deviations import absolute_deviation, mass_deviation, relative_deviation
-from vehicle_models.vehicle import FRONT, REAR, Vehicle
+from vehicle_models.vehicle import FRONT, REAR, Vehicle, absolute_deviation, mass_deviation, relative_deviation
 
 Array = NDArray[np.float64]
 

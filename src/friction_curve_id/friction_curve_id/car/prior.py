@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 from friction_curve_id.car.curve_family import ShapePrior
 from friction_curve_id.car.unknowns import SHARED, Unknown
 from vehicle_models.constants import GRAVITY
-from vehicle_models.stated_deviations import (
+from vehicle_models.vehicle import (
+    FRONT,
     STATED,
+    Vehicle,
     absolute_deviation,
     deviation_of,
     mass_deviation,
     relative_deviation,
 )
-from vehicle_models.vehicle import FRONT, Vehicle
 
 Array = NDArray[np.float64]
 

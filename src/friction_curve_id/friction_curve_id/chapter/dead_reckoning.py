@@ -15,7 +15,7 @@ from typing import Final
 
 from friction_curve_id.interface import Reason, Refusal
 from friction_curve_id.measurement_noise import MeasurementNoise
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 _UNKNOWN = float("inf")
 """Variance of an unknown speed."""

@@ -28,7 +28,7 @@ from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.sample_gate import GateParameters, SampleGate
 from friction_curve_id.stamp_order import Admission
 from vehicle_models.physical_bounds import HIGHEST_TORQUE, HIGHEST_WHEEL_SPEED
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 _GATE, _NOISE = GateParameters(), MeasurementNoise()
 LARGEST_FRICTION: Final = 10.0

@@ -24,7 +24,7 @@ from friction_curve_id.default.past_evidence import PastEvidence
 from friction_curve_id.default.robust_weights import huber_cost, huber_weights, robust_cost, robust_weights
 from friction_curve_id.measurement_noise import MeasurementNoise
 from vehicle_models import burckhardt_log
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 Array = NDArray[np.float64]
 

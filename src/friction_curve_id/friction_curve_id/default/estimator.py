@@ -22,7 +22,7 @@ from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartC
 from friction_curve_id.sample_gate import GateParameters, SampleGate
 from friction_curve_id.stamp_order import Admission
 from vehicle_models import burckhardt_log
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 Array = NDArray[np.float64]
 

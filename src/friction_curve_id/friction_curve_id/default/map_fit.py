@@ -23,7 +23,7 @@ from friction_curve_id.default.past_evidence import MOMENTUM, WHEEL_SPEED, momen
 from friction_curve_id.default.prediction import Prediction, predict
 from friction_curve_id.measurement_noise import MeasurementNoise
 from vehicle_models import burckhardt_log
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 Array = NDArray[np.float64]
 

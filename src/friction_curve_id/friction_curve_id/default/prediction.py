@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from friction_curve_id.default.braking_window import BrakingWindow
 from friction_curve_id.measurement_noise import MeasurementNoise
 from vehicle_models import burckhardt_log
-from vehicle_models.single_corner import CornerParameters
+from vehicle_models.vehicle import CornerParameters
 
 Array = NDArray[np.float64]
 

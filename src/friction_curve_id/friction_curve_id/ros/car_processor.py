@@ -23,9 +23,9 @@ from friction_runtime.processor import Level, Output, Report, silent
 from friction_runtime.reason_text import set_reason
 from friction_runtime.stamps import header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
-from vehicle_models.acceleration_unit import AccelerationUnit
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_PRESSURE
+from vehicle_models.signal_units import AccelerationUnit
 from vehicle_models.vehicle import Vehicle
 
 VEHICLE_FIT = "vehicle_fit"

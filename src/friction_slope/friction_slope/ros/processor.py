@@ -22,7 +22,7 @@ from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.ros.messages import estimate_message, vote_message
 from vehicle_models.physical_bounds import HIGHEST_ACCELERATION
 from vehicle_models.vehicle import Vehicle
-from vehicle_models.wheel_load import WheelLoad
+from vehicle_models.wheel_forces import WheelLoad
 
 _IMU: Final = "imu/data"
 _QUIET = (

@@ -18,8 +18,7 @@ from smart_tyre_forces.front_template import TemplateLearner
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.ros.calibration_bags import noted_vehicle, read
 from vehicle_models.vehicle import Vehicle
-from vehicle_models.vehicle_argument import add_vehicle_argument
-from vehicle_models.vehicle_file import load_vehicle, vehicle_choices
+from vehicle_models.vehicle_file import add_vehicle_argument, load_vehicle, vehicle_choices
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -15,7 +15,7 @@ from vehicle_doctor.findings import Finding, Verdict, against_file
 from vehicle_doctor.motion import Motion, free_rims
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.stated_deviations import deviation_of, stated_deviation
+from vehicle_models.vehicle import deviation_of, stated_deviation
 from wheel_slip.accelerometer_age import AccelerometerAge
 from wheel_slip.mode import SlideParameters
 

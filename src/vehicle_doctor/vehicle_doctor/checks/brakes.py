@@ -15,8 +15,7 @@ from vehicle_doctor.comparison import Shift, shift, stretches
 from vehicle_doctor.drive import Array, Drive, pressure_topic
 from vehicle_doctor.findings import Finding, Verdict, against_file, failure
 from vehicle_doctor.motion import Motion, NDArrayBool, pressure_threshold
-from vehicle_models.stated_deviations import deviation_of, stated_deviation
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import Vehicle, deviation_of, stated_deviation
 
 _UNITS = {"Pa": 1.0, "kPa": 1e-3, "bar": 1e-5, "MPa": 1e-6, "mbar": 1e-2, "psi": 1.0 / 6894.76}
 _NEAR = log(2.5)

@@ -9,8 +9,7 @@ from vehicle_doctor.drive import Array, Drive
 from vehicle_doctor.findings import Finding, Verdict, against_file
 from vehicle_doctor.motion import Motion
 from vehicle_models.constants import AIR_DENSITY, GRAVITY
-from vehicle_models.stated_deviations import stated_deviation
-from vehicle_models.vehicle import Deviations, SharedBy
+from vehicle_models.vehicle import Deviations, SharedBy, stated_deviation
 
 MIN_ROLLING_TIME = 4.0
 """Rolling time [s] below which there is no answer."""

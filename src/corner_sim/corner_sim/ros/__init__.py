@@ -1,0 +1,1 @@
+"""The plant as a node: its messages, commands and pace."""
