@@ -113,3 +113,8 @@ def test_a_broken_link_is_found(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     page.write_text("# One two\n[a](page.md#one-two) [b](page.md#three) [c](gone.md) [d](https://example.org)\n")
     assert broken_links(page) == ["page.md#three", "gone.md"]
+
+
+def test_commands_in_texts_call_python3() -> None:
+    files = [*tracked("*.md"), *tracked("src/*.py")]
+    assert not [str(file.relative_to(ROOT)) for file in files if "python -m" in file.read_text(encoding="utf-8")]

@@ -18,7 +18,7 @@ from friction_runtime.stamps import to_nanoseconds
 from vehicle_doctor.__main__ import main as doctor
 from vehicle_models.vehicle_file import load_vehicle
 
-pytest.importorskip("can", reason="python-can is absent: python -m pip install python-can cantools")
+pytest.importorskip("can", reason="python-can is absent: python3 -m pip install python-can cantools")
 pytest.importorskip("cantools")
 
 STOP = 6_000_000_000

@@ -1,6 +1,6 @@
 """A node that publishes what it hears, in rclpy alone: what friction_adapter is compared with.
 
-python -m campaigns.live.bare_relay VEHICLE FROM TO
+python3 -m campaigns.live.bare_relay VEHICLE FROM TO
 """
 
 import sys

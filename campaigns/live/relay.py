@@ -2,7 +2,7 @@
 
 One that is named, in a process of its own; none: the estimators in one process.
 
-python -m campaigns.live.relay [NODE] --ros-args -p vehicle_file:=compact_car
+python3 -m campaigns.live.relay [NODE] --ros-args -p vehicle_file:=compact_car
 """
 
 from __future__ import annotations

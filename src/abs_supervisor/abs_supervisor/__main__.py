@@ -1,4 +1,4 @@
-"""python -m abs_supervisor: the node."""
+"""python3 -m abs_supervisor: the node."""
 
 from abs_supervisor.ros.node import main
 

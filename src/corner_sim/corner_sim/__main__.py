@@ -1,4 +1,4 @@
-"""`python -m corner_sim` starts the node."""
+"""`python3 -m corner_sim` starts the node."""
 
 import sys
 

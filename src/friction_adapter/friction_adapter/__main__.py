@@ -1,4 +1,4 @@
-"""python -m friction_adapter: the node."""
+"""python3 -m friction_adapter: the node."""
 
 from friction_adapter.ros.node import main
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from friction_parameters.parameter import ParameterError
 
-INSTALL_LINE = "python -m pip install python-can cantools"
+INSTALL_LINE = "python3 -m pip install python-can cantools"
 _MOST_LISTED = 30
 
 

@@ -28,14 +28,14 @@ def test_without_the_packages_the_line_that_installs_them_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "cantools.database", None)
-    with pytest.raises(ParameterError, match="python -m pip install python-can cantools"):
+    with pytest.raises(ParameterError, match="python3 -m pip install python-can cantools"):
         frames(tmp_path)
 
 
 class TestWithCantools:
     @pytest.fixture(autouse=True)
     def needs_cantools(self) -> None:
-        pytest.importorskip("cantools", reason="cantools is absent: python -m pip install python-can cantools")
+        pytest.importorskip("cantools", reason="cantools is absent: python3 -m pip install python-can cantools")
 
     def test_a_signal_is_found_by_its_name_or_that_of_its_frame(self, tmp_path: Path) -> None:
         assert frames(tmp_path).find("Gear") == ("B", "Gear", "")

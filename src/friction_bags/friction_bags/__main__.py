@@ -1,4 +1,4 @@
-"""Command line: `python -m friction_bags COMMAND ...`, and the executables of `ros2 run friction_bags ...`."""
+"""Command line: `python3 -m friction_bags COMMAND ...`, and the executables of `ros2 run friction_bags ...`."""
 
 import sys
 from argparse import ArgumentParser

@@ -17,7 +17,7 @@ from friction_bags.bag_io.cdr import decode
 from friction_bags.bag_io.message_definition import message_definition
 from friction_runtime.message_type import message_class
 
-can = pytest.importorskip("can", reason="python-can is absent: python -m pip install python-can cantools")
+can = pytest.importorskip("can", reason="python-can is absent: python3 -m pip install python-can cantools")
 cantools = pytest.importorskip("cantools")
 
 CAR = Path(__file__).parents[2] / "friction_adapter" / "test" / "four_wheels.yaml"

@@ -32,7 +32,7 @@ def written(directory: Path, text: str = MAP) -> Path:
 
 def test_without_asammdf_the_line_that_installs_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "asammdf", None)
-    with pytest.raises(ParameterError, match="python -m pip install asammdf"):
+    with pytest.raises(ParameterError, match="python3 -m pip install asammdf"):
         MdfLog(tmp_path / "drive.mf4", load_map(written(tmp_path)))
 
 

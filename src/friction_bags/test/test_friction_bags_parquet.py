@@ -32,7 +32,7 @@ def written(directory: Path) -> Path:
 
 def test_without_pyarrow_the_line_that_installs_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(ParameterError, match="python -m pip install pyarrow"):
+    with pytest.raises(ParameterError, match="python3 -m pip install pyarrow"):
         ParquetTable(tmp_path / "drive.parquet", load_map(written(tmp_path)))
 
 

@@ -1,4 +1,4 @@
-"""python -m friction_curve_id: the node."""
+"""python3 -m friction_curve_id: the node."""
 
 from friction_curve_id.ros.node import main
 

@@ -1,4 +1,4 @@
-"""python -m friction_slope: the node."""
+"""python3 -m friction_slope: the node."""
 
 from friction_slope.ros.node import main
 

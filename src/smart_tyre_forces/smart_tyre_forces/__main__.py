@@ -1,4 +1,4 @@
-"""python -m smart_tyre_forces: the node."""
+"""python3 -m smart_tyre_forces: the node."""
 
 from smart_tyre_forces.ros.node import main
 

@@ -1,4 +1,4 @@
-"""python -m wheel_slip: the node."""
+"""python3 -m wheel_slip: the node."""
 
 from wheel_slip.ros.node import main
 

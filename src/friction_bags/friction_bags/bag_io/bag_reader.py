@@ -155,7 +155,7 @@ class BagReader:
     def _listed_files(self) -> list[Path]:
         """Files named by metadata.yaml; those found where it is missing or damaged."""
         path = self.bag / METADATA_NAME
-        advice = f"`python -m friction_bags reindex {self.bag}` rebuilds it"
+        advice = f"`python3 -m friction_bags reindex {self.bag}` rebuilds it"
         if not path.is_file():
             self.problems.append(f"{self.bag} has no {METADATA_NAME} (recorder killed?): {advice}")
             return storage_files(self.bag)

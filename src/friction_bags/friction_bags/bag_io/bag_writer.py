@@ -96,5 +96,5 @@ class BagWriter:
         self._file.abandon()
         return BagError(
             f"{self._bag}: writing failed: {error.strerror}. What was flushed before is kept: "
-            f"make room, then run `python -m friction_bags reindex {self._bag}`"
+            f"make room, then run `python3 -m friction_bags reindex {self._bag}`"
         )

@@ -28,23 +28,23 @@ _README = "README.md"
 _README_BEGIN = """\
 # bags
 
-Recorded experiments, made by `make bags` (`python -m friction_bags library`) with fixed seeds; that command writes this
-file too. `python -m friction_bags play bags/NAME` and `ros2 bag play bags/NAME` play them; `make demo BAG=bags/NAME`
-runs the graph on them. The recording stamp of a message is its header stamp; the experiments begin at 1000 s. Sensor
-noise is that of section 8.3.2 of the chapter. `truth/...` holds the true values of the plant. The car is a vehicle file
-that vehicle_models ships; its name is a note in the bag, where `python -m friction_bags process` finds it.
+Recorded experiments. `make bags` (`python3 -m friction_bags library`) makes them from fixed seeds and writes this file.
+`python3 -m friction_bags play bags/NAME` and `ros2 bag play bags/NAME` play them; `make demo BAG=bags/NAME` runs the
+graph on them. Recording stamps equal header stamps; the experiments begin at 1000 s. Sensor noise is that of section
+8.3.2. `truth/...` holds the true values of the plant. The car is a shipped vehicle file; its name is a note in the bag,
+which `python3 -m friction_bags process` reads.
 
 | bag | car | what it is |
 |---|---|---|
 """
 _README_END = """
 
-The smart-tyre bags in the repository are short cuts, in which smart_tyre_forces does not yet know the teeth of the
-encoder (that takes 32 revolutions): `python -m friction_bags library --full --out DIR` makes whole runs. The measured
-bags are not in the repository: `python -m friction_bags import bmw|iac FILE.csv --out DIR`.
+The smart-tyre bags in the repository are excerpts, too short for smart_tyre_forces to learn the teeth of the encoder
+(32 revolutions). `python3 -m friction_bags library --full --out DIR` makes whole runs. The measured bags are not in the
+repository: `python3 -m friction_bags import bmw|iac FILE.csv --out DIR`.
 
-Made again on the same machine, every file is the same, byte for byte. On another kind of processor messages differ in
-their last bits: numpy sums in another order and uses other instructions for exponentials there.
+On the same machine every file is reproduced byte for byte. On another kind of processor the last bits of messages
+differ, because numpy sums in another order and uses other instructions for exponentials.
 """
 
 
@@ -123,7 +123,7 @@ def run(args: Namespace) -> int:
             _replace(args.out / name)
             notes = {
                 "note": _note(name, args.full),
-                "made_by": f"python -m friction_bags library {name}",
+                "made_by": f"python3 -m friction_bags library {name}",
                 VEHICLE_NOTE: _vehicle(name),
             }
             count = write_bag(args.out / name, _messages(name, args.full), notes)

@@ -17,7 +17,7 @@ from friction_runtime.processor import Output
 from vehicle_models.nanoseconds import NANOSECONDS
 
 SUFFIXES = (".mdf", ".dat", ".mf4")
-INSTALL_LINE = "python -m pip install asammdf"
+INSTALL_LINE = "python3 -m pip install asammdf"
 _MOST_LISTED = 30
 
 

@@ -15,7 +15,7 @@ from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 
 SUFFIX = ".parquet"
-INSTALL_LINE = "python -m pip install pyarrow"
+INSTALL_LINE = "python3 -m pip install pyarrow"
 _ROWS = 10_000
 """Rows that are read at once."""
 
