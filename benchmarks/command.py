@@ -16,6 +16,7 @@ from rich.table import Table
 
 from benchmarks.rows import Row, as_text, columns, failures, plain
 from friction_parameters.command_line import command
+from friction_runtime.blas_threads import use_one_blas_thread
 
 
 class Part(Protocol):
@@ -59,6 +60,7 @@ def main_of(program: str, parts: Mapping[str, str], arguments: Sequence[str] | N
 
 def run_part(program: str, title: str, part: Part, arguments: Sequence[str]) -> int:
     """Run a part, print its table and write its rows; return 1 where a row fails, else 0."""
+    use_one_blas_thread()  # importing it does so; algorithms alone do not import it
     parser = argparse.ArgumentParser(prog=program, description=title)
     parser.add_argument("--json", type=Path, help="write the rows to this file")
     part.add_arguments(parser)

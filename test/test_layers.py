@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
 from pathlib import Path
@@ -73,3 +74,23 @@ def test_what_processors_share_with_algorithms_imports_no_ros_either() -> None:
 
 def test_a_module_that_imports_ros_is_found() -> None:
     assert "friction_msgs is ROS" in imported_without_ros(["friction_slope.estimate", "friction_slope.ros.processor"])
+
+
+def message_classes(tree: ast.Module) -> set[str]:
+    """Return the names under which a module imports message classes."""
+    imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    return {
+        name.asname or name.name for node in imports if (node.module or "").endswith("_msgs.msg") for name in node.names
+    }
+
+
+@pytest.mark.parametrize("package", sorted(path.parent.name for path in SOURCES.glob("*/setup.py")))
+def test_no_package_asks_for_the_class_of_a_message(package: str) -> None:
+    """A message read from a bag is of another library than one of the middleware: a topic or a type's name decides."""
+    for file in sorted((SOURCES / package / package).rglob("*.py")):
+        tree = ast.parse(file.read_text())
+        classes = message_classes(tree)
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "isinstance":
+                asked = {each.id for each in ast.walk(node.args[1]) if isinstance(each, ast.Name)}
+                assert not asked & classes, f"{file}:{node.lineno}"

@@ -164,7 +164,7 @@ class LiveTrials:
     def __init__(self, processes: ProcessGroup, domain: int, node: Node, executor: SingleThreadedExecutor) -> None:
         """Start the nodes."""
         self._processes = processes
-        self._env = os.environ | {"ROS_DOMAIN_ID": str(domain), "OMP_NUM_THREADS": "1"}
+        self._env = os.environ | {"ROS_DOMAIN_ID": str(domain)}
         self._vote_sent = nan
         node.create_subscription(SlopeVote, _VOTE, self._note_vote, qos.ESTIMATE)
         self._car = LiveCar(node, executor)

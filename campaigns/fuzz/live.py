@@ -73,7 +73,7 @@ def live_rows(nodes: Sequence[str], seconds: float, rng: Generator) -> list[Row]
                 processes = ProcessGroup(Path(logs))
                 node = rclpy.create_node("fuzz", context=context)
                 try:
-                    env = os.environ | {"ROS_DOMAIN_ID": str(domain), "OMP_NUM_THREADS": "1"}
+                    env = os.environ | {"ROS_DOMAIN_ID": str(domain)}
                     processes.start(name, _command(name), env)
                     rows += _Trial(name, drive, node, processes, rng).rows(seconds)
                 finally:

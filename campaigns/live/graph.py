@@ -81,7 +81,7 @@ def run_graph(
     """
     os.environ.update(local_discovery())
     domain = free_domain_id()
-    env = os.environ | {"ROS_DOMAIN_ID": str(domain), "OMP_NUM_THREADS": "1"}
+    env = os.environ | {"ROS_DOMAIN_ID": str(domain)}
     with tempfile.TemporaryDirectory(prefix="friction_live_") as logs:
         processes = ProcessGroup(Path(logs))
         try:

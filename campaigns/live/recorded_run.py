@@ -154,7 +154,7 @@ def run(
         LiveRunError: a process failed, or the run took too long.
     """
     os.environ.update(local_discovery())
-    env = os.environ | {"ROS_DOMAIN_ID": str(free_domain_id()), "OMP_NUM_THREADS": "1"}
+    env = os.environ | {"ROS_DOMAIN_ID": str(free_domain_id())}
     # Every reader costs the publisher: estimates are observed at one wheel of a car, commands at all of them.
     observed = drive.wheels[:: len(drive.wheels) // len(drive.namespaces)]
     taps = {f"{place}/{SOURCE}": JointState for place in drive.namespaces}

@@ -148,7 +148,7 @@ class SoakGraph:
         self._context = rclpy.Context()
         rclpy.init(context=self._context, domain_id=domain)
         try:
-            self._start(os.environ | {"ROS_DOMAIN_ID": str(domain), "OMP_NUM_THREADS": "1"})
+            self._start(os.environ | {"ROS_DOMAIN_ID": str(domain)})
             self._connect()
         except BaseException:
             self.close()

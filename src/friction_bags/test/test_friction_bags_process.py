@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from friction_msgs.msg import BrakeDemand, SupervisorState, WheelSlip
 from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
 from corner_sim.parameters import SimParameters
@@ -20,13 +21,14 @@ from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import encode, installed_topic
+from friction_bags.experiments import tyre_runs
 from friction_bags.offline.graph_stages import graph_stages
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_runtime.message_type import message_class
 from friction_runtime.processor_graph import ProcessorGraph
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle
 
 CAR = Path(__file__).parent / "two_corners.yaml"
@@ -319,3 +321,21 @@ def test_a_stage_takes_topics_of_the_stages_before_it_only() -> None:
     assert graph_stages([left, state], 2) == [(left, state)]
     taken_back: Any = Relay("right/slope", "left/speed", "right/speed")
     assert graph_stages([shared, left, right, taken_back], 2) == [(shared, left, right, taken_back)]
+
+
+def test_tyre_signals_are_processed_beside_an_accelerometer(tmp_path: Path) -> None:
+    """With a calibration smart_tyre_forces takes both: what was read from a bag is told apart by its topic."""
+    calibration = Path(__file__).parents[2] / "smart_tyre_forces" / "calibration" / "plant_tyres.yaml"
+    parameters = tmp_path / "parameters.yaml"
+    parameters.write_text(f"/**/smart_tyre_forces:\n  ros__parameters: {{calibration_file: {calibration}}}\n")
+    drive = tyre_runs.simulate(tyre_runs.TyreRun("slow", True, 2e5, (0.0, 16.0)), START, full=False)
+    rows: Rows = []
+    for topic, message in drive:
+        stamp = to_nanoseconds(message.header.stamp)
+        rows.append((topic.removeprefix("/"), stamp, message))
+        if topic == "/front_left/tyre_signals":
+            rows.append(("imu/data", stamp, Imu(header=message.header)))
+    write(tmp_path / "bag", rows, car=tyre_runs.VEHICLE)
+    after = process(tmp_path / "bag", tmp_path / "out", parameter_files=(parameters,))
+    for wheel in ("front_left", "rear_left"):
+        assert len(after[f"/{wheel}/contact_patch"]) == len(after[f"/{wheel}/tyre_force"]) > 5

@@ -83,7 +83,6 @@ class DemoGraph:
             "ROS_LOG_DIR": str(directory / "log"),
             "RCUTILS_COLORIZED_OUTPUT": "0",
             "PYTHONUNBUFFERED": "1",
-            "OMP_NUM_THREADS": "1",
         }
 
     def start(self) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 
 from hypothesis import settings
@@ -11,7 +13,8 @@ from hypothesis import settings
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SYSTEM_DEFAULT"
 os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(__file__).with_name("discovery.xml"))
 os.environ["MPLBACKEND"] = "Agg"
-os.environ.setdefault("OMP_NUM_THREADS", "1")
+with suppress(ImportError):  # nor is this one
+    import_module("friction_runtime")  # one BLAS thread, for the tests of algorithms too
 
 # A shell starts background processes with SIGINT ignored; tests end their processes with it.
 signal.signal(signal.SIGINT, signal.default_int_handler)

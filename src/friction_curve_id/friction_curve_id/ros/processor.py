@@ -51,7 +51,7 @@ class CurveProcessor(AlignedProcessor[Any]):
         return self._inputs.read_primary(message)
 
     def _take(self, topic: str, message: Any) -> str | None:
-        if isinstance(message, WheelSlip):
+        if self.estimates.get(topic) is WheelSlip:
             self._slip_faults[topic] = slip_fault(topic, message)
         reading = self._inputs.read(topic, message)
         return reading if isinstance(reading, str) else self._aligner.offer(topic, reading[0], reading[1])

@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from friction_msgs.msg import ContactPatch, TyreForce, TyreSignals
@@ -113,9 +114,9 @@ class TyreProcessor:
         self._correction.request_length_zero()
         self._watch_again()
 
-    def process(self, topic: str, message: TyreSignals | Imu) -> Sequence[Output]:
+    def process(self, topic: str, message: Any) -> Sequence[Output]:
         """Take one block, or an acceleration of the car; return the outputs for the revolutions that it completes."""
-        if isinstance(message, Imu):
+        if topic == _ACCELERATION:
             self._note_acceleration(message)
             return []
         self._note_first()
