@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 from friction_msgs.msg import BrakeDemand, SupervisorState, WheelSlip
 from rclpy.serialization import deserialize_message
-from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
 from corner_sim.parameters import SimParameters
@@ -21,14 +20,13 @@ from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import encode, installed_topic
-from friction_bags.experiments import tyre_runs
 from friction_bags.offline.graph_stages import graph_stages
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_runtime.message_type import message_class
 from friction_runtime.processor_graph import ProcessorGraph
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle
 
 CAR = Path(__file__).parent / "two_corners.yaml"
@@ -40,8 +38,12 @@ Rows = list[tuple[str, int, Any]]
 def braking(seconds: float = 1.2) -> Rows:
     """Topic, arrival [ns] and message of the sensors of two braked wheels."""
     given = {"demand_level": 0.9, "demand_rise": 0.2, "demand_start": 0.1, "seed": 3}
-    parameters = from_mapping(SimParameters, {**given, "end_time": seconds, "acceleration_variance": 0.01})
-    simulation = Simulation(parameters, load_vehicle(CAR), START)
+    return simulated({**given, "end_time": seconds, "acceleration_variance": 0.01}, str(CAR))
+
+
+def simulated(given: dict[str, Any], vehicle: str) -> Rows:
+    """Topic, arrival [ns] and message of the sensors of a drive."""
+    simulation = Simulation(from_mapping(SimParameters, given), load_vehicle(vehicle), START)
     rows: Rows = []
     while simulation.end is None:
         rows += [(topic, simulation.stamp, message) for topic, message in simulation.messages() if "truth" not in topic]
@@ -328,14 +330,10 @@ def test_tyre_signals_are_processed_beside_an_accelerometer(tmp_path: Path) -> N
     calibration = Path(__file__).parents[2] / "smart_tyre_forces" / "calibration" / "plant_tyres.yaml"
     parameters = tmp_path / "parameters.yaml"
     parameters.write_text(f"/**/smart_tyre_forces:\n  ros__parameters: {{calibration_file: {calibration}}}\n")
-    drive = tyre_runs.simulate(tyre_runs.TyreRun("slow", True, 2e5, (0.0, 16.0)), START, full=False)
-    rows: Rows = []
-    for topic, message in drive:
-        stamp = to_nanoseconds(message.header.stamp)
-        rows.append((topic.removeprefix("/"), stamp, message))
-        if topic == "/front_left/tyre_signals":
-            rows.append(("imu/data", stamp, Imu(header=message.header)))
-    write(tmp_path / "bag", rows, car=tyre_runs.VEHICLE)
-    after = process(tmp_path / "bag", tmp_path / "out", parameter_files=(parameters,))
+    plant = {"tyre_signals": True, "initial_speed": 20.0, "demand_level": 0.0, "end_time": 1.5}
+    write(tmp_path / "bag", simulated(plant, "smart_tyre_car"), car="smart_tyre_car")
+    after = process(
+        tmp_path / "bag", tmp_path / "out", estimators=("smart_tyre_forces",), parameter_files=(parameters,)
+    )
     for wheel in ("front_left", "rear_left"):
         assert len(after[f"/{wheel}/contact_patch"]) == len(after[f"/{wheel}/tyre_force"]) > 5
