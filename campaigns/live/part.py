@@ -74,7 +74,7 @@ def adapter_rows(seconds: float) -> list[Row]:
 
 def _round(bag: Path, signal_map: Path, logs: Path) -> Row:
     os.environ.update(local_discovery())
-    env = os.environ | {"ROS_DOMAIN_ID": str(free_domain_id()), "OMP_NUM_THREADS": "1"}
+    env = os.environ | {"ROS_DOMAIN_ID": str(free_domain_id())}
     parameters = ("-p", f"vehicle_file:={_DRIVE.vehicle}", "-p", f"map_file:={signal_map}")
     adapter = ["friction_adapter", "--ros-args", "-r", "__ns:=/mapped", *parameters]
     relay = ["campaigns.live.bare_relay", _DRIVE.vehicle, "/car", "/relayed"]

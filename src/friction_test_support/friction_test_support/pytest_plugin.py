@@ -13,7 +13,7 @@ from hypothesis import settings
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SYSTEM_DEFAULT"
 os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(__file__).with_name("discovery.xml"))
 os.environ["MPLBACKEND"] = "Agg"
-with suppress(ImportError):  # nor is this one
+with suppress(ImportError):  # not on the path of every test
     import_module("friction_runtime")  # one BLAS thread, for the tests of algorithms too
 
 # A shell starts background processes with SIGINT ignored; tests end their processes with it.
