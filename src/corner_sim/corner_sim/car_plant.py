@@ -27,7 +27,7 @@ SAME = "same"
 
 @dataclass(frozen=True)
 class CarModelParameters:
-    """What the vehicle file does not say of the car of `model: car`, of its road and of its sensors."""
+    """Parameters of `model: car` that are not in the vehicle file: car, road and sensors."""
 
     tyre: str = parameter("burckhardt", "family of its tyres", choices=tuple(TYRES))
     load_variation: float = parameter(
@@ -37,9 +37,7 @@ class CarModelParameters:
         SAME, "surface under the right wheels all the way; else the road's", choices=(SAME, *SURFACES)
     )
     slope: float = parameter(0.0, "sine of the angle of the road, uphill positive", minimum=-0.3, maximum=0.3)
-    hill: float = parameter(
-        0.0, "sine of the angle by which the road rises on a hill, besides that slope", minimum=-0.3, maximum=0.3
-    )
+    hill: float = parameter(0.0, "sine of the additional angle of the road on a hill", minimum=-0.3, maximum=0.3)
     hill_distance: float = parameter(0.0, "where the hill begins", unit="m", minimum=0.0, maximum=1e5)
     hill_length: float = parameter(30.0, "way to its full slope", unit="m", minimum=0.1, maximum=1e4)
     drive_speeds: tuple[float, ...] = parameter(
@@ -98,7 +96,7 @@ class CarPlant:
         Args:
             vehicle: with its wheels front left, front right, rear left, rear right.
             road: the surfaces, each one of a tyre.
-            parameters: what the vehicle file does not say.
+            parameters: those that are not in the vehicle file.
             actuator: delay and rate limits of the hydraulics.
             errors: of the sensors.
             speed: at the start.

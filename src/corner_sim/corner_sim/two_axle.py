@@ -61,7 +61,7 @@ def split_torque(vehicle: Vehicle, total: ArrayLike) -> Array:
 def peak_torque(vehicle: Vehicle, theta: ArrayLike) -> Array:
     """Brake torques [N m] that hold every wheel at the peak of the road `theta`, shape (..., 4).
 
-    Drag and rolling resistance are left out.
+    Drag and rolling resistance are neglected.
     """
     wheels = four_wheels(vehicle)
     radius, inertia = np.array([wheel.radius for wheel in wheels]), np.array([wheel.inertia for wheel in wheels])

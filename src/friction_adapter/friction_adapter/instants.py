@@ -9,7 +9,7 @@ Sent = tuple[int, Values]
 
 
 class Instants:
-    """Puts together what several sources say of one instant.
+    """Combines the values of several sources at one instant.
 
     An instant ends with the last of its sources. It ends without those that are missing, whose values are then NaN,
     when a source speaks again or one speaks of another time: no value is ever taken into another instant.

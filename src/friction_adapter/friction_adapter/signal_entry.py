@@ -35,7 +35,7 @@ class SignalEntry:
         self._vehicle = vehicle
         self._given = file.mapping(quantity.name, entry)
         self._without: set[str] = set()
-        """Wheels of which the map says that there is no such signal."""
+        """Wheels without this signal, by the map."""
         file.known(self._given, _KEYS)
         if "from" not in self._given:
             raise file.error(entry, f"'{quantity.name}' has no 'from': one of {_ORIGINS}")
@@ -194,7 +194,7 @@ def _first_in(given: Mapping[str, Entry], name: str, wheel: Wheel) -> Entry | No
 
 
 def _places(wheel: Wheel) -> tuple[str, ...]:
-    """Return how a wheel may be named besides its name, the closest first: front_left, front, all."""
+    """Return the other names of a wheel, the most specific first: front_left, front, all."""
     return f"{wheel.axle}_{wheel.side}", wheel.axle, _ALL
 
 

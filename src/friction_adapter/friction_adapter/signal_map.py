@@ -35,7 +35,7 @@ class Origin:
 
 @dataclass(frozen=True)
 class Flag:
-    """A field that says whether a signal is valid."""
+    """A field with the validity of a signal."""
 
     field: str
     is_value: float | str

@@ -81,7 +81,7 @@ class Conversion:
         return abs(difference * self.factor / self.divisor)
 
     def function(self) -> Callable[[float], float]:
-        """Return the conversion of a raw value. What does nothing is left out, so no bit of a value is lost to it.
+        """Return the conversion of a raw value. Operations without effect are omitted, so no bit of a value is lost.
 
         A float32 of numpy would stay one in a product.
         """

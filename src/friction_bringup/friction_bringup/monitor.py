@@ -141,7 +141,7 @@ def wheels_view(wheels: dict[str, WheelView], now: float, width: int) -> Group:
 
 
 def _with_release(view: WheelView) -> Text:
-    """Return the command, and below it what the envelope says of a release if the law asks for one."""
+    """Return the command, and below it the verdict of the envelope if the law requests a release."""
     release = view.release
     return Text(view.command) if release.plain == "–" else Text.assemble(view.command, "\n", release)
 

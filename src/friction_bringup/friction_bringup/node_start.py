@@ -96,7 +96,7 @@ def node_starts(
 
 
 def composed_arguments(starts: Iterable[NodeStart]) -> list[str]:
-    """Return the ROS arguments of the process that holds the nodes of graph.COMPOSED; other starts are left aside."""
+    """Return the ROS arguments of the process that holds the nodes of graph.COMPOSED; other starts are ignored."""
     held = [start for start in starts if start.node in graph.COMPOSED]
     # the user's file, which all of them have, comes after all that the packages ship
     files = [*(start.files[0] for start in held), *(file for start in held for file in start.files[1:])]

@@ -17,7 +17,7 @@ from smart_tyre_forces.ros.node import ZERO_REQUESTS
 from vehicle_models.vehicle_file import load_vehicle
 
 PUBLISHED = ("/diagnostics", "/rosout", "/parameter_events")
-"""What every node publishes besides its estimates."""
+"""Topics that every node publishes beside its estimates."""
 ANSWERED = (
     "~/reset",
     *("~/describe_parameters", "~/get_parameter_types", "~/get_parameters", "~/list_parameters"),

@@ -71,7 +71,7 @@ def run(args: Namespace) -> int:
 
 @contextmanager
 def _with_estimates(bag: Path, options: ProcessOptions) -> Iterator[tuple[Path, list[str], tuple[str, ...]]]:
-    """Yield the bag, or one made of it with estimates, what is to be said of that, and what was damaged."""
+    """Yield the bag, or one made of it with estimates, remarks on that, and the damage."""
     if not options.map_file:
         with BagReader(bag) as reader:
             there = any(_is_estimate(topic.name, topic.type, options.prefix) for topic in reader.counts)

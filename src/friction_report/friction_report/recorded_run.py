@@ -32,7 +32,7 @@ VEHICLE = "vehicle"
 WHY = "why"
 """Column of what has a `valid`: 0 where it is valid, else the number of the reason, counted from 1."""
 _MOST_REASONS = 100
-"""Reasons of one topic that are told apart."""
+"""Reasons of one topic that are distinguished."""
 _OTHERS = "other reasons"
 _UNSET = 86400 * NANOSECONDS
 """Stamps of zero among such that are larger than this [ns] were never set."""
@@ -107,7 +107,7 @@ class RecordedRun:
     problems: tuple[str, ...] = ()
     """What could not be read."""
     not_read: tuple[str, ...] = ()
-    """Topics of the bag that are not among the series; those without a message say so."""
+    """Topics of the bag that are not among the series; those without a message are marked."""
 
     def get(self, topic: str) -> Series | None:
         """Return the series of a topic, None where the bag has no message of it."""
@@ -162,13 +162,13 @@ class _Rows:
 
     @property
     def stamps(self) -> NDArray[np.int64]:
-        """Stamps [ns] in the order of recording, without those that are left out."""
+        """Stamps [ns] in the order of recording, without those that are ignored."""
         stamps = np.array(self._stamps, dtype=np.int64)
         return stamps[self._kept(stamps)]
 
     @property
     def unset(self) -> int:
-        """Messages that are left out, as their stamp was never set."""
+        """Messages that are ignored because their stamp was never set."""
         return len(self._stamps) - self.stamps.size
 
     def leave_unset_out(self) -> None:
@@ -225,7 +225,7 @@ def read_run(
             each.leave_unset_out()
     for topic, each in rows.items():
         problems += [f"{named[topic]}: {each.refused} messages cannot be decoded"] if each.refused else []
-        problems += [f"{named[topic]}: {each.unset} messages without a stamp are left out"] if each.unset else []
+        problems += [f"{named[topic]}: {each.unset} messages without a stamp are ignored"] if each.unset else []
     read = {named[topic]: each for topic, each in rows.items() if each.stamps.size}
     if not read:
         raise BagError(f"{bag} holds no message below {prefix} that can be shown")

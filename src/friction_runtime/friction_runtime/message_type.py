@@ -26,7 +26,7 @@ def message_class(type_name: str) -> type:
     try:
         if not TYPE_NAME.fullmatch(type_name):
             raise ImportError(f"{type_name!r} is not the name of a type")
-        get_package_share_directory(package)  # what is no package of ROS is not imported, whatever a bag says
+        get_package_share_directory(package)  # only packages of ROS are imported, whatever a bag names
         return getattr(import_module(f"{package}.msg"), name.removeprefix("msg/"))
     except (ImportError, AttributeError, PackageNotFoundError, ValueError) as error:
         raise UnknownTypeError(f"type {type_name} is not installed: install or build package {package}") from error

@@ -27,7 +27,7 @@ def new_message(kind: Any) -> Any:
 
 @cache
 def bare_class(kind: Any) -> Any:
-    """Return a subclass whose fields are the slots themselves. Its messages say that they are of the class itself."""
+    """Return a subclass whose fields are the slots themselves. Its messages report the class itself as theirs."""
     fields = {name: getattr(kind, f"_{name}") for name in kind.get_fields_and_field_types()}
     own = {"__slots__": (), "__module__": kind.__module__, "__class__": kind, "__init__": object.__init__}
     # Asked for by repr() of a message with an array, set by copy().

@@ -41,7 +41,7 @@ Connect = Callable[["ProcessorNode[Any]"], None]
 """Sees to it that a node gets its inputs; called whenever these may have changed."""
 
 _WATCH_PERIOD = 0.01
-"""The supervisor must have told its brakes of a lost input 50 ms after it was due."""
+"""The supervisor must have released control 50 ms after a lost input was due."""
 _STALL = 2.0 * _WATCH_PERIOD
 """Time without a watch after which messages that wait are old until the processors have looked at the clock [s]."""
 _DIAGNOSTICS_PERIOD = 1.0
@@ -236,7 +236,7 @@ class ProcessorNode(Node, Generic[Parameters]):
 
     def _on_diagnostics(self) -> None:
         if not self._commands:
-            self._on_watch()  # nobody else needs to know of silence
+            self._on_watch()  # no other processor depends on silence
         message = DiagnosticArray()
         message.header.stamp = self.get_clock().now().to_msg()
         message.status = [self._status(processor.health()) for processor in self._processors]

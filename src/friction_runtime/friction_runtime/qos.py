@@ -62,8 +62,8 @@ def _command(lifespan: Duration) -> QoSProfile:
 
 
 COMMAND = _command(_UNLIMITED)
-"""For the consumer of commands, which is told of a missed deadline and a lost liveliness. It matches only publishers
-that promise both. It judges the age of a command by its stamp, so it asks for no lifespan."""
+"""For the consumer of commands, which is notified of a missed deadline and a lost liveliness. It matches only
+publishers that promise both. It judges the age of a command by its stamp, so it asks for no lifespan."""
 
 
 def subscribe(

@@ -20,6 +20,6 @@ def slip_is_known(message: WheelSlip) -> bool:
 
 
 def speed_is_known(message: WheelSlip) -> bool:
-    """Whether the message says how fast the car is; NaN does not, nor a speed that is vague."""
+    """Whether the message has a usable speed of the car: not NaN, and not too uncertain."""
     speed = message.vehicle_speed
     return bool(abs(speed) <= HIGHEST_SPEED and not is_vague(speed, message.vehicle_speed_variance))

@@ -4,7 +4,7 @@
     delta phi = (alpha_1 + alpha_2)/2 + Omega_0 - (P(v) - P(v_0)) + beta (Delta phi - Delta phi_0)    (8.15), (8.19)
 
 Omega_0 is found at the first stretch of constant low speed v_0 that lasts some seconds, so that delta phi is zero
-there (the chapter says 10 ms, which is less than a revolution). k is 1 until the length is re-zeroed at constant
+there (the chapter gives 10 ms, which is less than a revolution). k is 1 until the length is re-zeroed at constant
 speed, after a change of pressure.
 """
 

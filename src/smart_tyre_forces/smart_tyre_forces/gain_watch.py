@@ -35,9 +35,9 @@ _STEADY = 0.3
 _DRIVING, _BRAKING, _HARDEST = 0.8, -2.0, -7.0
 """Accelerations from which the engine, the brakes alone act, and beyond which ABS may share otherwise [m/s^2]."""
 _SHARE_STDDEV = 0.03
-"""Relative deviation of what the acceleration says of one wheel, from revolution to revolution."""
+"""Relative standard deviation of the force of one wheel from the acceleration, between revolutions."""
 _STEADY_SHARE = 0.3
-"""Relative deviation of the small forces of a car that rolls steadily: which wheels carry them is not sure."""
+"""Relative standard deviation of the small forces of a steadily rolling car: their distribution is uncertain."""
 _CORRELATED = 2.0
 """Factor of the variance of an observation: those of neighbouring revolutions err alike."""
 _MEMORY = 400
@@ -154,7 +154,7 @@ class GainWatch:
             time = patch.length_raw / patch.passage.wheel_speed
             excess = step**2 * self._levels / (self._levels + 1.0) - shift_stddev(self._tyre, patch) ** 2
             kept = 1.0 - 1.0 / _SCATTER_MEMORY
-            # Least squares of the excess over the square of the time: fast revolutions say little of it.
+            # Least squares of the excess over the square of the time: fast revolutions carry little information on it.
             self._excess = kept * self._excess + excess * time**2
             self._weight = kept * (self._weight or _SCATTER_PRIOR * time**4) + time**4
         self._levels = min(self._levels + 1, _LEVEL_MEMORY)

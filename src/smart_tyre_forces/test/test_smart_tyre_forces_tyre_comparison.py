@@ -22,7 +22,7 @@ def verdicts(lengths: tuple[float, ...], stddev: float = 0.01) -> list[str]:
         ((1.1, 1.0, 1.01, 0.99), "this tyre"),
         ((1.1, 1.12, 1.09, 1.1), "all tyres"),
         ((1.1, 1.0, 1.1, 1.0), "as RL: these tyres"),
-        ((1.1, 1.0), "cannot be told"),
+        ((1.1, 1.0), "cannot be distinguished"),
         ((0.9, 1.0, 1.0, 1.0), "-10 %"),
     ],
 )

@@ -113,7 +113,7 @@ def test_a_speed_of_long_ago_is_named_and_no_radius_is_learned_from_it(tmp_path:
     findings = json.loads(file.read_text())["findings"]
     (skew,) = [each for each in findings if (each["check"], each["subject"]) == ("skew", "vehicle_velocity")]
     assert skew["verdict"] == "FAIL"
-    assert "left out" in skew["sentence"]
+    assert "not used here" in skew["sentence"]
     assert skew["value"] == pytest.approx(1500.0, abs=100.0)
     radii = [each["sentence"] for each in findings if each["check"] == "radius"]
     assert len(radii) == 4

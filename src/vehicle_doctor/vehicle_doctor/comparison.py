@@ -97,7 +97,7 @@ def stretches(motion: Motion, use: NDArrayBool, shortest: float, longest: float)
 
 
 def shift(motion: Motion, x: Array, y: Array, where: Sequence[slice], order: int = 1) -> Shift | None:
-    """Return by how much y is later than x, and dy / dx; None where the stretches do not say.
+    """Return by how much y is later than x, and dy / dx; None where the segments do not determine it.
 
     Args:
         motion: time axis.

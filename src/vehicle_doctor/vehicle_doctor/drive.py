@@ -43,7 +43,7 @@ class Drive:
     strange_joints: tuple[str, ...] = ()
     """Names in wheel_states that are no wheel of the car."""
     unstamped: int = 0
-    """Messages whose stamp is zero or below; they are left out."""
+    """Messages whose stamp is zero or below; they are ignored."""
 
 
 def pressure_topic(wheel: str) -> str:

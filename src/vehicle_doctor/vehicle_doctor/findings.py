@@ -16,7 +16,7 @@ class Verdict(Enum):
 
     OK = "OK"
     NOTE = "-"
-    """It cannot be told from this drive; that is no trouble."""
+    """Not determined by this drive; no fault."""
     WARN = "WARN"
     """Estimates get worse by it."""
     FAIL = "FAIL"

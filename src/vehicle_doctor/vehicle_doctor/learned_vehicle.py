@@ -15,8 +15,8 @@ from vehicle_models.vehicle_file import load_vehicle
 def learned_values(findings: Sequence[Finding], vehicle: Vehicle) -> dict[str, tuple[float, float]]:
     """Return the values to write, with their deviations, by dotted key.
 
-    A value that several signals tell is their mean, its deviation the largest with their spread. One that agrees with
-    the file is left out where the file knows it better.
+    A value known from several signals is their mean, its standard deviation the largest with their spread. One that
+    agrees with the file is omitted where the file is more accurate.
     """
     by_key: dict[str, list[tuple[float, float]]] = {}
     contradicted: set[str] = set()

@@ -40,7 +40,7 @@ NEW_RUN: Final = 50_000_000
 
 
 def is_vague(speed: float, variance: float) -> bool:
-    """Whether a speed of the car [m/s] with a variance [m^2/s^2] says nothing, nor any slip by it.
+    """Whether a speed of the car [m/s] with a variance [m^2/s^2] is too uncertain for a slip.
 
     Its deviation is above a third of it, and of 4.5 m/s: a slip is then not linear in its error any more, and a wheel
     that rolls in a car that has become slow unseen has a slip of 0.9 with a small deviation.

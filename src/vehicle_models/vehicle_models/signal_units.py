@@ -40,7 +40,7 @@ _HARD: Final = 2.0
 _OPPOSITE: Final = 0.6
 """Mean reading, and rise of the reading, that is no offset [m/s^2]."""
 _LONGEST_LAG: Final = 1.0
-"""Time for which a filter may still tell of the acceleration before [s]."""
+"""Time [s] for which a filter may still contain the previous acceleration."""
 _SMOOTHING: Final = 0.1
 """Time constant of the reading before a drop [s]."""
 _SIGN: Final = "imu/data has the wrong sign against the wheels: forward is positive"
@@ -48,7 +48,7 @@ _IN_G: Final = "imu/data is a tenth of the acceleration of the wheels: in g, or 
 
 
 class AccelerationUnit:
-    """Compares one accelerometer with the wheels. `text` says what is suspected, empty where nothing is."""
+    """Compares one accelerometer with the wheels. `text` names the suspected unit, empty where there is none."""
 
     def __init__(self, largest: float = GENTLE, lasting: int = _LASTING) -> None:
         """Start without samples.
@@ -56,7 +56,7 @@ class AccelerationUnit:
         Args:
             largest: accelerations up to this are compared [m/s^2]; inf where the speed does not come from wheels that
                 may slip.
-            lasting: steps for which the line must tell the same before a unit is named.
+            lasting: steps for which the fit must agree before a unit is named.
         """
         self._largest = largest
         self._lasting = lasting
@@ -172,7 +172,7 @@ class AccelerationUnit:
         self._read_before = self._reading
 
     def _watch_drop(self, step: float, speed: float, acceleration: float) -> None:
-        """Follow wheels that slow down hard; the reading must not say that the car gains speed meanwhile."""
+        """Follow wheels that slow down hard; the reading must not show that the car gains speed meanwhile."""
         self._reading += step / (step + _SMOOTHING) * (acceleration - self._reading)
         self._dropping += step
         self._gained += step * acceleration
@@ -206,7 +206,7 @@ _OTHERS: Final = 20.0
 
 
 class PressureUnit:
-    """Follows one wheel. `text` says what is suspected of its pressure, empty where nothing is."""
+    """Follows one wheel. `text` names the suspected unit of its pressure, empty where there is none."""
 
     def __init__(self, vehicle: Vehicle, wheel: str) -> None:
         """Choose a wheel of the car."""

@@ -28,7 +28,7 @@ _LONGEST_STEP: Final = 0.1
 
 
 class UnitCheck:
-    """Compares the sensors of one car while it rolls. `text` says what is suspected, empty where nothing is."""
+    """Compares the sensors of one car while it rolls. `text` names the suspected unit, empty where there is none."""
 
     def __init__(self, radius: float) -> None:
         """Take the radius of the wheels [m]."""

@@ -174,7 +174,7 @@ class Car:
         Args:
             brake_torque: mean of each wheel over the step [N m], >= 0, shape (4,).
             engine_torque: at each rear wheel [N m], > 0 drives; with 0 the throttle is closed and the engine drags.
-            slope: sine of the angle of the road here, uphill positive, besides that of the parameters.
+            slope: sine of the angle of the road here, uphill positive, in addition to that of the parameters.
             curvature: of the path [1/m], positive to the left.
         """
         p, h = self._p, STEP

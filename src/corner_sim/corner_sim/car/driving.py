@@ -126,12 +126,12 @@ class PressureProfile:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What acts on the car besides its brakes."""
+    """Actions on the car in addition to its brakes."""
 
     engine_torque: float = 0.0
     """At each rear wheel [N m], >= 0; 0: throttle closed."""
     slope: float = 0.0
-    """Sine of the angle of the road besides that of the car's parameters, uphill positive."""
+    """Sine of the angle of the road in addition to that of the car's parameters, uphill positive."""
     curvature: float = 0.0
     """Of the path [1/m], positive to the left."""
 

@@ -114,7 +114,7 @@ def ideal(speeds: Sequence[float], variance: float, rng: np.random.Generator) ->
 
 @dataclass(frozen=True)
 class Measurement:
-    """What the sensors say at a sample."""
+    """Sensor readings at a sample."""
 
     time: float
     """[s]"""

@@ -18,7 +18,7 @@ _WRITTEN = 1 << 20
 
 
 def largest() -> int:
-    """Return the most [bytes] that one chunk, message or file may take unpacked: 1 GiB, or what VARIABLE says.
+    """Return the most [bytes] that one chunk, message or file may take unpacked: 1 GiB, or the value of VARIABLE.
 
     Raises:
         BagError: VARIABLE is not a positive number.

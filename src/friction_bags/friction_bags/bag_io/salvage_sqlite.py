@@ -84,7 +84,7 @@ class SqliteSalvage:
 
     def _connect(self) -> sqlite3.Connection:
         database = sqlite3.connect(f"{self._readable.resolve().as_uri()}?immutable=1", uri=True)
-        database.execute("PRAGMA writable_schema = ON")  # else sqlite refuses a file shorter than its header says
+        database.execute("PRAGMA writable_schema = ON")  # else sqlite refuses a file shorter than its header states
         return database
 
 

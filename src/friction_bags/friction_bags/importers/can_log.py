@@ -83,7 +83,7 @@ class CanLog:
         """Return the share of the log that has been read."""
         if self._file is None or self._file.closed:
             return 0.0
-        binary = getattr(self._file, "buffer", self._file)  # a text does not tell its place while it is read
+        binary = getattr(self._file, "buffer", self._file)  # a text stream has no position while it is read
         return float(binary.tell() / self._size)
 
     def troubles(self) -> dict[str, int]:

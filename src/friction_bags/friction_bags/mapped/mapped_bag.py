@@ -16,7 +16,7 @@ from friction_runtime.processor import Output, Report
 class MappedBag(BagReader):
     """The topics of a bag, and after each message what a signal map makes of it, recorded at the same time.
 
-    A topic of the bag that the map makes is left out.
+    A topic of the bag that the map makes is replaced.
     """
 
     def __init__(self, bag: Path, signal_map: SignalMap, report: Report, prefix: str = "/") -> None:

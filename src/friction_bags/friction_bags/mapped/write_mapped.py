@@ -18,7 +18,7 @@ def write_mapped(
     Args:
         bag: the bag.
         out: bag to write.
-        notes: notes of the new bag, besides its car.
+        notes: notes of the new bag, in addition to its car.
         progress: called with the share that is done, 0 to 1.
 
     Raises:

@@ -62,7 +62,7 @@ def closed_loop_parameters(estimators: Iterable[str], law: str = "slope_sign", w
     """Return the shipped parameters of some estimators, by name; abs_supervisor, among them, commands by `law`.
 
     The sign's law has the curve of `default` on any car: it takes lambda_max with its doubt, valid or not, and a curve
-    that waits until the peak has surely been passed comes too late for it (a lock of 0.14 s in place of 0.05).
+    that waits until the peak has been passed with confidence comes too late for it (a lock of 0.14 s in place of 0.05).
     """
     found = read_parameters(estimators, (), silent)
     found["abs_supervisor"] = replace(found["abs_supervisor"], shadow=False, law=law)

@@ -14,7 +14,7 @@ Outputs = list[tuple[int, bytes]]
 class StageRun:
     """Takes the messages of a bag with the outputs of the stages before, adds its own.
 
-    Messages that cannot be decoded are left out, and counted by topic in `refused`.
+    Messages that cannot be decoded are skipped, and counted by topic in `refused`.
     """
 
     def __init__(self, stage: Stage, numbers: Mapping[str, int]) -> None:

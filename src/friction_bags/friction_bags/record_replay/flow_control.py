@@ -36,7 +36,7 @@ class FlowControl:
     """
 
     def __init__(self, node: Node, ahead: int = 1) -> None:
-        """Follow nothing yet; so many stamps may be under way without an answer."""
+        """Follow nothing yet; `ahead` stamps may be outstanding without an answer."""
         self._node = node
         self._first_ahead = ahead
         self._followed: dict[str, tuple[Subscription, Any]] = {}

@@ -39,7 +39,7 @@ _ACCELERATION = "imu/data"
 _LONGEST_STEP = 60.0
 """Longest time between revolutions that counts as such [s]."""
 _LAST_SAMPLE = 2**52
-"""Last index of a sample: the time of a front within a sample is still told apart there."""
+"""Last index of a sample: the time of a front within a sample is still resolved there."""
 
 
 class TyreProcessor:
@@ -201,7 +201,7 @@ class TyreProcessor:
 
     @property
     def delay_change(self) -> float:
-        """By how much the delay of the acceleration in the tyre has changed [s], 0 where that is not sure."""
+        """By how much the delay of the acceleration in the tyre has changed [s], 0 where that is not significant."""
         return 0.0 if self._gains is None else self._gains.delay_change
 
     def _learn(self, stamp: int, patch: Patch, gains: GainWatch) -> None:

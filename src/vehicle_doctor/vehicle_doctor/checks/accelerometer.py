@@ -41,7 +41,7 @@ def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift
     found = _mounting(drive, motion)
     compared = against_wheels(drive, motion)
     if compared is None:
-        text = "age and scale cannot be told: too few stretches without braking"
+        text = "age and scale not determined: too few stretches without braking"
         found.append(Finding("accelerometer", IMU, Verdict.NOTE, text, remedy="drive with changes of speed"))
         gain = accelerometer.scale
     else:
@@ -60,7 +60,7 @@ def _long_after_the_wheels(motion: Motion) -> Finding | None:
         watch.update(stamp, motion.rims[number].tolist(), float(motion.force[number]))
     if not watch.late:
         return None
-    text = f"follows the wheels {watch.late:.1f} s late: it tells nothing of the present"
+    text = f"follows the wheels {watch.late:.1f} s late: not usable for the present motion"
     remedy = "look for a filter, or a queue, between the sensor and its messages; wheel_slip leaves it out"
     return Finding("skew", IMU, Verdict.FAIL, text, 1e3 * watch.late, 1e3 * _COARSE_AGE, "ms", remedy)
 
@@ -158,12 +158,12 @@ def _age_and_scale(drive: Drive, compared: Shift, of_wheels: float) -> list[Find
 def _offset(drive: Drive, motion: Motion, gain: float, road: str) -> Finding:
     """Mean of what is left of the reading; over the distance, as hills that end where they began cancel over it."""
     if road == UNKNOWN:
-        text = "cannot be told from slope: give --road flat or --road out-and-back if it was so"
+        text = "cannot be distinguished from the grade: give --road flat or --road out-and-back if it was so"
         return Finding("offset", IMU, Verdict.NOTE, text)
     rest = without_pitch(drive, motion) - gain * motion.rate
     use = motion.moving & np.isfinite(rest)
     if use.sum() * motion.step < 5.0:
-        return Finding("offset", IMU, Verdict.NOTE, "cannot be told: the car hardly moves")
+        return Finding("offset", IMU, Verdict.NOTE, "not determined: the car hardly moves")
     weight = motion.speed[use] if road == CIRCUIT else np.ones(int(use.sum()))
     offset, doubt = _mean(rest[use], weight)
     accelerometer = drive.vehicle.accelerometer

@@ -25,7 +25,7 @@ _FADED = 0.08
 _FADE_ENDS = (0.15, 0.3, 0.5, 1.0)
 """Shares of the work of the drive after which the gain falls no more."""
 _BRAKES = -1.0
-"""Acceleration of a car that surely brakes [m/s^2]."""
+"""Acceleration [m/s^2] below which a car is braking."""
 
 
 def check(drive: Drive, motion: Motion, accelerometer: Shift | None) -> list[Finding]:
@@ -41,7 +41,7 @@ def check(drive: Drive, motion: Motion, accelerometer: Shift | None) -> list[Fin
     found, motion, sound = _signals(drive, motion, there)
     if not sound or accelerometer is None:
         if sound:
-            found.append(Finding("gain", "brakes", Verdict.NOTE, "cannot be told without the accelerometer"))
+            found.append(Finding("gain", "brakes", Verdict.NOTE, "not determined without the accelerometer"))
         return found
     motion = replace(motion, force=without_pitch(drive, motion))
     applied = (motion.pressure[:, sound] > pressure_threshold(motion.pressure)[sound]).all(axis=1)
@@ -59,7 +59,7 @@ def _signals(drive: Drive, motion: Motion, there: list[int]) -> tuple[list[Findi
     sound: list[int] = []
     pressure = motion.pressure.copy()
     if not brakes.any():
-        return [Finding("pressure", "brakes", Verdict.NOTE, "cannot be told: the car never brakes")], motion, []
+        return [Finding("pressure", "brakes", Verdict.NOTE, "not determined: the car never brakes")], motion, []
     ratios: dict[int, float] = {}
     for i in there:
         topic = pressure_topic(vehicle.wheel_names[i])
@@ -124,7 +124,7 @@ def _ages(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
         # how much later the accelerometer is than this pressure, and than the wheels
         compared = shift(motion, motion.pressure[:, i], motion.force, where)
         if compared is None or not compared.late_stddev < 0.02:
-            text = f"age cannot be told from {len(where)} brakings"
+            text = f"age not determined by {len(where)} brakings"
             found.append(Finding("skew", topic, Verdict.NOTE, text, remedy="brake more often, with a quick foot"))
             continue
         age = accelerometer.late - (compared.late - lag)
@@ -142,11 +142,11 @@ def _gain(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
     vehicle = drive.vehicle
     wheels = [vehicle.wheels[i] for i in sound]
     if len(sound) < len(vehicle.wheels):
-        return [Finding("gain", "brakes", Verdict.NOTE, "cannot be told: not every pressure brakes")]
+        return [Finding("gain", "brakes", Verdict.NOTE, "not determined: not every pressure brakes")]
     expected = motion.pressure[:, sound] @ np.array([each.brake_gain / each.radius for each in wheels]) / vehicle.mass
     compared = shift(motion, expected, motion.force, where, order=0)
     if compared is None:
-        return [Finding("gain", "brakes", Verdict.NOTE, f"cannot be told from {len(where)} brakings")]
+        return [Finding("gain", "brakes", Verdict.NOTE, f"not determined by {len(where)} brakings")]
     rotating = sum(each.inertia / each.radius**2 for each in wheels) / vehicle.mass  # the brakes stop the wheels, too
     ratio = -compared.gain / accelerometer.gain * (1.0 + rotating)
     doubt = abs(ratio) * hypot(
@@ -177,7 +177,7 @@ def _fade(motion: Motion, expected: Array, whole: Shift, where: list[slice]) -> 
             slope = float(np.cov(x[known], y[known])[0, 1]) / size
             rows.append((float(work[part].mean()), slope / whole.gain, size * known.sum()))
     if len(rows) < 5:
-        return [Finding("fade", "brakes", Verdict.NOTE, f"cannot be told from {len(rows)} brakings")]
+        return [Finding("fade", "brakes", Verdict.NOTE, f"not determined by {len(rows)} brakings")]
     at, gain, weight = np.array(rows).T
     done = (at - at.min()) / max(float(np.ptp(at)), 1e-9)
     root = np.sqrt(weight)

@@ -73,7 +73,7 @@ def _lines(blocks: Array) -> tuple[Array, Array]:
 
     def fit(rows: np.ndarray) -> Array:
         root = np.sqrt(weight[rows])
-        # a drive at one force says nothing of its effect: a stiff tyre's 0.3 % for 1 m/s^2 is the prior of the slope
+        # a drive at a single force does not determine the slope: its prior is a stiff tyre's 0.3 % for 1 m/s^2
         prior = np.array([[0.0, 1e-2 * root.sum()]])
         a = np.vstack([design[rows] * root[:, None], prior])
         b = np.vstack([ratios[rows] * root[:, None], np.zeros((1, ratios.shape[1]))])
@@ -99,7 +99,7 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
     vehicle = drive.vehicle
     rolling = rolling_of(drive, motion)
     if rolling is None:
-        text = f"cannot be told: less than {MIN_ROLLING_TIME:.0f} s of rolling above 5 m/s"
+        text = f"not determined: less than {MIN_ROLLING_TIME:.0f} s of rolling above 5 m/s"
         return [Finding("radius", "all", Verdict.NOTE, text, remedy="roll without braking")], motion
     free, stddev, has_sensor = rolling.ratio, rolling.ratio_stddev, rolling.by_sensor
     driven = [wheel.driven for wheel in vehicle.wheels]
@@ -123,7 +123,7 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
         verdict = one if one is Verdict.WARN else verdict
         text = f"{change:+.2f} % against the file, by {against}"
         if not has_sensor:
-            text += "; the size of all cannot be told without a speed sensor"
+            text += "; their common scale is not determined without a speed sensor"
         found.append(
             Finding("radius", wheel.name, verdict, text, radius, doubt, "m",
                     "take the value into the vehicle file (--write)" if verdict is Verdict.WARN else "",

@@ -44,7 +44,7 @@ def _topic(topic: str, recorded: Recorded) -> Finding:
     steps = np.diff(recorded.stamp)
     forward = steps[steps > 0.0]
     if forward.size < 5:
-        return Finding("topic", topic, Verdict.WARN, f"{recorded.stamp.size} messages: nothing can be said of it")
+        return Finding("topic", topic, Verdict.WARN, f"{recorded.stamp.size} messages: too few to examine")
     period = float(np.median(forward))
     back, same = int((steps < 0.0).sum()), int((steps == 0.0).sum())
     gaps = forward[forward > max(_GAP, 4.0 * period)]

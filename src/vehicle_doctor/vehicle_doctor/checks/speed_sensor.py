@@ -21,7 +21,7 @@ _OLDEST = 4.0
 _STEP = 0.05
 """Ages [s] up to which it is looked for, and between them."""
 _LEAST = 10.0
-"""[s] of driving that tell."""
+"""Minimum duration of driving [s]."""
 _EXPLAINS = 0.5
 """Share of what younger ages leave unexplained that an old one leaves at most."""
 
@@ -44,7 +44,7 @@ def leave_out_old(motion: Motion) -> tuple[list[Finding], Motion]:
     age, least = float(ages[left.argmin()]), float(left.min())
     if age <= _OLD or least > _EXPLAINS * float(left[ages <= _OLD].min()):
         return [], motion
-    text = f"{age:.1f} s later than the wheels: too old to judge them by, and left out here"
+    text = f"{age:.1f} s later than the wheels: too late for comparison, not used here"
     remedy = "a sensor that is younger; held values of a slow one only in the rows in which it spoke"
     finding = Finding("skew", SPEED, Verdict.FAIL, text, 1e3 * age, unit="ms", remedy=remedy)
     return [finding], replace(motion, measured=np.full_like(motion.measured, np.nan))
@@ -58,7 +58,7 @@ def check(drive: Drive, motion: Motion) -> list[Finding]:
     rolls = motion.moving & ~motion.braking & np.isfinite(motion.measured) & np.isfinite(rims)
     compared = shift(motion, rims, motion.measured, stretches(motion, rolls, 2.0, 8.0))
     if compared is None or compared.late_stddev > 0.05:
-        return [Finding("skew", SPEED, Verdict.NOTE, "age cannot be told: too little rolling at changing speed")]
+        return [Finding("skew", SPEED, Verdict.NOTE, "age not determined: too little rolling at changing speed")]
     age, doubt = compared.late + wheel_lag(drive, motion), hypot(compared.late_stddev, _FLOOR)
     late = abs(age) > max(_LATE, 3.0 * doubt)
     text = f"{1e3 * abs(age):.1f} ms {'later' if age > 0.0 else 'earlier'} than the wheels"

@@ -1,7 +1,7 @@
 """Units and signs of wheels, accelerometer and speed sensor: three measurements of one motion.
 
 Every combination of mistaken units gets a cost: how far the sensors are apart with it, how unusual the drive would be,
-and a price for each mistake. The cheapest is what is said.
+and a cost for each mismatch. The cheapest is reported.
 """
 
 from dataclasses import dataclass, replace
@@ -20,10 +20,10 @@ _PRICE = 6.0
 _TOLERANCE = 0.02
 """Deviation of the ratio of two sound sensors: radii, scale and pitch of the accelerometer."""
 _SAME = 0.03
-"""Share by which two units must differ to be told from each other: radii."""
+"""Relative difference at which two units can be distinguished, given the errors of the radii."""
 _ACCELERATIONS = {"m/s^2": 1.0, "g": 1.0 / 9.81, "mm/s^2": 1e3}
 _FOLLOWS = 0.7
-"""Correlation of accelerometer and wheels below which nothing is said of its unit and sign."""
+"""Correlation of accelerometer and wheels below which unit and sign are not judged."""
 _SPEEDS = {"m/s": 1.0, "km/h": 3.6, "mph": 2.23694, "kn": 1.94384}
 _FASTEST, _SLOWEST = 90.0, 4.0
 """Top speeds of a drive [m/s] beyond which a unit is wrong."""
@@ -90,7 +90,7 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
     if known_force:
         factor = accelerations[best.acceleration]
         if factor != 1.0:
-            text = f"is in {best.acceleration}: {abs(force):.3g} times what the wheels say"
+            text = f"is in {best.acceleration}: {abs(force):.3g} times the value from the wheels"
             found.append(_unit(IMU, text, factor, best.acceleration))
             motion = replace(motion, force=motion.force / factor, axes=motion.axes / factor)
         if force < 0.0:
@@ -122,9 +122,7 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
         found.append(Finding("unit", IMU, Verdict.NOTE, text, remedy="look at its axis, and at the field in the map"))
     witnesses = [name for name, there in ((IMU, known_force), (SPEED, isfinite(measured))) if there]
     if not found:
-        text = (
-            f"agree with {' and '.join(witnesses)}" if witnesses else "cannot be told: the wheels are the only witness"
-        )
+        text = f"agree with {' and '.join(witnesses)}" if witnesses else "not determined: no other sensor of the motion"
         found.append(Finding("unit", WHEEL_STATES, Verdict.OK if witnesses else Verdict.NOTE, text))
     return found, motion
 

@@ -147,7 +147,7 @@ def check_missing_teeth(drive: Drive, motion: Motion) -> list[Finding]:
             share = 100.0 * missing / wheel.encoder_teeth
             text = f"falls once in every revolution, as if it lacked {missing:.1f} of {wheel.encoder_teeth} teeth"
             text += f"; its radius then seems {share:.1f} % larger"
-            remedy = "look at its encoder ring, or tell the sender of its gap"
+            remedy = "inspect its encoder ring, or configure the gap in the sender"
             found.append(Finding("teeth", wheel.name, Verdict.WARN, text, missing, remedy=remedy))
     return found
 
