@@ -27,7 +27,7 @@ from benchmarks.rows import Row
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.curve.fitted_curve import FittedCurve
 from friction_curve_id.interface import CurveEstimate, Refusal
-from friction_curve_id.methods import CHAPTER_METHODS, make_estimator
+from friction_curve_id.methods import CHAPTER_METHODS, exact_wheel_estimator
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1
 
@@ -50,7 +50,7 @@ def figures(directory: Path, methods: Sequence[str]) -> list[Row]:
             samples = list(measured(Batch(name, "", truth, []), number, seed))
             points = friction_points(samples, source)
             for method in methods:
-                estimator = make_estimator(method, CORNER, source=source)
+                estimator = exact_wheel_estimator(method, CORNER, source=source)
                 answers = [estimator.update(sample) for sample in samples]
                 figure = Figure(figsize=(11.0, 4.0), layout="constrained")
                 left, right = figure.subplots(1, 2)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from benchmarks.protocol import ACCELERATION_STDDEV, CAR, CORNER, DT, SPEED, STEP
+from benchmarks.protocol import ACCELERATION_STDDEV, CAR, CORNER, DT, SPEED, STEP, WHEEL
 from benchmarks.rows import Row
 from benchmarks.slip.stops import ACCELERATION_OFFSET, GRADE
 from corner_sim.corner import SingleCorner
@@ -205,7 +205,7 @@ def _peaks(method: str, start: str, samples: list[Sample], at: tuple[int, int]) 
 def _answers(method: str, start: str, samples: list[Sample]) -> list[CurveEstimate | Refusal]:
     shipped: FrictionCurveParameters = SHIPPED["friction_curve_id"].parameters
     parameters = changed(shipped, {"method": method, "chapter.lambda_init": LAMBDA_INIT})
-    estimator = BeyondStart(method, LAMBDA_INIT) if start == "beyond" else parameters.estimator(CORNER)
+    estimator = BeyondStart(method, LAMBDA_INIT) if start == "beyond" else parameters.estimator(CAR, WHEEL)
     return [estimator.update(sample) for sample in samples]
 
 

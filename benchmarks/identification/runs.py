@@ -13,7 +13,7 @@ from benchmarks.protocol import CORNER, Truth
 from benchmarks.rows import Row
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.interface import CurveEstimate, CurveEstimator, Refusal, Sample
-from friction_curve_id.methods import make_estimator
+from friction_curve_id.methods import exact_wheel_estimator
 from vehicle_models.vehicle import CornerParameters
 
 Array = NDArray[np.float64]
@@ -87,7 +87,7 @@ def _make_chunk(task: tuple[Batch, int]) -> Traces:
     values = np.full((len(runs), len(batch.truth.time), len(SERIES)), np.nan)
     exceptions = 0
     for row, (number, seed) in zip(values, runs, strict=True):
-        estimator = make_estimator(batch.method, batch.wheel, source=batch.source)
+        estimator = exact_wheel_estimator(batch.method, batch.wheel, source=batch.source)
         try:
             follow(estimator, measured(batch, number, seed), row)
         except Exception:  # any kind counts as a divergence of the method under test

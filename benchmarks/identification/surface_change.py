@@ -20,7 +20,7 @@ from benchmarks.rows import Row
 from corner_sim.corner import SingleCorner
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.interface import CurveEstimate, CurveEstimator, RestartCause, Sample
-from friction_curve_id.methods import DEFAULT, METHODS, make_estimator
+from friction_curve_id.methods import DEFAULT, METHODS, exact_wheel_estimator
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
 
@@ -107,7 +107,7 @@ def _follow(change: Change, after: Array, seed: int) -> tuple[float, int, float,
     """Delay of the restart [ms], restarts before the change, errors of lambda_max and mu_max at the end [stddev]."""
     generator = np.random.default_rng([_FIRST_SEED, 20, seed])
     omega, speed, torque = noisy((change.wheel_speed, change.speed, change.torque), generator)
-    estimator = make_estimator(DEFAULT, CORNER)
+    estimator = exact_wheel_estimator(DEFAULT, CORNER)
     delay, false, last = np.inf, 0, CurveEstimate(0, 0.0)
     for k in range(len(torque)):
         answer = estimator.update(Sample(k * DT, float(omega[k]), float(speed[k]), float(torque[k])))
@@ -145,7 +145,7 @@ def cost(options: argparse.Namespace) -> list[Row]:
                 samples = list(measured(Batch(name, "default", truth, []), number, seed))
                 for method in METHODS:
                     times.setdefault(f"{method}, per update", []).extend(
-                        _update_times(make_estimator(method, CORNER), samples)
+                        _update_times(exact_wheel_estimator(method, CORNER), samples)
                     )
                 for competitor, found in _competitors(samples).items():
                     times.setdefault(competitor, []).extend(found)

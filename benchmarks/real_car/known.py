@@ -24,7 +24,7 @@ from corner_sim.car.recording import record
 from corner_sim.sensors import CHAPTER_NOISE
 from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
 from friction_curve_id.interface import CurveEstimate, Refusal, Sample
-from friction_curve_id.methods import DEFAULT, make_estimator
+from friction_curve_id.methods import DEFAULT, exact_wheel_estimator
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import SURFACES, TABLE_8_1
 from vehicle_models.vehicle import Deviation, SharedBy, Vehicle
@@ -93,7 +93,7 @@ def make_known(job: Known) -> Array:
 def _updater(method: str) -> Callable[[float, float, float], CurveEstimate | Refusal]:
     """Return what takes a sample: time [s], wheel speed [rad/s] and brake torque [N m]."""
     if method == DEFAULT:
-        wheel = make_estimator(DEFAULT, CORNER)
+        wheel = exact_wheel_estimator(DEFAULT, CORNER)
         return lambda time, omega, torque: wheel.update(Sample(time, omega, None, torque))
     parameters = CarEstimatorParameters(
         family="burckhardt", counted=False, slope_stddev=0.0, torque_stddev=CHAPTER_NOISE.torque_variance**0.5

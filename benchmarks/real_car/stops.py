@@ -14,7 +14,7 @@ from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
 from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.interface import CurveEstimate, Refusal, Sample
-from friction_curve_id.methods import DEFAULT, make_estimator
+from friction_curve_id.methods import DEFAULT, exact_wheel_estimator
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -36,7 +36,7 @@ class WheelByWheel:
     def __init__(self, vehicle: Vehicle) -> None:
         """Make them of method `default` with their shipped parameters."""
         self._gains = [wheel.brake_gain for wheel in vehicle.wheels]
-        self._estimators = [make_estimator(DEFAULT, vehicle.corner(name)) for name in vehicle.wheel_names]
+        self._estimators = [exact_wheel_estimator(DEFAULT, vehicle.corner(name)) for name in vehicle.wheel_names]
 
     def update(
         self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float

@@ -4,6 +4,7 @@
 radius as if they were exact: their intervals hold where that is so, and miss the truth where it is not.
 """
 
+from friction_curve_id.interface import CurveEstimate, CurveEstimator, Reason, Refusal, Sample
 from vehicle_models.vehicle import Deviations, Vehicle
 
 _OF_WHEEL = ("radius", "inertia", "brake_gain")
@@ -30,6 +31,26 @@ def not_known(vehicle: Vehicle) -> str:
     if any(vehicle.transfer_shares):
         return "braking moves load between the axles"
     return ""
+
+
+class InexactVehicle:
+    """CurveEstimator of one wheel of a vehicle that is not known exactly: its curves are never valid."""
+
+    def __init__(self, estimator: CurveEstimator, unknown: str) -> None:
+        """Wrap the estimator; `unknown` is what `not_known` returned."""
+        self._estimator = estimator
+        self._text = f"{unknown}: the interval does not count that, method 'car' does"
+
+    def update(self, sample: Sample) -> CurveEstimate | Refusal:
+        """Take the next sample; never raises on bad data."""
+        answer = self._estimator.update(sample)
+        if isinstance(answer, CurveEstimate) and answer.valid:
+            return answer._replace(reason=Reason.UNKNOWN_CAR, text=self._text)
+        return answer
+
+    def reset(self) -> None:
+        """Forget everything; the next estimate reports a restart on request."""
+        self._estimator.reset()
 
 
 def _exact(deviations: Deviations, name: str) -> bool:

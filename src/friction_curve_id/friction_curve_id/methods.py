@@ -13,10 +13,11 @@ from friction_curve_id.chapter.recursive_ml import RecursiveML, RecursiveMLWithB
 from friction_curve_id.chapter.start_parameters import StartParameters
 from friction_curve_id.default.estimator import DefaultEstimator, DefaultParameters
 from friction_curve_id.interface import CurveEstimator
+from friction_curve_id.known_car import InexactVehicle, not_known
 from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.sample_gate import GateParameters
 from friction_parameters.parameter import parameter
-from vehicle_models.vehicle import CornerParameters
+from vehicle_models.vehicle import CornerParameters, Vehicle
 
 CHAPTER_METHODS: Mapping[str, Callable[[], CurveFit]] = MappingProxyType(
     {
@@ -51,17 +52,19 @@ _GATE, _NOISE, _START = GateParameters(), MeasurementNoise(), StartParameters()
 
 def make_estimator(
     name: str,
-    wheel: CornerParameters,
+    vehicle: Vehicle,
+    wheel: str,
     gate: GateParameters = _GATE,
     noise: MeasurementNoise = _NOISE,
     source: FrictionSource = FrictionSource.DEAD_RECKONED,
     start: StartParameters = _START,
 ) -> CurveEstimator:
-    """Make the estimator of one wheel.
+    """Make the estimator of one wheel. Its curves are valid only where the vehicle is known exactly.
 
     Args:
         name: one of METHODS.
-        wheel: the wheel and its share of the car.
+        vehicle: the car.
+        wheel: name of the wheel.
         gate: which samples are admitted.
         noise: noise of the sensors.
         source: how a method of the chapter makes its friction samples; the default method uses none.
@@ -70,6 +73,20 @@ def make_estimator(
     Raises:
         ValueError: the name is not one of METHODS.
     """
+    estimator = exact_wheel_estimator(name, vehicle.corner(wheel), gate, noise, source, start)
+    unknown = not_known(vehicle)
+    return InexactVehicle(estimator, unknown) if unknown else estimator
+
+
+def exact_wheel_estimator(
+    name: str,
+    wheel: CornerParameters,
+    gate: GateParameters = _GATE,
+    noise: MeasurementNoise = _NOISE,
+    source: FrictionSource = FrictionSource.DEAD_RECKONED,
+    start: StartParameters = _START,
+) -> CurveEstimator:
+    """Make the estimator of a wheel that is known exactly, as in a simulation; arguments as for make_estimator."""
     if name == DEFAULT:
         return DefaultEstimator(wheel, DefaultParameters(gate=gate, noise=noise))
     if name not in CHAPTER_METHODS:

@@ -15,7 +15,7 @@ from friction_curve_id.vehicle.vehicle_samples import WholeVehicleParameters
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import deadline_parameter, group, parameter
 from vehicle_models.physical_bounds import HIGHEST_MU
-from vehicle_models.vehicle import CornerParameters, Vehicle
+from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import vehicle_file_parameter
 
 AUTO, CAR, VEHICLE, TYRE_FORCE = "auto", "car", "vehicle", "tyre_force"
@@ -58,10 +58,10 @@ class FrictionCurveParameters:
             return self
         return replace(self, method=CAR if not_known(vehicle) else DEFAULT)
 
-    def estimator(self, wheel: CornerParameters) -> CurveEstimator:
+    def estimator(self, vehicle: Vehicle, wheel: str) -> CurveEstimator:
         """Make the estimator of one wheel by the method, one of METHODS."""
         source = FrictionSource(self.chapter.friction_source)
-        return make_estimator(self.method, wheel, self.gate, self.noise, source, self.chapter)
+        return make_estimator(self.method, vehicle, wheel, self.gate, self.noise, source, self.chapter)
 
 
 SHIPPED: Mapping[str, ShippedFile] = {

@@ -15,21 +15,12 @@ MODULES = {".".join(path.relative_to(PACKAGE).with_suffix("").parts): path for p
 INTERFACE = {"interface", "measurement_noise", "sample_gate", "stamp_order"}
 METHODS = {"car", "chapter", "default", "vehicle"}
 CHOICE = {"methods", "parameters"}
-ABOVE_ALL = {"processor", "node", "__main__"}
-ROS_LAYER = {
-    "car_processor",
-    "curve_messages",
-    "inputs",
-    "tyre_force_inputs",
-    "vehicle_inputs",
-    "wheel_inputs",
-    *ABOVE_ALL,
-}
+ROS_LAYER = {"ros", "__main__"}
 
 LAYER_1: dict[str, set[str]] = {
     **{module: INTERFACE for module in INTERFACE},
     "activation": INTERFACE,
-    "known_car": set(),
+    "known_car": INTERFACE,
     "curve": INTERFACE | {"curve"},
     **{room: INTERFACE | {"curve", room} for room in METHODS},
     **{module: INTERFACE | {"curve", "known_car"} | METHODS | CHOICE for module in CHOICE},
@@ -68,9 +59,3 @@ def test_every_module_has_its_place() -> None:
 def test_an_algorithm_imports_no_ros_and_nothing_above_it(module: str) -> None:
     assert {name.split(".")[0] for name in imported(MODULES[module])} <= PACKAGES
     assert of_the_package(MODULES[module]) <= LAYER_1[place(module)]
-
-
-@pytest.mark.parametrize("module", sorted(ROS_LAYER))
-def test_nothing_imports_the_processor_but_the_node(module: str) -> None:
-    below = {"node": {"processor"}, "__main__": {"node"}}
-    assert of_the_package(MODULES[module]) & ABOVE_ALL <= below.get(module, set())

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSamples, FrictionSource
 from friction_curve_id.chapter.start_parameters import StartParameters
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
-from friction_curve_id.methods import CHAPTER_METHODS, make_estimator
+from friction_curve_id.methods import CHAPTER_METHODS, exact_wheel_estimator
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle_file import load_vehicle
@@ -68,7 +68,7 @@ def test_no_method_fails_in_silence_or_raises_on_the_noisiest_source(
     noisy: Brake, name: str, source: FrictionSource
 ) -> None:
     for surface_name in ("snow", "dry"):
-        estimator = make_estimator(name, WHEEL, source=source)
+        estimator = exact_wheel_estimator(name, WHEEL, source=source)
         for sample in noisy(surface_name, seed=5).samples:
             answer = estimator.update(sample)
             if isinstance(answer, CurveEstimate):
@@ -79,7 +79,7 @@ def test_no_method_fails_in_silence_or_raises_on_the_noisiest_source(
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_fit_begins_with_20_friction_samples(clean: Brake, name: str) -> None:
-    estimator = make_estimator(name, WHEEL)
+    estimator = exact_wheel_estimator(name, WHEEL)
     answers = [estimator.update(sample) for sample in clean("dry").samples]
     kinds = [isinstance(answer, CurveEstimate) for answer in answers]
     assert kinds.index(True) == 20
@@ -90,7 +90,7 @@ def test_the_fit_begins_with_20_friction_samples(clean: Brake, name: str) -> Non
 @pytest.mark.parametrize("name", ["rls", "rml_ml"])
 def test_the_fit_begins_beyond_lambda_init_as_in_tables_8_4_and_8_5(clean: Brake, name: str) -> None:
     braking = clean("dry")
-    estimator = make_estimator(name, WHEEL, start=StartParameters(lambda_init=0.07))
+    estimator = exact_wheel_estimator(name, WHEEL, start=StartParameters(lambda_init=0.07))
     answers = [estimator.update(sample) for sample in braking.samples]
     begun = [isinstance(answer, CurveEstimate) for answer in answers].index(True)
     middle = 0.5 * (braking.slip[begun] + braking.slip[begun - 1])
@@ -105,7 +105,7 @@ def test_the_fit_begins_beyond_lambda_init_as_in_tables_8_4_and_8_5(clean: Brake
 @pytest.mark.parametrize("name", NAMES)
 def test_a_refused_sample_leaves_the_estimate_as_it_was(clean: Brake, name: str) -> None:
     samples = clean("wet").samples
-    disturbed, calm = make_estimator(name, WHEEL), make_estimator(name, WHEEL)
+    disturbed, calm = exact_wheel_estimator(name, WHEEL), exact_wheel_estimator(name, WHEEL)
     for sample in samples[:60]:
         disturbed.update(sample)
         calm.update(sample)
@@ -133,7 +133,7 @@ def test_constant_slip_says_that_there_is_no_excitation(name: str, source: Frict
     wheel, slip, deceleration = WHEEL, 0.02, 0.5 * 9.81
     rolling = (1.0 - slip) / wheel.radius
     torque = wheel.radius * 0.5 * wheel.vertical_load + wheel.inertia * rolling * deceleration
-    estimator = make_estimator(name, WHEEL, source=source)
+    estimator = exact_wheel_estimator(name, WHEEL, source=source)
     for k in range(100):
         speed = 30.0 - deceleration * k * INTERVAL
         answer = estimator.update(Sample(k * INTERVAL, rolling * speed, speed, torque))
@@ -144,7 +144,7 @@ def test_constant_slip_says_that_there_is_no_excitation(name: str, source: Frict
 @pytest.mark.parametrize("name", NAMES)
 def test_a_gap_begins_a_new_fit_and_says_so(clean: Brake, name: str) -> None:
     samples = list(clean("dry").samples)
-    estimator = make_estimator(name, WHEEL)
+    estimator = exact_wheel_estimator(name, WHEEL)
     for sample in samples[:50]:
         estimator.update(sample)
     later = [sample._replace(time=sample.time + 3.0) for sample in samples]
@@ -152,7 +152,7 @@ def test_a_gap_begins_a_new_fit_and_says_so(clean: Brake, name: str) -> None:
     assert answers[0].restarted
     assert answers[0].restart_cause is RestartCause.GAP
     assert not any(answer.restarted for answer in answers[1:])
-    fresh = make_estimator(name, WHEEL)
+    fresh = exact_wheel_estimator(name, WHEEL)
     expected = [fresh.update(sample) for sample in later][-1]
     assert isinstance(expected, CurveEstimate)
     assert answers[-1].lambda_max == pytest.approx(expected.lambda_max, rel=0.02)
@@ -161,7 +161,7 @@ def test_a_gap_begins_a_new_fit_and_says_so(clean: Brake, name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_the_next_braking_begins_a_new_fit(clean: Brake, name: str) -> None:
     """Wet road, brake released for a second, then dry: nothing of the wet road remains."""
-    estimator = make_estimator(name, WHEEL)
+    estimator = exact_wheel_estimator(name, WHEEL)
     wet = list(clean("wet").samples)
     for sample in wet:
         estimator.update(sample)
@@ -177,7 +177,7 @@ def test_the_next_braking_begins_a_new_fit(clean: Brake, name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_reset_begins_again_and_says_that_it_was_asked_to(clean: Brake, name: str) -> None:
-    estimator, fresh = make_estimator(name, WHEEL), make_estimator(name, WHEEL)
+    estimator, fresh = exact_wheel_estimator(name, WHEEL), exact_wheel_estimator(name, WHEEL)
     for sample in clean("wet").samples:
         estimator.update(sample)
     estimator.reset()
@@ -191,7 +191,7 @@ def test_reset_begins_again_and_says_that_it_was_asked_to(clean: Brake, name: st
 
 def test_an_unknown_method_is_refused_by_name() -> None:
     with pytest.raises(ValueError, match="kalman"):
-        make_estimator("kalman", WHEEL)
+        exact_wheel_estimator("kalman", WHEEL)
 
 
 ANY = st.one_of(st.floats(), st.floats(0.0, 200.0), st.just(30.0), st.just(0.0))
@@ -207,7 +207,7 @@ HOSTILE = st.builds(
 def test_hostile_streams_are_answered_and_survived(
     clean_stream: list[Sample], name: str, source: FrictionSource, hostile: list[tuple[int, Sample]]
 ) -> None:
-    estimator = make_estimator(name, WHEEL, source=source)
+    estimator = exact_wheel_estimator(name, WHEEL, source=source)
     stream = list(clean_stream)
     for place, sample in hostile:
         stream.insert(place, sample)

@@ -9,7 +9,6 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import FluidPressure, JointState
 
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, Sample
-from friction_curve_id.known_car import not_known
 from friction_curve_id.parameters import SLIP, FrictionCurveParameters
 from friction_curve_id.parameters import VEHICLE_VELOCITY as SPEED_SENSOR
 from friction_curve_id.ros.inputs import (
@@ -36,8 +35,7 @@ class WheelInputs:
         max_gap = parameters.gate.max_gap
         self.primary = WHEEL_STATES
         self._wheel_speeds = WheelSpeeds(vehicle, (wheel,), report)
-        self._estimator = parameters.estimator(vehicle.corner(wheel))
-        self._not_known = not_known(vehicle)
+        self._estimator = parameters.estimator(vehicle, wheel)
         self._brake_torque = BrakeTorque(vehicle, wheel)
         self._pressure = self._brake_torque.topic
         self._slip = f"{wheel}/slip"
@@ -77,12 +75,7 @@ class WheelInputs:
         if torque is None:
             return Refusal(Reason.NO_TORQUE, sample.missing[self._pressure]), slip
         speed = known_speed(sample, self._speed)
-        answer = self._estimator.update(Sample(sample.stamp / NANOSECONDS, sample.payload, speed, torque[0]))
-        if self._not_known and isinstance(answer, CurveEstimate) and answer.valid:
-            # Its interval counts noise alone.
-            text = f"{self._not_known}: the interval does not count that, method 'car' does"
-            answer = answer._replace(reason=Reason.UNKNOWN_CAR, text=text)
-        return answer, slip
+        return self._estimator.update(Sample(sample.stamp / NANOSECONDS, sample.payload, speed, torque[0])), slip
 
     def reset(self) -> None:
         """Reset the estimator."""
