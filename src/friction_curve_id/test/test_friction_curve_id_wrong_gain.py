@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from corner_sim.car.pressure_prescription import Cycling, SlipCycle
 
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
+from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
 from friction_curve_id.interface import CurveEstimate, Reason
 from friction_curve_id.methods import METHODS, exact_wheel_estimator, make_estimator
