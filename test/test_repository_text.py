@@ -10,6 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks import __main__ as benchmarks
+from campaigns import __main__ as campaigns
+
 ROOT = Path(__file__).resolve().parents[1]
 MADE = ("build", "install", "log", "out", "bags")
 """Directories that are made, not written."""
@@ -118,3 +121,10 @@ def test_a_broken_link_is_found(tmp_path: Path) -> None:
 def test_commands_in_texts_call_python3() -> None:
     files = [*tracked("*.md"), *tracked("src/*.py")]
     assert not [str(file.relative_to(ROOT)) for file in files if "python -m" in file.read_text(encoding="utf-8")]
+
+
+def test_commands_in_texts_name_parts_that_exist() -> None:
+    parts = {"benchmarks": benchmarks.PARTS, "campaigns": campaigns.PARTS}
+    for page in tracked("*.md"):
+        for program, part in re.findall(r"python3 -m (benchmarks|campaigns) (\w+)", page.read_text(encoding="utf-8")):
+            assert part in parts[program] or part.isupper(), f"{page}: {part}"
