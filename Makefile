@@ -42,11 +42,11 @@ report: build ## every table and figure of the chapter as one page; EFFORT=0.1 f
 	@$(run) python -m book --out build/report --effort $(EFFORT)
 
 mdf: build ## install asammdf (209 MB), which reads MDF logs, and test it
-	@$(run) python -m pip install --quiet asammdf
+	@$(run) python3 -m pip install --quiet asammdf
 	@$(run) pytest src/friction_bags/test/test_friction_bags_mdf.py
 
 parquet: build ## install pyarrow (170 MB), which reads Parquet tables, and test it
-	@$(run) python -m pip install --quiet pyarrow
+	@$(run) python3 -m pip install --quiet pyarrow
 	@$(run) pytest src/friction_bags/test/test_friction_bags_parquet.py
 
 bags: build ## make the recorded experiments of bags/ again, from fixed seeds

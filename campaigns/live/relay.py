@@ -8,12 +8,13 @@ python3 -m campaigns.live.relay [NODE] --ros-args -p vehicle_file:=compact_car
 from __future__ import annotations
 
 import sys
+from argparse import Namespace
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
 from friction_bringup import graph
-from friction_bringup.composed import run_composed
+from friction_bringup.composed import run
 from friction_runtime.processor import Health, Output, Processor
 
 _CHAIN = ("wheel_states", "slip", "slope_vote")
@@ -74,7 +75,7 @@ def main() -> int:
         module: Any = import_module(f"{name}.ros.node")
         module.build = _relays(module.build)
     if not named:
-        return run_composed(sys.argv[1:])
+        return run(Namespace(), sys.argv[1:])
     code: int = module.main(sys.argv[2:])
     return code
 

@@ -26,8 +26,8 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "record = friction_bags.__main__:record_main",
-            "play = friction_bags.__main__:play_main",
+            f"{name} = friction_bags.__main__:executable"
+            for name in ("import", "info", "play", "process", "record", "reindex", "tutorial")
         ]
     },
 )

@@ -28,9 +28,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "demo = friction_bringup.__main__:demo_main",
-            "graph = friction_bringup.__main__:graph_main",
-            "monitor = friction_bringup.__main__:monitor_main",
+            f"{name} = friction_bringup.__main__:executable" for name in ("demo", "graph", "monitor", "policies")
         ]
     },
 )

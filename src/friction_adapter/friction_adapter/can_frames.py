@@ -6,9 +6,10 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+from friction_parameters.command_line import install_line
 from friction_parameters.parameter import ParameterError
 
-INSTALL_LINE = "python3 -m pip install python-can cantools"
+INSTALL_LINE = install_line("cantools")
 _MOST_LISTED = 30
 
 

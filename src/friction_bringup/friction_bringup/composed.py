@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from importlib import import_module
 
@@ -10,7 +11,11 @@ from friction_runtime.connected_nodes import ConnectedNodes
 from friction_runtime.spin import run_nodes
 
 
-def run_composed(arguments: Sequence[str]) -> int:
+def add_arguments(_: ArgumentParser) -> None:
+    """There are none."""
+
+
+def run(_: Namespace, arguments: Sequence[str]) -> int:
     """Run the estimators until a signal.
 
     Args:

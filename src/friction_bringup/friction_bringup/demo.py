@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import time
-from collections.abc import Callable
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import rclpy
 from rclpy.experimental.events_executor import EventsExecutor
@@ -15,16 +19,28 @@ from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.live import Live
 
+from friction_adapter.map_argument import add_map_argument
+from friction_adapter.map_file import load_map
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_vehicle import vehicle_for
+from friction_bags.mapped.mapped_bag import MappedBag
+from friction_bags.mapped.write_mapped import write_mapped
+from friction_bags.offline.plan import SayOnce
 from friction_bringup import graph
+from friction_bringup.demo_drive import CARS, ROADS
 from friction_bringup.demo_graph import DemoError, DemoGraph, DemoOptions
 from friction_bringup.live_view import LiveView
 from friction_bringup.processes import AT_ONCE
+from friction_parameters.parameter import ParameterError
 from friction_report.page import write_page
 from friction_report.picture import write_picture
-from friction_report.recorded_run import read_run
+from friction_report.recorded_run import read_run, require_samples
 from friction_report.summary import print_summary
 from friction_runtime.machine_load import slowdown
+from friction_runtime.processor import silent
+from friction_runtime.shipped_files import shipped_file
 from friction_runtime.spin import stop_on_signals, take_down
+from vehicle_models.vehicle_file import add_vehicle_argument
 
 _STARTUP_LIMIT = 40.0
 """Wall time [s] within which the processes must find each other, and again within which the first sample must come."""
@@ -42,6 +58,70 @@ _TABLE_PERIOD = 0.1
 
 SpinUntil = Callable[[Callable[[], bool], float], None]
 """Spins until a condition holds, for at most a time [s]; raises KeyboardInterrupt after a signal."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options of this command."""
+    parser.add_argument("--surface", choices=ROADS, default="dry", help="road of the plant (default: dry)")
+    parser.add_argument("--car", choices=CARS, default="car", help="a whole car, or the corner of the chapter")
+    parser.add_argument(
+        "--law", choices=graph.LAWS, default=graph.LAWS[0], help="what commands the brake (default: curve)"
+    )
+    parser.add_argument("--bag", type=Path, help="replay this bag in place of the plant")
+    add_map_argument(parser)
+    add_vehicle_argument(parser, "that of --car, or the one the bag names")
+    parser.add_argument(
+        "--params", type=Path, help="parameter file (default: that of the demo, or the one the bag names)"
+    )
+    parser.add_argument("--out", type=Path, default=Path("out"), help="directory for the results (default: out)")
+
+
+def run(options: Namespace) -> int:
+    """Run the demo of the command line; return the exit code: 1 where it failed."""
+    try:
+        with _mapped(options) as native:
+            return run_demo(_demo_options(native))
+    except DemoError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+
+
+@contextmanager
+def _mapped(options: Namespace) -> Iterator[Namespace]:
+    """Yield options whose bag holds the topics of this graph: where a signal map is given, what it makes of the bag.
+
+    Raises:
+        ParameterError: the map is not valid, or there is no bag for it.
+        BagError: the bag cannot be read, or lacks a topic of the map.
+    """
+    if not options.map:
+        yield options
+        return
+    if not options.bag:
+        raise ParameterError("--map is for a bag: give --bag")
+    signal_map = load_map(options.map, options.vehicle)
+    with TemporaryDirectory(prefix="friction_demo_") as directory:
+        native = Path(directory, options.bag.resolve().stem)
+        with MappedBag(options.bag, signal_map, SayOnce()) as bag:
+            write_mapped(bag, native, signal_map.notes)
+        yield Namespace(**{**vars(options), "bag": native})
+
+
+def _demo_options(options: Namespace) -> DemoOptions:
+    """Complete the command line from the notes of the bag.
+
+    Raises:
+        ParameterError: neither the bag nor the command line names the car.
+        BagError: the bag cannot be read, or holds no wheel_states.
+    """
+    vehicle, parameters = options.vehicle or CARS[options.car], "demo"
+    if options.bag:
+        with BagReader(options.bag) as reader:
+            require_samples(reader)
+            vehicle = vehicle_for(reader, options.vehicle, "", silent)
+            parameters = reader.custom_data.get("parameters", parameters)
+    params = options.params or shipped_file("friction_bringup", parameters)
+    return DemoOptions(options.surface, options.law, options.bag, vehicle, params.absolute(), options.out)
 
 
 def run_demo(options: DemoOptions) -> int:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from launch import LaunchContext, LaunchDescriptionEntity
-from launch.actions import DeclareLaunchArgument, LogInfo
+from launch.actions import DeclareLaunchArgument, LogInfo, Shutdown
+from launch.events.process import ProcessExited
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.utilities.namespace_utils import prefix_namespace
@@ -110,7 +112,9 @@ def node_actions(
     starts = node_starts(nodes, decided, argument(context, "params_file"), argument(context, "vehicle_file"), full)
     alone = [start for start in starts if not (composed and start.node in graph.COMPOSED)]
     sim_time = ["-p", f"use_sim_time:={str(uses_sim_time(context)).lower()}"]
-    respawn, log_level = _is_true(context, "respawn"), ["--log-level", argument(context, "log_level")]
+    log_level = ["--log-level", argument(context, "log_level")]
+    respawn = _is_true(context, "respawn")
+    ends: dict[str, Any] = {"respawn": respawn, "on_exit": None if respawn else _end_launch, "output": "screen"}
     return [
         *(LogInfo(msg=note) for start in starts for note in start.notes),
         *(
@@ -119,8 +123,7 @@ def node_actions(
                 executable="graph",
                 namespace=namespace,
                 ros_arguments=[*composed_arguments(starts), *sim_time, *log_level],
-                respawn=respawn,
-                output="screen",
+                **ends,
             )
             for _ in range(composed)
         ),
@@ -131,9 +134,21 @@ def node_actions(
                 namespace=namespace,
                 parameters=[*start.files, {"use_sim_time": uses_sim_time(context), **start.decided}],
                 ros_arguments=log_level,
-                respawn=respawn,
-                output="screen",
+                **ends,
             )
             for start in alone
         ),
     ]
+
+
+def _end_launch(event: ProcessExited, context: LaunchContext) -> list[LaunchDescriptionEntity]:
+    """End the launch when one of its processes has ended.
+
+    Raises:
+        RuntimeError: the process has failed; the launch prints the text and ends with exit code 1.
+    """
+    if context.is_shutdown:
+        return []
+    if event.returncode != 0:
+        raise RuntimeError(f"{event.process_name} ended with exit code {event.returncode}")
+    return [Shutdown(reason=f"{event.process_name} has ended")]

@@ -6,6 +6,7 @@ import select
 import sys
 import termios
 import tty
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -63,7 +64,11 @@ _FORCE_COLUMNS = (
 )
 
 
-def run_monitor(of_ros: Sequence[str] = ()) -> int:
+def add_arguments(_: ArgumentParser) -> None:
+    """There are none."""
+
+
+def run(_: Namespace, of_ros: Sequence[str]) -> int:
     """Show the graph until q, Ctrl-C or SIGTERM: a table on a terminal, lines elsewhere; return the exit code 0.
 
     Args:

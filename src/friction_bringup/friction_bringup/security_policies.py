@@ -4,6 +4,7 @@ The topics are those that the processors declare for the car at hand, so the fil
 allow more than a node does.
 """
 
+from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -27,6 +28,22 @@ ANSWERED = (
 OWN = {SMART_TYRE: tuple(f"~/{name}" for name in ZERO_REQUESTS)}
 """Further services, by node."""
 _VERSION = "0.2.0"
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options of this command."""
+    parser.add_argument("--vehicle", required=True, metavar="NAME|FILE", help="the car")
+    parser.add_argument("--params-file", type=Path, action="append", default=[], help="ROS parameter file; repeatable")
+    parser.add_argument("--namespace", default="/", help="namespace of the nodes, such as /car")
+    parser.add_argument("--commanding", action="store_true", help="let abs_supervisor publish brake commands")
+    parser.add_argument("--composed", action="store_true", help="one enclave for the estimators that share a process")
+
+
+def run(options: Namespace) -> int:
+    """Print the policies."""
+    secured = options.vehicle, options.params_file, options.namespace, options.commanding, options.composed
+    print(policies(*secured), end="")
+    return 0
 
 
 def policies(

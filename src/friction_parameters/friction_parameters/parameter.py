@@ -25,12 +25,14 @@ from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from math import isfinite
 from typing import Any, TypeVar, get_type_hints
 
+from friction_parameters.command_line import UserError
+
 Parameters = TypeVar("Parameters")
 
 _CONSTANTS = {"constants": True}
 
 
-class ParameterError(ValueError):
+class ParameterError(UserError, ValueError):
     """A parameter or a parameter file is not valid; the text, one line, names the error and its place."""
 
     def __init__(self, text: str) -> None:

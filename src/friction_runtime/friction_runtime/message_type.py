@@ -7,11 +7,13 @@ from typing import Final
 
 from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
 
+from friction_parameters.command_line import UserError
+
 TYPE_NAME: Final = re.compile(r"[a-z][a-z0-9_]*/(msg/)?[A-Za-z]\w*", re.ASCII)
 """Names of types, such as sensor_msgs/msg/JointState."""
 
 
-class UnknownTypeError(Exception):
+class UnknownTypeError(UserError):
     """A message type is not installed; the text names the type and the package."""
 
 

@@ -9,12 +9,14 @@ import yaml
 from rosbags.interfaces import Qos
 from rosbags.rosbag2.metadata import dump_qos_v9
 
+from friction_parameters.command_line import UserError
+
 METADATA_NAME = "metadata.yaml"
 _METADATA_VERSION = 9
 """Version of rosbag2 in ROS 2 Jazzy."""
 
 
-class BagError(Exception):
+class BagError(UserError):
     """A bag cannot be read or written; the text names the bag, the reason and what to do."""
 
 

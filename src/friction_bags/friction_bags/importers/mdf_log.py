@@ -12,12 +12,13 @@ from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import Sources
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.importers.log_start import start_offset
+from friction_parameters.command_line import install_line
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 from vehicle_models.nanoseconds import NANOSECONDS
 
 SUFFIXES = (".mdf", ".dat", ".mf4")
-INSTALL_LINE = "python3 -m pip install asammdf"
+INSTALL_LINE = install_line("asammdf")
 _MOST_LISTED = 30
 
 

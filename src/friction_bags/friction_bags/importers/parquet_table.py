@@ -11,11 +11,12 @@ from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import TABLE, Sources
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.importers.table import columns_of, put_later
+from friction_parameters.command_line import install_line
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 
 SUFFIX = ".parquet"
-INSTALL_LINE = "python3 -m pip install pyarrow"
+INSTALL_LINE = install_line("pyarrow")
 _ROWS = 10_000
 """Rows that are read at once."""
 
