@@ -52,8 +52,9 @@ parquet: build ## install pyarrow (170 MB), which reads Parquet tables, and test
 bags: build ## make the recorded experiments of bags/ again, from fixed seeds
 	@$(run) python -m friction_bags library
 
-docs: build ## write parameter files, parameter tables and Figure 8.1, generated from the code
+docs: build ## write parameter files, parameter tables and pictures, generated from the code
 	@$(run) python -m tools.docs
+	@$(run) python tools/draw_layers.py
 
 clean: ## remove the files that the targets above made
 	rm -rf .venv build install log out .mypy_cache .ruff_cache .pytest_cache .hypothesis

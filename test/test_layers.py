@@ -1,15 +1,16 @@
-"""Layers of the packages: algorithms import no ROS, so that they run, and are tested, wherever Python does."""
+"""Layers: packages import only from below, and algorithms import no ROS, so that they run wherever Python does."""
 
 from __future__ import annotations
 
 import ast
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-SOURCES = Path(__file__).resolve().parents[1] / "src"
+from draw_layers import LAYERS, ROOT, drawing, imports, package_imports
+
+SOURCES = ROOT / "src"
 ALGORITHMS = (
     "friction_parameters",
     "vehicle_models",
@@ -94,3 +95,22 @@ def test_no_package_asks_for_the_class_of_a_message(package: str) -> None:
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "isinstance":
                 asked = {each.id for each in ast.walk(node.args[1]) if isinstance(each, ast.Name)}
                 assert not asked & classes, f"{file}:{node.lineno}"
+
+
+def test_packages_import_only_from_layers_below_their_own() -> None:
+    graph = package_imports(SOURCES)
+    layer = {name: height for height, names in enumerate(reversed(LAYERS)) for name in names}
+    assert layer.keys() == graph.keys() - {"friction_test_support"}
+    upward = {(name, other) for name in layer for other in graph[name] if layer.get(other, 99) >= layer[name]}
+    assert not upward
+    assert not graph["friction_test_support"]
+
+
+def test_the_picture_of_the_layers_is_up_to_date() -> None:
+    assert (ROOT / "docs/layers.svg").read_text() == drawing(package_imports(SOURCES)), "run `make docs`"
+
+
+def test_packages_import_nothing_that_is_not_installed() -> None:
+    not_installed = {path.parent.name for path in ROOT.glob("*/__init__.py")} | {"tools"}
+    assert {"book", "benchmarks", "campaigns"} <= not_installed
+    assert not imports(SOURCES.rglob("*.py")) & not_installed

@@ -93,6 +93,7 @@ def importable(package: str) -> frozenset[str]:
             libraries.add(PIP_NAMES.get(modules[name], modules[name]))
         elif name not in found:
             found.add(name)
+            libraries.add(f"ros-{name}")  # the same package as a Python wheel, which names what it needs itself
             try:
                 manifest = Path(get_package_share_directory(name), "package.xml")
             except PackageNotFoundError:  # of the system, such as a compiler
@@ -187,7 +188,7 @@ def _start_and_stop(client: DdsClient, program: Path) -> None:
     node = "live_view" if program.name == "monitor" else "wheel_slip" if program.name == "graph" else program.stem[:-5]
     options = [] if program.name in ("monitor", "corner_sim_node") else ["-p", "vehicle_file:=compact_car"]
     if node == graph.ADAPTER:
-        options += ["-p", "map_file:=bmw"]
+        options += ["-p", "map_file:=gazebo"]
     process = client.start(str(program), "--ros-args", *options)
     client.until(lambda: process.poll() is not None or node in client.node.get_node_names())
     output = stop(process) if process.poll() is None else process.communicate()[0]

@@ -1,4 +1,7 @@
-"""Draw the packages by layers, with an arrow for each import, as docs/layers.svg. Usage: python3 tools/draw_layers.py"""
+"""Draw the packages by layers, with an arrow for each import, as docs/layers.svg.
+
+Usage: python3 tools/draw_layers.py   (normally through `make docs`)
+"""
 
 from __future__ import annotations
 
@@ -74,7 +77,8 @@ def drawing(graph: dict[str, set[str]]) -> str:
             place[name] = round((column + 0.5) * step), 30 + row * _ROW
     height = 30 + (len(LAYERS) - 1) * _ROW + _HEIGHT + 20
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" font-family="sans-serif" font-size="14">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" font-family="sans-serif"'
+        ' font-size="14">',
         '<defs><marker id="tip" markerWidth="8" markerHeight="8" refX="7" refY="4" orient="auto">'
         '<path d="M0,1 L7,4 L0,7 z" fill="context-stroke"/></marker></defs>',
         f'<rect width="{_WIDTH}" height="{height}" fill="white"/>',

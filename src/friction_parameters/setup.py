@@ -21,5 +21,4 @@ setup(
     maintainer_email="developers@friction.example.org",
     description="Parameters as typed dataclasses: one definition for code, files, nodes and tables. No ROS.",
     license="Apache-2.0",
-    entry_points={"console_scripts": []},
 )

@@ -24,5 +24,4 @@ setup(
     maintainer_email="developers@friction.example.org",
     description="Shared parts of the nodes of the friction graph: input alignment, parameters, QoS, diagnostics.",
     license="Apache-2.0",
-    entry_points={"console_scripts": []},
 )

@@ -21,5 +21,4 @@ setup(
     maintainer_email="developers@friction.example.org",
     description="Pure numpy models of tyre, wheel, brake and vehicle.",
     license="Apache-2.0",
-    entry_points={"console_scripts": []},
 )

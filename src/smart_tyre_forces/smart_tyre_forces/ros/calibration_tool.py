@@ -16,7 +16,6 @@ from smart_tyre_forces.calibrate import calibrate, corrected_points, raw_points
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.front_template import TemplateLearner
 from smart_tyre_forces.parameters import SmartTyreParameters
-from smart_tyre_forces.ros.calibration_bags import noted_vehicle, read
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import add_vehicle_argument, load_vehicle, vehicle_choices
 
@@ -57,6 +56,8 @@ def _parser() -> argparse.ArgumentParser:
 
 def _vehicle(options: argparse.Namespace, by_file: str) -> Vehicle:
     """Return the car of the bags: the given one, else that in their notes, else that of the parameter file."""
+    from smart_tyre_forces.ros.calibration_bags import noted_vehicle  # needs rosbags, which may be absent
+
     noted = sorted({name for bag in (*options.quasi_static, *options.dynamic) if (name := noted_vehicle(bag))})
     if not options.vehicle and len(noted) > 1:
         raise ParameterError(f"the bags are of different cars ({', '.join(noted)}): give --vehicle")
@@ -67,6 +68,8 @@ def _vehicle(options: argparse.Namespace, by_file: str) -> Vehicle:
 
 
 def _calibrate(options: argparse.Namespace, parameters: SmartTyreParameters) -> None:
+    from smart_tyre_forces.ros.calibration_bags import read
+
     tracker, zero = parameters.tracker, parameters.zero
     car = _vehicle(options, parameters.vehicle_file)
     slow = [read(bag, car, options.imu_topic) for bag in options.quasi_static]
