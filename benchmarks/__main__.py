@@ -17,7 +17,6 @@ PARTS = {
     "smart_tyre": "Fz and Fx from the in-tyre accelerometer",
     "doctor": "the doctor: sabotaged drives named, healthy ones without alarm, accuracy of what it learns",
     "bags": "offline processing of bags: real-time factor, memory over length",
-    "checkouts": "the estimates of two built checkouts over every bag, compared field by field",
 }
 MODULES = {"measured": "benchmarks.measured", "bags": "benchmarks.bags"}
 

@@ -1,7 +1,4 @@
-"""CPU time of rosbags and the mcap package for what friction_bags does itself: decode, encode and write messages.
-
-Why there is code of our own: friction_runtime/cdr_layout.py and friction_bags/bag_io/mcap_chunk.py.
-"""
+"""Offline processing: speed against reading and decoding, memory over the length of a bag, cost of the own codec."""
 
 from __future__ import annotations
 

@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Protocol, cast
@@ -32,6 +33,15 @@ class Part(Protocol):
 def load_part(module: str) -> Part:
     """Import a part when it is needed: some need the middleware, some only numpy."""
     return cast(Part, import_module(module))
+
+
+@cache
+def rows_of(module: str, *arguments: str) -> Sequence[Row]:
+    """Run a part with the arguments of its command line; the same ones are run once."""
+    part = load_part(module)
+    parser = argparse.ArgumentParser(prog=module)
+    part.add_arguments(parser)
+    return part.run(parser.parse_args(arguments))
 
 
 def main_of(program: str, parts: Mapping[str, str], arguments: Sequence[str] | None, modules: Mapping[str, str]) -> int:

@@ -1,7 +1,7 @@
-"""Location of the measured data, and the cars they were measured on.
+"""Whole-vehicle fits of measured drives (BMW stop, Putnam laps), and curve fits of tyre-rig sweeps.
 
-They are not part of the project: --data names their directory, else the environment variable FRICTION_DATA, else
-shared/data beside the repository. See the README of benchmarks for what each file is.
+The data are not part of the project: --data names their directory, else the environment variable FRICTION_DATA, else
+shared/data beside the repository. The README lists the files.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""The chapter's protocol (section 8.3.2): its corner, initial speed and sample time."""
+"""Protocol of section 8.3.2: corner, initial speed, sample time, manoeuvres A to C and their noise."""
 
 from dataclasses import dataclass
 

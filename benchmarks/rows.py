@@ -1,7 +1,6 @@
-"""Flat rows of a result: their columns, their values as text and as JSON, and what has to hold of them.
+"""Flat rows of a result: columns, values as text and as JSON, limits.
 
-A row that states what has to hold has `value`, `limit` and `passed`. Where `passed` is None or absent, the row is for
-information.
+A row with a limit has `value`, `limit` and `passed`. Where `passed` is None or absent, the row is for information.
 """
 
 from collections.abc import Sequence

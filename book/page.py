@@ -1,4 +1,4 @@
-"""Symbols of the page, for who has not read the chapter."""
+"""The report as one HTML file that opens offline: symbols, sections of text, tables and pictures."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from itertools import groupby
 from pathlib import Path
 
 from benchmarks.rows import Row, as_text, columns
-from book.verdicts import Judgement, Verdict, counts
 
 SYMBOLS = {
     "slip, lambda": "1 - omega r / v: 0 for a rolling wheel, 1 for a locked one [-]",
@@ -45,16 +44,11 @@ table { border-collapse: collapse; font-size: 12px; line-height: 1.35; }
 th, td { border: 1px solid #ccc; padding: 2px 5px; text-align: right; vertical-align: top; }
 th { background: #f2f2f2; } td:first-child, th:first-child, td.text { text-align: left; }
 td.number { white-space: nowrap; } .wide table { font-size: 10.5px; } .wide th, .wide td { padding: 1px 3px; }
-.verdicts td, .verdicts th, dd, dt { text-align: left; } .verdicts td:nth-child(2) { min-width: 14em; }
-.agrees { background: #e4f3e4; } .differs { background: #fdeeda; } .not-public { background: #eee; }
+dd, dt { text-align: left; }
 dl { display: grid; grid-template-columns: max-content auto; gap: 0 1em; } dt { font-style: italic; } dd { margin: 0; }
 figure { margin: 1.2em 0; } img { max-width: 100%; height: auto; }
 figcaption, caption { color: #555; text-align: left; font-size: 13px; } summary { cursor: pointer; margin: 0.5em 0; }
 @media (max-width: 700px) {
-  .verdicts table, .verdicts tbody, .verdicts tr, .verdicts td { display: block; } .verdicts th { display: none; }
-  .verdicts tr { margin-bottom: 0.5em; border: 1px solid #ccc; } .verdicts td { border: none; }
-  .verdicts td:nth-child(3):not(:empty)::before { content: "chapter: "; }
-  .verdicts td:nth-child(4)::before { content: "ours: "; }
   dl { display: block; }
 }
 @media print {
@@ -99,11 +93,11 @@ class Section:
     key: str
     title: str
     text: str
-    """What was done, what agrees with the chapter and what does not, and why."""
+    """How the runs were made."""
     tables: Sequence[Table] = field(default_factory=tuple)
     pictures: Sequence[Picture] = field(default_factory=tuple)
-    verdicts: Sequence[Verdict] = field(default_factory=tuple)
-    """On the chapter's statements about it; they stand at the top of the page."""
+    numbers: Sequence[Row] = field(default_factory=tuple)
+    """Numbers of the chapter beside ours, which stand at the top of the page."""
 
 
 def page(title: str, introduction: str, sections: Sequence[Section], symbols: Mapping[str, str]) -> str:
@@ -118,29 +112,15 @@ def page(title: str, introduction: str, sections: Sequence[Section], symbols: Ma
         f'<!doctype html><html lang="en"><head><meta charset="utf-8">'
         f'<meta name="viewport" content="width=device-width, initial-scale=1"><title>{escape(title)}</title>'
         f"<style>{_STYLE}</style></head><body><h1>{escape(title)}</h1>{_paragraphs(introduction)}"
-        f"{_verdicts(sections)}<h2>Symbols</h2>{_symbols(symbols)}<h2>Contents</h2>"
+        f"{_numbers(sections)}<h2>Symbols</h2>{_symbols(symbols)}<h2>Contents</h2>"
         f"<ol>{contents}</ol>{body}</body></html>\n"
     )
 
 
-def _verdicts(sections: Sequence[Section]) -> str:
-    head = "".join(f"<th>{name}</th>" for name in ("place", "the chapter states", "chapter", "ours", "verdict"))
-    lines = ""
-    for section in sections:
-        for v in section.verdicts:
-            kind = v.judgement.value.replace(" ", "-")
-            joined = {Judgement.AGREES: "", Judgement.DIFFERS: " because ", Judgement.NOT_PUBLIC: ": "}[v.judgement]
-            verdict = f"<b>{v.judgement.value}</b>{joined}{escape(v.because)}"
-            cells = "".join(f"<td>{escape(text)}</td>" for text in (v.statement, v.chapter, v.ours))
-            place = f'<td><a href="#{escape(section.key)}">{escape(v.place)}</a></td>'
-            lines += f'<tr class="{kind}">{place}{cells}<td>{verdict}</td></tr>'
-    if not lines:
-        return ""
-    count = counts([v for section in sections for v in section.verdicts])
-    return (
-        f"<h2>The chapter, point by point</h2><p>{escape(count)}.</p>"
-        f'<div class="table verdicts"><table><tr>{head}</tr>{lines}</table></div>'
-    )
+def _numbers(sections: Sequence[Section]) -> str:
+    rows = [row for section in sections for row in section.numbers]
+    caption = "Numbers of the chapter beside the median and the middle 90 % of our runs"
+    return f"<h2>The chapter's numbers</h2>{_table(Table(caption, rows))}" if rows else ""
 
 
 def _symbols(symbols: Mapping[str, str]) -> str:

@@ -1,7 +1,8 @@
-"""Figures 8.10 to 8.13: lambda_max against samples on the driver's stops, with measured and with estimated speed."""
+"""Section 8.3.3: Tables 8.4 and 8.5, Figures 8.9 to 8.13: lambda_max of a car, with either speed."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,10 +11,12 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from benchmarks.rows import Row
-from book.page import Picture
-from book.speed_tables import ACTIVATION_SLIP, LAMBDA_INIT
+from benchmarks.slip.stops import shipped
+from book.chapter_numbers import ERRORS_ON_ROADS, compared, spread_of
+from book.driver_stop import ROADS, StopRun, figure_8_9, stop_run
+from book.page import Picture, Section, Table
+from book.speed_tables import ACTIVATION_SLIP, LAMBDA_INIT, tables
 from book.speed_tables import ROADS as CHAPTER_ROADS
-from book.stop_run import ROADS, StopRun, stop_run
 from friction_curve_id.chapter.curve_fitting import PointFitting
 from friction_curve_id.chapter.start_parameters import StartParameters
 from friction_curve_id.interface import CurveEstimate
@@ -29,6 +32,15 @@ _FIGURES = (
 )
 """Number, road, method, speed."""
 _SEED = 41_000
+_TABLES_SEED = 30_000
+_STOPS = 20
+"""Driver's stops of each road."""
+_FEWEST = 20
+"""Runs for a middle 90 %."""
+_TEXT = f"""The roads have the chapter's lambda_max, 0.1 and 0.13, and its numbers of samples from lambda_init =
+{LAMBDA_INIT} to the ABS activation at {ACTIVATION_SLIP}. Start: the fit begins beyond lambda_init with all samples of
+the braking (all) or only with those beyond it (beyond). The driver's stops are of a car whose load moves and whose
+tyres relax; their samples are made with the load from the acceleration."""
 _ALL_SAMPLES = StartParameters(LAMBDA_INIT)
 
 
@@ -59,6 +71,34 @@ def follow(run: StopRun, method: str, speed: str) -> Followed:
     numbers = np.array([number for number, _ in samples])
     activation = int(np.argmax(run.slip[numbers] > ACTIVATION_SLIP))
     return Followed(numbers - run.onset, found, activation)
+
+
+def section(directory: Path, seeds: Callable[[int], int]) -> Section:
+    """Make the runs and draw into `directory`."""
+    runs = max(seeds(100), _FEWEST)
+    rows = tables(range(_TABLES_SEED, _TABLES_SEED + runs), shipped())
+    samples, picture = figure_8_9(directory)
+    shown = [
+        Table("Tables 8.4 and 8.5 in simulation, errors of lambda_max", rows),
+        Table(
+            "The same on the driver's stops, of which Figures 8.10 to 8.13 show one each", stop_rows(min(runs, _STOPS))
+        ),
+        samples,
+    ]
+    title = "On a car, with and without a speed sensor, Tables 8.4 and 8.5, Figures 8.9 to 8.13"
+    return Section("8.3.3", title, _TEXT, shown, [picture, *pictures(directory)], numbers(rows))
+
+
+def numbers(rows: Sequence[Row]) -> list[Row]:
+    """Compare the errors of Tables 8.4 and 8.5."""
+    found = []
+    for row in rows:
+        table, road = str(row["case"]).split(", ")
+        chapter = ERRORS_ON_ROADS.get((road, row["method"], row["speed"]))
+        if chapter is not None and row["start"] == "all":
+            what = f"error of lambda_max by {row['method']}, {road}, {row['speed']} speed, {row['instant']} [%]"
+            found.append(compared(table, what, chapter[row["instant"] == "end"], spread_of(row, "percent")))
+    return found
 
 
 def stop_rows(seeds: int) -> list[Row]:

@@ -1,4 +1,4 @@
-"""Tables 8.4 and 8.5: lambda_max with measured and estimated speed, with the readings of lambda_init."""
+"""Tables 8.4 and 8.5: errors of lambda_max at the ABS activation and at the end, with measured and estimated speed."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -10,8 +10,7 @@ from scipy.optimize import brentq
 from benchmarks.protocol import ACCELERATION_STDDEV, CAR, CORNER, DT, SPEED, STEP, WHEEL
 from benchmarks.rows import Row
 from benchmarks.slip.stops import ACCELERATION_OFFSET, GRADE
-from corner_sim.corner import SingleCorner
-from corner_sim.sensors import CHAPTER_NOISE
+from book.chapter_numbers import ERRORS_ON_ROADS
 from friction_curve_id.chapter.curve_fitting import PointFitting
 from friction_curve_id.chapter.friction_samples import FrictionSamples
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, Sample
@@ -84,15 +83,6 @@ class Road:
 
 
 ROADS = (Road("high_grip", 88, 92), Road("off_road", 44, 52))
-CHAPTER = {
-    ("high_grip", "rls", "measured"): (1.9, -4.5),
-    ("high_grip", "rml_ml", "measured"): (4.7, -5.8),
-    ("off_road", "rls", "measured"): (-1.69, -5.69),
-    ("off_road", "rml_ml", "measured"): (-19.46, -18.23),
-    ("high_grip", "rls", "estimated"): (0.2, -4.7),
-    ("off_road", "rls", "estimated"): (-1.38, -5.3),
-}
-"""Errors of Tables 8.4 and 8.5 [%], at activation and at the end."""
 
 
 @dataclass(frozen=True)
@@ -217,7 +207,7 @@ def _row(road: Road, case: tuple[str, str], speed: str, instant: str, errors: Ar
     method, start = case
     good = errors[np.abs(errors) <= 100.0 * _FAILURE]
     low, median, high = np.percentile(good, (5.0, 50.0, 95.0)) if good.size else np.full(3, np.nan)
-    chapter = CHAPTER.get((road.name, method, speed), (float("nan"), float("nan")))
+    chapter = ERRORS_ON_ROADS.get((road.name, method, speed), (float("nan"), float("nan")))
     return {
         "case": f"Table {'8.4' if speed == 'measured' else '8.5'}, {road.name}",
         "method": method,

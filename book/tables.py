@@ -14,6 +14,7 @@ from benchmarks.identification.runs import FAILED_ERROR, Batch, measured
 from benchmarks.identification.studies import on_roads, seeds_of
 from benchmarks.protocol import Truth
 from benchmarks.rows import Row
+from book.chapter_numbers import ITERATIONS, PEAKS, THETA
 from friction_curve_id.chapter import maximum_likelihood
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from vehicle_models import burckhardt
@@ -25,21 +26,6 @@ _COMPARED_RUNS = 25
 """Runs in which RLS is compared with LS at every sample."""
 _EQUAL = 1e-6
 """Difference of lambda_max that counts as none [-]."""
-_CHAPTER_8_1 = {
-    "ml": [(1.29, 22.69, 0.57), (0.86, 31.94, 0.36), (1.48, 5.79, 0.85), (0.18, 90.95, 0.04)],
-    "rml": [(1.24, 27.34, 0.38), (0.86, 35.36, 0.37), (1.12, 9.73, 0.29), (0.22, 60.07, 0.37)],
-}
-"""theta of Table 8.1, in the order of the surfaces."""
-_CHAPTER_ITERATIONS = (4, 4, 5, 4)
-CHAPTER_PEAKS = {
-    "ml": [(0.1737, 1.1700, 2.17), (0.1350, 0.8035, 3.28), (0.3989, 0.9998, 0.15), (0.0656, 0.1848, 8.42)],
-    "rml": [(0.1641, 1.1679, 3.47), (0.1242, 0.8048, 4.97), (0.3723, 0.9906, 6.8), (0.0594, 0.1929, 1.81)],
-    "ls": [(0.1786, 1.1696, 5.05), (0.1370, 0.8024, 4.84), (0.3966, 1.0019, 0.73), (0.0658, 0.1849, 8.76)],
-}
-"""lambda_max, mu_max and the error of lambda_max [%]; the chapter's RLS equals its LS."""
-CHAPTER_PEAKS["rls"] = CHAPTER_PEAKS["ls"]
-_CHAPTER_8_1["rml_covariance"] = _CHAPTER_8_1["rml"]
-CHAPTER_PEAKS["rml_covariance"] = CHAPTER_PEAKS["rml"]
 _TABLES = {
     **{"ml": "8.1, 8.2", "rml": "8.1, 8.2", "rml_covariance": "8.1, 8.2"},
     **{"rml_ml": "(8.2)", "ls": "8.3", "rls": "8.3"},
@@ -137,16 +123,16 @@ def _method_rows(method: str, table: str, runs: Sequence[Array], lambda_max: Arr
     rows: list[Row] = []
     with_theta = method not in ("ls", "rls")
     for k in range(3 if with_theta else 0):
-        chapter = [theta[k] for theta in _CHAPTER_8_1[method]] if method in _CHAPTER_8_1 else None
+        chapter = [theta[k] for theta in THETA[method]] if method in THETA else None
         rows.append(_row(table, method, f"theta_{k + 1}", [float(np.median(run[:, k])) for run in runs], chapter))
     if method == "ml":
         iterations = [float(np.median(run[:, 5])) for run in runs]
-        rows.append(_row(table, method, "iterations", iterations, _CHAPTER_ITERATIONS))
+        rows.append(_row(table, method, "iterations", iterations, ITERATIONS))
     if method in ("rml", "rml_covariance"):
         for k in (2, 3):
             moved = [float(np.median(run[:, 4 + k])) for run in runs]
             rows.append(_row(table, method, f"theta_{k} moved from its start [%]", moved, None))
-    chapter_peaks = CHAPTER_PEAKS.get(method)
+    chapter_peaks = PEAKS.get(method)
     for k, name in enumerate(("lambda_max", "mu_max")):
         chapter = [peak[k] for peak in chapter_peaks] if chapter_peaks else None
         rows.append(_row(table, method, name, [float(np.nanmedian(run[:, 3 + k])) for run in runs], chapter))
@@ -195,7 +181,7 @@ def readings(seeds: int) -> list[Row]:
                         "reading": reading,
                         "method": method,
                         "surface": name,
-                        "chapter_pct": CHAPTER_PEAKS[method][surface][2],
+                        "chapter_pct": PEAKS[method][surface][2],
                         "p5_pct": float(low),
                         "median_pct": float(median),
                         "p95_pct": float(high),

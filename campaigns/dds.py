@@ -1,4 +1,4 @@
-"""Messages taken from a subscription without an executor: less work, and each comes with its time of publication."""
+"""Messages taken from a subscription without an executor, and memory, threads and descriptors of a process."""
 
 from __future__ import annotations
 

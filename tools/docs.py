@@ -1,6 +1,6 @@
 """Write the files generated from the code: shipped parameter files, tables and a diagram in the READMEs, Figure 8.1.
 
-Usage: tools/run.bash python -m tools.docs   (normally through `make docs`)
+Usage: tools/run.bash python3 -m tools.docs   (normally through `make docs`)
 """
 
 from __future__ import annotations
@@ -8,12 +8,15 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Mapping
 from importlib import import_module
+from itertools import product
 from pathlib import Path
 
-from book import mode_diagram, state_machine_figure
+from book import state_machine_figure
 from friction_bringup import graph
 from friction_parameters.generated import ShippedFile, parameter_file, parameter_table
-from vehicle_models.vehicle_file import vehicle_table
+from vehicle_models.vehicle_table import vehicle_table
+from wheel_slip.estimate import Mode
+from wheel_slip.mode import Cause, Evidence, SlideParameters, transition
 
 NODES = (*graph.NODES, graph.ADAPTER)
 ROOT = Path(__file__).resolve().parents[1]
@@ -33,10 +36,38 @@ def generated_texts() -> Iterator[tuple[Path, str]]:
         readme = ROOT / "src" / node / "README.md"
         text = with_block(readme, "parameters", parameter_table(shipped[node]))
         if node == "wheel_slip":
-            text = with_block(readme, "modes", mode_diagram.diagram(mode_diagram.find_transitions()), text)
+            text = with_block(readme, "modes", mode_diagram(mode_transitions()), text)
         yield readme, text
     readme = ROOT / "src" / "vehicle_models" / "README.md"
     yield readme, with_block(readme, "vehicle", vehicle_table())
+
+
+ModeTransitions = dict[tuple[Mode, Mode], tuple[Cause, ...]]
+"""Causes of each transition, by the modes before and after."""
+
+
+def mode_transitions(parameters: SlideParameters | None = None) -> ModeTransitions:
+    """Find every transition of the machine and its causes, by a grid over all evidence that it distinguishes."""
+    p = parameters or SlideParameters()
+    accelerations = (0.0, 2.0 * p.slide_above)
+    times = (-1.0, p.settle_time, max(p.settle_time, p.calm_time, p.steady_time))
+    found: dict[tuple[Mode, Mode], set[Cause]] = {}
+    for mode, acceleration, rolled, steady in product(Mode, accelerations, times, times):
+        for sensor, speed, roll, pulled, calm, agree in product((False, True), repeat=6):
+            evidence = Evidence(sensor, speed, roll, pulled, acceleration, calm, agree, rolled, steady)
+            after, cause = transition(mode, evidence, p)
+            if after is not mode:
+                found.setdefault((mode, after), set()).add(cause)
+    order = list(Cause)
+    return {edge: tuple(sorted(causes, key=order.index)) for edge, causes in sorted(found.items())}
+
+
+def mode_diagram(transitions: ModeTransitions) -> str:
+    """Return the lines of the diagram, as a block of a README."""
+    lines = ["```mermaid", "stateDiagram-v2", f"    [*] --> {Mode.WAITING.name}: {Cause.STARTED.value}"]
+    for (before, after), causes in transitions.items():
+        lines.append(f"    {before.name} --> {after.name}: {'<br/>or '.join(cause.value for cause in causes)}")
+    return "\n".join([*lines, "```"])
 
 
 def with_block(file: Path, name: str, block: str, text: str | None = None) -> str:

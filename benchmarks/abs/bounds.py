@@ -1,4 +1,4 @@
-"""The best that a brake can do: its full rate until the slip reaches lambda_max, and mu_max from there on."""
+"""Bounds of an emergency stop: full brake rate up to lambda_max, mu_max beyond it; and an ideal slip controller."""
 
 from dataclasses import dataclass
 from typing import Protocol

@@ -1,4 +1,4 @@
-"""Cars with four wheels under full braking, and the nominal parameters of their graph."""
+"""Emergency stops of cars with four wheels on the shipped graph, with nominal or perturbed parameters."""
 
 from dataclasses import dataclass, fields, replace
 

@@ -1,4 +1,4 @@
-"""The shipped estimators and abs_supervisor in the loop, connected as the nodes of the graph are."""
+"""Controllers of an emergency stop: the shipped graph with abs_supervisor, and a threshold ABS as the baseline."""
 
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Rows of a car whose right wheels are on another road: way, moment about the vertical, and how fast it grows."""
+"""Rows of `abs --law`: utilisation, distance and lock time by car, surface and perturbation, beside their bounds."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

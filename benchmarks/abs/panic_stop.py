@@ -1,4 +1,4 @@
-"""Perturbations: differences between the car that brakes and its nominal parameters."""
+"""Emergency stops of one corner: perturbations, road, plant, the loop to standstill and the longest lock."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace

@@ -1,4 +1,4 @@
-"""Stops of one corner from 30 to 5 m/s with the supervisor in the loop, and their results."""
+"""Closed loop with the supervisor: stops from 30 to 5 m/s by the chapter's law, or to standstill with --law."""
 
 import argparse
 from collections.abc import Callable

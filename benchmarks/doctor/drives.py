@@ -1,4 +1,4 @@
-"""Drives of `model: car` in ordinary traffic, as the doctor gets them."""
+"""Drives of `model: car` in ordinary traffic for the doctor, healthy and with injected faults."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

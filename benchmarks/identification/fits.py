@@ -1,9 +1,8 @@
-"""RML as the chapter describes it: the recursion of least squares in its covariance form, on the step (8.10).
+"""Curve fits of the chapter by name, on friction samples; among them RML in its covariance form.
 
     K = P xi / (1 + xi^T P xi),    theta += K epsilon,    P -= K xi^T P
 
-in theta itself, without extra gain. `friction_curve_id` ships another form, which cannot diverge; this one is here to
-show which of the chapter's numbers it gives.
+in theta itself, on the step (8.10), without extra gain. `friction_curve_id` ships another form, which cannot diverge.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Runs of one estimator through noisy manoeuvres, sample by sample, in processes of their own."""
+"""Runs of one estimator through noisy manoeuvres, sample by sample, and the statistics of their peaks and alarms."""
 
 import time
 from collections.abc import Iterable, Iterator, Sequence

@@ -1,4 +1,4 @@
-"""A change of the road under braking beyond the peak: delay of its detection, and errors of the new curve."""
+"""Change of the road under braking beyond the peak; cost of an update beside padasip and curve_fit."""
 
 import argparse
 import time

@@ -1,4 +1,4 @@
-"""Ordinary driving of random cars: no peak is passed, and none may be reported."""
+"""Ordinary driving of random cars: no peak is passed; no valid peak and no lasting slope sign beyond it may come."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,8 +1,8 @@
-"""One corner of which everything is known exactly: the car's estimator beside the default, which assumes just that.
+"""One corner with exactly known parameters: the estimator `car` beside the default one, and the cost of a message.
 
-Manoeuvre B of the identification protocol with its noise, after LEAD of free rolling: the car's estimator takes the
-speed of the car from the wheels before the brakes act. Without accelerometer and speed sensor; all deviations are zero
-and the formula of the tyre is known.
+Manoeuvre B of the identification protocol with its noise, after LEAD of free rolling: `car` takes the speed from the
+wheels before the brakes act. Without accelerometer and speed sensor; all deviations are zero and the formula of the
+tyre is known.
 """
 
 import time

@@ -1,6 +1,7 @@
-"""Each trouble of a real car alone, on a car that is otherwise as the estimator that is judged believes it to be.
+"""Friction curves of cars with uncertain parameters, on the independent plant corner_sim.car, with limits.
 
-The default believes a car without load transfer, relaxation and delays, `car` the values of the vehicle file.
+Study `troubles`: each perturbation alone on a nominal car. The default estimator assumes a car without
+load transfer, relaxation and delays; `car` assumes the values of the vehicle file.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""Roads that one curve does not describe: a change of road while braking, and one road on either side of the car.
+"""Roads that one curve does not describe: a change while braking, a split road; and mu_max before the peak.
 
 An estimate may have no answer there; it may not have a wrong one. A wheel's truth is the peak of its tyre on the road
 that it is on. What is valid up to GRACE after the last wheel has come to the new road is not judged: the wheels are on

@@ -1,4 +1,4 @@
-"""The estimators of all wheels of a car, by name: what is judged."""
+"""Braking to a standstill with random cars: estimates of all wheels, followed by method, and their rows with limits."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,7 @@
-"""The measured laps of a race car through wheel_slip: its accelerometer follows the wheels more than a second late.
+"""Consistency of the stated deviations of speed and slip: drives of random cars, and measured laps of a race car.
 
-The speed of the file is the truth. The wheels are those of the file over the nominal radii of the vehicle file, which
-are wrong by 1.3 %.
+The race car's accelerometer follows the wheels more than a second late. The speed of the file is the truth; the wheels
+are those of the file over the nominal radii of the vehicle file, which are wrong by 1.3 %.
 """
 
 from collections.abc import Sequence

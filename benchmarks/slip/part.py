@@ -1,4 +1,4 @@
-"""One stop through wheel_slip with its shipped parameters, and the errors of speed and slip over it."""
+"""Vehicle speed and slip without a speed sensor: simulated stops, the measured BMW stop, drives of random cars."""
 
 import argparse
 from collections.abc import Sequence

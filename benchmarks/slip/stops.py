@@ -1,9 +1,9 @@
-"""Stops of a car on two axles from 30 m/s with the supervisor in the loop, and the signals of its sensors.
+"""Stops of a car on two axles from 30 m/s with the supervisor in the loop, followed by wheel_slip.
 
 The car cruises first (the engine holds the speed on the slope), then the driver demands 1.5 times the peak torque,
-split between the wheels in proportion to their gains. Every wheel has its own detector of votes and
-supervisor, with the shipped parameters. Its states command the brake without the envelope: the stops are manoeuvres
-with strong slip for the estimators, and say nothing about the supervisor. Sensor noise is drawn per run from its seed.
+split between the wheels in proportion to their gains. Every wheel has its own detector of votes and supervisor, with
+the shipped parameters. Its states command the brake without the envelope: the stops are manoeuvres with strong slip for
+the estimators, no result about the supervisor. Sensor noise is drawn per run from its seed.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Braking manoeuvres of one corner for the slope sign: the truth once, its sensors with the noise of every seed."""
+"""Detection of the slope sign on one corner: manoeuvres through and below the peak, noise of every seed."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,7 @@
-"""Ordinary braking of a car with load transfer: no wheel passes the peak, and none may be reported beyond it.
+"""Slope sign: delay, false alarms and slip at detection; ordinary braking, in which no sign beyond the peak may come.
 
-The plant is corner_sim's car on two axles, whose load follows the acceleration at once; the processors take the body to
-pitch. Both a front and a rear wheel are judged.
+Ordinary braking is of a car on two axles, whose load follows the acceleration at once; the processors assume a
+body that pitches. A front and a rear wheel are judged.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""CPU of the smart tyre: the algorithm alone, and the live node with the middleware around it."""
+"""Smart tyre: errors of fronts, Fz and Fx against their limits and the Cramer-Rao bound, and the cost in CPU time."""
 
 from __future__ import annotations
 

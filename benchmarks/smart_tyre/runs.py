@@ -1,4 +1,4 @@
-"""Parts of the dynamic drive of Figure 8.20, without the changes between them."""
+"""Simulated drives of the smart tyre: phases of the dynamic drive of Figure 8.20, calibration, estimates."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

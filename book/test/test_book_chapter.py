@@ -5,11 +5,8 @@ from pathlib import Path
 import pytest
 
 from benchmarks.rows import Row
-from book.identification import by_number, kept_rows
-from book.identification_figures import figures
-from book.identification_verdicts import verdicts
+from book.identification import by_number, figures, kept_rows, numbers
 from book.tables import READINGS, chapter_tables, readings
-from book.verdicts import Judgement, Verdict
 from vehicle_models.surfaces import TABLE_8_1
 
 
@@ -32,29 +29,13 @@ KEPT = [
 ]
 
 
-def judged(table: dict[tuple[str, str], Row], read: list[Row], kept: list[Row]) -> dict[str, Verdict]:
-    return {verdict.statement: verdict for verdict in verdicts(list(table.values()), read, kept_rows(kept))}
-
-
-def test_every_number_of_tables_8_2_and_8_3_has_a_verdict_which_a_wrong_one_turns(
-    table: dict[tuple[str, str], Row], read: list[Row]
-) -> None:
-    found = judged(table, read, KEPT)
-    errors = [statement for statement in found if statement.startswith("Error of lambda_max")]
-    assert len(errors) == 12
-    off = [row | {"p5_pct": 60.0, "median_pct": 70.0, "p95_pct": 80.0} for row in read]
-    assert all(judged(table, off, KEPT)[each].judgement is Judgement.DIFFERS for each in errors)
-    hit = [row | {"p5_pct": 0.0, "median_pct": 5.0, "p95_pct": 10.0} for row in read]
-    assert all(judged(table, hit, KEPT)[each].judgement is Judgement.AGREES for each in errors)
-
-
-def test_convergence_is_judged_by_the_sample_from_which_a_method_stays_within(
-    table: dict[tuple[str, str], Row], read: list[Row]
-) -> None:
-    statement = "RLS is within 5 % on cobblestone after 70 samples"
-    assert judged(table, read, KEPT)[statement].judgement is Judgement.AGREES
-    later = [row | {"kept_5pct_from": 95.0} for row in KEPT]
-    assert judged(table, read, later)[statement].judgement is Judgement.DIFFERS
+def test_every_number_of_tables_8_2_and_8_3_stands_beside_ours(read: list[Row]) -> None:
+    found = {row["quantity"]: row for row in numbers(read, kept_rows(KEPT))}
+    assert len(found) == 12 + 3
+    error = "|error| of lambda_max by rml on snow [%]"
+    (ours,) = (row for row in read if (row["method"], row["surface"]) == ("rml", "snow") and "ours" in row["reading"])
+    assert (found[error]["chapter"], found[error]["5 %"]) == (1.81, ours["p5_pct"])
+    assert found["rls within 5 % on cobblestone, from sample"]["ours (median)"] == 60.0
 
 
 def test_each_reading_stands_beside_the_number_and_is_named_where_its_runs_hold_it(read: list[Row]) -> None:

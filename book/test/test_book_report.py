@@ -1,21 +1,19 @@
 """The report: one page that opens offline, and the figures that only it draws."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from benchmarks.command import rows_of
 from benchmarks.rows import Row
-from benchmarks.slip.stops import shipped
-from book import friction_samples, smart_tyre, speed, speed_verdicts
-from book import part as report
+from book import report, smart_tyre
+from book.chapter_numbers import Spread, compared
+from book.driver_stop import ROADS, abscissas, stop_run
 from book.page import Picture, Section, Table, page
-from book.parts import rows_of
-from book.speed_tables import tables
-from book.stop_run import ROADS, stop_run
-from book.verdicts import Judgement, close
 from friction_parameters.parameter import ParameterError
 
 
@@ -46,28 +44,13 @@ def test_pictures_of_one_fold_and_folded_tables_open_on_request(tmp_path: Path) 
     assert html.count("other roads") == 1
 
 
-def test_page_begins_with_the_verdicts_of_all_sections_and_their_count(tmp_path: Path) -> None:
-    verdicts = [close("Table 8.2", "slip of the peak", 0.17, 0.5, 0.05, "the road is another")]
-    html = page("Title", "", [Section("a", "A", "", verdicts=verdicts), Section("b", "B", "text")], {"v": "speed"})
-    assert (
-        html.index("differs</b> because the road is another")
-        < html.index("<dt>v</dt><dd>speed")
-        < html.index(">A</h2>")
-    )
-    assert "0 agree, 1 differ, 0 not public" in html
-
-
 def test_friction_samples_overshoot_the_curve_and_are_highest_near_its_peak_only_at_the_load_as_it_is() -> None:
-    high, low = friction_samples.abscissas()
+    high, low = abscissas()
     assert high["overshoot [%]"] > 5.0
     assert low["overshoot [%]"] > 0.0
     assert high["abscissa moved, load at rest [%]"] == pytest.approx(80.7, abs=2.0)
     assert high["abscissa moved, load as it is [%]"] == pytest.approx(11.1, abs=2.0)
     assert abs(low["abscissa moved, load as it is [%]"]) < 5.0
-    overshoot, moved = friction_samples.verdicts([high, low])
-    assert (overshoot.judgement, moved.judgement) == (Judgement.AGREES, Judgement.DIFFERS)
-    still = [row | {"abscissa moved, load at rest [%]": 2.0} for row in (high, low)]
-    assert friction_samples.verdicts(still)[1].judgement is Judgement.AGREES
 
 
 @pytest.mark.parametrize("name", ROADS.values())
@@ -93,52 +76,39 @@ def test_rows_of_the_smart_tyre_stand_by_axle_and_are_folded_by_case_but_for_wha
     assert [(table.folded, len(table.rows)) for table in others] == [(True, 1), (True, 1)]
 
 
-def test_errors_of_tables_8_4_and_8_5_are_judged_and_a_wrong_one_turns_the_verdict() -> None:
-    rows, stops = tables(range(41_000, 41_002), shipped()), speed.stop_rows(1)
-    found = {verdict.statement: verdict for verdict in speed_verdicts.verdicts(rows, stops)}
-    errors = [statement for statement in found if statement.startswith("Error of lambda_max")]
-    assert len(errors) == 6
-    wide = [row | {"p5_percent": -30.0, "p95_percent": 30.0} for row in rows]
-    turned = {verdict.statement: verdict for verdict in speed_verdicts.verdicts(wide, stops)}
-    assert {turned[statement].judgement for statement in errors} == {Judgement.AGREES}
-    off = [row | {"p5_percent": 31.0, "p95_percent": 32.0} for row in rows]
-    turned = {verdict.statement: verdict for verdict in speed_verdicts.verdicts(off, stops)}
-    assert {turned[statement].judgement for statement in errors} == {Judgement.DIFFERS}
-    few = found["The same where only samples beyond lambda_init are fitted"]
-    assert few.judgement is Judgement.AGREES
+def test_the_page_begins_with_the_numbers_of_all_sections() -> None:
+    numbers = [compared("Table 8.2", "slip of the peak", 0.17, Spread(0.4, 0.5, 0.6))]
+    html = page("Title", "", [Section("a", "A", "", numbers=numbers), Section("b", "B", "text")], {"v": "speed"})
+    assert html.index("slip of the peak") < html.index("<dt>v</dt><dd>speed") < html.index(">A</h2>")
 
 
-def test_sections_go_to_the_page_and_their_rows_to_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    section = Section("slope", "Slope", "text", [Table("delay", [{"delay": float("inf")}])])
-    monkeypatch.setattr(report, "_sections", lambda *_arguments, **_options: [lambda: section])
-    (row,) = rows_of("report", "--out", str(tmp_path), "--effort", "0.01")
-    assert row == {"section": "Slope", "tables": 1, "rows": 1, "figures": 0}
+def made(key: str) -> Callable[[Path, Callable[[int], int]], Section]:
+    numbers = [compared("Table 8.2", key, 0.17, Spread(0.4, 0.5, 0.6))]
+    return lambda _pictures, seeds: Section(key, key, "text", [Table("delay", [{"seeds": seeds(50)}])], (), numbers)
+
+
+def test_a_section_goes_to_the_page_and_its_rows_to_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(report, "SECTIONS", {key: made(key) for key in ("8.2", "8.3.2", "8.3.3")})
+    (first, second) = rows_of("book.report", "--out", str(tmp_path), "--effort", "0.1", "--section", "8.3")
+    assert (first["quantity"], second["quantity"]) == ("8.3.2", "8.3.3")
     results = json.loads((tmp_path / "results.json").read_text())
-    assert results == {"verdicts": [], "slope": {"delay": [{"delay": "inf"}]}}
-    assert "Slope" in (tmp_path / "index.html").read_text()
+    assert results["8.3.2"] == {"delay": [{"seeds": 5}]}
+    assert len(results["numbers"]) == 2
+    assert "8.3.3" in (tmp_path / "index.html").read_text()
 
 
-def test_page_holds_the_sections_made_before_one_that_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail() -> Section:
+def test_a_section_that_the_chapter_does_not_have_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match=r"8\.3\.2"):
+        rows_of("book.report", "--out", str(tmp_path), "--section", "8.31")
+
+
+def test_the_page_holds_the_sections_made_before_one_that_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(_pictures: Path, _seeds: Callable[[int], int]) -> Section:
         raise RuntimeError
 
-    first = Section("first", "The first", "text")
-    monkeypatch.setattr(report, "_sections", lambda *_arguments, **_options: [lambda: first, fail])
+    monkeypatch.setattr(report, "SECTIONS", {"8.2": made("The first"), "8.4": fail})
     with pytest.raises(RuntimeError):
-        rows_of("report", "--out", str(tmp_path))
+        rows_of("book.report", "--out", str(tmp_path))
     assert "The first" in (tmp_path / "index.html").read_text()
-
-
-def test_absent_measured_data_are_a_note_on_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[tuple[str, ...]] = []
-
-    def answer(*arguments: str) -> list[Row]:
-        asked.append(arguments)
-        if arguments[0] == "measured":
-            raise ParameterError("measured data are absent: bmw.csv")
-        return [{"seeds": 1}]
-
-    monkeypatch.setattr(report, "rows_of", answer)
-    section = report._measured(str)
-    assert "measured data are absent: bmw.csv" in section.text
-    assert asked[-1] == ("slip", "--cases", "stops", "--seeds", "100")

@@ -4,6 +4,8 @@ import pytest
 
 from benchmarks.protocol import CORNER
 from benchmarks.slip.stops import shipped
+from book.chapter_numbers import ERRORS_ON_ROADS
+from book.speed import numbers
 from book.speed_tables import ACTIVATION_SLIP, LAMBDA_INIT, ROADS, Road, braking, tables
 
 
@@ -20,3 +22,8 @@ def test_tables_with_estimated_speed_are_as_good_as_with_measured_speed() -> Non
     default = [row for row in rows if row["method"] == "default" and row["instant"] == "end"]
     assert {row["speed"] for row in default} == {"measured", "estimated"}
     assert all(abs(row["bias_percent"]) < 6.0 and row["failures"] == 0 for row in default)
+
+
+def test_each_error_of_tables_8_4_and_8_5_stands_beside_ours() -> None:
+    found = numbers(tables(range(2), shipped()))
+    assert sorted(row["chapter"] for row in found) == sorted(e for errors in ERRORS_ON_ROADS.values() for e in errors)

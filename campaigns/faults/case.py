@@ -1,4 +1,4 @@
-"""Manoeuvre: a car, a surface and a demand, from 30 m/s to standstill."""
+"""Manoeuvres and cases of the fault campaign: car, surface, demand; fault, time and limits."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

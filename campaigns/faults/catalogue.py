@@ -1,4 +1,4 @@
-"""Every fault of the campaign."""
+"""Catalogue of the faults, and the plans of the whole and of the quick campaign."""
 
 from collections.abc import Sequence
 from functools import partial

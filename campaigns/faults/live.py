@@ -1,4 +1,4 @@
-"""A car whose sensors are published in real time, with a fault in between, and the commands that come back."""
+"""Fail-safe of the live graph: a simulated car in real time over DDS, a fault in between, the commands that return."""
 
 from __future__ import annotations
 

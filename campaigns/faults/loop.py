@@ -1,4 +1,4 @@
-"""Record of a run: truth, commands in force and outputs of the graph."""
+"""Closed loop of plant and processors with a fault in between, and the record of a run."""
 
 from collections import deque
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The stop without ABS: the plant alone, which no command reaches."""
+"""Measures of a faulty stop, its reference without ABS, and the limits that hold for every fault."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields

@@ -1,4 +1,4 @@
-"""Rows of the campaign: a manoeuvre and a case, over the seeds."""
+"""Fault campaign: rows of manoeuvre and case over the seeds, with their limits."""
 
 import argparse
 from collections.abc import Iterator

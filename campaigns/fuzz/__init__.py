@@ -1,1 +1,1 @@
-"""Hostile messages into every processor: what comes out, how long it takes, and what is left of it afterwards."""
+"""Hostile messages to every processor and node."""

@@ -1,4 +1,4 @@
-"""Every message of a short drive with one hard braking: sensors, smart tyres, and the estimates made from them."""
+"""Hostile input: a clean drive, its messages broken, raw bytes; and a check for impossible values called valid."""
 
 from __future__ import annotations
 

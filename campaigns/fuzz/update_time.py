@@ -1,4 +1,4 @@
-"""Longest update time: a clean drive, and tyre blocks of the largest size."""
+"""Longest time of an update, and sensors in wrong units."""
 
 from __future__ import annotations
 

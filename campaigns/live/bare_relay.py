@@ -1,4 +1,4 @@
-"""A node that publishes what it hears, in rclpy alone: what friction_adapter is compared with.
+"""Node in rclpy alone that publishes what it receives: the baseline of friction_adapter.
 
 python3 -m campaigns.live.bare_relay VEHICLE FROM TO
 """

@@ -1,4 +1,4 @@
-"""The real nodes as processes on a DDS domain of their own, and an observer of their messages."""
+"""The nodes as processes on a DDS domain of their own with an observer, and the same loop offline."""
 
 from __future__ import annotations
 

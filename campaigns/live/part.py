@@ -1,4 +1,4 @@
-"""friction_adapter beside a bare relay of the same messages: processor time, side by side."""
+"""Live graph over DDS: lost samples, delay, agreement with the offline processors; the adapter beside a bare relay."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The graph as processes: a corner with a smart tyre that brakes to a standstill, lap after lap, and all estimators."""
+"""Soak graph: a corner with a smart tyre that brakes lap after lap, all estimators, and the answers of each lap."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One lap of the car as the topics show it: stamps and times of publication, what is missing, how late answers are."""
+"""Soak: memory, threads, descriptors, lost samples and delays of the whole graph, lap after lap."""
 
 from __future__ import annotations
 

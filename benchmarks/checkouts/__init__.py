@@ -1,1 +1,0 @@
-"""Two checkouts compared over every bag."""
