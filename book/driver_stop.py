@@ -21,7 +21,6 @@ from benchmarks.rows import Row, as_text
 from benchmarks.slope.detection import METHODS, shipped_settings
 from benchmarks.slope.driver_stops import StopTruth, true_stop
 from book.page import Picture, Table
-from corner_sim.ros import messages
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, PlantSample
 from corner_sim.ros import messages
 from corner_sim.sensors import CHAPTER_NOISE, Sensors
@@ -29,7 +28,6 @@ from friction_bags.experiments.stops import ACCELERATION_VARIANCE, STOPS, car_of
 from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSamples, FrictionSource
 from friction_curve_id.interface import Sample
 from vehicle_models import burckhardt
-from corner_sim.sensors import CHAPTER_NOISE
 from vehicle_models.wheel_forces import WheelLoad
 
 Array = NDArray[np.float64]

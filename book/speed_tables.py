@@ -11,6 +11,8 @@ from benchmarks.protocol import ACCELERATION_STDDEV, CAR, CORNER, DT, SPEED, STE
 from benchmarks.rows import Row
 from benchmarks.slip.stops import ACCELERATION_OFFSET, GRADE
 from book.chapter_numbers import ERRORS_ON_ROADS
+from corner_sim.corner import SingleCorner
+from corner_sim.sensors import CHAPTER_NOISE
 from friction_curve_id.chapter.curve_fitting import PointFitting
 from friction_curve_id.chapter.friction_samples import FrictionSamples
 from friction_curve_id.interface import CurveEstimate, Reason, Refusal, Sample

@@ -28,9 +28,11 @@ def fields(message: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 def processed(checkout: Path, bag: Path, out: Path) -> dict[tuple[str, int, int], dict[str, Any]]:
     """Process a bag with the code of a checkout; return the fields of its messages by topic, stamp and order."""
-    command: list[str | Path] = [checkout / "tools/run.bash", "python", "-m", "friction_bags", "process", bag, "--out", out]
+    command = ["python", "-m", "friction_bags", "process", str(bag), "--out", str(out), "--outputs-only"]
     outer = {"PATH": os.environ["PATH"], "HOME": str(out.parent)}  # no paths of another checkout
-    subprocess.run([*command, "--outputs-only"], env=outer, cwd=out.parent, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(
+        [checkout / "tools/run.bash", *command], env=outer, cwd=out.parent, check=True, stdout=subprocess.DEVNULL
+    )
     found, seen = {}, Counter[tuple[str, int]]()
     with AnyReader([out]) as reader:
         for connection, stamp, raw in reader.messages():

@@ -14,7 +14,7 @@ from pathlib import Path
 from book import state_machine_figure
 from friction_bringup import graph
 from friction_parameters.generated import ShippedFile, parameter_file, parameter_table
-from vehicle_models.vehicle_table import vehicle_table
+from vehicle_models.vehicle_file import vehicle_table
 from wheel_slip.estimate import Mode
 from wheel_slip.mode import Cause, Evidence, SlideParameters, transition
 

@@ -15,7 +15,7 @@ ABOVE = {
 }
 ALLOWED: dict[str, set[str]] = {
     "slip": {"abs"},  # its stops have the same supervisor
-    "real_car": {"slope"},  # friction_slope in ordinary driving, with the settings that are judged there
+    "real_car": {"slope", "identification"},  # slope signs in ordinary driving; values kept of an estimate
 }
 
 
