@@ -35,10 +35,9 @@ def processed(checkout: Path, bag: Path, out: Path) -> dict[tuple[str, int, int]
     )
     found, seen = {}, Counter[tuple[str, int]]()
     with AnyReader([out]) as reader:
-        for connection, stamp, raw in reader.messages():
-            seen[connection.topic, stamp] += 1
-            key = (connection.topic, stamp, seen[connection.topic, stamp])
-            found[key] = dict(fields(reader.deserialize(raw, connection.msgtype)))
+        for at, stamp, raw in reader.messages():
+            seen[at.topic, stamp] += 1
+            found[at.topic, stamp, seen[at.topic, stamp]] = dict(fields(reader.deserialize(raw, at.msgtype)))
     return found
 
 
@@ -46,8 +45,7 @@ def differences(before: Path, after: Path, bag: Path) -> Iterator[str]:
     """Yield a line for every topic and field that differs."""
     with tempfile.TemporaryDirectory() as made:
         old, new = processed(before, bag, Path(made, "before")), processed(after, bag, Path(made, "after"))
-    counts = Counter[str]()
-    counts.update(f"{key[0]}: only {'before' if key in old else 'after'}" for key in old.keys() ^ new.keys())
+    counts = Counter(f"{key[0]}: only {'before' if key in old else 'after'}" for key in old.keys() ^ new.keys())
     for key in old.keys() & new.keys():
         for name in old[key].keys() & new[key].keys():
             one, other = (np.asarray(values[key][name]) for values in (old, new))
