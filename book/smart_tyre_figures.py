@@ -8,6 +8,8 @@ import matplotlib
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicle_models.reason import Reason
+
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
@@ -38,7 +40,6 @@ from smart_tyre_forces.calibration import Calibration, polynomial
 from smart_tyre_forces.calibration_plots import quasi_static_maps
 from smart_tyre_forces.correction import Patch, PatchCorrection
 from smart_tyre_forces.fronts import LEVEL, find_fronts
-from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
 
 Array = NDArray[np.float64]
@@ -103,7 +104,7 @@ def _drive(axle: str, known: Calibration, table: ToothTable, pressure: float) ->
     found = passages(simulate(drive, axle, _SEED, SENSORS, pressure), table)
     correction = PatchCorrection(known.tyre, WHEEL.radius, TRACKER.sample_rate)
     patches = [correction.update(passage) for passage in found]
-    return Shown([p for p in patches if p.reason is PatchReason.OK], estimate(found, known, drive, axle))
+    return Shown([p for p in patches if p.reason is Reason.OK], estimate(found, known, drive, axle))
 
 
 def _row(axle: str, quantity: str, value: float) -> Row:

@@ -15,11 +15,12 @@ from corner_sim.corner import SingleCorner
 from corner_sim.sensors import CHAPTER_NOISE
 from friction_curve_id.chapter.curve_fitting import PointFitting
 from friction_curve_id.chapter.friction_samples import FrictionSamples
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, Sample
+from friction_curve_id.interface import CurveEstimate, Refusal, Sample
 from friction_curve_id.methods import CHAPTER_METHODS
 from friction_curve_id.parameters import SHIPPED, FrictionCurveParameters
 from friction_parameters.parameter import changed
 from vehicle_models import burckhardt
+from vehicle_models.reason import Reason
 from vehicle_models.surfaces import surface
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
@@ -52,7 +53,7 @@ class BeyondStart:
             return point
         self._begun = self._begun or point.slip > self._lambda_init
         if not self._begun:
-            return Refusal(Reason.TOO_FEW_SAMPLES, f"slip {point.slip:.3f} has not passed {self._lambda_init:.3f}")
+            return Refusal(Reason.NOT_READY, f"slip {point.slip:.3f} has not passed {self._lambda_init:.3f}")
         return self._fitting.update(point)
 
 

@@ -30,7 +30,10 @@ from friction_test_support.dds_client import PATIENCE, own_domain
 
 CAR = Path(__file__).parents[1] / "src" / "friction_bags" / "test" / "two_corners.yaml"
 WHEELS = ["front_left", "rear_right"]
-MADE = ("slip", "friction_slope", "slope_vote", "friction_curve", "abs_supervisor", "brake_command")
+MADE = (
+    *("slip", "friction_slope", "slope_vote", "friction_curve", "abs_supervisor", "brake_command"),
+    *("friction_curve_debug", "abs_supervisor_debug"),
+)
 DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[2] / "shared" / "data"))
 BMW = DATA / "bmw_m8_abs_stop_100hz.csv"
 

@@ -35,7 +35,7 @@ def texts(bag: Path, directory: Path, vehicle: str, estimators: tuple[str, ...])
             for topic, _, data in reader.messages():
                 kind: Any = KINDS.get(topic.name.rpartition("/")[2])
                 if kind is not None:
-                    yield decode(data, kind).reason_text
+                    yield decode(data, kind).validity.text
 
 
 def assert_no_unit_is_suspected(

@@ -125,7 +125,7 @@ def drive(client: DdsClient) -> None:
         names = ["steering", *reversed(JOINTS.values())]
         speeds = [0.1] + [20.0 / 0.3] * 4
         wheel_states.publish(JointState(header=header, name=names, velocity=speeds))
-        return len(slips) == len(states) == 4 and all(slip.valid for slip in slips.values())
+        return len(slips) == len(states) == 4 and all(slip.validity.valid for slip in slips.values())
 
     client.until(answered)
     for slip in slips.values():

@@ -122,7 +122,7 @@ def test_outputs_of_one_process_are_those_of_separate_nodes_to_the_last_bit(clie
         assert len(found) >= (SAMPLES if topic.endswith(EVERY_SAMPLE) else 0), topic
         assert [encode(message) for message in one.received[topic]] == [encode(message) for message in found], topic
     assert all(many.received[f"{wheel}/contact_patch"] for wheel in VEHICLE.wheel_names)
-    assert any(message.valid for message in many.received["front_left/slip"])
+    assert any(message.validity.valid for message in many.received["front_left/slip"])
 
 
 def test_what_is_made_inside_is_not_read_back_and_sensors_are_subscribed_to_once(client: DdsClient) -> None:

@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SlopeVote, SupervisorState, WheelSlip
+from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SlopeVote, SupervisorState, Validity, WheelSlip
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
@@ -23,6 +23,7 @@ from friction_runtime import qos
 from friction_runtime.shipped_files import shipped_file
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from friction_test_support.dds_client import DdsClient, dds_client
+from vehicle_models.reason import Reason
 
 WHEEL = "front_left"
 OUTPUTS: Mapping[str, type] = {
@@ -126,14 +127,14 @@ def test_a_dead_pressure_topic_is_named_and_nothing_is_commanded(client: DdsClie
     )
     client.until(lambda: len(slopes) > 100 and len(commands) > 100)
     slope = slopes[-1]
-    assert not any(message.valid for message in slopes)
-    assert slope.reason == FrictionSlope.NO_TORQUE
-    assert f"{WHEEL}/brake_pressure" in slope.reason_text
+    assert not any(message.validity.valid for message in slopes)
+    assert slope.validity.reason == Reason.NO_PRESSURE
+    assert f"{WHEEL}/brake_pressure" in slope.validity.text
     assert {message.command for message in commands} == {BrakeCommand.NONE}
     assert {message.state for message in states} == {SupervisorState.S0}
-    assert not states[-1].valid
-    assert states[-1].reason == SupervisorState.NO_PRESSURE
-    assert f"{WHEEL}/brake_pressure" in states[-1].reason_text
+    assert not states[-1].validity.valid
+    assert states[-1].validity.reason == Reason.NO_PRESSURE
+    assert f"{WHEEL}/brake_pressure" in states[-1].validity.text
     assert all(process.poll() is None for process in processes)
 
 
@@ -149,17 +150,17 @@ def test_a_wheel_speed_that_is_no_number_is_named_and_survived(client: DdsClient
 
     car.drive(200)
     client.until(answered)
-    assert slips[-1].valid, slips[-1].reason_text
+    assert slips[-1].validity.valid, slips[-1].validity.text
     car.drive(60, wheel_speed=speed)
     client.until(answered)
-    assert not slips[-1].valid
-    assert slips[-1].reason != WheelSlip.OK
-    assert WHEEL in slips[-1].reason_text
+    assert not slips[-1].validity.valid
+    assert slips[-1].validity.reason != Reason.OK
+    assert WHEEL in slips[-1].validity.text
     assert math.isnan(slips[-1].slip)
     client.until(lambda: to_nanoseconds(commands[-1].header.stamp) >= car.stamp - 20 * PERIOD)
     assert commands[-1].command == BrakeCommand.NONE
     car.drive(200)
-    client.until(lambda: answered() and slips[-1].valid)
+    client.until(lambda: answered() and slips[-1].validity.valid)
     assert all(process.poll() is None for process in processes)
     assert_in_order(found)
 
@@ -233,8 +234,10 @@ class PacedInputs:
         if topic.endswith("brake_pressure"):
             return FluidPressure(header=header, fluid_pressure=4e6)
         if topic.endswith("slip"):
-            return WheelSlip(header=header, slip=0.05, slip_variance=1e-5, vehicle_speed=19.0, valid=True)
-        return SlopeVote(header=header, h=500.0, indicator=500.0)
+            return WheelSlip(
+                header=header, slip=0.05, slip_stddev=0.00316, vehicle_speed=19.0, validity=Validity(valid=True)
+            )
+        return SlopeVote(header=header, h=500.0, indicator=500.0, validity=Validity(valid=True))
 
     def until(self, condition: Callable[[], bool]) -> None:
         """Send until a condition holds."""
@@ -252,22 +255,22 @@ def test_a_lost_input_brings_none_by_the_clock_with_its_reason_and_abs_comes_bac
 
     def in_force(command: int, reasons: set[int]) -> bool:
         told, commanded = inputs.states, inputs.commands
-        return bool(told and commanded) and commanded[-1].command == command and told[-1].reason in reasons
+        return bool(told and commanded) and commanded[-1].command == command and told[-1].validity.reason in reasons
 
     lost = {
-        "wheel_states": SupervisorState.NO_WHEEL_SPEED,
-        f"{WHEEL}/brake_pressure": SupervisorState.NO_PRESSURE,
-        "brake_demand": SupervisorState.NO_DEMAND,
-        f"{WHEEL}/slope_vote": SupervisorState.NO_SLOPE,
+        "wheel_states": Reason.NO_WHEEL_SPEED,
+        f"{WHEEL}/brake_pressure": Reason.NO_PRESSURE,
+        "brake_demand": Reason.NO_DEMAND,
+        f"{WHEEL}/slope_vote": Reason.NO_SLOPE,
     }
     for topic, reason in lost.items():
         for fault in ("silent", "repeats"):
-            inputs.until(lambda: in_force(BrakeCommand.INCREASE, {SupervisorState.OK}))
+            inputs.until(lambda: in_force(BrakeCommand.INCREASE, {Reason.OK}))
             inputs.fault, inputs.lost = fault, topic
             # Without a slope no state follows that of the fail-safe, which on a busy machine another input may bring.
-            reasons = set(lost.values()) if reason == SupervisorState.NO_SLOPE else {reason}
+            reasons = set(lost.values()) if reason == Reason.NO_SLOPE else {reason}
             inputs.until(lambda reasons=reasons: in_force(BrakeCommand.NONE, reasons))  # type: ignore[misc]
-            assert topic in inputs.states[-1].reason_text or inputs.states[-1].reason != reason
+            assert topic in inputs.states[-1].validity.text or inputs.states[-1].validity.reason != reason
             # It stays so. The first NONE may be of a sender that a busy machine held up, before the fault is seen.
             inputs.until(lambda: {command.command for command in inputs.commands[-20:]} == {BrakeCommand.NONE})
             inputs.lost = ""
@@ -298,7 +301,7 @@ def test_resetting_the_plant_resets_the_whole_graph(client: DdsClient) -> None:
         assert len(before) > 150
         for k, (first, again) in enumerate(zip(before[:150], after[:150], strict=True)):
             if isinstance(first, SupervisorState):  # its counts and its cause show the reset
-                assert (first.state, first.reason) == (again.state, again.reason), k
+                assert (first.state, first.validity.reason) == (again.state, again.validity.reason), k
             elif isinstance(first, BrakeCommand):  # its counter goes on
                 assert (first.header, first.command) == (again.header, again.command), k
             else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
@@ -10,32 +11,20 @@ from typing import Any
 import friction_msgs.msg
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
-from friction_msgs.msg import (
-    BrakeCommand,
-    ContactPatch,
-    FrictionCurve,
-    FrictionSlope,
-    SlopeVote,
-    SupervisorState,
-    TyreForce,
-    VehicleFit,
-    WheelSlip,
-)
+from friction_msgs.msg import BrakeCommand, FrictionCurveDebug, SupervisorState, Validity, WheelSlip
 
 import abs_supervisor.fsm
 import abs_supervisor.law.choice
 import abs_supervisor.release_caps
 import abs_supervisor.release_evidence
-import abs_supervisor.supervisor
-import friction_curve_id.car.gain_over_mass
 import friction_curve_id.interface
 import friction_runtime.processor
-import friction_slope.estimate
-import smart_tyre_forces.reasons
 import vehicle_models.brake_actuator
+import vehicle_models.reason
 import wheel_slip.estimate
 
 SOURCES = Path(__file__).parents[1] / "src"
+MESSAGES = SOURCES / "friction_msgs" / "msg"
 MIRRORED: list[tuple[type[IntEnum], Any, str]] = [
     (vehicle_models.brake_actuator.Command, BrakeCommand, ""),
     (abs_supervisor.fsm.Cause, SupervisorState, "CAUSE_"),
@@ -44,22 +33,15 @@ MIRRORED: list[tuple[type[IntEnum], Any, str]] = [
     (abs_supervisor.law.choice.Law, SupervisorState, "LAW_"),
     (abs_supervisor.release_caps.Cap, SupervisorState, "CAP_"),
     (abs_supervisor.release_evidence.Release, SupervisorState, "RELEASE_"),
-    (abs_supervisor.supervisor.Reason, SupervisorState, ""),
-    (friction_curve_id.car.gain_over_mass.LearnedReason, VehicleFit, ""),
-    (friction_curve_id.interface.Reason, FrictionCurve, ""),
-    (friction_curve_id.interface.RestartCause, FrictionCurve, "RESTART_"),
+    (friction_curve_id.interface.RestartCause, FrictionCurveDebug, "RESTART_"),
     (friction_runtime.processor.Level, DiagnosticStatus, ""),
-    (friction_slope.estimate.Method, FrictionSlope, "METHOD_"),
-    (friction_slope.estimate.Reason, FrictionSlope, ""),
-    (smart_tyre_forces.reasons.ForceReason, TyreForce, ""),
-    (smart_tyre_forces.reasons.PatchReason, ContactPatch, ""),
-    (wheel_slip.estimate.Reason, WheelSlip, ""),
+    (vehicle_models.reason.Reason, Validity, ""),
     (wheel_slip.estimate.Mode, WheelSlip, "MODE_"),
     (wheel_slip.estimate.SpeedSource, WheelSlip, "SPEED_"),
 ]
 """Enum, message, and which of its constants: those of a prefix, those named, or all but the ones with a prefix."""
-OF_OTHERS = {"METHOD_TRUTH", "STALE"}
-"""Constants without an enum: those of the plant, and the one of aggregators."""
+OF_OTHERS = {"STALE"}
+"""Constant without an enum: that of aggregators."""
 
 
 def constants(message: Any, which: str) -> dict[str, int]:
@@ -87,16 +69,27 @@ def test_enum_has_the_constants_of_the_message(enum: type[IntEnum], message: Any
     assert {member.name: member.value for member in enum} == constants(message, which)
 
 
-def test_messages_that_may_be_invalid_say_why_in_one_way() -> None:
-    kinds = [kind for name, kind in vars(friction_msgs.msg).items() if name[0].isupper()]
+def test_validity_is_a_block_of_its_own_in_every_message_of_an_estimate() -> None:
+    kinds = [kind for name, kind in vars(friction_msgs.msg).items() if name[0].isupper() and kind is not Validity]
     fields = [kind.get_fields_and_field_types() for kind in kinds]
-    assert sum("valid" in each for each in fields) == 7
-    for kind, each in zip(kinds, fields, strict=True):
-        told = {"reason", "reason_text"} if kind is SlopeVote else {"valid", "reason", "reason_text"}
-        assert {"valid", "reason", "reason_text"} & each.keys() in (set(), told), kind
-        if "valid" in each:
-            assert kind.OK == 0, kind
-            assert kind in {message for enum, message, _ in MIRRORED if enum.__name__.endswith("Reason")}, kind
+    assert not [each for each in fields if {"valid", "reason", "text"} & each.keys()]
+    assert sum("friction_msgs/Validity" in each.values() for each in fields) == 8
+
+
+def test_every_field_has_a_comment() -> None:
+    declared = re.compile(r"^[\w/\[\]]+ +\w+(?! *=)\b(?! *=).*$", re.MULTILINE)
+    fields = [line for file in MESSAGES.glob("*.msg") for line in declared.findall(file.read_text())]
+    assert len(fields) > 100
+    assert not [line for line in fields if "#" not in line]
+
+
+def test_readme_lists_every_message_and_the_code_and_meaning_of_every_reason() -> None:
+    readme = (MESSAGES.parent / "README.md").read_text()
+    listed = re.findall(r"^\| `(\w+)` \|", readme, re.MULTILINE)
+    assert sorted(listed) == sorted(file.stem for file in MESSAGES.glob("*.msg"))
+    reasons = re.findall(r"^uint16 (\w+)=(\d+) *#? ?(.*)$", (MESSAGES / "Validity.msg").read_text(), re.MULTILINE)
+    rows = re.findall(r"^\| (\d+) \| (\w+) \| (.*) \|$", readme, re.MULTILINE)
+    assert [(name, code, meaning) for code, name, meaning in rows] == reasons
 
 
 def test_every_enum_of_the_packages_that_has_numbers_is_compared() -> None:

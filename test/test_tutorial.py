@@ -79,19 +79,19 @@ def test_the_doctor_learns_the_car_of_the_log_and_its_estimates_become_right(tmp
     after = estimates(stop, learned, car / "after")
     error = {}
     for name, found in (("before", before), ("after", after)):
-        slips = [each for each in found["/front_left/slip"] if each.valid]
+        slips = [each for each in found["/front_left/slip"] if each.validity.valid]
         times = [1e-9 * (to_nanoseconds(each.header.stamp) - 1_700_000_000_000_000_000) for each in slips]
         true = np.interp(times, truth.time, truth.slip[:, 0])
         error[name] = float(np.sqrt(np.mean((np.array([each.slip for each in slips]) - true) ** 2)))
     assert error["after"] < 0.004 < 0.01 < error["before"]
     for wheel in WHEELS:
         told = before[f"/{wheel}/friction_curve"]
-        claimed = [each for each in told if each.valid]
+        claimed = [each for each in told if each.validity.valid]
         assert len(claimed) < 0.02 * len(told)
         assert all(abs(each.lambda_max - lambda_max) < 1.96 * each.lambda_max_stddev for each in claimed)
         assert all(abs(each.mu_max - mu_max) < 1.96 * each.mu_max_stddev for each in claimed)
         curve = after[f"/{wheel}/friction_curve"][-1]
-        assert curve.valid
+        assert curve.validity.valid
         assert abs(curve.lambda_max - lambda_max) < min(2.0 * curve.lambda_max_stddev, 0.1 * lambda_max)
         assert abs(curve.mu_max - mu_max) < min(2.0 * curve.mu_max_stddev, 0.05 * mu_max)
         # what a tyre may have of its own is in them: 5 % of lambda_max; 3 % of mu_max, and 10 % of the load moved

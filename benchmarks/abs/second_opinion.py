@@ -120,11 +120,11 @@ def heard(road: str, seed: int, law: str) -> tuple[Mapping[str, Heard], int]:
 
 def _note(found: Mapping[str, Heard], now: int, begin: int, message: object) -> None:
     if isinstance(message, TyreForce) and to_nanoseconds(message.header.stamp) >= begin:
-        mu = -message.fx / message.fz if message.valid else nan
-        stddev = hypot(message.fx_stddev, mu * message.fz_stddev) / message.fz if message.valid else nan
+        mu = -message.fx / message.fz if message.validity.valid else nan
+        stddev = hypot(message.fx_stddev, mu * message.fz_stddev) / message.fz if message.validity.valid else nan
         opinion = Opinion(now, to_nanoseconds(message.header.stamp), mu, stddev)
         found[message.wheel].opinions.append(opinion)
-    elif isinstance(message, FrictionCurve) and message.valid:
+    elif isinstance(message, FrictionCurve) and message.validity.valid:
         wheel = found[message.wheel]
         wheel.curve = wheel.curve or now
 

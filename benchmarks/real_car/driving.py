@@ -112,7 +112,8 @@ def signs_of_drive(run: Recording) -> SlopeDrive:
                         if name in slope.sensors or name in slope.estimates:
                             for _, answer in slope.process(name, each):
                                 if isinstance(answer, FrictionSlope):
-                                    signs[method][wheel].append((answer.sign < 0, answer.sign < 0 and answer.valid))
+                                    past_peak = answer.sign < 0
+                                    signs[method][wheel].append((past_peak, past_peak and answer.validity.valid))
     lasting: dict[str, int] = {}
     lasting_valid: dict[str, int] = {}
     beyond: dict[str, float] = {}

@@ -22,8 +22,8 @@ from corner_sim.car.recording import Recording
 from friction_adapter.map_file import load_map
 from friction_bags.importers.table import Table
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.estimate import Reason
 from wheel_slip.estimator import EstimatorParameters, SlipEstimator
 from wheel_slip.speed_sample import SpeedSample
 

@@ -254,11 +254,11 @@ def follow_bmw(path: Path, offset: float = 0.0) -> Followed:
                 outputs += [answer for _, answer in processor.process(name, message)]
         inside = BMW_STOP[0] <= row["t_s"] <= BMW_STOP[1] and row["vx_mps"] > END_SPEED
         if inside and outputs and to_nanoseconds(outputs[0].header.stamp) == stamp:
-            found.append((outputs[0].vehicle_speed, outputs[0].vehicle_speed_variance))
+            found.append((outputs[0].vehicle_speed, outputs[0].vehicle_speed_stddev ** 2))
             wheels.append([output.wheel_speed for output in outputs])
             measured.append([row[column] for column in _BMW_WHEELS])
             truth.append(row["vx_mps"])
-            valid += sum(output.valid for output in outputs)
+            valid += sum(output.validity.valid for output in outputs)
     speed, radii = np.array(truth), np.array(BMW_M8.radii)
     slip = 1.0 - np.array(measured) * radii / speed[:, np.newaxis]
     return _compare(np.array(found), np.array(wheels), np.array(measured), radii, speed, slip, valid)

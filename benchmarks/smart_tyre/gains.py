@@ -133,9 +133,9 @@ def judge(recording: Recording, wheel: str, stiffness: float, known: Calibration
     half = 0.0  # of the time that the last patch took [s]: its force is that of its middle
     for message in _messages(recording, wheel, source, turning, truth, delay):
         for topic, answer in processor.process("", message):
-            if topic.endswith("contact_patch") and answer.valid:
+            if topic.endswith("contact_patch") and answer.validity.valid:
                 half = 0.5 * answer.length_raw / answer.wheel_speed
-            elif topic.endswith("tyre_force") and answer.valid:
+            elif topic.endswith("tyre_force") and answer.validity.valid:
                 found.append(((to_nanoseconds(answer.header.stamp) - _START) / NANOSECONDS - half, answer))
     time = np.array([when for when, _ in found])
     values = {"Fz": [m.fz for _, m in found], "Fx": [m.fx for _, m in found]}

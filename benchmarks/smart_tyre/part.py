@@ -57,8 +57,8 @@ from smart_tyre_forces.forces import forces
 from smart_tyre_forces.front_template import FrontRefiner, FrontTemplate, TemplateFit
 from smart_tyre_forces.fronts import LEVEL
 from smart_tyre_forces.patch_tracker import PatchTracker
-from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 
 _VEHICLE = "smart_tyre_car"
@@ -162,7 +162,7 @@ def scatter(
     drive = steady_drive(speed, duration, road_seed=0)
     for seed, refiner in zip(seeds, refiners, strict=True):
         block = simulate(drive, axle, seed, _WITHOUT_JITTER)
-        found = [p for p in passages(block, table, refiner) if p.reason is PatchReason.OK]
+        found = [p for p in passages(block, table, refiner) if p.reason is Reason.OK]
         fronts = np.array([(p.alpha_1, p.alpha_2) for p in found])
         squares += np.sum((fronts - fronts.mean(axis=0)) ** 2, axis=0)
         count += len(fronts) - 1

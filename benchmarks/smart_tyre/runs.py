@@ -17,10 +17,10 @@ from smart_tyre_forces.encoder_crossings import EncoderCrossings
 from smart_tyre_forces.forces import Forces, forces
 from smart_tyre_forces.front_template import FrontRefiner, FrontTemplate, TemplateLearner
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker, TrackerParameters
-from smart_tyre_forces.reasons import ForceReason
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.wheel_angle import WheelAngle
 from smart_tyre_forces.wheel_run import WheelRun
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import FRONT, REAR, Wheel
 
 Array = NDArray[np.float64]
@@ -220,7 +220,7 @@ def estimate(
         patch = correction.update(passage)
         wheel = known.wheels[axle]
         force = forces(patch, known.tyre, wheel, correction.zero_speed, restore_steady=restore)
-        if force.reason is ForceReason.OK:
+        if force.reason is Reason.OK:
             valid.append((patch, force))
     time = np.array([p.passage.time / TRACKER.sample_rate - 0.5 * p.length / p.passage.wheel_speed for p, _ in valid])
     fx, fz = wheel_history(drive, axle)

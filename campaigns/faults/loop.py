@@ -18,11 +18,12 @@ from campaigns.faults.fault import Arrival, Fault, Site, at_once
 from corner_sim.plant import SAMPLE_TIME, SLIP_MIN_SPEED, PlantSample
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
 from friction_runtime.processor import Level, Processor, silent
+from vehicle_models.reason import Reason
 
 Array = NDArray[np.float64]
 
 _S0 = int(SupervisorState.S0)
-_QUIET = (SupervisorState.OK, SupervisorState.LOW_SPEED)
+_QUIET = (Reason.OK, Reason.LOW_SPEED)
 
 
 @dataclass(frozen=True)
@@ -73,8 +74,8 @@ class Recorder:
     def state(self, now: float, message: SupervisorState) -> None:
         """Take a state of the supervisor."""
         self._acting[self._wheels.index(message.wheel)] = message.state != _S0
-        if message.reason not in _QUIET:
-            self.diagnosis(now, f"{message.wheel}/abs_supervisor: {message.reason_text}")
+        if message.validity.reason not in _QUIET:
+            self.diagnosis(now, f"{message.wheel}/abs_supervisor: {message.validity.text}")
 
     def diagnosis(self, now: float, text: str) -> None:
         """Take what diagnostics or a state say above OK."""

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Sequence
 from copy import deepcopy
 from typing import Any
 
-from friction_msgs.msg import FrictionSlope
+from friction_msgs.msg import Validity
 
 from benchmarks.protocol import DT
 from campaigns.faults.fault import Arrival, Fault, Site, at_once, changed, silent
@@ -141,7 +141,7 @@ def invalid_slope(site: Site) -> Fault:
     """The vote of the first wheel says that it does not count, beside an indicator that calls for a release."""
 
     def change(message: Any) -> None:
-        message.reason, message.reason_text = FrictionSlope.BAD_INPUT, "injected"
+        message.validity = Validity(reason=Validity.BAD_INPUT, text="injected")
         message.indicator = _WORST_INDICATOR
 
     return changed((f"{site.wheel}/slope_vote",), change)

@@ -182,7 +182,7 @@ _WITHIN = {
         "slip_rate": (-inf, inf),
         "vehicle_speed": (-HIGHEST_SPEED, HIGHEST_SPEED),
         "wheel_speed": (-HIGHEST_WHEEL_SPEED, HIGHEST_WHEEL_SPEED),
-        "slip_variance": (0.0, 1.0),
+        "slip_stddev": (0.0, 1.0),
     },
     "FrictionSlope": {"sign": (-1, 1), "indicator": (-inf, inf)},
     "FrictionCurve": {"lambda_max": (0.0, 1.0), "mu_max": (0.0, 2.5)},
@@ -200,7 +200,7 @@ _ALWAYS = {
 def nonsense(message: Any) -> str:
     """Return what is impossible in the answer of a processor, empty where all may be."""
     kind = type(message).__name__
-    if getattr(message, "valid", False):
+    if hasattr(message, "validity") and message.validity.valid:
         for name, (low, high) in _WITHIN.get(kind, {}).items():
             value = getattr(message, name)
             if isnan(value) or isinf(value) or not low <= value <= high:

@@ -214,4 +214,4 @@ def _time(message: Any) -> int:
 
 
 def _is_valid(message: Any) -> bool:
-    return bool(getattr(message, "valid", True))
+    return not hasattr(message, "validity") or bool(message.validity.valid)

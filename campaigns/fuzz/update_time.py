@@ -215,7 +215,7 @@ def _naming(answers: Mapping[str, Sequence[Any]]) -> set[str]:
 
 
 def _names(answer: Any) -> bool:
-    return any(each in answer.reason_text for each in _NAMES)
+    return any(each in answer.validity.text for each in _NAMES)
 
 
 def _valid_although_named(answers: Mapping[str, Sequence[Any]], topic: str) -> int:
@@ -225,5 +225,5 @@ def _valid_although_named(answers: Mapping[str, Sequence[Any]], topic: str) -> i
     for answer in answers.get(topic, ()):
         if _names(answer):
             named.add(answer.wheel)
-        count += answer.valid and answer.wheel in named
+        count += answer.validity.valid and answer.wheel in named
     return count

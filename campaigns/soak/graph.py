@@ -36,6 +36,7 @@ from friction_bringup.processes import ProcessGroup
 from friction_runtime.domain import free_domain_id
 from friction_runtime.machine_load import slowdown
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.reason import Reason
 
 
 @dataclass
@@ -277,7 +278,7 @@ class SoakGraph:
                 seen.note(header_stamp(encoded), published)
         for subscription in self._patches:
             for patch, _ in arrived(subscription):
-                self.lost_packets += patch.reason == ContactPatch.LOST_PACKETS
+                self.lost_packets += patch.validity.reason == Reason.GAP
                 self.patches += 1
 
     def _check(self) -> None:

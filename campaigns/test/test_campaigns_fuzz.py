@@ -3,7 +3,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from friction_msgs.msg import FrictionCurve, TyreSignals, WheelSlip
+from friction_msgs.msg import FrictionCurve, TyreSignals, Validity, WheelSlip
 from sensor_msgs.msg import FluidPressure, JointState
 
 from benchmarks.__main__ import main
@@ -25,7 +25,12 @@ class Broken:
         self.seen += 1
         if not np.isfinite(message.fluid_pressure):
             raise OverflowError("too large")
-        return [("front_left/slip", WheelSlip(slip=message.fluid_pressure, slip_variance=1.0, valid=True))]
+        return [
+            (
+                "front_left/slip",
+                WheelSlip(slip=message.fluid_pressure, slip_stddev=1.0, validity=Validity(valid=True)),
+            )
+        ]
 
     def reset(self) -> None:
         self.seen = max(self.seen, 0)
@@ -54,9 +59,9 @@ def test_garbage_has_blocks_that_are_far_too_long_with_all_their_arrays_of_one_l
 @pytest.mark.parametrize(
     ("message", "said"),
     [
-        (WheelSlip(slip=-11.7, slip_variance=0.1, valid=True), "slip"),
-        (WheelSlip(slip=float("nan"), slip_variance=0.1, valid=True), "slip"),
-        (FrictionCurve(lambda_max=0.1, mu_max=3.94, valid=True), "mu_max"),
+        (WheelSlip(slip=-11.7, slip_stddev=0.1, validity=Validity(valid=True)), "slip"),
+        (WheelSlip(slip=float("nan"), slip_stddev=0.1, validity=Validity(valid=True)), "slip"),
+        (FrictionCurve(lambda_max=0.1, mu_max=3.94, validity=Validity(valid=True)), "mu_max"),
         (FrictionCurve(lambda_max=float("nan"), probability_beyond_peak=1.2), "probability"),
     ],
 )
@@ -65,9 +70,11 @@ def test_what_no_car_does_is_nonsense(message: Any, said: str) -> None:
 
 
 def test_invalid_answers_and_plausible_ones_are_no_nonsense() -> None:
-    assert not nonsense(WheelSlip(slip=-11.7, valid=False))
-    assert not nonsense(WheelSlip(slip=0.2, slip_variance=0.1, valid=True))
-    assert not nonsense(FrictionCurve(lambda_max=0.1, mu_max=1.1, probability_beyond_peak=float("nan"), valid=True))
+    assert not nonsense(WheelSlip(slip=-11.7, validity=Validity(valid=False)))
+    assert not nonsense(WheelSlip(slip=0.2, slip_stddev=0.1, validity=Validity(valid=True)))
+    assert not nonsense(
+        FrictionCurve(lambda_max=0.1, mu_max=1.1, probability_beyond_peak=float("nan"), validity=Validity(valid=True))
+    )
 
 
 def test_exceptions_nonsense_and_updates_without_end_are_found() -> None:

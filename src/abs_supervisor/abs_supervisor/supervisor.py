@@ -1,26 +1,10 @@
 """The state machine in message time: time in the state, cause of the last transition, duration of failures."""
 
 from dataclasses import dataclass
-from enum import IntEnum
 from math import isfinite, nan
 
 from abs_supervisor.fsm import Cause, Inputs, State, Thresholds, transition
 from vehicle_models.nanoseconds import NANOSECOND
-
-
-class Reason(IntEnum):
-    """Why the supervisor cannot act; the values are those of friction_msgs/SupervisorState."""
-
-    OK = 0
-    NO_SLOPE = 1
-    INVALID_SLOPE = 2
-    NO_DEMAND = 3
-    BAD_INPUT = 4
-    LOW_SPEED = 5
-    NO_WHEEL_SPEED = 6
-    NO_PRESSURE = 7
-    WHEEL_SENSOR = 8
-    PRESSURE_MISMATCH = 9
 
 
 @dataclass

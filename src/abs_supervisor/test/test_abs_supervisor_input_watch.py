@@ -7,7 +7,15 @@ from math import inf, nan
 from typing import Any
 
 import pytest
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SupervisorState, WheelSlip
+from friction_msgs.msg import (
+    BrakeCommand,
+    BrakeDemand,
+    SlopeVote,
+    SupervisorDebug,
+    SupervisorState,
+    Validity,
+    WheelSlip,
+)
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
@@ -16,16 +24,17 @@ from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.ros.processor import WheelProcessor
 from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 
 WHEEL = "front_left"
 WHEEL_STATES, PRESSURE = "wheel_states", f"{WHEEL}/brake_pressure"
 DEMAND, VOTE = "brake_demand", f"{WHEEL}/slope_vote"
 LOST = {
-    WHEEL_STATES: SupervisorState.NO_WHEEL_SPEED,
-    PRESSURE: SupervisorState.NO_PRESSURE,
-    DEMAND: SupervisorState.NO_DEMAND,
-    VOTE: SupervisorState.NO_SLOPE,
+    WHEEL_STATES: Reason.NO_WHEEL_SPEED,
+    PRESSURE: Reason.NO_PRESSURE,
+    DEMAND: Reason.NO_DEMAND,
+    VOTE: Reason.NO_SLOPE,
 }
 SLIP = f"{WHEEL}/slip"
 PERIODS = {WHEEL_STATES: 5, PRESSURE: 5, DEMAND: 20, SLIP: 5, VOTE: 5}
@@ -49,8 +58,10 @@ def message(topic: str, stamp: int, wheel_speed: float | None = None) -> Any:
     if topic == DEMAND:
         return BrakeDemand(header=header, pressure=5e6)
     if topic == SLIP:
-        return WheelSlip(header=header, slip=0.04, vehicle_speed=25.0, wheel_speed=wheel_speed, valid=True)
-    return FrictionSlope(header=header, h=500.0, indicator=500.0, sign=1, valid=True)
+        return WheelSlip(
+            header=header, slip=0.04, vehicle_speed=25.0, wheel_speed=wheel_speed, validity=Validity(valid=True)
+        )
+    return SlopeVote(header=header, h=500.0, indicator=500.0, validity=Validity(valid=True))
 
 
 Fault = Callable[[str, int, int], Any]
@@ -67,6 +78,7 @@ class Bench:
     commands: list[tuple[int, BrakeCommand]] = field(default_factory=list)
     """With the time at which they came [ms]."""
     state: SupervisorState = field(default_factory=SupervisorState)
+    debug: SupervisorDebug = field(default_factory=SupervisorDebug)
 
     def __post_init__(self) -> None:
         self.said: list[str] = []
@@ -77,8 +89,10 @@ class Bench:
         for topic, answer in outputs:
             if topic.endswith("brake_command"):
                 self.commands.append((self.now, answer))
-            else:
+            elif topic.endswith("abs_supervisor"):
                 self.state = answer
+            else:
+                self.debug = answer
 
     def give(self, topic: str, given: Any) -> None:
         self._came[topic] = self.now
@@ -134,9 +148,9 @@ def test_a_lost_input_brings_none_within_50_ms_and_its_period(lost: str, fault: 
     found = [k for k, (at, command) in enumerate(bench.commands) if at > 1000 and command.command == BrakeCommand.NONE]
     assert bench.commands[found[0]][0] - 1000 <= 50 + PERIODS[lost]
     assert len(found) == len(bench.commands) - found[0], "and none but NONE follows"
-    assert bench.state.reason == LOST[lost]
-    assert bench.state.reason_text.startswith((f"{lost}: ", f"{WHEEL}: {lost}: "))
-    assert not bench.state.valid
+    assert bench.state.validity.reason == LOST[lost]
+    assert bench.state.validity.text.startswith((f"{lost}: ", f"{WHEEL}: {lost}: "))
+    assert not bench.state.validity.valid
     assert bench.processor.health().level is Level.ERROR
     assert lost in bench.processor.health().message
     assert [text for text in bench.said if text.endswith("fail-safe")]
@@ -151,8 +165,8 @@ def test_an_input_whose_clock_was_set_alone_stays_lost_until_it_is_that_of_the_o
     bench.run(1000)
     bench.run(3000, back, lost)
     assert {command.command for at, command in bench.commands if at > 1070} == {BrakeCommand.NONE}
-    assert bench.state.reason == LOST[lost]
-    assert f"{lost}: stamps are 0.0{50 + PERIODS[lost]} s behind those of " in bench.state.reason_text
+    assert bench.state.validity.reason == LOST[lost]
+    assert f"{lost}: stamps are 0.0{50 + PERIODS[lost]} s behind those of " in bench.state.validity.text
     bench.run(3700)
     assert bench.newest == BrakeCommand.INCREASE
 
@@ -172,24 +186,24 @@ def test_garbage_is_no_progress() -> None:
         bench.run(1000)
         bench.run(1000 + 49 + PERIODS[lost], fault, lost)
         assert bench.newest == BrakeCommand.NONE
-        assert bench.state.reason == LOST[lost]
+        assert bench.state.validity.reason == LOST[lost]
 
 
 def test_a_supervisor_that_starts_into_braking_or_stood_back_for_a_loss_does_not_blame_the_pressure() -> None:
     bench = Bench()
     bench.run(400)
-    assert (bench.newest, bench.state.reason) == (BrakeCommand.INCREASE, SupervisorState.OK)
+    assert (bench.newest, bench.state.validity.reason) == (BrakeCommand.INCREASE, Reason.OK)
     bench.run(700, None, DEMAND)
     assert bench.newest == BrakeCommand.NONE
     bench.run(900)
-    assert (bench.newest, bench.state.reason) == (BrakeCommand.INCREASE, SupervisorState.OK)
+    assert (bench.newest, bench.state.validity.reason) == (BrakeCommand.INCREASE, Reason.OK)
 
 
 def test_a_wheel_that_stands_with_new_stamps_is_not_lost() -> None:
     bench = Bench()
     bench.run(1000)
     bench.run(2000, lambda topic, now, _: message(topic, START + now * 1_000_000, 0.0), WHEEL_STATES)
-    assert bench.state.reason != SupervisorState.NO_WHEEL_SPEED
+    assert bench.state.validity.reason != Reason.NO_WHEEL_SPEED
 
 
 def test_the_demand_of_another_wheel_is_none_for_this_one() -> None:
@@ -202,7 +216,7 @@ def test_the_demand_of_another_wheel_is_none_for_this_one() -> None:
         ),
         DEMAND,
     )
-    assert bench.state.reason == SupervisorState.NO_DEMAND
+    assert bench.state.validity.reason == Reason.NO_DEMAND
 
 
 def test_commands_are_a_heartbeat_that_counts() -> None:
@@ -262,8 +276,8 @@ def test_a_sample_that_is_lost_on_the_way_changes_nothing(
         bench.run(at + PERIODS[lost], None, lost)
         bench.run(at + 200)
     assert {command.command for _, command in bench.commands[begun:]} == {BrakeCommand.INCREASE}
-    assert bench.state.fail_safes == 0
-    assert bench.state.reason == SupervisorState.OK
+    assert bench.debug.fail_safes == 0
+    assert bench.state.validity.reason == Reason.OK
 
 
 @pytest.mark.parametrize("parameters", [replace(P, shadow=True), replace(P, real_time=False)])

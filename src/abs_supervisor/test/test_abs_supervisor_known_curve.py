@@ -4,22 +4,27 @@ from itertools import permutations
 from math import isnan
 
 import pytest
-from friction_msgs.msg import FrictionCurve
+from friction_msgs.msg import FrictionCurve, Validity
 from std_msgs.msg import Header
 
 from abs_supervisor.ros.known_curve import KnownCurve
 from friction_runtime.stamps import from_nanoseconds
+from vehicle_models.reason import Reason
 
 MS = 1_000_000
 START = 10_000 * MS
-AHEAD = FrictionCurve.PEAK_NOT_PASSED
+AHEAD = Reason.PEAK_NOT_PASSED
 
 
-def curve(
-    at: int, lambda_max: float, stddev: float, reason: int = FrictionCurve.OK, samples: int = 40
-) -> FrictionCurve:
+def curve(at: int, lambda_max: float, stddev: float, reason: int = Reason.OK, samples: int = 40) -> FrictionCurve:
     header = Header(stamp=from_nanoseconds(START + at * MS))
-    return FrictionCurve(header=header, lambda_max=lambda_max, lambda_max_stddev=stddev, reason=reason, samples=samples)
+    return FrictionCurve(
+        header=header,
+        lambda_max=lambda_max,
+        lambda_max_stddev=stddev,
+        validity=Validity(reason=reason),
+        samples=samples,
+    )
 
 
 def run(*curves: FrictionCurve, until: int, speed: float = 30.0) -> tuple[float, float]:
@@ -46,13 +51,13 @@ def test_a_curve_counts_for_15_m(speed: float) -> None:
     assert [isnan(each) for each in found] == [False, True]
 
 
-@pytest.mark.parametrize(("reason", "samples"), [(FrictionCurve.NO_PEAK, 40), (FrictionCurve.OK, 19)])
+@pytest.mark.parametrize(("reason", "samples"), [(Reason.NO_PEAK, 40), (Reason.OK, 19)])
 def test_what_tells_no_peak_changes_nothing(reason: int, samples: int) -> None:
     assert known(200, curve(0, 0.17, 0.01), curve(100, 0.4, 0.01, reason, samples)) == 0.17
 
 
 def test_a_peak_that_is_seen_to_be_ahead_ends_an_uncertain_one_that_it_contradicts() -> None:
-    early = [curve(at, 0.12, 0.01, FrictionCurve.UNCERTAIN) for at in range(0, 55, 5)]
+    early = [curve(at, 0.12, 0.01, Reason.UNCERTAIN) for at in range(0, 55, 5)]
     assert isnan(known(200, *early, curve(100, 0.41, 0.03, AHEAD)))
     assert known(200, *early, curve(100, 0.14, 0.03, AHEAD)) == 0.12
     assert known(140, *early, curve(100, 0.41, 0.03, AHEAD)) == 0.12
@@ -60,14 +65,14 @@ def test_a_peak_that_is_seen_to_be_ahead_ends_an_uncertain_one_that_it_contradic
     assert isnan(known(200, curve(100, 0.41, 0.03, AHEAD)))
 
 
-@pytest.mark.parametrize("reason", [FrictionCurve.OK, FrictionCurve.UNKNOWN_CAR])
+@pytest.mark.parametrize("reason", [Reason.OK, Reason.UNKNOWN_CAR])
 def test_a_peak_that_was_seen_counts_at_once_and_is_not_ended_by_a_guess(reason: int) -> None:
     assert known(60, curve(0, 0.12, 0.01, reason)) == 0.12
     assert known(200, curve(0, 0.12, 0.01, reason), curve(100, 0.41, 0.03, AHEAD)) == 0.12
 
 
 @pytest.mark.parametrize(("stddev", "confirms"), [(0.01, True), (0.1, False)])
-@pytest.mark.parametrize("reason", [AHEAD, FrictionCurve.UNCERTAIN])
+@pytest.mark.parametrize("reason", [AHEAD, Reason.UNCERTAIN])
 def test_a_later_fit_that_is_sure_confirms_a_peak_and_a_guess_does_not(
     reason: int, stddev: float, confirms: bool
 ) -> None:
@@ -76,7 +81,7 @@ def test_a_later_fit_that_is_sure_confirms_a_peak_and_a_guess_does_not(
 
 
 def test_an_uncertain_curve_counts_once_fits_have_told_a_peak_for_50_ms() -> None:
-    uncertain = [curve(at, 0.04 + 1e-5 * at, 0.012, FrictionCurve.UNCERTAIN) for at in range(0, 100, 5)]
+    uncertain = [curve(at, 0.04 + 1e-5 * at, 0.012, Reason.UNCERTAIN) for at in range(0, 100, 5)]
     assert isnan(known(97, *uncertain))
     assert known(100, *uncertain) == pytest.approx(0.0405)
     interrupted = [*uncertain[:8], curve(40, 0.4, 0.1, AHEAD), *uncertain[9:16]]
@@ -86,7 +91,7 @@ def test_an_uncertain_curve_counts_once_fits_have_told_a_peak_for_50_ms() -> Non
 def test_a_curve_that_is_only_less_certain_does_not_replace_one() -> None:
     sure = [curve(at, 0.172, 0.002) for at in range(0, 60, 5)]
     for later, expected in (
-        (curve(100, 0.169, 0.125, FrictionCurve.UNCERTAIN), (0.172, 0.002)),
+        (curve(100, 0.169, 0.125, Reason.UNCERTAIN), (0.172, 0.002)),
         (curve(100, 0.18, 0.02), (0.172, 0.002)),
         (curve(100, 0.4, 0.03), (0.4, 0.03)),
         (curve(100, 0.05, 0.001), (0.05, 0.001)),
@@ -95,10 +100,10 @@ def test_a_curve_that_is_only_less_certain_does_not_replace_one() -> None:
 
 
 def test_a_vague_guess_replaces_a_peak_that_was_seen_no_sooner_than_it_contradicts_it() -> None:
-    vague = curve(100, 0.326, 0.128, FrictionCurve.UNCERTAIN)
-    beyond = curve(100, 0.326, 0.04, FrictionCurve.UNCERTAIN)
-    seen = [curve(at, 0.187, 0.002, FrictionCurve.UNKNOWN_CAR) for at in range(0, 105, 5)]
-    guessed = [curve(at, 0.187, 0.002, FrictionCurve.UNCERTAIN) for at in range(0, 105, 5)]
+    vague = curve(100, 0.326, 0.128, Reason.UNCERTAIN)
+    beyond = curve(100, 0.326, 0.04, Reason.UNCERTAIN)
+    seen = [curve(at, 0.187, 0.002, Reason.UNKNOWN_CAR) for at in range(0, 105, 5)]
+    guessed = [curve(at, 0.187, 0.002, Reason.UNCERTAIN) for at in range(0, 105, 5)]
     assert run(*seen, vague, until=200) == (0.187, 0.002)
     assert run(*seen, beyond, until=200) == (0.326, 0.04)
     assert run(*guessed, vague, until=200) == (0.326, 0.128)

@@ -4,7 +4,7 @@ from math import exp, inf, isfinite, nan
 
 import numpy as np
 import pytest
-from friction_msgs.msg import FrictionCurve
+from friction_msgs.msg import FrictionCurve, Validity
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -26,6 +26,7 @@ from corner_sim.corner import SingleCorner
 from friction_runtime.stamps import from_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator, Command
+from vehicle_models.reason import Reason
 from vehicle_models.surfaces import TABLE_8_1, surface
 from vehicle_models.vehicle import CornerParameters
 
@@ -92,7 +93,7 @@ def test_a_peak_alone_gives_the_curve_of_a_road_with_this_peak(name: str) -> Non
 
 def test_the_law_takes_a_curve_of_another_family_by_its_peak() -> None:
     """A fit by the magic formula has lambda_max and mu_max, and no theta."""
-    message = FrictionCurve(reason=FrictionCurve.OK, samples=100, theta_1=nan, theta_2=nan, theta_3=nan)
+    message = FrictionCurve(validity=Validity(reason=Reason.OK), samples=100, theta_1=nan, theta_2=nan, theta_3=nan)
     message.header.stamp = from_nanoseconds(STEP)
     message.lambda_max, message.mu_max = 0.14, 0.9
     found = curve_report(message)

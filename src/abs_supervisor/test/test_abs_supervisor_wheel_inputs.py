@@ -3,12 +3,13 @@
 from math import isfinite
 
 import pytest
-from friction_msgs.msg import SlopeVote, WheelSlip
+from friction_msgs.msg import SlopeVote, Validity, WheelSlip
 
 from abs_supervisor.ros.wheel_inputs import WheelInputs
 from friction_runtime.aligner import AlignedSample
 from friction_runtime.processor import silent
 from friction_runtime.stamps import header_at
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 
 WHEEL = "front_left"
@@ -18,13 +19,13 @@ STEP = 5_000_000
 def test_a_vote_is_told_why_its_own_slip_is_not_valid_whatever_slip_came_last() -> None:
     inputs = WheelInputs(WHEEL, load_vehicle("chapter_corner"), silent, fine=False)
     for number, text in ((2, "too slow"), (3, "too slow"), (4, "no speed")):
-        inputs.read(inputs.slip, WheelSlip(header=header_at(number * STEP, WHEEL), reason_text=text))
+        inputs.read(inputs.slip, WheelSlip(header=header_at(number * STEP, WHEEL), validity=Validity(text=text)))
     told = []
     for number in (1, 2, 3, 4, 5):
         sample = AlignedSample(number * STEP, SlopeVote(), {}, {}, False)
         told.append(inputs.observe(sample, 0.0).slip_text)
     assert told == [f"{WHEEL}/slip: {text}" for text in ("not valid", "too slow", "too slow", "no speed", "no speed")]
-    inputs.read(inputs.slip, WheelSlip(header=header_at(STEP, WHEEL), reason_text="a new run"))
+    inputs.read(inputs.slip, WheelSlip(header=header_at(STEP, WHEEL), validity=Validity(text="a new run")))
     assert inputs.observe(AlignedSample(STEP, SlopeVote(), {}, {}, False), 0.0).slip_text.endswith("a new run")
 
 
@@ -37,8 +38,8 @@ def test_a_speed_of_the_car_counts_with_a_deviation_up_to_a_third_of_it_or_one_a
 ) -> None:
     vehicle = load_vehicle("chapter_corner")
     inputs = WheelInputs(WHEEL, vehicle, silent, fine=True)
-    message = WheelSlip(header=header_at(STEP, WHEEL), reason=WheelSlip.UNCERTAIN, vehicle_speed=speed)
-    message.vehicle_speed_variance, message.wheel_speed = stddev * stddev, share * speed / vehicle.wheels[0].radius
+    message = WheelSlip(header=header_at(STEP, WHEEL), validity=Validity(reason=Reason.UNCERTAIN), vehicle_speed=speed)
+    message.vehicle_speed_stddev, message.wheel_speed = stddev, share * speed / vehicle.wheels[0].radius
     read = inputs.read(inputs.slip, message)
     assert not isinstance(read, str)
     sample = AlignedSample(STEP, SlopeVote(), {inputs.slip: read[1]}, {}, False)

@@ -164,8 +164,6 @@ class SlopeCrossings:
         """Stamp of the last crossing [ns]; 0 before."""
         self.surface_changes: NDArray[np.int64] = np.zeros(count, dtype=np.int64)
         """How often the surface changed."""
-        self.surface_changed: NDArray[np.bool_] = np.zeros(count, dtype=np.bool_)
-        """Whether the surface changed at the last sample."""
         self._previous: PlantSample | None = None
 
     def update(self, sample: PlantSample, stamp_ns: int) -> None:
@@ -177,12 +175,12 @@ class SlopeCrossings:
         before, self._previous = self._previous, sample
         sign = np.where(sample.slope < 0.0, -1, 1)
         if before is not None:
-            self.surface_changed = sample.surface != before.surface
-            self.surface_changes = self.surface_changes + self.surface_changed
+            changed = sample.surface != before.surface
+            self.surface_changes = self.surface_changes + changed
             for i in np.flatnonzero(sign != self.sign):
                 self.count[i] += 1
                 self.slip[i], self.stamp[i] = sample.tyre_slip[i], stamp_ns
-                if not self.surface_changed[i]:
+                if not changed[i]:
                     peak = float(sample.peak[i, 0])
                     remaining = (sample.tyre_slip[i] - peak) / (sample.tyre_slip[i] - before.tyre_slip[i])
                     self.slip[i] = peak

@@ -110,7 +110,7 @@ def test_the_rear_axle_meets_a_new_road_one_wheelbase_later() -> None:
     rolling = replace(QUIET, demand_level=0.0, surfaces=("dry", "snow"), surface_distances=(0.0, 5.0))
     found = run(rolling, 80)
     changed = {
-        wheel: next(k for k, curve in enumerate(found[f"truth/{wheel}/friction_curve"]) if curve.restarted)
+        wheel: next(k for k, curve in enumerate(found[f"truth/{wheel}/friction_curve"]) if curve.restarts)
         for wheel in COMPACT.wheel_names
     }
     front, rear = changed["front_left"], changed["rear_right"]

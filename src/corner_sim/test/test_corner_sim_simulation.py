@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionCurve, FrictionSlope
+from friction_msgs.msg import BrakeCommand, BrakeDemand
 from std_msgs.msg import Header
 
 from corner_sim.parameters import SimParameters
@@ -14,6 +14,7 @@ from corner_sim.ros import messages
 from corner_sim.ros.simulation import Simulation
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models import burckhardt
+from vehicle_models.reason import Reason
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle import Accelerometer, Vehicle
 from vehicle_models.vehicle_file import load_vehicle
@@ -153,18 +154,15 @@ def test_the_true_indicator_has_the_sign_of_the_slope() -> None:
     for slope in run(SimParameters(noise="none"), 330, cycling)["truth/front_left/friction_slope"]:
         if abs(slope.indicator) > 1e-6:
             assert np.sign(slope.indicator) == slope.sign
-            assert slope.method == FrictionSlope.METHOD_TRUTH
+            assert slope.method == "truth"
 
 
 def test_a_change_of_surface_shows_in_the_true_curve_once() -> None:
     parameters = SimParameters(noise="none", demand_level=0.0, surfaces=("dry", "snow"), surface_distances=(0.0, 2.95))
     curves = run(parameters, 40)["truth/front_left/friction_curve"]
-    restarted = [k for k, curve in enumerate(curves) if curve.restarted]
-    assert restarted == [20]  # 2.95 m at 0.15 m a sample
+    assert [curve.restarts for curve in curves] == [0] * 20 + [1] * 20  # 2.95 m at 0.15 m a sample
     assert curves[19].theta_2 == surface("dry")[1]
     assert curves[20].theta_2 == surface("snow")[1]
-    assert curves[39].restarts == 1
-    assert curves[39].restart_cause == FrictionCurve.RESTART_SURFACE
     assert curves[39].lambda_max == pytest.approx(float(burckhardt.peak(surface("snow"))[0]))
 
 
@@ -179,11 +177,11 @@ def test_the_true_force_is_load_times_friction_and_negative_in_braking() -> None
 def test_at_standstill_the_truth_says_that_slip_is_not_defined() -> None:
     found = run(SimParameters(noise="none", initial_speed=2.0, demand_start=0.0), 300)
     slip, slope = found["truth/front_left/slip"][-1], found["truth/front_left/friction_slope"][-1]
-    assert not slip.valid
-    assert slip.reason == slip.LOW_SPEED
-    assert "front_left" in slip.reason_text
+    assert not slip.validity.valid
+    assert slip.validity.reason == Reason.LOW_SPEED
+    assert "front_left" in slip.validity.text
     assert np.isnan(slip.slip)
-    assert not slope.valid
+    assert not slope.validity.valid
     assert slope.sign == 0
 
 
@@ -250,7 +248,7 @@ def test_the_rear_axle_meets_a_new_surface_one_wheelbase_later() -> None:
     rolling = replace(BRAKING, demand_level=0.0, surfaces=("dry", "snow"), surface_distances=(0.0, 2.95))
     found = run(rolling, 60, vehicle=CAR)
     changed = {
-        wheel: next(k for k, curve in enumerate(found[f"truth/{wheel}/friction_curve"]) if curve.restarted)
+        wheel: next(k for k, curve in enumerate(found[f"truth/{wheel}/friction_curve"]) if curve.restarts)
         for wheel in CAR.wheel_names
     }
     # 2.95 m and 5.65 m at 0.15 m a sample

@@ -38,7 +38,7 @@ int32 sec
 uint32 nanosec
 """
 VALUES = {
-    "slip": ("slip", "slip_rate", "vehicle_speed", "slip_variance"),
+    "slip": ("slip", "slip_rate", "vehicle_speed", "slip_stddev"),
     "friction_slope": ("sign", "h", "indicator"),
 }
 MAP = f"""vehicle: {CAR}
@@ -141,12 +141,12 @@ def test_estimates_through_a_map_are_those_of_native_topics(tmp_path: Path, sign
     assert main(["process", *given, *common]) == 0
     native, mapped = decoded(tmp_path / "a"), decoded(tmp_path / "b")
     assert {"/wheel_states", "/imu/data", "/RR/brake_pressure", "/acme/other"} <= mapped.keys()
-    assert any(each.valid for each in native["/RL/slip"])
+    assert any(each.validity.valid for each in native["/RL/slip"])
     for topic in [f"/{wheel}/{kind}" for wheel in WHEELS for kind in ("slip", "friction_slope")]:
         assert len(native[topic]) == len(mapped[topic]) == 300
         for one, other in zip(native[topic], mapped[topic], strict=True):
             assert one.header.stamp == other.header.stamp
-            assert (one.valid, one.reason) == (other.valid, other.reason)
+            assert (one.validity.valid, one.validity.reason) == (other.validity.valid, other.validity.reason)
         for name in VALUES[topic[4:]]:
             expected = np.array([getattr(each, name) for each in native[topic]])
             found = np.array([getattr(each, name) for each in mapped[topic]])

@@ -100,6 +100,8 @@ def test_every_sample_of_the_bag_gets_the_estimates_of_every_wheel(bag: Path, pr
             ("slip", "WheelSlip"),
             ("friction_slope", "FrictionSlope"),
             ("friction_curve", "FrictionCurve"),
+            ("friction_curve_debug", "FrictionCurveDebug"),
+            ("abs_supervisor_debug", "SupervisorDebug"),
         ):
             found = after[f"/{wheel}/{name}"]
             assert [stamp for stamp, _ in found] == samples
@@ -108,7 +110,7 @@ def test_every_sample_of_the_bag_gets_the_estimates_of_every_wheel(bag: Path, pr
             assert {message.wheel for message in messages} == {wheel}
             assert [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in messages] == samples
         slips = [deserialize_message(data, WheelSlip) for _, data in after[f"/{wheel}/slip"]]
-        assert sum(message.valid for message in slips) > len(samples) / 2
+        assert sum(message.validity.valid for message in slips) > len(samples) / 2
         assert len(after[f"/{wheel}/abs_supervisor"]) == len(samples)
 
 
@@ -221,7 +223,7 @@ def test_a_supervisor_without_its_estimators_names_what_is_missing(
     assert not made["/front_left/abs_supervisor"]
     beside = process(bag, tmp_path / "beside", estimators=("friction_slope", "abs_supervisor"))
     state = deserialize_message(beside["/front_left/abs_supervisor"][100][1], SupervisorState)
-    assert state.valid
+    assert state.validity.valid
     assert "release by deceleration alone (front_left/slip: " in state.unchecked
     capsys.readouterr()
     again = process(processed, tmp_path / "again", estimators=("abs_supervisor",))
@@ -237,7 +239,7 @@ def test_parameters_come_from_the_files_in_their_order_and_bad_ones_are_named(ba
     for order, valid in (("ab", False), ("ba", True)):
         files = tuple(tmp_path / name for name in order)
         made = process(bag, tmp_path / order, estimators=("wheel_slip",), parameter_files=files)
-        assert deserialize_message(made["/front_left/slip"][30][1], WheelSlip).valid is valid
+        assert deserialize_message(made["/front_left/slip"][30][1], WheelSlip).validity.valid is valid
     (tmp_path / "bad").write_text("wheel_slip:\n  ros__parameters:\n    estimator: {minimum_speed: -1.0}\n")
     with pytest.raises(ParameterError, match=r"bad: line 3: .*estimator\.minimum_speed"):
         process(bag, tmp_path / "out2", parameter_files=(tmp_path / "bad",))

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from friction_msgs.msg import WheelSlip
+from friction_msgs.msg import Validity, WheelSlip
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
@@ -71,7 +71,7 @@ def test_what_is_written_is_read_in_the_order_of_its_stamps(
 
 @pytest.mark.parametrize("compression", ["zstd", "lz4", "none"])
 def test_another_reader_decodes_the_messages_without_knowing_their_types(tmp_path: Path, compression: str) -> None:
-    message = WheelSlip(wheel="front_left", slip=0.125, valid=True)
+    message = WheelSlip(wheel="front_left", slip=0.125, validity=Validity(valid=True))
     message.header.stamp.sec = 3
     topic = installed_topic("/front_left/slip", "friction_msgs/msg/WheelSlip")
     with BagWriter(tmp_path / "bag", compression=compression) as writer:  # type: ignore[arg-type]
@@ -82,7 +82,7 @@ def test_another_reader_decodes_the_messages_without_knowing_their_types(tmp_pat
         decoded = [reader.deserialize(data, connection.msgtype) for connection, _, data in reader.messages()]
         (connection,) = reader.connections
     assert len(decoded) == 100
-    found = {(each.wheel, each.slip, each.valid, each.header.stamp.sec) for each in decoded}  # type: ignore[attr-defined]
+    found = {(each.wheel, each.slip, each.validity.valid, each.header.stamp.sec) for each in decoded}  # type: ignore[attr-defined]
     assert found == {("front_left", 0.125, True, 3)}
     assert connection.digest == topic.type_hash
     assert connection.ext.offered_qos_profiles == [QOS]  # type: ignore[union-attr]

@@ -182,9 +182,13 @@ def test_estimates_of_a_stack_are_those_of_native_topics(
         one, other = decoded(tmp_path / "a", end), decoded(tmp_path / "b", end)
         assert len(one) == len(other) > 3 * STEPS
         for expected, found in zip(one, other, strict=True):
-            assert (expected.wheel, expected.valid, expected.reason) == (found.wheel, found.valid, found.reason)
+            assert (expected.wheel, expected.validity.valid, expected.validity.reason) == (
+                found.wheel,
+                found.validity.valid,
+                found.validity.reason,
+            )
             assert all(alike(getattr(expected, value), getattr(found, value)) for value in values)
-        assert any(each.valid for each in one) or end != "/slip"
+        assert any(each.validity.valid for each in one) or end != "/slip"
 
 
 @pytest.mark.parametrize("name", ["autoware", "carla", "f1tenth"])

@@ -24,7 +24,10 @@ COMPOSED_PROCESS = "estimators"
 """Name of the process of these."""
 WHEEL_STATES_READERS = ("wheel_slip", "friction_slope", "friction_curve_id", SUPERVISOR)
 """Nodes that take wheel_states."""
-ESTIMATES = ("slip", "friction_slope", "slope_vote", "friction_curve", "abs_supervisor", "contact_patch", "tyre_force")
+ESTIMATES = (
+    *("slip", "friction_slope", "slope_vote", "friction_curve", "friction_curve_debug"),
+    *("abs_supervisor", "abs_supervisor_debug", "contact_patch", "tyre_force"),
+)
 """Topics of the estimators below each wheel."""
 COMMAND = "brake_command"
 """Topic of the supervisor below each wheel, unless it is in shadow mode."""

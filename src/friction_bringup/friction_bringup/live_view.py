@@ -88,14 +88,14 @@ class WheelView:
     def number(self, topic: str, name: str, form: str, scale: float = 1.0) -> str:
         """Return a field as text: a dash where the topic is silent or not valid, or the value is not finite."""
         message = self.messages.get(topic)
-        usable = message is not None and getattr(message, "valid", True)
+        usable = message is not None and _is_valid(message)
         return number(scale * getattr(message, name), form) if usable else "–"
 
     @property
     def sign(self) -> Text:
         """Sign of the friction curve's slope; a question mark where it is not known."""
         slope = self.messages.get("friction_slope")
-        text, style = _SIGNS[slope.sign if slope is not None and slope.valid else 0]
+        text, style = _SIGNS[slope.sign if slope is not None and slope.validity.valid else 0]
         return Text(text, style=style)
 
     @property
@@ -126,8 +126,8 @@ class WheelView:
     @property
     def reasons(self) -> list[str]:
         """Return what cannot be estimated, and why."""
-        invalid = (message for message in self.messages.values() if not getattr(message, "valid", True))
-        return list(dict.fromkeys(message.reason_text for message in invalid if message.reason_text))
+        texts = (message.validity.text for message in self.messages.values() if not _is_valid(message))
+        return list(dict.fromkeys(text for text in texts if text))
 
 
 class LiveView(Node):
@@ -228,6 +228,10 @@ class LiveView(Node):
         return f"{self.time:7.2f}  {number(self.speed, '7.2f'):>7}  {'  '.join(cells)}"
 
 
+def _is_valid(message: Any) -> bool:
+    return not hasattr(message, "validity") or message.validity.valid
+
+
 def number(value: float, form: str) -> str:
     """Return a number as text, a dash where it is not finite."""
     return f"{value:{form}}" if isfinite(value) else "–"
@@ -239,6 +243,6 @@ def _forces(view: WheelView) -> list[str]:
 
 def _bar(view: WheelView) -> str:
     slip = view.messages.get("slip")
-    if slip is None or not slip.valid or not isfinite(slip.slip):
+    if slip is None or not slip.validity.valid or not isfinite(slip.slip):
         return ""
     return "█" * round(_BAR_CELLS * min(max(slip.slip, 0.0), _BAR_FULL_SLIP) / _BAR_FULL_SLIP)

@@ -79,7 +79,7 @@ def test_valid_slope_signs_of_the_sign_law_are_the_true_ones() -> None:
                     simulation.take_command(answer.wheel, answer)
                 if isinstance(answer, FrictionSlope):
                     stamp = to_nanoseconds(answer.header.stamp)
-                    signs[answer.wheel].append((stamp, answer.sign, answer.valid, 1e9 * answer.delay))
+                    signs[answer.wheel].append((stamp, answer.sign, answer.validity.valid, 1e9 * answer.delay))
         simulation.advance()
     times, *of_wheels = np.array(truth, dtype=float).T
     counts = []

@@ -5,7 +5,15 @@ from __future__ import annotations
 from math import nan
 
 import pytest
-from friction_msgs.msg import BrakeCommand, FrictionCurve, FrictionSlope, SupervisorState, TyreForce, WheelSlip
+from friction_msgs.msg import (
+    BrakeCommand,
+    FrictionCurve,
+    FrictionSlope,
+    SupervisorState,
+    TyreForce,
+    Validity,
+    WheelSlip,
+)
 from rich.console import Console
 
 from friction_bringup.live_view import WheelView
@@ -24,12 +32,14 @@ def shown(view: WheelView, now: float, width: int = 160) -> str:
 def view() -> WheelView:
     """Make a wheel with a message on every topic at t = 10 s."""
     messages = {
-        "slip": WheelSlip(slip=0.1234, vehicle_speed=21.5, valid=True),
-        "friction_slope": FrictionSlope(sign=-1, valid=True),
-        "friction_curve": FrictionCurve(lambda_max=0.17, lambda_max_stddev=0.02, mu_max=1.17, valid=True),
-        "abs_supervisor": SupervisorState(state=SupervisorState.S21, valid=True),
+        "slip": WheelSlip(slip=0.1234, vehicle_speed=21.5, validity=Validity(valid=True)),
+        "friction_slope": FrictionSlope(sign=-1, validity=Validity(valid=True)),
+        "friction_curve": FrictionCurve(
+            lambda_max=0.17, lambda_max_stddev=0.02, mu_max=1.17, validity=Validity(valid=True)
+        ),
+        "abs_supervisor": SupervisorState(state=SupervisorState.S21, validity=Validity(valid=True)),
         "brake_command": BrakeCommand(command=BrakeCommand.DECREASE),
-        "tyre_force": TyreForce(fx=-2500.0, fz=4000.0, fx_stddev=nan, valid=True),
+        "tyre_force": TyreForce(fx=-2500.0, fz=4000.0, fx_stddev=nan, validity=Validity(valid=True)),
     }
     return WheelView(messages=messages, arrivals=dict.fromkeys(messages, 10.0))
 
@@ -51,13 +61,13 @@ def test_no_number_is_cut_on_a_terminal_of_any_width(view: WheelView, width: int
 
 
 def test_reason_has_a_line_of_its_own(view: WheelView) -> None:
-    view.messages["slip"] = WheelSlip(valid=False, reason_text="rear_left: too slow")
+    view.messages["slip"] = WheelSlip(validity=Validity(valid=False, text="rear_left: too slow"))
     assert "rear_left: too slow" in [line.strip() for line in shown(view, 10.1, 80).splitlines()]
 
 
 def test_reason_does_not_repeat_the_name_of_the_wheel_where_it_names_a_topic(view: WheelView) -> None:
     view.messages["abs_supervisor"] = SupervisorState(
-        valid=False, reason_text="rear_left/slope_vote: filling the window"
+        validity=Validity(valid=False, text="rear_left/slope_vote: filling the window")
     )
     assert "rear_left: slope_vote: filling the window" in shown(view, now=10.0)
 
@@ -97,7 +107,7 @@ def test_topic_that_falls_silent_is_named_with_its_age(view: WheelView) -> None:
 
 
 def test_invalid_estimate_is_no_number_but_a_reason(view: WheelView) -> None:
-    view.messages["slip"] = WheelSlip(slip=0.5, vehicle_speed=0.3, valid=False, reason_text="too slow")
+    view.messages["slip"] = WheelSlip(slip=0.5, vehicle_speed=0.3, validity=Validity(valid=False, text="too slow"))
     text = shown(view, 10.1)
     assert "0.500" not in text
     assert "too slow" in text

@@ -17,29 +17,13 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicle_models.reason import Reason
+
 Array = NDArray[np.float64]
 
 
-class Reason(IntEnum):
-    """Why an estimate is not valid or a sample was refused; the values of friction_msgs/FrictionCurve."""
-
-    OK = 0
-    TOO_FEW_SAMPLES = 1
-    PEAK_NOT_PASSED = 2
-    LOW_SPEED = 3
-    NO_SLIP = 4
-    NO_TORQUE = 5
-    BAD_INPUT = 6
-    GAP = 7
-    NO_EXCITATION = 8
-    UNCERTAIN = 9
-    NO_PEAK = 10
-    NO_ACCELERATION = 11
-    UNKNOWN_CAR = 12
-
-
 class RestartCause(IntEnum):
-    """Why the fit restarted; the values are those of friction_msgs/FrictionCurve."""
+    """Why the fit restarted; the values are those of friction_msgs/FrictionCurveDebug."""
 
     NONE = 0
     SURFACE = 1
@@ -68,8 +52,9 @@ class Refusal(NamedTuple):
 
 
 UNKNOWN_THETA: Array = np.full(3, nan)
-"""theta of a method with another model, and its standard deviations."""
-UNKNOWN_THETA.flags.writeable = False
+UNKNOWN_THETA_COVARIANCE: Array = np.full((3, 3), nan)
+"""theta of a method with another model, and its covariance."""
+UNKNOWN_THETA.flags.writeable = UNKNOWN_THETA_COVARIANCE.flags.writeable = False
 
 
 class CurveEstimate(NamedTuple):
@@ -87,8 +72,8 @@ class CurveEstimate(NamedTuple):
     mu_max_stddev: float = nan
     theta: Array = UNKNOWN_THETA
     """Burckhardt parameters of (2.13), shape (3,)."""
-    theta_stddev: Array = UNKNOWN_THETA
-    """Standard deviations of theta [-], shape (3,)."""
+    theta_covariance: Array = UNKNOWN_THETA_COVARIANCE
+    """Covariance of theta [-], shape (3, 3)."""
     mu: float = nan
     """Friction coefficient of the fitted curve at the present slip [-]."""
     slope: float = nan
@@ -98,7 +83,7 @@ class CurveEstimate(NamedTuple):
     """Probability that the present slip is beyond the peak, 0..1."""
     restart_cause: RestartCause = RestartCause.NONE
     """Why the fit restarted at this sample, NONE where it did not."""
-    reason: Reason = Reason.TOO_FEW_SAMPLES
+    reason: Reason = Reason.NOT_READY
     """Why lambda_max and mu_max may not be used, OK where they may."""
     text: str = ""
     """The same in words."""

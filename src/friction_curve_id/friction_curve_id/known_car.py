@@ -4,7 +4,8 @@
 radius as if they were exact: their intervals hold where that is so, and miss the truth where it is not.
 """
 
-from friction_curve_id.interface import CurveEstimate, CurveEstimator, Reason, Refusal, Sample
+from friction_curve_id.interface import CurveEstimate, CurveEstimator, Refusal, Sample
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Deviations, Vehicle
 
 _OF_WHEEL = ("radius", "inertia", "brake_gain")

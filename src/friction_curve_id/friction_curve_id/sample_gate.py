@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 from math import isfinite
 
-from friction_curve_id.interface import Reason, Refusal, Sample
+from friction_curve_id.interface import Refusal, Sample
 from friction_curve_id.stamp_order import Admission, StampOrder
 from friction_parameters.parameter import max_gap_parameter, minimum_speed_parameter
+from vehicle_models.reason import Reason
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class SampleGate:
     def _refuse_values(self, sample: Sample) -> Refusal | None:
         speed, torque = sample.vehicle_speed, sample.brake_torque
         if torque is None:
-            return Refusal(Reason.NO_TORQUE, "brake torque is missing")
+            return Refusal(Reason.NO_PRESSURE, "brake torque is missing")
         if not (isfinite(sample.time) and isfinite(sample.wheel_speed) and isfinite(torque)):
             values = {"time": sample.time, "wheel speed": sample.wheel_speed, "brake torque": torque}
             bad = next(f"{name} is {value}" for name, value in values.items() if not isfinite(value))

@@ -3,7 +3,8 @@
 from enum import Enum
 from typing import Final
 
-from friction_curve_id.interface import Reason, Refusal
+from friction_curve_id.interface import Refusal
+from vehicle_models.reason import Reason
 
 _REPEATED: Final = 1e-4
 """Samples closer than this count as repeated [s]."""

@@ -16,8 +16,9 @@ from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
 from corner_sim.car.tyres import TYRES
 from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
+from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
 from vehicle_models import burckhardt
+from vehicle_models.reason import Reason
 from vehicle_models.surfaces import SURFACES
 from vehicle_models.vehicle import Deviation, SharedBy
 from vehicle_models.vehicle_file import load_vehicle

@@ -19,6 +19,7 @@ from friction_parameters.parameter import from_mapping
 from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 
 CAR = load_vehicle("compact_car")
@@ -57,7 +58,7 @@ def outputs(processor: CarProcessor, messages: Stream) -> list[tuple[str, Any]]:
 
 
 def drive(processor: CarProcessor, messages: Stream) -> list[tuple[str, FrictionCurve]]:
-    return [output for output in outputs(processor, messages) if output[0] != VEHICLE_FIT]
+    return [output for output in outputs(processor, messages) if isinstance(output[1], FrictionCurve)]
 
 
 def fits(processor: CarProcessor, messages: Stream) -> list[VehicleFit]:
@@ -67,9 +68,10 @@ def fits(processor: CarProcessor, messages: Stream) -> list[VehicleFit]:
 def test_every_wheel_has_its_curve_from_one_processor() -> None:
     processor = made()
     found = drive(processor, stream())
-    assert {topic for topic, _ in found} | {VEHICLE_FIT} == set(processor.outputs)
-    assert set(processor.outputs) == {VEHICLE_FIT, *(f"{wheel}/friction_curve" for wheel in CAR.wheel_names)}
-    valid = [message for _, message in found if message.valid]
+    curves = {f"{wheel}/friction_curve" for wheel in CAR.wheel_names}
+    assert {topic for topic, _ in found} == curves
+    assert set(processor.outputs) == {VEHICLE_FIT, *curves, *(f"{curve}_debug" for curve in curves)}
+    valid = [message for _, message in found if message.validity.valid]
     assert {message.wheel for message in valid} == set(CAR.wheel_names)
     assert {message.method for message in valid} == {"car"}
     last = valid[-1]
@@ -94,8 +96,8 @@ def test_a_missing_pressure_is_named_for_its_wheel_and_the_others_go_on() -> Non
     processor = made()
     found = drive(processor, messages)
     lost = [message for topic, message in found if topic.startswith("rear_left")]
-    assert {message.reason for message in lost} == {FrictionCurve.NO_TORQUE}
-    assert "rear_left/brake_pressure" in lost[-1].reason_text
+    assert {message.validity.reason for message in lost} == {Reason.NO_PRESSURE}
+    assert "rear_left/brake_pressure" in lost[-1].validity.text
     assert processor.health().level is Level.ERROR
     assert any(message.samples > 0 for topic, message in found if topic.startswith("front_left"))
 
@@ -137,8 +139,8 @@ def released() -> Stream:
 def test_what_was_learned_is_told_once_a_second_and_after_a_braking() -> None:
     found = fits(made(), released())
     assert [message.brakings for message in found] == [0, 0, 0, 1, 1]
-    assert [message.valid for message in found] == [False, False, False, True, True]
-    assert "no braking" in found[0].reason_text and found[0].gain_over_mass_front > 0.0
+    assert [message.validity.valid for message in found] == [False, False, False, True, True]
+    assert "no braking" in found[0].validity.text and found[0].gain_over_mass_front > 0.0
     assert found[3].gain_over_mass_front_stddev < 0.5 * found[0].gain_over_mass_front_stddev
     car = random_car(70_001, "wet", "pacejka").parameters
     truth = car.brake_gain[0] / car.mass * CAR.wheels[0].radius / car.radius[0]
@@ -147,9 +149,9 @@ def test_what_was_learned_is_told_once_a_second_and_after_a_braking() -> None:
 
 def test_a_reset_forgets_what_was_learned() -> None:
     processor = made()
-    assert fits(processor, released())[-1].valid
+    assert fits(processor, released())[-1].validity.valid
     processor.reset()
-    assert not fits(processor, released()[:100])[0].valid
+    assert not fits(processor, released()[:100])[0].validity.valid
 
 
 @pytest.mark.parametrize(
@@ -171,9 +173,9 @@ def test_a_pressure_or_an_acceleration_in_another_unit_is_named_and_gives_no_cur
         elif isinstance(message, Imu) and kind is Imu:
             message.linear_acceleration.x *= factor
     curves = [curve for _, curve in drive(made(), messages)]
-    assert not any(curve.valid for curve in curves)
-    assert all(curve.reason == FrictionCurve.BAD_INPUT and named in curve.reason_text for curve in curves[-400:])
+    assert not any(curve.validity.valid for curve in curves)
+    assert all(curve.validity.reason == Reason.BAD_INPUT and named in curve.validity.text for curve in curves[-400:])
 
 
 def test_no_unit_of_a_car_that_is_only_not_known_exactly_is_suspected() -> None:
-    assert not [curve.reason_text for _, curve in drive(made(), stream()) if curve.reason_text.endswith("?")]
+    assert not [curve.validity.text for _, curve in drive(made(), stream()) if curve.validity.text.endswith("?")]

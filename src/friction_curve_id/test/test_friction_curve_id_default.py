@@ -14,8 +14,9 @@ from scipy.stats import chi2
 from corner_sim.corner import SingleCorner
 from corner_sim.sensors import CHAPTER_NOISE
 from friction_curve_id.default.estimator import DefaultEstimator, DefaultParameters
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
+from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause, Sample
 from vehicle_models import burckhardt
+from vehicle_models.reason import Reason
 from vehicle_models.surfaces import TABLE_8_1, surface
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -98,7 +99,7 @@ def test_a_speed_sensor_is_not_needed(noisy: Brake) -> None:
         ({"time": float("inf")}, Reason.BAD_INPUT),
         ({"brake_torque": float("-inf")}, Reason.BAD_INPUT),
         ({"vehicle_speed": float("nan")}, Reason.BAD_INPUT),
-        ({"brake_torque": None}, Reason.NO_TORQUE),
+        ({"brake_torque": None}, Reason.NO_PRESSURE),
         ({"wheel_speed": 0.0}, Reason.LOW_SPEED),
         ({"wheel_speed": -3.0}, Reason.LOW_SPEED),
         ({"vehicle_speed": 0.0}, Reason.LOW_SPEED),

@@ -13,8 +13,8 @@ from friction_curve_id.chapter.exponential_curve import EXPONENTS, ExponentialCu
 from friction_curve_id.chapter.least_squares import solve, triangle
 from friction_curve_id.curve.burckhardt_curve import BurckhardtCurve
 from friction_curve_id.curve.fitted_curve import CurveModel, FittedCurve, fit_covariance, samples_per_information
-from friction_curve_id.interface import Reason
 from vehicle_models import burckhardt
+from vehicle_models.reason import Reason
 from vehicle_models.surfaces import TABLE_8_1, surface
 
 Array = NDArray[np.float64]

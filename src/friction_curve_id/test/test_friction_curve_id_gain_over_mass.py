@@ -11,7 +11,8 @@ from corner_sim.car.driving import OrdinaryDriver
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import record
 from friction_curve_id.car.car_sample import Checked
-from friction_curve_id.car.gain_over_mass import GainOverMass, GainOverMassLearner, LearnedReason
+from friction_curve_id.car.gain_over_mass import GainOverMass, GainOverMassLearner
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import FRONT, Deviation, SharedBy, Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -77,7 +78,7 @@ def inside(found: GainOverMass, front: float, rear: float) -> bool:
 def test_nothing_is_learned_before_the_first_braking() -> None:
     found = GainOverMassLearner(CAR).found
     assert (found.front, found.rear) == pytest.approx(NOMINAL)
-    assert found.reason is LearnedReason.NOTHING_LEARNED
+    assert found.reason is Reason.NOTHING_LEARNED
     assert found.front_stddev / found.front == pytest.approx(np.hypot(130.0 / 1500.0, 7.5 / 130.0), rel=0.02)
 
 
@@ -85,7 +86,7 @@ def test_nothing_is_learned_before_the_first_braking() -> None:
 @pytest.mark.parametrize("offset", [-0.2, 0.2])
 def test_a_drive_teaches_the_gains_within_their_interval(front: float, rear: float, offset: float) -> None:
     found = taught(Drive(front, rear, offset=offset), 8).found
-    assert found.reason is LearnedReason.OK and found.brakings == 8 and found.refused == 0
+    assert found.reason is Reason.OK and found.brakings == 8 and found.refused == 0
     assert inside(found, front, rear)
     assert found.front_stddev / found.front < 0.035
 

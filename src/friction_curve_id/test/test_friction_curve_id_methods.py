@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 
 from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSamples, FrictionSource
 from friction_curve_id.chapter.start_parameters import StartParameters
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
+from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause, Sample
 from friction_curve_id.methods import CHAPTER_METHODS, exact_wheel_estimator
 from vehicle_models import burckhardt
+from vehicle_models.reason import Reason
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -84,7 +85,7 @@ def test_the_fit_begins_with_20_friction_samples(clean: Brake, name: str) -> Non
     kinds = [isinstance(answer, CurveEstimate) for answer in answers]
     assert kinds.index(True) == 20
     assert all(kinds[20:])
-    assert all(answer.reason is Reason.TOO_FEW_SAMPLES for answer in answers[:20])
+    assert all(answer.reason is Reason.NOT_READY for answer in answers[:20])
 
 
 @pytest.mark.parametrize("name", ["rls", "rml_ml"])
@@ -138,7 +139,7 @@ def test_constant_slip_says_that_there_is_no_excitation(name: str, source: Frict
         speed = 30.0 - deceleration * k * INTERVAL
         answer = estimator.update(Sample(k * INTERVAL, rolling * speed, speed, torque))
         assert isinstance(answer, Refusal)
-        assert answer.reason is (Reason.TOO_FEW_SAMPLES if k < 20 else Reason.NO_EXCITATION)
+        assert answer.reason is (Reason.NOT_READY if k < 20 else Reason.NO_EXCITATION)
 
 
 @pytest.mark.parametrize("name", NAMES)

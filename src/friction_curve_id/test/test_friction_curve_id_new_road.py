@@ -15,7 +15,8 @@ from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.car.car_model import CarConstants
 from friction_curve_id.car.fit import forgotten
 from friction_curve_id.car.new_road import NewRoad, axle_on_new_road
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
+from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]

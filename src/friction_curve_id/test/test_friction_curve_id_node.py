@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from friction_msgs.msg import FrictionCurve, WheelSlip
+from friction_msgs.msg import FrictionCurve, FrictionCurveDebug, Validity, WheelSlip
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
@@ -17,6 +17,7 @@ from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
 from friction_test_support.dds_client import DdsClient, dds_client, output_of, stop
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.reason import Reason
 
 Brake = Callable[..., Any]
 
@@ -57,8 +58,10 @@ def test_node_identifies_two_wheels_and_begins_again_on_reset(client: DdsClient,
     car.write_text(TWO_WHEELS)
     process = start_node(client, f"vehicle_file:={car}", "method:=rls")
     received: list[FrictionCurve] = []
+    debug: list[FrictionCurveDebug] = []
     for wheel in wheels:
         qos.subscribe(client.node, FrictionCurve, f"{wheel}/friction_curve", received.append, qos.ESTIMATE)
+        qos.subscribe(client.node, FrictionCurveDebug, f"{wheel}/friction_curve_debug", debug.append, qos.ESTIMATE)
     states = qos.publish(client.node, JointState, "wheel_states")
     pressures = [qos.publish(client.node, FluidPressure, f"{wheel}/brake_pressure") for wheel in wheels]
     slips = [qos.publish(client.node, WheelSlip, f"{wheel}/slip") for wheel in wheels]
@@ -72,10 +75,10 @@ def test_node_identifies_two_wheels_and_begins_again_on_reset(client: DdsClient,
         header = Header(stamp=from_nanoseconds(NANOSECONDS + next(warm_up) * NANOSECONDS // 100))
         for pressure, slip in zip(pressures, slips, strict=True):
             pressure.publish(FluidPressure(header=header))
-            slip.publish(WheelSlip(header=header, vehicle_speed=30.0, valid=True))
+            slip.publish(WheelSlip(header=header, vehicle_speed=30.0, validity=Validity(valid=True)))
         states.publish(JointState(header=header, name=list(wheels), velocity=[100.0] * 2))
-        last = {message.wheel: message.reason for message in received}
-        missing = {FrictionCurve.NO_TORQUE, FrictionCurve.NO_SLIP}
+        last = {message.wheel: message.validity.reason for message in received}
+        missing = {Reason.NO_PRESSURE, Reason.NO_SLIP}
         return set(last) == set(wheels) and missing.isdisjoint(last.values())
 
     client.until(hears_every_input)
@@ -86,12 +89,15 @@ def test_node_identifies_two_wheels_and_begins_again_on_reset(client: DdsClient,
             return [message for message in received if message.header.stamp.sec >= start]
 
         received.clear()
+        debug.clear()
         for count, sample in enumerate(clean(name).samples, 1):
             header = Header(stamp=from_nanoseconds(start * NANOSECONDS + round(sample.time * NANOSECONDS)))
             states.publish(JointState(header=header, name=list(wheels), velocity=[sample.wheel_speed] * 2))
             for pressure, slip in zip(pressures, slips, strict=True):
                 pressure.publish(FluidPressure(header=header, fluid_pressure=sample.brake_torque / 1e-4))
-                slip.publish(WheelSlip(header=header, vehicle_speed=sample.vehicle_speed, valid=True))
+                slip.publish(
+                    WheelSlip(header=header, vehicle_speed=sample.vehicle_speed, validity=Validity(valid=True))
+                )
 
             # One sample at a time: the test must not outrun best-effort queues on a busy machine.
             def answered(expected: int = 2 * count) -> bool:
@@ -104,11 +110,10 @@ def test_node_identifies_two_wheels_and_begins_again_on_reset(client: DdsClient,
         found = brake(name, start)
         assert {message.wheel for message in found} == set(wheels)
         for message in found[-2:]:
-            assert message.valid, message.reason_text
+            assert message.validity.valid, message.validity.text
             assert message.mu_max == pytest.approx(mu_max, rel=0.02)
         assert client.call(Trigger, "/friction_curve_id/reset", Trigger.Request()).success
-    causes = {message.restart_cause for message in found if message.restarted}
-    assert causes == {FrictionCurve.RESTART_REQUEST}
+    assert {message.restart_cause for message in debug if message.restarted} == {FrictionCurveDebug.RESTART_REQUEST}
     output = stop(process)
     assert process.returncode == 0, output
 
@@ -128,26 +133,26 @@ def test_method_and_speed_source_change_live_and_the_topics_with_them(client: Dd
         """One sample on every topic, whether the method reads it or not."""
         header = Header(stamp=from_nanoseconds(now))
         pressure.publish(FluidPressure(header=header, fluid_pressure=torque / 1e-4))
-        slip.publish(WheelSlip(header=header, vehicle_speed=speed, valid=True))
+        slip.publish(WheelSlip(header=header, vehicle_speed=speed, validity=Validity(valid=True)))
         reading = Imu(header=header)
         reading.linear_acceleration.x = acceleration
         imu.publish(reading)
         states.publish(JointState(header=header, name=["front_left"], velocity=[wheel_speed]))
 
-    def hears_every_input(method: str, missing: set[int]) -> Callable[[], bool]:
+    def hears_every_input(method: str, missing: set[Reason]) -> Callable[[], bool]:
         """Best-effort samples are lost until the node's new readers and the publishers here have found each other."""
 
         def heard() -> bool:
             nonlocal now
             now += NANOSECONDS // 100
             send(100.0, 30.0, 0.0, 0.0)
-            return bool(received) and received[-1].method == method and received[-1].reason not in missing
+            return bool(received) and received[-1].method == method and received[-1].validity.reason not in missing
 
         return heard
 
     def brake(method: str) -> FrictionCurve:
         nonlocal now
-        silent = {FrictionCurve.NO_TORQUE, FrictionCurve.NO_SLIP, FrictionCurve.NO_ACCELERATION}
+        silent = {Reason.NO_PRESSURE, Reason.NO_SLIP, Reason.NO_ACCELERATION}
         client.until(hears_every_input(method, silent))
         assert client.call(Trigger, "/friction_curve_id/reset", Trigger.Request()).success
         begin, braked = now + NANOSECONDS, clean("wet")

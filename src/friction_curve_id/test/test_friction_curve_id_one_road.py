@@ -24,7 +24,8 @@ from friction_curve_id.car.one_road import (
     difference_of_sides,
     misfit_at_peak,
 )
-from friction_curve_id.interface import CurveEstimate, Reason
+from friction_curve_id.interface import CurveEstimate
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]

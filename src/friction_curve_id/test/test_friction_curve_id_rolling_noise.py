@@ -7,8 +7,9 @@ from corner_sim.corner import SingleCorner
 from corner_sim.sensors import CHAPTER_NOISE
 from friction_curve_id.default.estimator import DefaultEstimator
 from friction_curve_id.default.rolling_noise import RollingNoise
-from friction_curve_id.interface import CurveEstimate, Reason, Sample
+from friction_curve_id.interface import CurveEstimate, Sample
 from vehicle_models import burckhardt
+from vehicle_models.reason import Reason
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle_file import load_vehicle
 

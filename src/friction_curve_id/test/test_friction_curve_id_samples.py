@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 from friction_curve_id.chapter.dead_reckoning import DeadReckonedSpeed
 from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSamples, FrictionSource, slip_equation
-from friction_curve_id.interface import Reason, Refusal, Sample
+from friction_curve_id.interface import Refusal, Sample
 from vehicle_models import burckhardt
+from vehicle_models.reason import Reason
 from vehicle_models.surfaces import TABLE_8_1, surface
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -110,7 +111,7 @@ def test_a_wheel_just_released_does_not_count_as_rolling_freely() -> None:
     [
         ({"wheel_speed": math.nan}, Reason.BAD_INPUT),
         ({"brake_torque": math.inf}, Reason.BAD_INPUT),
-        ({"brake_torque": None}, Reason.NO_TORQUE),
+        ({"brake_torque": None}, Reason.NO_PRESSURE),
         ({"vehicle_speed": math.nan}, Reason.BAD_INPUT),
         ({"vehicle_speed": 0.0}, Reason.LOW_SPEED),
         ({"vehicle_speed": -5.0}, Reason.LOW_SPEED),

@@ -2,8 +2,9 @@
 
 import pytest
 
-from friction_curve_id.interface import Reason, Refusal
+from friction_curve_id.interface import Refusal
 from friction_curve_id.stamp_order import Admission, StampOrder
+from vehicle_models.reason import Reason
 
 _MAX_GAP = 0.025
 

@@ -9,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_curve_id.chapter.tyre_force import TyreForceFitting, TyreForceParameters, TyreForceSample
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
+from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
 from friction_parameters.parameter import ParameterError, from_mapping
 from vehicle_models import burckhardt
+from vehicle_models.reason import Reason
 from vehicle_models.surfaces import surface
 
 

@@ -5,14 +5,15 @@ from math import nan
 import pytest
 
 from friction_curve_id.curve.validity import ValidityLimits
-from friction_curve_id.interface import CurveEstimate, Reason, RestartCause
+from friction_curve_id.interface import CurveEstimate, RestartCause
+from vehicle_models.reason import Reason
 
 
 @pytest.mark.parametrize(
     ("samples", "slips", "lambda_max", "stddev", "reason"),
     [
         (20, (0.0, 0.2), 0.1, 0.01, Reason.OK),
-        (19, (0.0, 0.2), nan, nan, Reason.TOO_FEW_SAMPLES),
+        (19, (0.0, 0.2), nan, nan, Reason.NOT_READY),
         (20, (0.0, 0.2), nan, nan, Reason.NO_PEAK),
         (20, (0.0, 0.09), 0.1, nan, Reason.PEAK_NOT_PASSED),
         (20, (0.11, 0.2), 0.1, 0.0, Reason.UNCERTAIN),

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
+from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
 from friction_curve_id.vehicle.vehicle_samples import (
     VehiclePoint,
     VehicleSample,
@@ -22,6 +22,7 @@ from friction_curve_id.vehicle.whole_vehicle import WholeVehicle
 from friction_parameters.parameter import ParameterError, from_mapping
 from vehicle_models import burckhardt
 from vehicle_models.constants import AIR_DENSITY
+from vehicle_models.reason import Reason
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle import Deviation, SharedBy, Vehicle
 from vehicle_models.vehicle_file import load_vehicle

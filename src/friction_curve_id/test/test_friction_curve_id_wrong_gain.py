@@ -11,9 +11,10 @@ import pytest
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
 from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
-from friction_curve_id.interface import CurveEstimate, Reason
+from friction_curve_id.interface import CurveEstimate
 from friction_curve_id.methods import METHODS, exact_wheel_estimator, make_estimator
 from vehicle_models import burckhardt
+from vehicle_models.reason import Reason
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle import Deviation, SharedBy
 from vehicle_models.vehicle_file import load_vehicle

@@ -231,9 +231,10 @@ def _brake(run: RecordedRun, wheel: str) -> Iterator[Line]:
     if (pressure := run.get(f"{wheel}/brake_pressure")) is not None:
         values = 1e-6 * pressure["fluid_pressure"]
         yield Line("pressure", wheel, wheel, "sensor", f"{wheel}/brake_pressure", pressure.time, values)
+    if (debug := run.get(topic := f"{wheel}/abs_supervisor_debug")) is not None:
+        values = debug["torque_set_point"]
+        yield Line("torque", f"{wheel}, set-point", wheel, "aim", topic, debug.time, values)
     if (supervisor := run.get(topic := f"{wheel}/abs_supervisor")) is not None:
-        values = supervisor["torque_set_point"]
-        yield Line("torque", f"{wheel}, set-point", wheel, "aim", topic, supervisor.time, values)
         values = supervisor["demand_torque"]
         yield Line("torque", f"{wheel}, driver's demand", wheel, "demand", topic, supervisor.time, values)
 

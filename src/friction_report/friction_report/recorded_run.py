@@ -30,7 +30,7 @@ _TYRES = "friction_msgs/msg/TyreSignals"
 VEHICLE = "vehicle"
 """Stands for the name of a wheel in the topics of what speaks of the whole car."""
 WHY = "why"
-"""Column of what has a `valid`: 0 where it is valid, else the number of the reason, counted from 1."""
+"""Column of what has a validity: 0 where it is valid, else the number of the reason, counted from 1."""
 _MOST_REASONS = 100
 """Reasons of one topic that are distinguished."""
 _OTHERS = "other reasons"
@@ -38,24 +38,27 @@ _UNSET = 86400 * NANOSECONDS
 """Stamps of zero among such that are larger than this [ns] were never set."""
 _PROGRESS_EVERY = 5000
 
+_VALID = "validity.valid"
+
 _COLUMNS: Mapping[str, tuple[str, ...]] = {
-    "friction_msgs/msg/WheelSlip": ("slip", "slip_rate", "vehicle_speed", "wheel_speed", "valid"),
+    "friction_msgs/msg/WheelSlip": ("slip", "slip_rate", "vehicle_speed", "wheel_speed", _VALID),
     "friction_msgs/msg/FrictionSlope": (
-        *("sign", "h", "indicator", "valid", "crossings", "crossing_sign", "slip_at_crossing", "delay"),
+        *("sign", "h", "indicator", _VALID, "crossings", "crossing_sign", "slip_at_crossing", "delay"),
         *("crossing_stamp.sec", "crossing_stamp.nanosec"),
     ),
     "friction_msgs/msg/SlopeVote": ("indicator",),
     "friction_msgs/msg/FrictionCurve": (
         *("theta_1", "theta_2", "theta_3", "lambda_max", "mu_max", "lambda_max_stddev", "mu_max_stddev"),
-        *("slip", "mu", "probability_beyond_peak", "valid"),
+        *("slip", "mu", "probability_beyond_peak", _VALID),
     ),
     "friction_msgs/msg/SupervisorState": (
-        *("state", "demand_torque", "command", "release", "cap", "refused_releases", "caps", "valid"),
-        *("law", "slip_set_point", "torque_set_point"),
+        *("state", "demand_torque", "command", "release", "cap", "refused_releases", _VALID),
+        *("law", "slip_set_point"),
     ),
-    "friction_msgs/msg/VehicleFit": ("brakings", "valid"),
-    "friction_msgs/msg/ContactPatch": ("length", "shift", "valid"),
-    "friction_msgs/msg/TyreForce": ("fx", "fz", "fx_stddev", "fz_stddev", "valid"),
+    "friction_msgs/msg/SupervisorDebug": ("torque_set_point",),
+    "friction_msgs/msg/VehicleFit": ("brakings", _VALID),
+    "friction_msgs/msg/ContactPatch": ("length", "shift", _VALID),
+    "friction_msgs/msg/TyreForce": ("fx", "fz", "fx_stddev", "fz_stddev", _VALID),
     "friction_msgs/msg/BrakeCommand": ("command",),
     "friction_msgs/msg/BrakeDemand": ("pressure",),
     "sensor_msgs/msg/FluidPressure": ("fluid_pressure",),
@@ -135,7 +138,7 @@ class _Rows:
         self._columns = _COLUMNS.get(topic.type, ())
         self._kind = message_class(topic.type)
         self._get = [attrgetter(column) for column in self._columns]
-        self._judged = "valid" in self._columns
+        self._judged = _VALID in self._columns
         self._stamps = array("q")
         self._values = array("d")
         self._why = array("d")
@@ -158,7 +161,7 @@ class _Rows:
         self._stamps.append(to_nanoseconds(message.header.stamp))
         self._values.extend([float(get(message)) for get in self._get])
         if self._judged:
-            self._why.append(0.0 if message.valid else self._number(message.reason_text))
+            self._why.append(0.0 if message.validity.valid else self._number(message.validity.text))
 
     @property
     def stamps(self) -> NDArray[np.int64]:
@@ -181,7 +184,7 @@ class _Rows:
         order = np.flatnonzero(self._kept(stamps))
         order = order[np.argsort(stamps[order], kind="stable")]
         table = np.array(self._values).reshape(stamps.size, len(self._columns))[order]
-        columns = {column: table[:, i] for i, column in enumerate(self._columns)}
+        columns = {column.removeprefix("validity."): table[:, i] for i, column in enumerate(self._columns)}
         if self._judged:
             columns[WHY] = np.array(self._why)[order]
         return Series((stamps[order] - start) / NANOSECONDS, columns, self._reasons)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from friction_msgs.msg import BrakeCommand
+from friction_msgs.msg import BrakeCommand, SupervisorState
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
@@ -23,6 +23,8 @@ from friction_runtime.reason_text import plain_reason
 
 _SHOWN_CROSSINGS = 16
 _SHOWN_REASONS = 3
+_ENDING_CAPS = (SupervisorState.CAP_CONTINUOUS, SupervisorState.CAP_SHARE, SupervisorState.CAP_RETURN)
+"""In force from the end of a release until the pressure is back."""
 
 
 def print_summary(console: Console, run: RecordedRun) -> None:
@@ -155,8 +157,9 @@ def release_table(run: RecordedRun) -> Table:
         if (series := run.get(f"{wheel}/abs_supervisor")) is None:
             continue
         times = release_times(series.time, series["command"] == BrakeCommand.DECREASE)
-        counts = [f"{series[name][-1]:.0f}" for name in ("refused_releases", "caps")]
-        table.add_row(wheel, f"{np.sum(times):.2f}", f"{np.max(times, initial=0.0):.2f}", *counts)
+        refused, capped = series["refused_releases"][-1], np.isin(series["cap"], _ENDING_CAPS)
+        ended = np.count_nonzero(np.diff(capped, prepend=False) & capped)
+        table.add_row(wheel, f"{np.sum(times):.2f}", f"{np.max(times, initial=0.0):.2f}", f"{refused:.0f}", str(ended))
     return table
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from friction_msgs.msg import FrictionCurve, FrictionSlope, TyreForce, WheelSlip
+from friction_msgs.msg import FrictionCurve, FrictionSlope, TyreForce, Validity, WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
@@ -87,7 +87,7 @@ def test_every_topic_of_the_bag_is_drawn_or_named(stop: str) -> None:
     data = shown(stop)
     run = read_run(BAGS / "abs_stop")
     assert {topic["name"] for topic in data["topics"]} == set(run.series)
-    assert data["not_drawn"] == ["/imu/data"]
+    assert data["not_drawn"] == ["/front_left/friction_curve_debug", "/imu/data"]
     drawn = {line["label"] for line in data["lines"]}
     assert {"front_left, ω r", "car, estimated", "car, speed sensor", "car, true"} <= drawn
     assert {panel["key"] for panel in data["panels"]} == {panel.key for panel in PANELS}
@@ -156,9 +156,12 @@ def test_nothing_that_a_bag_names_becomes_part_of_the_page(tmp_path: Path) -> No
     stamp = Header(frame_id=HOSTILE)
     stamp.stamp.sec = 1000
     messages: list[tuple[str, Any]] = [
-        ("/front_left/slip", WheelSlip(header=stamp, wheel=HOSTILE, reason=1, reason_text=HOSTILE)),
-        (f"/{HOSTILE}/friction_slope", FrictionSlope(header=stamp, wheel=HOSTILE, reason_text=HOSTILE)),
-        ("/front_left/friction_curve", FrictionCurve(header=stamp, method=HOSTILE, valid=True, theta_1=float("nan"))),
+        ("/front_left/slip", WheelSlip(header=stamp, wheel=HOSTILE, validity=Validity(reason=1, text=HOSTILE))),
+        (f"/{HOSTILE}/friction_slope", FrictionSlope(header=stamp, wheel=HOSTILE, validity=Validity(text=HOSTILE))),
+        (
+            "/front_left/friction_curve",
+            FrictionCurve(header=stamp, method=HOSTILE, validity=Validity(valid=True), theta_1=float("nan")),
+        ),
     ]
     write_bag(tmp_path / "bag", messages, {"note": HOSTILE, HOSTILE: "a"})
     bag = tmp_path / "<b onload=alert(3)>&amp;"
@@ -250,7 +253,7 @@ def test_message_without_a_stamp_does_not_stretch_the_page_over_decades(tmp_path
         speed = TwistWithCovarianceStamped(header=header_at(1_700_000_000_000_000_000 + k * 10_000_000, ""))
         speed.twist.twist.linear.x = 20.0
         messages.append(("/vehicle_velocity", speed))
-    messages.append(("/front_left/tyre_force", TyreForce(wheel="front_left", valid=True)))
+    messages.append(("/front_left/tyre_force", TyreForce(wheel="front_left", validity=Validity(valid=True))))
     messages.append(("/wheel_states", JointState()))
     write_bag(tmp_path / "bag", messages, {})
     run = read_run(tmp_path / "bag")
@@ -282,8 +285,9 @@ def hour(rate: float) -> RecordedRun:
         "friction_slope": {"sign": np.sign(noisy(0.0, 1.0)), **judged},
         "abs_supervisor": {
             **{"state": code(3), "law": code(1), "release": code(3), "cap": code(0), "demand_torque": noisy(3e3, 10.0)},
-            **{"slip_set_point": noisy(0.16, 0.01), "torque_set_point": noisy(1500.0, 50.0), **judged},
+            **{"slip_set_point": noisy(0.16, 0.01), **judged},
         },
+        "abs_supervisor_debug": {"torque_set_point": noisy(1500.0, 50.0)},
         "brake_command": {"command": code(3)},
         "brake_pressure": {"fluid_pressure": noisy(5e6, 1e5)},
         "tyre_force": {

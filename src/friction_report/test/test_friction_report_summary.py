@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from friction_msgs.msg import BrakeCommand
+from friction_msgs.msg import BrakeCommand, SupervisorState
 from rich.console import Console
 
 from friction_report.recorded_run import RecordedRun, Series
@@ -17,7 +17,8 @@ def run_with_releases(*, shadow: bool) -> RecordedRun:
     """One wheel, released from 0.5 to 0.7 s and from 1.0 to 1.3 s; five releases refused, one ended by a cap."""
     released = ((TIME > 0.495) & (TIME < 0.695)) | ((TIME > 0.995) & (TIME < 1.295))
     command = np.where(released, float(BrakeCommand.DECREASE), float(BrakeCommand.INCREASE))
-    counts = {"refused_releases": np.where(TIME < 1.5, 2.0, 5.0), "caps": np.where(TIME < 1.3, 0.0, 1.0)}
+    cap = np.where((TIME > 1.295) & (TIME < 1.6), float(SupervisorState.CAP_CONTINUOUS), 0.0)
+    counts = {"refused_releases": np.where(TIME < 1.5, 2.0, 5.0), "cap": cap}
     series = {"front_left/abs_supervisor": Series(TIME, {"command": command, **counts})}
     if not shadow:
         series["front_left/brake_command"] = Series(TIME, {"command": command})

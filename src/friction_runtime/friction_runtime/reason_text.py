@@ -1,20 +1,26 @@
-"""Validity of an estimate in messages: valid, reason, and a text that names its wheel once."""
+"""Validity of an estimate in its message, with a text that names its wheel once."""
 
 from typing import Any
 
+from friction_msgs.msg import Validity
 
-def set_reason(message: Any, wheel: str, reason: int, text: str) -> None:
-    """Set what every message of an estimate has: `valid`, `reason` and `reason_text`.
+from friction_runtime.new_message import new_message
+from vehicle_models.reason import Reason
+
+
+def validity(wheel: str, reason: Reason, text: str) -> Any:
+    """Return a message Validity.
 
     Args:
-        message: with these fields.
-        wheel: it is of.
-        reason: enum with the values of the message; 0 is OK in all of them.
+        wheel: name of the wheel that the estimate is of.
+        reason: why it may not be used.
         text: the reason in words, empty where it is OK.
     """
-    message.valid = reason == 0
+    message = new_message(Validity)
+    message.valid = reason == Reason.OK
     message.reason = int(reason)
-    message.reason_text = of_wheel(wheel, text)
+    message.text = of_wheel(wheel, text)
+    return message
 
 
 def of_wheel(wheel: str, text: str) -> str:

@@ -5,18 +5,12 @@ from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_loader
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 from builtin_interfaces.msg import Time
 from friction_msgs.msg import (
     BrakeDemand,
-    ContactPatch,
-    FrictionCurve,
-    FrictionSlope,
-    SupervisorState,
-    TyreForce,
-    WheelSlip,
 )
 from std_msgs.msg import Header
 
@@ -24,9 +18,10 @@ import friction_runtime
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Severity, level_of
-from friction_runtime.reason_text import of_topic, of_wheel, set_reason, without_wheel
+from friction_runtime.reason_text import of_topic, of_wheel, validity, without_wheel
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.physical_bounds import NEW_RUN
+from vehicle_models.reason import Reason
 
 if TYPE_CHECKING:
     from friction_runtime.aligned_processor import AlignedProcessor
@@ -192,10 +187,8 @@ def test_a_reason_passed_on_names_topic_and_wheel_once() -> None:
     assert without_wheel("FL", "FL: gap") == "gap"
 
 
-@pytest.mark.parametrize("kind", [ContactPatch, FrictionCurve, FrictionSlope, SupervisorState, TyreForce, WheelSlip])
-def test_every_message_of_an_estimate_gives_its_reason_in_one_way(kind: type) -> None:
-    message: Any = kind()
-    set_reason(message, "FL", message.OK, "")
-    assert (message.valid, message.reason, message.reason_text) == (True, 0, "")
-    set_reason(message, "FL", 2, "why")
-    assert (message.valid, message.reason, message.reason_text) == (False, 2, "FL: why")
+def test_validity_follows_from_the_reason_and_names_the_wheel() -> None:
+    made = validity("FL", Reason.OK, "")
+    assert (made.valid, made.reason, made.text) == (True, 0, "")
+    made = validity("FL", Reason.BAD_INPUT, "why")
+    assert (made.valid, made.reason, made.text) == (False, Reason.BAD_INPUT, "FL: why")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from friction_msgs.msg import BrakeDemand, FrictionCurve, SupervisorState, TyreSignals, WheelSlip
+from friction_msgs.msg import BrakeDemand, FrictionCurve, SupervisorState, TyreSignals, Validity, WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Imu, JointState
@@ -37,8 +37,11 @@ SEQUENCES: list[list[Any]] = [
     [joints(1.0, "a", "bcd"), joints(2.0, "abc", "d"), joints(3.0, "a", "bcd"), joints(4.0, "ab", "cd")],
     [block(number, samples) for samples in (50, 7, 50) for number in range(3)],
     [BrakeDemand(pressure=pressure) for pressure in (0.0, 1e5, math.inf)],
-    [WheelSlip(header=HEADER, slip=0.1 * k, valid=bool(k % 2), text="no speed" * k) for k in (0, 1, 1, 2)],
-    [FrictionCurve(header=HEADER, theta=[1.0, 2.0, float(k)]) for k in range(3)],
+    [
+        WheelSlip(header=HEADER, slip=0.1 * k, validity=Validity(valid=bool(k % 2), text="no speed" * k))
+        for k in (0, 1, 1, 2)
+    ],
+    [FrictionCurve(header=HEADER, theta_covariance=np.arange(9.0) + k) for k in range(3)],
     [SupervisorState(header=HEADER), SupervisorState(header=HEADER)],
     [Imu(header=HEADER, linear_acceleration_covariance=np.arange(9.0) + k) for k in (0, 0, 1)],
     [TwistWithCovarianceStamped(header=HEADER)] * 2,

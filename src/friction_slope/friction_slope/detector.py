@@ -11,7 +11,7 @@ from typing import Final
 from friction_parameters.parameter import max_gap_parameter, minimum_speed_parameter, parameter
 from friction_slope.crossing import CrossingDetector
 from friction_slope.doubt import Doubt
-from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
+from friction_slope.estimate import Method, SlopeEstimate, SlopeSample
 from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign, slope_indicator
 from friction_slope.signals import SignalWindow
 from friction_slope.told_slips import ToldSlips
@@ -19,6 +19,7 @@ from friction_slope.tyre_relaxation import TyreRelaxation
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION, SlowestCar
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import CornerParameters
 from vehicle_models.wheel_forces import WheelLoad
 
@@ -167,7 +168,7 @@ class SlopeDetector:
         if not isfinite(sample.wheel_speed):
             return self._estimate(Reason.BAD_INPUT, "wheel speed is missing or not finite")
         if not isfinite(sample.brake_torque):
-            return self._estimate(Reason.NO_TORQUE, "no brake torque")
+            return self._estimate(Reason.NO_PRESSURE, "no brake torque")
         if self._last is not None:
             gap = (sample.stamp - self._last.stamp) / NANOSECONDS
             if gap <= 0.0:

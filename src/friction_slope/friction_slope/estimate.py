@@ -1,33 +1,16 @@
 """Input and output of the detector at one stamp."""
 
-from enum import IntEnum
+from enum import Enum
 from math import nan
 
-
-class Method(IntEnum):
-    """Where the sign of the slip rate comes from; the values are those of friction_msgs/FrictionSlope."""
-
-    SLIP = 1
-    NO_SLIP = 2
+from vehicle_models.reason import Reason
 
 
-METHODS = {"slip": Method.SLIP, "no_slip": Method.NO_SLIP}
-"""Methods by their names in the parameter `method`."""
+class Method(Enum):
+    """Source of the sign of the slip rate; the values are those of the parameter and of friction_msgs/FrictionSlope."""
 
-
-class Reason(IntEnum):
-    """Why the sign may not be used; the values are those of friction_msgs/FrictionSlope."""
-
-    OK = 0
-    NOT_READY = 1
-    LOW_SPEED = 2
-    NO_SLIP = 3
-    NO_TORQUE = 4
-    BAD_INPUT = 5
-    GAP = 6
-    NOT_BRAKING = 7
-    NO_EXCITATION = 8
-    NOT_LASTING = 9
+    SLIP = "slip"
+    NO_SLIP = "no_slip"
 
 
 class SlopeSample:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import deadline_parameter, group, parameter
 from friction_slope.detector import DetectorParameters, NoSlipParameters
-from friction_slope.estimate import METHODS
+from friction_slope.estimate import Method
 from friction_slope.vote import VoteParameters
 from vehicle_models.vehicle_file import vehicle_file_parameter
 
@@ -19,7 +19,7 @@ class FrictionSlopeParameters:
     method: str = parameter(
         "slip",
         "sign of the slip rate: measured (8.4), and where the slip is lost as with no_slip; or that of eta (8.5)",
-        choices=tuple(METHODS),
+        choices=tuple(method.value for method in Method),
     )
     detector: DetectorParameters = group(DetectorParameters())
     no_slip: NoSlipParameters = group(NoSlipParameters())

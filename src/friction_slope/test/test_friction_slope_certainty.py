@@ -7,8 +7,9 @@ import pytest
 
 from friction_slope.detector import LOCKED_TYRE_SLIP, DetectorParameters, SlopeDetector
 from friction_slope.doubt import Doubt, doubt_of
-from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
+from friction_slope.estimate import Method, SlopeEstimate, SlopeSample
 from friction_slope.told_slips import MEMORY, NEARER, ToldSlips
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 
 STEP = 5_000_000

@@ -18,10 +18,11 @@ from friction_slope.detector import (
     NoSlipParameters,
     SlopeDetector,
 )
-from friction_slope.estimate import Method, Reason, SlopeEstimate, SlopeSample
+from friction_slope.estimate import Method, SlopeEstimate, SlopeSample
 from vehicle_models import burckhardt
 from vehicle_models.constants import GRAVITY
 from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION
+from vehicle_models.reason import Reason
 from vehicle_models.surfaces import TABLE_8_1, surface
 from vehicle_models.vehicle_file import load_vehicle
 from vehicle_models.wheel_forces import WheelLoad
@@ -253,7 +254,7 @@ def test_gap_fills_the_window_again_and_says_so() -> None:
     [
         (dict(wheel_speed=nan), Reason.BAD_INPUT),
         (dict(wheel_speed=inf), Reason.BAD_INPUT),
-        (dict(brake_torque=nan), Reason.NO_TORQUE),
+        (dict(brake_torque=nan), Reason.NO_PRESSURE),
         (dict(stamp=STEP), Reason.BAD_INPUT),
     ],
 )

@@ -16,8 +16,8 @@ from smart_tyre_forces.force_map import ForceMap
 from smart_tyre_forces.forces import steady_force
 from smart_tyre_forces.front_template import FrontTemplate
 from smart_tyre_forces.patch_tracker import Passage, TrackerParameters
-from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.wheel_run import WheelRun
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import REAR, Vehicle
 from vehicle_models.wheel_forces import wheel_forces
 
@@ -167,7 +167,7 @@ def raw_points(run: WheelRun, car: Vehicle, parameters: TrackerParameters) -> Po
     Raises:
         ValueError: fewer than 10 passages are valid.
     """
-    valid = [p for p in run.passages if p.reason is PatchReason.OK]
+    valid = [p for p in run.passages if p.reason is Reason.OK]
     if len(valid) < 10:
         raise ValueError(f"{run.wheel.name}: only {len(valid)} valid passages in a quasi-static run")
     shift = np.unwrap(np.array([p.centre for p in valid]))
@@ -190,7 +190,7 @@ def corrected_points(
     """
     correction = PatchCorrection(tyre, run.wheel.radius, parameters.sample_rate, zero)
     patches: list[Patch] = [correction.update(passage) for passage in run.passages]
-    valid = [patch for patch in patches if patch.reason is PatchReason.OK]
+    valid = [patch for patch in patches if patch.reason is Reason.OK]
     if len(valid) < 10:
         raise ValueError(f"{run.wheel.name}: only {len(valid)} valid passages after a steady stretch in a dynamic run")
     shift, length = np.array([p.shift for p in valid]), np.array([p.length for p in valid])

@@ -16,9 +16,10 @@ import numpy as np
 from friction_parameters.parameter import parameter
 from smart_tyre_forces.calibration import TyreCalibration, polynomial
 from smart_tyre_forces.patch_tracker import Passage
-from smart_tyre_forces.reasons import PATCH_TEXTS, PatchReason
+from smart_tyre_forces.reasons import PATCH_TEXTS
+from vehicle_models.reason import Reason
 
-_UNSTEADY = (PatchReason.SPEED_RANGE, PatchReason.REVERSAL)
+_UNSTEADY = (Reason.SPEED_RANGE, Reason.REVERSAL)
 """Reasons that end a stretch of constant speed; a revolution lost for another reason is only missing from it."""
 _FEWEST = 8
 """Least revolutions in a stretch."""
@@ -52,7 +53,7 @@ class Patch:
     """Contact patch of one revolution; angles NaN where there is none [rad]."""
 
     passage: Passage
-    reason: PatchReason
+    reason: Reason
     speed: float = np.nan
     """Circumferential speed omega R [m/s]."""
     alpha_1: float = np.nan
@@ -127,7 +128,7 @@ class PatchCorrection:
     def update(self, passage: Passage) -> Patch:
         """Correct one passage."""
         speed = passage.wheel_speed * self._radius
-        if passage.reason is not PatchReason.OK:
+        if passage.reason is not Reason.OK:
             if passage.reason in _UNSTEADY:
                 self._stretch.clear()
             return Patch(passage, passage.reason, speed)
@@ -138,13 +139,13 @@ class PatchCorrection:
         self._stretch.append(_Steady(passage.time / self._sample_rate, speed, centre, length_raw))
         self._learn_from_stretch()
         if self._omega_0 is None:
-            return Patch(passage, PatchReason.NOT_READY, speed, length_raw=length_raw)
+            return Patch(passage, Reason.NOT_READY, speed, length_raw=length_raw)
         shift_raw = _wrapped(centre + self._omega_0)
         length, shift = self._corrected(speed, shift_raw, length_raw)
-        reason = PatchReason.OK if self._calibration is not None else PatchReason.NOT_CALIBRATED
+        reason = Reason.OK if self._calibration is not None else Reason.NOT_CALIBRATED
         return Patch(
             passage=passage,
-            reason=PatchReason.NOT_READY if self._length_wanted else reason,
+            reason=Reason.NOT_READY if self._length_wanted else reason,
             speed=speed,
             alpha_1=shift_raw - 0.5 * length_raw,
             alpha_2=shift_raw + 0.5 * length_raw,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from friction_parameters.parameter import parameter
 from smart_tyre_forces.fir import filtered
 from smart_tyre_forces.missing_teeth import Gap
-from smart_tyre_forces.reasons import PatchReason
+from vehicle_models.reason import Reason
 
 Array = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ class CrossingParameters:
 class Stretch:
     """Crossings with nothing missed between them."""
 
-    interrupted: PatchReason | None
+    interrupted: Reason | None
     """Why the angle was lost before the first of these; None when they continue the crossings before."""
     times: Array
     """[samples since index 0], increasing."""
@@ -137,7 +137,7 @@ class EncoderCrossings:
     def _one_by_one(self, times: list[float], vague: list[bool]) -> list[Stretch]:
         """The same where an interval is not like the one before."""
         stretches: list[Stretch] = []
-        interrupted: PatchReason | None = None
+        interrupted: Reason | None = None
         good: list[float] = []
         for time, is_vague in zip(times, vague, strict=True):
             fault = self._take(time, is_vague, good)
@@ -150,17 +150,17 @@ class EncoderCrossings:
             stretches.append(Stretch(interrupted, np.asarray(good)))
         return stretches
 
-    def _take(self, time: float, vague: bool, good: list[float]) -> PatchReason | None:
+    def _take(self, time: float, vague: bool, good: list[float]) -> Reason | None:
         """Take one crossing; append to `good` what is known by it, or return why the angle is lost."""
         previous = self._previous
         newest = self._gap.newest if self._gap is not None else previous[-1] if previous else time
         if time - newest > self._longest_interval:
-            return PatchReason.REVERSAL
+            return Reason.REVERSAL
         found = [time]
         if self._gap is not None:
             bridged = self._gap.bridge(time)
             if bridged is None:
-                return None if self._gap.may_be_bridged else PatchReason.MISSED_TOOTH
+                return None if self._gap.may_be_bridged else Reason.MISSED_TOOTH
             found, self._gap = bridged, None
         elif len(previous) == 2:
             interval = previous[1] - previous[0]
@@ -169,7 +169,7 @@ class EncoderCrossings:
                 self._gap = Gap(previous[1], interval, time, _LATE)
                 return None
             if ratio * self._parameters.interval_ratio < 1.0:
-                return PatchReason.MISSED_TOOTH
+                return Reason.MISSED_TOOTH
         good += found
         self._previous = [*previous, *found][-2:]
         return None

@@ -15,15 +15,16 @@ import numpy as np
 
 from smart_tyre_forces.calibration import TyreCalibration, WheelCalibration, polynomial
 from smart_tyre_forces.correction import Patch
-from smart_tyre_forces.reasons import FORCE_TEXTS, ForceReason, PatchReason
+from smart_tyre_forces.reasons import FORCE_TEXTS
 from smart_tyre_forces.tyre_gain import TyreGain
+from vehicle_models.reason import Reason
 
 
 @dataclass(frozen=True)
 class Forces:
     """Forces of one revolution [N]; NaN where unknown."""
 
-    reason: ForceReason
+    reason: Reason
     fx: float = np.nan
     """Longitudinal force [N], forward positive."""
     fz: float = np.nan
@@ -78,15 +79,15 @@ def forces(
         gain: the tyre against its calibration; None: the calibration holds exactly.
     """
     if tyre is None or wheel is None:
-        return Forces(ForceReason.NOT_CALIBRATED)
-    if patch.reason is not PatchReason.OK:
-        return Forces(ForceReason.NO_PATCH)
+        return Forces(Reason.NOT_CALIBRATED)
+    if patch.reason is not Reason.OK:
+        return Forces(Reason.NO_PATCH)
     known = gain or TyreGain()
     trend = polynomial(tyre.length_trend, patch.speed) - tyre.nominal_length
     fz = tyre.length_map.force((patch.length + trend) / known.length - trend)
     mapped = tyre.shift_map.force(patch.shift)
     if not (np.isfinite(fz) and np.isfinite(mapped)):
-        return Forces(ForceReason.OUT_OF_RANGE)
+        return Forces(Reason.OUT_OF_RANGE)
     turn = turn_rate(patch, zero_speed)
     force = float((mapped - known.force[1] - known.force[2] * turn) / (1.0 + known.force[0]))
     effect = np.array([force, 1.0, turn]) / (1.0 + known.force[0])
@@ -95,7 +96,7 @@ def forces(
     length = float(np.hypot(np.hypot(length, by_length), known.length_stddev * (patch.length + trend)))
     shift = tyre.shift_map.slope(force) * float(np.hypot(shift_stddev(tyre, patch), by_shift))
     return Forces(
-        reason=ForceReason.OK,
+        reason=Reason.OK,
         fx=force + (steady_force(tyre, wheel, patch.speed, zero_speed) if restore_steady else 0.0),
         fz=fz,
         fx_stddev=float(np.sqrt(shift**2 + effect @ known.covariance @ effect)),

@@ -14,10 +14,10 @@ from friction_parameters.parameter import group, minimum_speed_parameter, parame
 from smart_tyre_forces.encoder_crossings import CrossingParameters, EncoderCrossings
 from smart_tyre_forces.front_template import FrontRefiner
 from smart_tyre_forces.fronts import FREE_BEGIN, FREE_END, WINDOW_END, find_fronts, noise_over_slope
-from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.sample_buffer import SampleBuffer
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.wheel_angle import WheelAngle
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Wheel
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ class Passage:
     """Trailing front [rad]."""
     wheel_speed: float
     """Mean over the window of the passage [rad/s]; NaN where unknown."""
-    reason: PatchReason
+    reason: Reason
     reference: int
     """Convention of zero angle: angles of different references cannot be compared."""
     front_stddev: float = np.nan
@@ -130,12 +130,12 @@ class PatchTracker:
             raise ValueError(f"block: {voltage.shape} encoder and {acceleration.shape} acceleration samples")
         passages: list[Passage] = []
         if self._next is not None and first_sample != self._next:
-            passages += self._interrupt(PatchReason.LOST_PACKETS, first_sample)
+            passages += self._interrupt(Reason.GAP, first_sample)
         if self._next is None or first_sample != self._next:
             self._restart(first_sample)
         self._next = first_sample + len(voltage)
         if np.count_nonzero(np.abs(voltage) <= _HIGHEST_VOLTAGE) < len(voltage):
-            passages += self._interrupt(PatchReason.BAD_INPUT, first_sample)
+            passages += self._interrupt(Reason.BAD_INPUT, first_sample)
             self._restart(self._next)
             return passages
         measured = np.abs(acceleration) <= _HIGHEST_ACCELERATION
@@ -160,13 +160,13 @@ class PatchTracker:
         self._acceleration = SampleBuffer(sample)
         self._centre = None
 
-    def _interrupt(self, reason: PatchReason, sample: int) -> list[Passage]:
+    def _interrupt(self, reason: Reason, sample: int) -> list[Passage]:
         """Return, once, an invalid passage with the reason why the angle is lost."""
         if not self.wheel.known:
             return []
         return [self._invalid(reason, float(sample), np.nan)]
 
-    def _invalid(self, reason: PatchReason, time: float, wheel_speed: float) -> Passage:
+    def _invalid(self, reason: Reason, time: float, wheel_speed: float) -> Passage:
         self._revolution += 1
         return Passage(self._revolution, time, np.nan, np.nan, wheel_speed, reason, self.wheel.reference)
 
@@ -221,15 +221,15 @@ class PatchTracker:
         speed = self._rate(2.0 * np.pi, end - start)
         self.wheel.forget_before(end)
         reason = self._speed_reason(speed)
-        return self._invalid(PatchReason.NO_FRONTS if reason is PatchReason.OK else reason, end, speed)
+        return self._invalid(Reason.NO_FRONTS if reason is Reason.OK else reason, end, speed)
 
     def _rate(self, angle: float, samples: float) -> float:
         return angle * self._parameters.sample_rate / samples
 
-    def _speed_reason(self, wheel_speed: float) -> PatchReason:
+    def _speed_reason(self, wheel_speed: float) -> Reason:
         speed = wheel_speed * self._radius
         inside = self._parameters.minimum_speed <= speed <= self._parameters.maximum_speed
-        return PatchReason.OK if inside else PatchReason.SPEED_RANGE
+        return Reason.OK if inside else Reason.SPEED_RANGE
 
     def _passage(self, centre: float) -> Passage:
         wheel = self.wheel
@@ -238,14 +238,14 @@ class PatchTracker:
         speed = self._rate(WINDOW_END - FREE_END, end - free_end)
         self._centre = centre + 2.0 * np.pi
         reason = self._speed_reason(speed)
-        if reason is not PatchReason.OK:
+        if reason is not Reason.OK:
             return self._invalid(reason, end, speed)
         times, acceleration = self._samples(centre + FREE_BEGIN, centre + WINDOW_END)
         if not np.all(np.isfinite(acceleration)):
-            return self._invalid(PatchReason.BAD_INPUT, end, speed)
+            return self._invalid(Reason.BAD_INPUT, end, speed)
         split = int(np.searchsorted(times, free_end))
         if np.max(np.abs(acceleration)) >= 0.999 * self._parameters.acceleration_range:
-            return self._invalid(PatchReason.SATURATED, end, speed)
+            return self._invalid(Reason.SATURATED, end, speed)
         theta = wheel.at(times) - centre
         fronts = find_fronts(
             theta[split:], acceleration[split:], float(np.mean(acceleration[:split])), speed / free_speed
@@ -261,7 +261,7 @@ class PatchTracker:
             if self._failures >= _FAILURES:
                 self._centre = None
                 wheel.forget_before(end)
-            return self._invalid(PatchReason.NO_FRONTS, end, speed)
+            return self._invalid(Reason.NO_FRONTS, end, speed)
         self._failures = 0
         self._centre += 0.5 * (fronts.alpha_1 + fronts.alpha_2)
         self._revolution += 1
@@ -272,7 +272,7 @@ class PatchTracker:
             alpha_1=centre + fronts.alpha_1 - turns,
             alpha_2=centre + fronts.alpha_2 - turns,
             wheel_speed=speed,
-            reason=PatchReason.OK,
+            reason=Reason.OK,
             reference=wheel.reference,
             front_stddev=fronts.stddev,
         )

@@ -114,7 +114,7 @@ def test_bags_become_a_calibration_that_the_processor_can_use(bags: dict[str, Pa
         outputs: list[tuple[str, Any]] = []
         for _, message in tyre_messages(drive, "front_left", 50):
             outputs += processor.process("front_left/tyre_signals", message)
-        forces = [m for topic, m in outputs if topic == "front_left/tyre_force" and m.valid]
+        forces = [m for topic, m in outputs if topic == "front_left/tyre_force" and m.validity.valid]
         stamps = np.array([m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec - 1e-9 * START for m in forces])
         assert len(forces) > 350
         for found, truth, limit in (

@@ -16,8 +16,8 @@ from smart_tyre_forces.force_map import ForceMap
 from smart_tyre_forces.forces import forces, length_stddev, shift_stddev, steady_force
 from smart_tyre_forces.front_template import GRID, FrontTemplate
 from smart_tyre_forces.patch_tracker import Passage
-from smart_tyre_forces.reasons import ForceReason, PatchReason
 from smart_tyre_forces.wheel_run import WheelRun
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -41,7 +41,7 @@ WHEEL = WheelCalibration(tuple(np.zeros(96)), (-44.0, 0.0, 0.0))
 def passage(k: int, speed: float, centre: float, length: float, reference: int = 0) -> Passage:
     """Half a revolution into the table, four revolutions a second."""
     return Passage(
-        k, 2500.0 * k, centre - 0.5 * length, centre + 0.5 * length, speed / 0.32, PatchReason.OK, reference, 1e-3
+        k, 2500.0 * k, centre - 0.5 * length, centre + 0.5 * length, speed / 0.32, Reason.OK, reference, 1e-3
     )
 
 
@@ -89,7 +89,7 @@ def test_maps_that_cannot_be_inverted_are_refused(
 
 def test_zero_is_found_on_the_first_slow_steady_stretch_of_seconds_and_not_before() -> None:
     correction, patches = corrected([passage(k, 8.0, 3.0, 0.43) for k in range(30)])
-    ready = [p.reason is PatchReason.OK for p in patches]
+    ready = [p.reason is Reason.OK for p in patches]
     assert not any(ready[:16]) and all(ready[18:])
     assert patches[-1].shift == pytest.approx(0.0, abs=1e-12)
     assert patches[-1].alpha_2 - patches[-1].alpha_1 == pytest.approx(0.43)
@@ -99,7 +99,7 @@ def test_zero_is_found_on_the_first_slow_steady_stretch_of_seconds_and_not_befor
 def test_fast_or_unsteady_driving_gives_no_zero() -> None:
     for speeds in (np.full(60, 20.0), np.linspace(7.0, 12.0, 60)):
         _, patches = corrected([passage(k, v, 3.0, 0.43) for k, v in enumerate(speeds)])
-        assert all(p.reason is PatchReason.NOT_READY for p in patches)
+        assert all(p.reason is Reason.NOT_READY for p in patches)
 
 
 @given(centre=st.floats(0.0, 2.0 * np.pi), shift=st.floats(-0.06, 0.06))
@@ -122,29 +122,27 @@ def test_a_new_convention_of_zero_angle_needs_a_new_zero() -> None:
     first = [passage(k, 8.0, 3.0, 0.43) for k in range(20)]
     second = [passage(20 + k, 8.0, 1.0, 0.43, reference=1) for k in range(20)]
     _, patches = corrected(first + second)
-    assert patches[19].reason is PatchReason.OK
-    assert all(p.reason is PatchReason.NOT_READY for p in patches[20:35])
-    assert patches[-1].reason is PatchReason.OK and patches[-1].shift == pytest.approx(0.0, abs=1e-12)
+    assert patches[19].reason is Reason.OK
+    assert all(p.reason is Reason.NOT_READY for p in patches[20:35])
+    assert patches[-1].reason is Reason.OK and patches[-1].shift == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize(
     ("reason", "found"),
-    [(PatchReason.LOST_PACKETS, True), (PatchReason.SATURATED, True), (PatchReason.SPEED_RANGE, False)],
+    [(Reason.GAP, True), (Reason.SATURATED, True), (Reason.SPEED_RANGE, False)],
 )
-def test_lost_revolutions_do_not_end_a_steady_stretch_but_a_change_of_speed_does(
-    reason: PatchReason, found: bool
-) -> None:
+def test_lost_revolutions_do_not_end_a_steady_stretch_but_a_change_of_speed_does(reason: Reason, found: bool) -> None:
     bad = Passage(9, 22_500.0, np.nan, np.nan, 25.0, reason, 0)
     drive = [*(passage(k, 8.0, 3.0, 0.43) for k in range(9)), bad, *(passage(k, 8.0, 3.0, 0.43) for k in range(10, 20))]
     _, patches = corrected(drive)
     assert patches[9].reason is reason and np.isnan(patches[9].shift)
-    assert (patches[-1].reason is PatchReason.OK) == found
+    assert (patches[-1].reason is Reason.OK) == found
 
 
 def test_a_zero_once_found_survives_invalid_revolutions() -> None:
-    bad = Passage(20, 50_000.0, np.nan, np.nan, 5.0, PatchReason.SPEED_RANGE, 0)
+    bad = Passage(20, 50_000.0, np.nan, np.nan, 5.0, Reason.SPEED_RANGE, 0)
     _, patches = corrected([*(passage(k, 8.0, 3.0, 0.43) for k in range(20)), bad, passage(21, 15.0, 3.0, 0.43)])
-    assert patches[-1].reason is PatchReason.OK
+    assert patches[-1].reason is Reason.OK
 
 
 def test_change_of_pressure_is_noticed_and_length_is_re_zeroed_on_request() -> None:
@@ -159,8 +157,8 @@ def test_change_of_pressure_is_noticed_and_length_is_re_zeroed_on_request() -> N
     assert length_stddev(TYRE, patch) == pytest.approx(0.07 * nominal, rel=0.02)
     correction.request_length_zero()
     patches = [correction.update(passage(k, 8.0, 3.0, 1.07 * nominal)) for k in range(41, 61)]
-    assert patches[3].reason is PatchReason.NOT_READY
-    assert patches[-1].reason is PatchReason.OK
+    assert patches[3].reason is Reason.NOT_READY
+    assert patches[-1].reason is Reason.OK
     assert patches[-1].length == pytest.approx(TYRE.nominal_length)
     assert not correction.pressure_changed
 
@@ -175,9 +173,9 @@ def test_shift_is_re_zeroed_on_request_at_any_steady_speed() -> None:
 
 def test_without_calibration_the_raw_values_are_given_and_called_so() -> None:
     _, patches = corrected([passage(k, 8.0, 3.0, 0.43) for k in range(20)], None)
-    assert patches[-1].reason is PatchReason.NOT_CALIBRATED
+    assert patches[-1].reason is Reason.NOT_CALIBRATED
     assert patches[-1].length == patches[-1].length_raw == pytest.approx(0.43)
-    assert forces(patches[-1], None, None, 8.0, restore_steady=True).reason is ForceReason.NOT_CALIBRATED
+    assert forces(patches[-1], None, None, 8.0, restore_steady=True).reason is Reason.NOT_CALIBRATED
 
 
 def test_length_and_centre_are_those_of_the_chapter() -> None:
@@ -192,7 +190,7 @@ def test_shift_by_the_load_is_linear_in_the_change_of_length() -> None:
 
 
 def good_patch(length: float, shift: float, speed: float = 20.0) -> Patch:
-    return Patch(passage(1, speed, 3.0, length), PatchReason.OK, speed, length=length, shift=shift)
+    return Patch(passage(1, speed, 3.0, length), Reason.OK, speed, length=length, shift=shift)
 
 
 def test_forces_follow_the_maps_and_the_steady_part_is_added_on_request() -> None:
@@ -220,10 +218,10 @@ def test_deviations_are_those_of_two_independent_fronts() -> None:
 
 def test_forces_refuse_what_they_cannot_know() -> None:
     far = good_patch(0.9, 0.0)
-    assert forces(far, TYRE, WHEEL, 8.0, restore_steady=True).reason is ForceReason.OUT_OF_RANGE
-    none = replace(far, reason=PatchReason.NO_FRONTS)
+    assert forces(far, TYRE, WHEEL, 8.0, restore_steady=True).reason is Reason.OUT_OF_RANGE
+    none = replace(far, reason=Reason.NO_FRONTS)
     found = forces(none, TYRE, WHEEL, 8.0, restore_steady=True)
-    assert found.reason is ForceReason.NO_PATCH and np.isnan(found.fx) and np.isnan(found.fz)
+    assert found.reason is Reason.NO_PATCH and np.isnan(found.fx) and np.isnan(found.fz)
 
 
 def ideal_passages(drive: Drive, rear: bool) -> list[Passage]:
@@ -235,7 +233,7 @@ def ideal_passages(drive: Drive, rear: bool) -> list[Passage]:
         shift = float(RING.patch_shift(fx[i], fz[i], 2e5, drive.speed[i]))
         wheel_speed = drive.speed[i] / 0.32
         time = 1e4 * (drive.time[i] + half / wheel_speed)
-        found.append(Passage(k, time, 3.0 + shift - half, 3.0 + shift + half, wheel_speed, PatchReason.OK, 0, 0.0))
+        found.append(Passage(k, time, 3.0 + shift - half, 3.0 + shift + half, wheel_speed, Reason.OK, 0, 0.0))
     return found
 
 
@@ -278,7 +276,7 @@ def test_calibrated_forces_are_the_true_ones(calibrated: Calibration, rear: bool
     fx, fz = (drive.smooth.fx_rear, drive.smooth.fz_rear) if rear else (drive.smooth.fx_front, drive.smooth.fz_front)
     for p in ideal_passages(drive, rear):
         found = forces(correction.update(p), calibrated.tyre, wheel, correction.zero_speed, restore_steady=True)
-        if found.reason is ForceReason.OK:
+        if found.reason is Reason.OK:
             i = round((p.time / 1e4 - 0.5 * (p.alpha_2 - p.alpha_1) / p.wheel_speed) * 1000)
             assert found.fz == pytest.approx(fz[i], abs=0.01 * RING.static_load)
             assert found.fx == pytest.approx(fx[i], abs=0.02 * RING.static_load)
@@ -344,4 +342,4 @@ def test_damaged_calibration_files_are_refused_by_name(calibrated: Calibration, 
 def test_zero_parameters_decide_what_is_steady() -> None:
     correction = PatchCorrection(TYRE, 0.32, 1e4, ZeroParameters(duration=1.0))
     reasons = [correction.update(passage(k, 8.0, 3.0, 0.43)).reason for k in range(8)]
-    assert reasons[3] is PatchReason.NOT_READY and reasons[-1] is PatchReason.OK
+    assert reasons[3] is Reason.NOT_READY and reasons[-1] is Reason.OK

@@ -14,6 +14,7 @@ from friction_runtime import qos
 from friction_runtime.processor import Level
 from friction_runtime.stamps import from_nanoseconds
 from friction_test_support.dds_client import dds_client, output_of, stop
+from vehicle_models.reason import Reason
 
 CAR = ("--ros-args", "-p", "vehicle_file:=smart_tyre_car")
 
@@ -48,9 +49,9 @@ def test_node_turns_blocks_into_patches_and_serves_new_zeros(simulate: Any) -> N
                 )
             )
             client.executor.spin_once(timeout_sec=0.01)
-        client.until(lambda: bool(patches) and patches[-1].reason == ContactPatch.NOT_CALIBRATED)
+        client.until(lambda: bool(patches) and patches[-1].validity.reason == Reason.NOT_CALIBRATED)
         client.until(lambda: len(forces) == len(patches))
-        assert forces[-1].reason == TyreForce.NOT_CALIBRATED
+        assert forces[-1].validity.reason == Reason.NOT_CALIBRATED
         for name in ("zero_shift", "zero_length", "reset"):
             assert client.call(Trigger, f"/smart_tyre_forces/{name}", Trigger.Request()).success
         output = stop(process)

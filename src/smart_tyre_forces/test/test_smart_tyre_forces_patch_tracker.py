@@ -11,9 +11,9 @@ from corner_sim.smart_tyre.tyre_signal import TyreBlock
 from smart_tyre_forces.front_template import TemplateFit, TemplateLearner
 from smart_tyre_forces.fronts import Fronts, find_fronts
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker
-from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.constants import GRAVITY
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 
 RING = TyreRing()
@@ -33,7 +33,7 @@ def run(block: TyreBlock, table: ToothTable | None, cuts: list[int] | None = Non
 
 
 def fronts(passages: list[Passage]) -> tuple[np.ndarray, np.ndarray]:
-    valid = [p for p in passages if p.reason is PatchReason.OK]
+    valid = [p for p in passages if p.reason is Reason.OK]
     return np.array([p.alpha_1 for p in valid]), np.array([p.alpha_2 for p in valid])
 
 
@@ -77,7 +77,7 @@ def test_even_blocks_give_the_same_through_standstill_and_faults(simulate: Any, 
     damaged = replace(block, encoder_voltage=block.encoder_voltage.copy())
     damaged.encoder_voltage[38_000:38_060] = 0.0
     whole = run(damaged, table)
-    assert {p.reason for p in whole} >= {PatchReason.OK, PatchReason.SPEED_RANGE, PatchReason.REVERSAL}
+    assert {p.reason for p in whole} >= {Reason.OK, Reason.SPEED_RANGE, Reason.REVERSAL}
     assert same(run(damaged, table, list(range(size, 40_000, size))), whole)
 
 
@@ -107,7 +107,7 @@ def test_stated_deviation_of_the_fronts_is_their_scatter(
     run(simulate(14.0, seconds=6.0, seed=5), table, refiner=learner)
     refiner = TemplateFit(learner.template) if matched else None
     found = run(simulate(speed, seconds=12.0, seed=6), table, refiner=refiner)
-    stated = np.sqrt(np.mean([p.front_stddev**2 for p in found if p.reason is PatchReason.OK]))
+    stated = np.sqrt(np.mean([p.front_stddev**2 for p in found if p.reason is Reason.OK]))
     scatter = np.sqrt(np.mean([np.var(a) for a in fronts(found)]))
     assert 0.6 * scatter < stated < 1.5 * scatter
 
@@ -118,7 +118,7 @@ def test_missed_teeth_leave_no_permanent_error(simulate: Any, table: ToothTable)
     damaged.encoder_voltage[40_000:40_300] = -0.3
     before, after = (fronts([p for p in run(b, table) if p.time > 50_000]) for b in (block, damaged))
     whole = run(damaged, table)
-    assert [p.reason for p in whole if p.reason is not PatchReason.OK] == [PatchReason.MISSED_TOOTH]
+    assert [p.reason for p in whole if p.reason is not Reason.OK] == [Reason.MISSED_TOOTH]
     assert after[0][-10:] == pytest.approx(before[0][-10:], abs=1e-9)
     assert len({p.reference for p in whole}) == 1
 
@@ -130,30 +130,30 @@ def test_lost_packets_are_said_once_and_the_angle_is_found_again(simulate: Any, 
     found = tracker.push(0, block.encoder_voltage[:30_000], block.radial_acceleration[:30_000])
     begin = 30_000 + lost
     found += tracker.push(begin, block.encoder_voltage[begin:], block.radial_acceleration[begin:])
-    assert [p.reason for p in found if p.reason is not PatchReason.OK] == [PatchReason.LOST_PACKETS]
-    assert not any(p.reason is PatchReason.OK and 30_000 < p.time < begin + 1000 for p in found)
+    assert [p.reason for p in found if p.reason is not Reason.OK] == [Reason.GAP]
+    assert not any(p.reason is Reason.OK and 30_000 < p.time < begin + 1000 for p in found)
     whole = run(block, table)
     assert fronts(found)[0][-5:] == pytest.approx(fronts(whole)[0][-5:], abs=1e-9)
 
 
 def test_nothing_is_said_below_5_and_above_35_metres_per_second(simulate: Any, table: ToothTable) -> None:
     for passage in run(simulate(3.0, 8.0, seconds=8.0), table):
-        assert (passage.reason is PatchReason.OK) == (passage.wheel_speed * RING.radius >= 5.0)
+        assert (passage.reason is Reason.OK) == (passage.wheel_speed * RING.radius >= 5.0)
     fast = run(simulate(36.0, seconds=3.0), table)
-    assert fast and all(p.reason is PatchReason.SPEED_RANGE for p in fast)
+    assert fast and all(p.reason is Reason.SPEED_RANGE for p in fast)
 
 
 def test_radius_of_the_wheel_decides_what_is_too_slow(simulate: Any, table: ToothTable) -> None:
     block = simulate(6.0, seconds=4.0)
     small = PatchTracker(replace(WHEEL, radius=0.25), table=table)
     found = small.push(0, block.encoder_voltage, block.radial_acceleration)
-    assert {p.reason for p in found} == {PatchReason.SPEED_RANGE}
-    assert PatchReason.OK in {p.reason for p in run(block, table)}
+    assert {p.reason for p in found} == {Reason.SPEED_RANGE}
+    assert Reason.OK in {p.reason for p in run(block, table)}
 
 
 def test_saturation_is_noticed(simulate: Any, table: ToothTable) -> None:
     reasons = {p.reason for p in run(simulate(33.0, seconds=3.0), table)}
-    assert reasons == {PatchReason.SATURATED}
+    assert reasons == {Reason.SATURATED}
 
 
 def test_missing_acceleration_spoils_only_its_revolution(simulate: Any, table: ToothTable) -> None:
@@ -162,8 +162,8 @@ def test_missing_acceleration_spoils_only_its_revolution(simulate: Any, table: T
     damaged = replace(block, radial_acceleration=block.radial_acceleration.copy())
     damaged.radial_acceleration[int(whole[10].time)] = np.nan
     found = run(damaged, table)
-    assert [k for k, p in enumerate(found) if p.reason is not PatchReason.OK] == [10]
-    assert found[10].reason is PatchReason.BAD_INPUT
+    assert [k for k, p in enumerate(found) if p.reason is not Reason.OK] == [10]
+    assert found[10].reason is Reason.BAD_INPUT
 
 
 def test_encoder_that_is_not_finite_loses_the_angle_but_not_the_estimator(simulate: Any, table: ToothTable) -> None:
@@ -171,7 +171,7 @@ def test_encoder_that_is_not_finite_loses_the_angle_but_not_the_estimator(simula
     damaged = replace(block, encoder_voltage=block.encoder_voltage.copy())
     damaged.encoder_voltage[20_050] = np.inf
     found = run(damaged, table, list(range(100, 60_000, 100)))
-    assert [p.reason for p in found if p.reason is not PatchReason.OK] == [PatchReason.BAD_INPUT]
+    assert [p.reason for p in found if p.reason is not Reason.OK] == [Reason.BAD_INPUT]
     assert fronts(found)[0][-3:] == pytest.approx(fronts(run(block, table))[0][-3:], abs=1e-9)
 
 
@@ -179,7 +179,7 @@ def test_dead_accelerometer_has_no_fronts(simulate: Any, table: ToothTable) -> N
     block = simulate(12.0, seconds=4.0)
     dead = replace(block, radial_acceleration=np.zeros_like(block.radial_acceleration))
     reasons = {p.reason for p in run(dead, table)}
-    assert reasons == {PatchReason.NO_FRONTS}
+    assert reasons == {Reason.NO_FRONTS}
 
 
 def test_reverse_driving_gives_nothing(simulate: Any, table: ToothTable) -> None:
@@ -229,7 +229,7 @@ def test_no_stream_however_hostile_breaks_the_tracker(simulate: Any, table: Toot
             for p in found:
                 numbers = (p.alpha_1, p.alpha_2, p.wheel_speed, p.front_stddev)
                 assert np.isfinite(p.time)
-                assert np.all(np.isfinite(numbers)) == (p.reason is PatchReason.OK)
+                assert np.all(np.isfinite(numbers)) == (p.reason is Reason.OK)
         good = [
             p
             for begin in range(0, 50_000, 1000)
@@ -240,7 +240,7 @@ def test_no_stream_however_hostile_breaks_the_tracker(simulate: Any, table: Toot
             )
         ]
     # Clean signals afterwards give clean passages.
-    assert [p.reason for p in good[-5:]] == [PatchReason.OK] * 5
+    assert [p.reason for p in good[-5:]] == [Reason.OK] * 5
 
 
 def passage_shape(offset: float, step: float, noise: float) -> tuple[np.ndarray, np.ndarray]:

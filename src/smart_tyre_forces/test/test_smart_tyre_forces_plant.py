@@ -74,7 +74,7 @@ def test_shipped_calibration_gives_the_forces_and_the_friction_of_the_plant(meth
         zero=ZeroParameters(maximum_speed=25.0),
     )
     outputs, truth = drive(plant, load_vehicle("smart_tyre_car"), given)
-    valid = [m for m in outputs["tyre_force"] if m.valid]
+    valid = [m for m in outputs["tyre_force"] if m.validity.valid]
     stamp = stamps(valid)
     braking = stamp > START + 6.35e9
     assert np.count_nonzero(~braking) > 10 and np.count_nonzero(braking) > 5

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from friction_msgs.msg import ContactPatch, TyreForce, TyreSignals
+from friction_msgs.msg import TyreSignals
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Header
 
@@ -22,6 +22,7 @@ from smart_tyre_forces.force_map import ForceMap
 from smart_tyre_forces.parameters import SHIPPED, SmartTyreParameters
 from smart_tyre_forces.ros.processor import TyreProcessor, build
 from smart_tyre_forces.tooth_table import ToothTable
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -44,8 +45,9 @@ def blocks(block: TyreBlock, size: int = 100, start: int = 5_000_000_000) -> Ite
         )
 
 
-def feed(processor: TyreProcessor, messages: Iterable[TyreSignals]) -> list[tuple[str, Any]]:
-    return [output for message in messages for output in processor.process(TOPIC, message)]
+def feed(processor: TyreProcessor, messages: Iterable[TyreSignals | Imu]) -> list[tuple[str, Any]]:
+    fed = [("imu/data" if isinstance(message, Imu) else TOPIC, message) for message in messages]
+    return [output for topic, message in fed for output in processor.process(topic, message)]
 
 
 @pytest.fixture
@@ -128,7 +130,7 @@ def test_wheels_that_the_calibration_lacks_give_raw_patches_and_say_so_once_they
     processors[3].process("rear_right/tyre_signals", messages[0])
     assert said == [f"calibration file {calibration_file}: no wheel 'rear_right': raw contact patches only"]
     last = [m for topic, m in outputs if topic == "rear_right/contact_patch"][-1]
-    assert last.reason == ContactPatch.NOT_CALIBRATED and np.isfinite(last.length_raw)
+    assert last.validity.reason == Reason.NOT_CALIBRATED and np.isfinite(last.length_raw)
 
 
 def test_one_patch_and_one_force_a_revolution_and_a_wrench_on_request(simulate: Any, calibration_file: str) -> None:
@@ -142,15 +144,15 @@ def test_one_patch_and_one_force_a_revolution_and_a_wrench_on_request(simulate: 
     # The patch of the first revolutions may be cut by the start.
     assert revolutions - 3.0 < len(patches) < revolutions + 1.0
     assert [p.revolution for p in patches] == list(range(1, len(patches) + 1))
-    assert all(p.reason == ContactPatch.NOT_READY and not p.valid for p in patches[:10])
+    assert all(p.validity.reason == Reason.NOT_READY and not p.validity.valid for p in patches[:10])
     for message in (*patches, *forces):
-        assert message.valid == (message.reason_text == "")
-        assert message.valid or message.reason_text.startswith("front_left: ")
-    assert patches[-1].valid and patches[-1].reason == ContactPatch.OK
+        assert message.validity.valid == (message.validity.text == "")
+        assert message.validity.valid or message.validity.text.startswith("front_left: ")
+    assert patches[-1].validity.valid and patches[-1].validity.reason == Reason.OK
     assert patches[-1].length == pytest.approx(patches[-1].alpha_2 - patches[-1].alpha_1, abs=0.02)
-    assert [f.valid for f in forces] == [p.valid for p in patches]
-    assert forces[0].reason == TyreForce.NO_PATCH and np.isnan(forces[0].fx)
-    assert len(wrenches) == sum(f.valid for f in forces) > 0
+    assert [f.validity.valid for f in forces] == [p.validity.valid for p in patches]
+    assert forces[0].validity.reason == Reason.NO_PATCH and np.isnan(forces[0].fx)
+    assert len(wrenches) == sum(f.validity.valid for f in forces) > 0
     assert wrenches[-1].wrench.force.z == forces[-1].fz
     assert forces[-1].fz == pytest.approx(3679.0, rel=0.1)
 
@@ -179,11 +181,11 @@ def test_messages_of_any_block_size_give_the_same(simulate: Any, calibration_fil
 def test_uncalibrated_wheel_gives_raw_patches_and_says_so(simulate: Any) -> None:
     outputs = feed(build(SmartTyreParameters(), CAR)[0], blocks(simulate(10.0, seconds=14.0)))
     last = [m for topic, m in outputs if topic == "front_left/contact_patch"][-1]
-    assert last.reason == ContactPatch.NOT_CALIBRATED and not last.valid
+    assert last.validity.reason == Reason.NOT_CALIBRATED and not last.validity.valid
     assert np.degrees(last.length_raw) == pytest.approx(24.5, abs=1.5)
     assert np.isnan(last.length_stddev)
     force = [m for topic, m in outputs if topic == "front_left/tyre_force"][-1]
-    assert force.reason == TyreForce.NOT_CALIBRATED and np.isnan(force.fz)
+    assert force.validity.reason == Reason.NOT_CALIBRATED and np.isnan(force.fz)
 
 
 def test_garbage_is_refused_by_topic_and_leaves_the_state_intact(simulate: Any, calibration_file: str) -> None:

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from corner_sim.smart_tyre.tyre_signal import EncoderParameters, ToothedRing
 from smart_tyre_forces.encoder_crossings import EncoderCrossings, Stretch
-from smart_tyre_forces.reasons import PatchReason
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.wheel_angle import WheelAngle
+from vehicle_models.reason import Reason
 
 Array = NDArray[np.float64]
 
@@ -105,7 +105,7 @@ def test_a_surplus_pulse_is_noticed(simulate: Any) -> None:
     voltage = simulate(8.0, seconds=1.0).encoder_voltage.astype(np.float64).copy()
     high = 3000 + int(np.argmax(voltage[3000:3100]))
     voltage[high - 8 : high + 8] = -1.0
-    assert any(s.interrupted is PatchReason.MISSED_TOOTH for s in crossings(voltage))
+    assert any(s.interrupted is Reason.MISSED_TOOTH for s in crossings(voltage))
 
 
 def test_braking_and_bad_teeth_are_not_taken_for_a_missed_tooth(simulate: Any) -> None:
@@ -115,7 +115,7 @@ def test_braking_and_bad_teeth_are_not_taken_for_a_missed_tooth(simulate: Any) -
 
 def test_standstill_loses_the_angle(simulate: Any) -> None:
     voltage = simulate(5.0, 0.0, 0.0, 5.0, seconds=3.0).encoder_voltage.astype(np.float64)
-    assert any(s.interrupted is PatchReason.REVERSAL for s in crossings(voltage))
+    assert any(s.interrupted is Reason.REVERSAL for s in crossings(voltage))
 
 
 def angle_error(block: Any, table: ToothTable) -> Array:

@@ -39,14 +39,13 @@ NEW_RUN: Final = 50_000_000
 """A stamp that goes back by this or more [ns] begins a new run (a looped bag, a reset plant); less: a late sample."""
 
 
-def is_vague(speed: float, variance: float) -> bool:
-    """Whether a speed of the car [m/s] with a variance [m^2/s^2] is too uncertain for a slip.
+def is_vague(speed: float, stddev: float) -> bool:
+    """Return True where a vehicle speed [m/s] is too uncertain for a slip: its stddev exceeds a third of it or 1.5 m/s.
 
-    Its deviation is above a third of it, and of 4.5 m/s: a slip is then not linear in its error any more, and a wheel
-    that rolls in a car that has become slow unseen has a slip of 0.9 with a small deviation.
+    The slip is then no longer linear in the error of the speed, and a wheel that rolls in a car that has slowed down
+    unnoticed has a slip of 0.9 with a small standard deviation.
     """
-    largest = max(abs(speed), 4.5) / 3.0
-    return variance > largest * largest
+    return stddev > max(abs(speed), 4.5) / 3.0
 
 
 class SlowestCar:

@@ -63,7 +63,7 @@ def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
             client.until(partial(answered, received, k))
         output = stop(process)
     assert repr(received) == repr(expected)
-    assert received[-1].valid
+    assert received[-1].validity.valid
     assert process.returncode == 0
     assert "Traceback" not in output
 

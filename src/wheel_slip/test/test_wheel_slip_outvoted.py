@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
-from wheel_slip.estimate import Reason
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.outvoted import Outvoted
 from wheel_slip.speed_sample import SpeedSample

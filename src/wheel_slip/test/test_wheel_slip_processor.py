@@ -17,8 +17,8 @@ from friction_parameters.generated import parameter_file
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import load
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
-from wheel_slip.estimate import Reason, SpeedSource
 from wheel_slip.parameters import SHIPPED, SpeedSensorParameters, WheelSlipParameters
 from wheel_slip.ros.processor import CarProcessor, build
 
@@ -92,22 +92,15 @@ def test_one_processor_serves_every_wheel_of_the_car() -> None:
     assert list(processor.outputs) == [f"{wheel}/slip" for wheel in wheels]
 
 
-def test_enums_are_those_of_the_message() -> None:
-    for reason in Reason:
-        assert getattr(WheelSlip, reason.name) == reason
-    for source in SpeedSource:
-        assert getattr(WheelSlip, f"SPEED_{source.name}") == source
-
-
 def test_slip_follows_a_stop_with_the_speed_sensor(processor: CarProcessor) -> None:
     outputs = run(processor, stop())
     last = outputs[-1]
     assert len(outputs) >= 299
-    assert last.valid
+    assert last.validity.valid
     assert last.speed_source == WheelSlip.SPEED_SENSOR
-    assert last.slip == pytest.approx(0.1, abs=5.0 * last.slip_variance**0.5)
-    assert last.slip_variance**0.5 < 0.01
-    assert last.slip_rate == pytest.approx(0.0, abs=5.0 * last.slip_rate_variance**0.5)
+    assert last.slip == pytest.approx(0.1, abs=5.0 * last.slip_stddev)
+    assert last.slip_stddev < 0.01
+    assert last.slip_rate == pytest.approx(0.0, abs=5.0 * last.slip_rate_stddev)
     assert to_nanoseconds(last.header.stamp) % PERIOD == 0
 
 
@@ -193,13 +186,13 @@ def test_missing_and_not_finite_wheels_are_invalid_and_named_while_others_go_on(
         states = wheel_states(k * PERIOD, [rolling, nan, rolling], ("front_left", "front_right", "rear_left"))
         outputs = list(processor.process(*states))
     by_topic = dict(outputs)
-    assert by_topic["front_left/slip"].valid
-    assert by_topic["rear_left/slip"].valid
+    assert by_topic["front_left/slip"].validity.valid
+    assert by_topic["rear_left/slip"].validity.valid
     for wheel in ("front_right", "rear_right"):
         message = by_topic[f"{wheel}/slip"]
-        assert not message.valid
-        assert message.reason == WheelSlip.BAD_INPUT
-        assert wheel in message.reason_text
+        assert not message.validity.valid
+        assert message.validity.reason == Reason.BAD_INPUT
+        assert wheel in message.validity.text
         assert isnan(message.slip)
         assert isnan(message.wheel_speed)  # none has ever come: it is unknown, not 0
         assert any(f"'{wheel}'" in text for text in said)
@@ -216,8 +209,8 @@ def test_no_slip_near_standstill_and_in_reverse(processor: CarProcessor) -> None
                 wheel_states(k * PERIOD, [speed / 0.3]),
             ]
         last = run(processor, messages)[-1]
-        assert not last.valid
-        assert last.reason == WheelSlip.LOW_SPEED
+        assert not last.validity.valid
+        assert last.validity.reason == Reason.LOW_SPEED
         assert isnan(last.slip)
         assert isnan(last.slip_rate)
         assert last.vehicle_speed == pytest.approx(speed, abs=0.2)
@@ -226,8 +219,8 @@ def test_no_slip_near_standstill_and_in_reverse(processor: CarProcessor) -> None
 def test_without_imu_the_speed_sensor_alone_serves_and_the_fault_is_said(processor: CarProcessor) -> None:
     messages = [m for m in stop(400) if m[0] != "imu/data"]
     last = run(processor, messages)[-1]
-    assert last.valid
-    assert last.slip == pytest.approx(0.1, abs=5.0 * last.slip_variance**0.5)
+    assert last.validity.valid
+    assert last.slip == pytest.approx(0.1, abs=5.0 * last.slip_stddev)
     assert "imu/data" in processor.health().message
 
 
@@ -235,8 +228,8 @@ def test_gap_makes_the_slip_invalid_until_the_filter_has_settled(processor: CarP
     messages = [m for m in stop(300) if not 200 * PERIOD < to_nanoseconds(m[1].header.stamp) <= 240 * PERIOD]
     outputs = run(processor, messages)
     after = [m for m in outputs if to_nanoseconds(m.header.stamp) > 240 * PERIOD]
-    assert [m.reason for m in after[:4]] == [WheelSlip.GAP] * 4
-    assert after[10].valid
+    assert [m.validity.reason for m in after[:4]] == [Reason.GAP] * 4
+    assert after[10].validity.valid
 
 
 def test_every_output_of_a_hostile_stream_is_consistent(processor: CarProcessor) -> None:
@@ -258,10 +251,10 @@ def test_every_output_of_a_hostile_stream_is_consistent(processor: CarProcessor)
                 message.twist.covariance[0] = value
         messages.append((topic, message))
     for output in run(processor, messages):
-        assert output.valid == (output.reason == WheelSlip.OK)
-        assert output.valid == isfinite(output.slip)
-        assert output.valid == isfinite(output.slip_rate)
-        assert output.valid or output.reason_text
+        assert output.validity.valid == (output.validity.reason == Reason.OK)
+        assert output.validity.valid == isfinite(output.slip)
+        assert output.validity.valid == isfinite(output.slip_rate)
+        assert output.validity.valid or output.validity.text
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,10 @@ from math import pi
 import numpy as np
 import pytest
 
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
-from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
+from wheel_slip.estimate import SpeedSource, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.speed_sample import SpeedSample
 

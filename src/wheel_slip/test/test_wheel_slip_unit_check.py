@@ -16,8 +16,8 @@ from corner_sim.car.tyres import TYRES
 from corner_sim.parameters import SimParameters
 from corner_sim.ros.simulation import Simulation
 from friction_parameters.parameter import from_mapping
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
-from wheel_slip.estimate import Reason
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.ros.processor import build
@@ -96,8 +96,8 @@ def test_speed_and_wheels_in_different_units_have_no_slip_from_the_first_sample_
     change: Change, named: str
 ) -> None:
     found = answers(drive(0.3, speed_sensor=True), change)
-    assert not [each for each in found if each.valid]
-    assert all(named in each.reason_text and isnan(each.vehicle_speed) for each in found[len(found) // 2 :])
+    assert not [each for each in found if each.validity.valid]
+    assert all(named in each.validity.text and isnan(each.vehicle_speed) for each in found[len(found) // 2 :])
 
 
 @pytest.mark.parametrize(("factor", "named"), [(1.0 / 9.81, "in g"), (-1.0, "sign")])
@@ -107,15 +107,15 @@ def test_acceleration_in_g_or_of_the_wrong_sign_is_named_within_a_second_of_gent
     found = answers(drive(0.3, speed_sensor=False), acceleration_times(factor))
     late = [each for each in found if each.header.stamp.sec >= 1002]
     assert late
-    assert all(not each.valid and named in each.reason_text for each in late)
+    assert all(not each.validity.valid and named in each.validity.text for each in late)
 
 
 @pytest.mark.parametrize("speed_sensor", [False, True])
 @pytest.mark.parametrize("demand", [0.3, 1.2])
 def test_a_healthy_car_is_never_suspected(demand: float, speed_sensor: bool) -> None:
     found = answers(drive(demand, speed_sensor), lambda topic, message: None)
-    assert not [each.reason_text for each in found if each.reason == WheelSlip.BAD_INPUT]
-    assert sum(each.valid for each in found) > 0.8 * len(found)
+    assert not [each.validity.text for each in found if each.validity.reason == Reason.BAD_INPUT]
+    assert sum(each.validity.valid for each in found) > 0.8 * len(found)
 
 
 @pytest.mark.parametrize("road", ["dry", "cobblestone", "snow"])

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle, vehicle_path
-from wheel_slip.estimate import Reason, SpeedSource, WheelEstimate
+from wheel_slip.estimate import SpeedSource, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.mode import SlideParameters
 from wheel_slip.slide_detector import SlideDetector

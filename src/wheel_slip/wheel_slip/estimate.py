@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from enum import IntEnum
 from typing import Final
 
+from vehicle_models.reason import Reason
+
 
 class SpeedSource(IntEnum):
     """Where the vehicle speed comes from; the values are those of friction_msgs/WheelSlip."""
@@ -32,18 +34,6 @@ SOURCES: Final[Mapping[Mode, SpeedSource]] = {
     Mode.SENSOR_SLIDING: SpeedSource.SENSOR,
 }
 """Where the speed comes from in each mode."""
-
-
-class Reason(IntEnum):
-    """Why a slip is not valid; the values are those of friction_msgs/WheelSlip."""
-
-    OK = 0
-    NOT_READY = 1
-    LOW_SPEED = 2
-    NO_SPEED = 3
-    BAD_INPUT = 4
-    GAP = 5
-    UNCERTAIN = 6
 
 
 class WheelEstimate:

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 from friction_parameters.parameter import group, max_gap_parameter, minimum_speed_parameter, parameter
 from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.estimate import Mode, Reason, WheelEstimate
+from wheel_slip.estimate import Mode, WheelEstimate
 from wheel_slip.free_rolling import FreeRolling
 from wheel_slip.online_radii import OnlineRadii
 from wheel_slip.radius_calibration import Radii
@@ -173,7 +174,7 @@ class SlipEstimator:
             text = "no vehicle speed: no sensor, and the wheels have not shown to roll yet"
             return _Motion((nan, nan), (nan, nan), nan, mode, Reason.NO_SPEED, text)
         speed, acceleration = (vehicle.speed, vehicle.variance), (vehicle.acceleration, vehicle.acceleration_variance)
-        if is_vague(vehicle.speed, vehicle.stated_variance):
+        if is_vague(vehicle.speed, sqrt(vehicle.stated_variance)):
             text = f"standard deviation of the vehicle speed is {sqrt(vehicle.stated_variance):.1f} m/s"
             return _Motion(speed, acceleration, vehicle.stated_variance, mode, Reason.UNCERTAIN, text)
         if vehicle.speed < lowest:

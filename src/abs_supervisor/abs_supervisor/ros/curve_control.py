@@ -2,7 +2,7 @@
 
 from math import isfinite, nan
 
-from friction_msgs.msg import FrictionCurve, SupervisorState
+from friction_msgs.msg import FrictionCurve, SupervisorDebug, SupervisorState
 
 from abs_supervisor.curve_queue import CurveQueue
 from abs_supervisor.guard import Seen
@@ -76,10 +76,10 @@ class CurveControl:
         self.law.commanded(stamp, command, demand if isfinite(demand) else 0.0)
 
 
-def describe(state: SupervisorState, control: CurveControl | None) -> None:
-    """Fill in the law's fields of the state; None: the slope's sign is the only law."""
+def describe(state: SupervisorState, debug: SupervisorDebug, control: CurveControl | None) -> None:
+    """Fill in the law's fields of the messages; None: the slope's sign is the only law."""
     state.law = int(Law.SLOPE_SIGN if control is None else control.law.choice.law)
     state.law_cause = int(Change.NONE if control is None else control.law.choice.cause)
     state.slip_set_point = nan if control is None else control.law.slip_set_point
-    state.torque_set_point = nan if control is None else control.law.torque_set_point
-    state.disturbance_torque = nan if control is None else control.law.disturbance
+    debug.torque_set_point = nan if control is None else control.law.torque_set_point
+    debug.disturbance_torque = nan if control is None else control.law.disturbance

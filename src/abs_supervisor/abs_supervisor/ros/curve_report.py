@@ -7,20 +7,21 @@ from friction_msgs.msg import FrictionCurve
 from abs_supervisor.law.road_curve import RoadCurve, curve_through
 from abs_supervisor.law.usable_curve import CurveReport, Estimate
 from friction_runtime.stamps import to_nanoseconds
+from vehicle_models.reason import Reason
 
-_ESTIMATES = {
-    int(FrictionCurve.OK): Estimate.VALID,
-    int(FrictionCurve.UNKNOWN_CAR): Estimate.VALID,
-    int(FrictionCurve.PEAK_NOT_PASSED): Estimate.VAGUE,
-    int(FrictionCurve.UNCERTAIN): Estimate.VAGUE,
-    int(FrictionCurve.NO_EXCITATION): Estimate.QUIET,
-    int(FrictionCurve.LOW_SPEED): Estimate.QUIET,
+_ESTIMATES: dict[int, Estimate] = {
+    Reason.OK: Estimate.VALID,
+    Reason.UNKNOWN_CAR: Estimate.VALID,
+    Reason.PEAK_NOT_PASSED: Estimate.VAGUE,
+    Reason.UNCERTAIN: Estimate.VAGUE,
+    Reason.NO_EXCITATION: Estimate.QUIET,
+    Reason.LOW_SPEED: Estimate.QUIET,
 }
 
 
 def curve_report(message: FrictionCurve) -> CurveReport:
     """Return what a message says; one whose parameters are no curve says that there is none."""
-    estimate = _ESTIMATES.get(message.reason, Estimate.NONE)
+    estimate = _ESTIMATES.get(message.validity.reason, Estimate.NONE)
     curve = None
     if estimate in (Estimate.VALID, Estimate.VAGUE):
         try:

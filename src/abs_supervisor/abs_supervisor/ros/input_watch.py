@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from math import inf
 from typing import Final
 
-from abs_supervisor.supervisor import Reason
 from friction_runtime.stamp_progress import LAG, StampProgress
 from friction_runtime.wheel_speeds import WHEEL_STATES
+from vehicle_models.reason import Reason
 
 _HEARTBEAT: Final = 0.009
 """A command is repeated when the last is older at a watch [s]: the watch comes every 10 ms, a command every 20 ms."""

@@ -8,6 +8,7 @@ from friction_msgs.msg import FrictionCurve
 from abs_supervisor.curve_queue import CurveQueue
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.reason import Reason
 
 _KEPT: Final = 15.0
 """[m] for which a curve counts after the last that told or confirmed its peak (half a second at 30 m/s): while a wheel
@@ -15,12 +16,12 @@ dives the fit has none, or takes the dive for another road and begins anew, and 
 Another road comes with the distance, not with the time."""
 _FEWEST: Final = 20
 """Samples of a fit that says something about the road."""
-_OK = int(FrictionCurve.OK)
-_UNKNOWN_CAR = int(FrictionCurve.UNKNOWN_CAR)
+_OK = Reason.OK
+_UNKNOWN_CAR = Reason.UNKNOWN_CAR
 """As good as OK here: torque and curve share what is wrong about the car."""
-_UNCERTAIN = int(FrictionCurve.UNCERTAIN)
+_UNCERTAIN = Reason.UNCERTAIN
 """lambda_max speaks of the road, with its standard deviation."""
-_AHEAD = int(FrictionCurve.PEAK_NOT_PASSED)
+_AHEAD = Reason.PEAK_NOT_PASSED
 """The peak is still ahead: that tells no peak itself, but may confirm an earlier one or contradict an uncertain one."""
 _USED = (_OK, _UNKNOWN_CAR, _UNCERTAIN, _AHEAD)
 _CONTRADICTS: Final = 3.0
@@ -79,10 +80,11 @@ class KnownCurve:
         if stamp <= 0:
             return stamp
         peak: Peak | None = None
-        if message.reason in _USED and message.samples >= _FEWEST and 0.0 < message.lambda_max < 1.0:
+        reason = message.validity.reason
+        if reason in _USED and message.samples >= _FEWEST and 0.0 < message.lambda_max < 1.0:
             doubt = message.lambda_max_stddev
             peak = message.lambda_max, doubt if isfinite(doubt) else 0.0
-        return self._curves.put(stamp, _Curve(stamp, peak, message.reason))
+        return self._curves.put(stamp, _Curve(stamp, peak, reason))
 
     def at(self, stamp: int, speed: float) -> Peak:
         """Return lambda_max and its standard deviation for a sample, NaN where it is not known.

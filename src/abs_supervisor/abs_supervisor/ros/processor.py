@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from math import isfinite, nan
 from typing import Any, Final
 
-from friction_msgs.msg import BrakeCommand, BrakeDemand, FrictionSlope, SlopeVote, SupervisorState
+from friction_msgs.msg import BrakeCommand, BrakeDemand, SlopeVote, SupervisorDebug, SupervisorState
 from std_msgs.msg import Header
 
 from abs_supervisor.braking import TorqueWithHysteresis
@@ -18,18 +18,19 @@ from abs_supervisor.release_evidence import Release
 from abs_supervisor.ros.curve_control import CurveControl, describe
 from abs_supervisor.ros.input_watch import InputWatch, Loss
 from abs_supervisor.ros.wheel_inputs import WheelInputs
-from abs_supervisor.supervisor import Evidence, Reason, Supervisor
+from abs_supervisor.supervisor import Evidence, Supervisor
 from abs_supervisor.wheel_pair import WheelPair, wheel_pairs
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, level_of, silent
-from friction_runtime.reason_text import of_topic, set_reason, without_wheel
+from friction_runtime.reason_text import of_topic, validity, without_wheel
 from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES
 from vehicle_models.brake_actuator import Command
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import REAR, Vehicle
 
 BRAKE_DEMAND: Final = "brake_demand"
@@ -40,15 +41,11 @@ _MISMATCH = Reason.PRESSURE_MISMATCH
 _USABLE = (*_QUIET, _MISMATCH)
 """Reasons with which the law goes on; the others bring the fail-safe."""
 _BROKEN = tuple(set(Reason) - set(_USABLE))
-_VOTE_OK, _VOTE_LOW_SPEED = int(FrictionSlope.OK), int(FrictionSlope.LOW_SPEED)
-"""Copies of message constants: a message class looks its constants up in Python, here at every sample."""
-_UNMEASURED = tuple(int(each) for each in (FrictionSlope.NOT_BRAKING, FrictionSlope.NO_EXCITATION))
+_UNMEASURED = (Reason.NOT_BRAKING, Reason.NO_EXCITATION)
 """Reasons of a vote with which the machine goes on although there is no indicator."""
 _CURVE_GAP: Final = 0.02
 """[s] curves of a tyre's blocks are further apart; nothing waits for these, as nobody knows when the next one comes."""
 _MAY_BE_LOCKED: Final = "this wheel alone: it may be locked, and has no ABS"
-_VOTE_NOT_READY = int(FrictionSlope.NOT_READY)
-"""With an indicator: it has not passed a threshold yet. Without: the window is not full."""
 _COUNTER_END: Final = 2**32
 _SHARED: Final = 3
 """Wheels of a car from which on one may roll for a moment."""
@@ -77,7 +74,8 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
             reference: chooses the wheel of the car that rolls for a moment, where one may.
         """
         self._wheel, self._p, self._pair, self._reference = wheel, parameters, pair, reference
-        self._state_topic, self._command_topic = f"{wheel}/abs_supervisor", f"{wheel}/brake_command"
+        self._state_topic, self._debug_topic = f"{wheel}/abs_supervisor", f"{wheel}/abs_supervisor_debug"
+        self._command_topic = f"{wheel}/brake_command"
         self._inputs = inputs = WheelInputs(wheel, vehicle, report, fine=parameters.law == CURVE)
         self._vote = f"{wheel}/slope_vote"
         by_demand = parameters.braking_source == "demand"
@@ -88,7 +86,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         self.estimates: Mapping[str, type] = {self._vote: SlopeVote, **inputs.estimates}
         if by_demand:
             self.estimates = {**self.estimates, self._demand: BrakeDemand}
-        self.outputs: Mapping[str, type] = {self._state_topic: SupervisorState}
+        self.outputs: Mapping[str, type] = {self._state_topic: SupervisorState, self._debug_topic: SupervisorDebug}
         if not parameters.shadow:
             self.outputs = {**self.outputs, self._command_topic: BrakeCommand}
         self.commands: Mapping[str, float] = {self._command_topic: parameters.valid_for} if in_real_time else {}
@@ -253,8 +251,8 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
             self._command = Command.NONE
             return self._fail(loss, loss[1]) or self._outputs()
         self._reason, self._text = self._judge(sample, torque)
-        h, indicator = vote.h, vote.indicator if vote.reason == _VOTE_OK else nan
-        if vote.reason == _VOTE_LOW_SPEED and self._guard.slides:
+        h, indicator = vote.h, vote.indicator if vote.validity.valid else nan
+        if vote.validity.reason == Reason.LOW_SPEED and self._guard.slides:
             h, indicator = nan, self._p.thresholds.h_instability
         evidence = Evidence(
             h=h,
@@ -333,13 +331,15 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
             return Reason.NO_PRESSURE, sample.missing[self._inputs.pressure]
         if guard.wheel_text:
             return Reason.WHEEL_SENSOR, guard.wheel_text
-        slow = vote.reason == _VOTE_LOW_SPEED
+        reason, text = vote.validity.reason, vote.validity.text
+        slow = reason == Reason.LOW_SPEED
         if slow and not guard.slides:
-            text = without_wheel(self._wheel, vote.reason_text)
+            text = without_wheel(self._wheel, text)
             return Reason.LOW_SPEED, f"{text}, by {_MAY_BE_LOCKED}" if self._gives_up() else text
-        alive = slow or vote.reason in _UNMEASURED or vote.reason == _VOTE_OK
-        if not alive and not (vote.reason == _VOTE_NOT_READY and isfinite(vote.indicator)):
-            return Reason.INVALID_SLOPE, of_topic(self._vote, vote.reason_text)
+        alive = slow or reason in _UNMEASURED or vote.validity.valid
+        # With an indicator, a vote that is not ready has not passed a threshold yet; without, its window is not full.
+        if not alive and not (reason == Reason.NOT_READY and isfinite(vote.indicator)):
+            return Reason.INVALID_SLOPE, of_topic(self._vote, text)
         if guard.pressure_text:
             return _MISMATCH, f"{self._inputs.pressure}: {guard.pressure_text}"
         return Reason.OK, ""
@@ -351,41 +351,47 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         return acted and self._guard.may_be_locked
 
     def _outputs(self) -> list[Output]:
-        machine, counts = self._supervisor, self._supervisor.counts
-        header = header_at(self._stamp, self._wheel)
+        machine, envelope = self._supervisor, self._guard.envelope
         state = new_message(SupervisorState)
-        state.header = header
+        state.header = header = header_at(self._stamp, self._wheel)
         state.wheel = self._wheel
         state.state = int(machine.state)
         state.previous_state = int(machine.previous_state)
         state.cause = int(machine.cause)
         state.transition_stamp = from_nanoseconds(machine.transition_stamp)
-        state.indicator = self._indicator
-        state.demand_torque = self._torque
-        state.shadow = self._p.shadow
-        envelope, seen = self._guard.envelope, self._seen
-        known = envelope.evidence
         state.command = int(self._command)
+        state.shadow = self._p.shadow
+        state.demand_torque = self._torque
+        state.slip = self._seen.slip
         state.release = int(envelope.release)
         state.cap = int(envelope.caps.cap)
-        state.slip = seen.slip
-        state.release_slip = known.release_slip
-        state.wheel_deceleration = known.deceleration
-        state.release_deceleration = known.release_deceleration
-        state.unchecked = self._guard.unchecked
-        state.transitions = counts.transitions
-        state.instabilities = counts.instabilities
-        state.recoveries = counts.recoveries
-        state.release_timeouts = counts.release_timeouts
-        state.fail_safes = counts.fail_safes
         state.refused_releases = envelope.refused
-        state.caps = envelope.caps.count
-        describe(state, self._curve_control)
-        set_reason(state, self._wheel, self._reason, self._text)
+        state.unchecked = self._guard.unchecked
+        state.validity = validity(self._wheel, self._reason, self._text)
+        debug = self._debug(header)
+        describe(state, debug, self._curve_control)
         outputs: list[Output] = [(self._state_topic, state)]
         if not self._p.shadow:
             outputs.append(self._heartbeat(header))
-        return outputs
+        return [*outputs, (self._debug_topic, debug)]
+
+    def _debug(self, header: Header) -> SupervisorDebug:
+        """Return the internals of machine and envelope."""
+        counts, envelope = self._supervisor.counts, self._guard.envelope
+        debug = new_message(SupervisorDebug)
+        debug.header = header
+        debug.wheel = self._wheel
+        debug.indicator = self._indicator
+        debug.release_slip = envelope.evidence.release_slip
+        debug.wheel_deceleration = envelope.evidence.deceleration
+        debug.release_deceleration = envelope.evidence.release_deceleration
+        debug.transitions = counts.transitions
+        debug.instabilities = counts.instabilities
+        debug.recoveries = counts.recoveries
+        debug.release_timeouts = counts.release_timeouts
+        debug.fail_safes = counts.fail_safes
+        debug.caps = envelope.caps.count
+        return debug
 
     def _heartbeat(self, header: Header) -> Output:
         """Return the command that is in force, once more: a heartbeat."""

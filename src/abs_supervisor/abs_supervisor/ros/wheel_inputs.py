@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Mapping
-from math import inf, isfinite, nan, sqrt
+from math import inf, isfinite, nan
 from typing import Any, Final
 
 from friction_msgs.msg import FrictionCurve, SlopeVote, WheelSlip
@@ -18,9 +18,10 @@ from friction_runtime.slip_fault import speed_is_known
 from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.physical_bounds import HIGHEST_SLIP
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
-_SPEED_SENSOR, _UNCERTAIN = int(WheelSlip.SPEED_SENSOR), int(WheelSlip.UNCERTAIN)
+_SPEED_SENSOR = int(WheelSlip.SPEED_SENSOR)
 _TEXTS: Final = 20
 """Changes of the reason of a slip that are kept: a sample waits for its inputs far less long."""
 Reading = tuple[int, tuple[float, ...]]
@@ -75,17 +76,17 @@ class WheelInputs:
             for speed in speeds:
                 flagged.extend(_flagged(speed))
             return stamp, tuple(flagged)
-        slip, variance = message.slip, message.slip_variance
-        if not message.valid:
-            self._keep_text(stamp, message.reason_text)
-            slip, variance = nan, nan
-            if self._fine and message.reason == _UNCERTAIN:
-                slip, variance = self._uncertain(message)
-        known = abs(slip) <= HIGHEST_SLIP and 0.0 <= variance < inf
+        slip, stddev = message.slip, message.slip_stddev
+        if not message.validity.valid:
+            self._keep_text(stamp, message.validity.text)
+            slip, stddev = nan, nan
+            if self._fine and message.validity.reason == Reason.UNCERTAIN:
+                slip, stddev = self._uncertain(message)
+        known = abs(slip) <= HIGHEST_SLIP and 0.0 <= stddev < inf
         measured = float(message.speed_source == _SPEED_SENSOR)
         flagged_slip = _flagged(slip if known else nan)
         car = _flagged(message.vehicle_speed if speed_is_known(message) else nan)
-        return stamp, (*flagged_slip, variance if known else 0.0, *car, measured)
+        return stamp, (*flagged_slip, stddev if known else 0.0, *car, measured)
 
     def _keep_text(self, stamp: int, text: str) -> None:
         """Keep why a slip is not valid, from a stamp [ns] on: a sample is told what holds for it, not the last."""
@@ -101,13 +102,12 @@ class WheelInputs:
         return "not valid"
 
     def _uncertain(self, message: WheelSlip) -> tuple[float, float]:
-        """Return slip [-] and its variance where wheel_slip is not sure of it: here its error is weighed."""
+        """Return slip [-] and its standard deviation where wheel_slip is not sure of it: here its error is weighed."""
         speed, radius = message.vehicle_speed, self._radii[self._index]
         if not (speed_is_known(message) and speed > 0.0):
             return nan, nan
         share = radius * message.wheel_speed / speed
-        variance = message.vehicle_speed_variance * (share / speed) ** 2
-        return 1.0 - share, variance
+        return 1.0 - share, message.vehicle_speed_stddev * abs(share / speed)
 
     def knows_wheel(self, topic: str, values: tuple[float, ...]) -> bool:
         """Whether the values that were read from a topic say something of this wheel: its own speed may be missing."""
@@ -125,7 +125,7 @@ class WheelInputs:
                 own = flagged[2 * index]
             else:
                 others.append(flagged[2 * index] * self._radii[index])
-        slip, known, variance, car, car_known, measured = sample.values.get(self.slip, (0.0,) * 6)
+        slip, known, stddev, car, car_known, measured = sample.values.get(self.slip, (0.0,) * 6)
         text = ""
         if known != 1.0:
             slip, text = nan, sample.missing.get(self.slip) or of_topic(self.slip, self._slip_text(sample.stamp))
@@ -137,7 +137,7 @@ class WheelInputs:
             others=others,
             torque=sample.values.get(self.pressure, (nan,))[0],
             slip=slip,
-            slip_stddev=sqrt(max(variance, 0.0)) if known == 1.0 else nan,
+            slip_stddev=stddev if known == 1.0 else nan,
             car_speed=car_speed,
             car_is_measured=measured == 1.0,
             lambda_max=lambda_max,

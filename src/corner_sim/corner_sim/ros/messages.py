@@ -16,8 +16,9 @@ from corner_sim.plant import SLIP_MIN_SPEED, PlantSample, SlopeCrossings
 from corner_sim.sensors import Measurement, SensorNoise
 from friction_runtime.new_message import new_message
 from friction_runtime.processor import Output
-from friction_runtime.reason_text import set_reason
+from friction_runtime.reason_text import validity
 from friction_runtime.stamps import from_nanoseconds
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
 if TYPE_CHECKING:
@@ -153,7 +154,7 @@ def truth(stamp_ns: int, wheels: Sequence[str], sample: PlantSample, crossings: 
 
 def _slip(header: Header, wheel: str, sample: PlantSample, i: int) -> WheelSlip:
     moving = sample.speed > SLIP_MIN_SPEED
-    message = _made(
+    return _made(
         WheelSlip,
         header=header,
         wheel=wheel,
@@ -161,24 +162,23 @@ def _slip(header: Header, wheel: str, sample: PlantSample, i: int) -> WheelSlip:
         slip_rate=float(sample.slip_rate[i]),
         vehicle_speed=sample.speed,
         wheel_speed=float(sample.wheel_speed[i]),
-        slip_variance=0.0,
-        slip_rate_variance=0.0,
-        vehicle_speed_variance=0.0,
+        slip_stddev=0.0,
+        slip_rate_stddev=0.0,
+        vehicle_speed_stddev=0.0,
         speed_source=WheelSlip.SPEED_SENSOR,
         mode=WheelSlip.MODE_SENSOR_ROLLING,
+        validity=_validity(wheel, moving),
     )
-    set_reason(message, wheel, WheelSlip.OK if moving else WheelSlip.LOW_SPEED, "" if moving else _STANDING)
-    return message
 
 
 def _slope(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCrossings, i: int) -> FrictionSlope:
     moving = sample.speed > SLIP_MIN_SPEED
     count = int(crossings.count[i])
-    message = _made(
+    return _made(
         FrictionSlope,
         header=header,
         wheel=wheel,
-        method=FrictionSlope.METHOD_TRUTH,
+        method="truth",
         sign=int(np.sign(sample.slope[i])) if moving else 0,
         h=float(sample.h[i]),
         indicator=float(sample.h[i] * np.sign(sample.slip_rate[i])),
@@ -187,9 +187,8 @@ def _slope(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCros
         crossing_sign=int(crossings.sign[i]) if count else 0,
         slip_at_crossing=float(crossings.slip[i]),
         crossing_stamp=from_nanoseconds(int(crossings.stamp[i])),
+        validity=_validity(wheel, moving),
     )
-    set_reason(message, wheel, FrictionSlope.OK if moving else FrictionSlope.LOW_SPEED, "" if moving else _STANDING)
-    return message
 
 
 def _curve(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCrossings, i: int) -> FrictionCurve:
@@ -206,9 +205,7 @@ def _curve(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCros
         theta_3=float(theta[2]),
         lambda_max=lambda_max,
         mu_max=mu_max,
-        theta_1_stddev=0.0,
-        theta_2_stddev=0.0,
-        theta_3_stddev=0.0,
+        theta_covariance=np.zeros(9),
         lambda_max_stddev=0.0,
         mu_max_stddev=0.0,
         slip=slip,
@@ -218,14 +215,7 @@ def _curve(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCros
         probability_beyond_peak=float(slip > lambda_max),
         samples=sample.index + 1,
         restarts=int(crossings.surface_changes[i]),
-        restarted=bool(crossings.surface_changed[i]),
-        restart_cause=FrictionCurve.RESTART_SURFACE if crossings.surface_changes[i] else FrictionCurve.RESTART_NONE,
-        abs_active=False,
-        at_activation=False,
-        lambda_max_at_activation=nan,
-        valid=True,
-        reason=FrictionCurve.OK,
-        reason_text="",
+        validity=validity(wheel, Reason.OK, ""),
     )
 
 
@@ -239,10 +229,12 @@ def _force(header: Header, wheel: str, sample: PlantSample, i: int) -> TyreForce
         fz=load,
         fx_stddev=0.0,
         fz_stddev=0.0,
-        valid=True,
-        reason=TyreForce.OK,
-        reason_text="",
+        validity=validity(wheel, Reason.OK, ""),
     )
+
+
+def _validity(wheel: str, moving: bool) -> Any:
+    return validity(wheel, Reason.OK, "") if moving else validity(wheel, Reason.LOW_SPEED, _STANDING)
 
 
 def _header(stamp: Time, frame_id: str) -> Header:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from friction_msgs.msg import TyreForce, TyreSignals
+from friction_msgs.msg import TyreForce, TyreSignals, Validity
 from numpy.typing import NDArray
 from std_msgs.msg import Header
 
@@ -73,7 +73,8 @@ def simulate(run: TyreRun, start_stamp: int, full: bool) -> Iterator[Output]:
         for wheel, (encoder, acceleration) in wheels.items():
             header = Header(stamp=stamp, frame_id=wheel)
             fx, fz = (float(np.interp(time[begin], drive.time, each)) for each in _forces(drive, wheel))
-            yield f"/truth/{wheel}/tyre_force", TyreForce(header=header, wheel=wheel, fx=fx, fz=fz, valid=True)
+            force = TyreForce(header=header, wheel=wheel, fx=fx, fz=fz, validity=Validity(valid=True))
+            yield f"/truth/{wheel}/tyre_force", force
             yield (
                 f"/{wheel}/tyre_signals",
                 TyreSignals(

@@ -6,9 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction_curve_id.interface import Reason, Refusal
+from friction_curve_id.interface import Refusal
 from friction_curve_id.stamp_order import Admission, StampOrder
 from vehicle_models.physical_bounds import HIGHEST_PRESSURE, HIGHEST_SPEED
+from vehicle_models.reason import Reason
 
 Array = NDArray[np.float64]
 

@@ -36,7 +36,8 @@ from friction_curve_id.car.present_slip import present_slip
 from friction_curve_id.car.prior import car_prior, radius_deviation
 from friction_curve_id.car.tyre_deviations import LAMBDA_MAX, mu_max_deviations
 from friction_curve_id.car.unknowns import Unknown
-from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate, Reason, Refusal, RestartCause
+from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate, Refusal, RestartCause
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -439,7 +440,7 @@ class CarEstimator:
     def _reason(self, time: float, peak: Peak) -> tuple[Reason, str]:
         since = time - self._began_at
         if since < _EARLIEST_VALID and self._earliest_valid == _EARLIEST_VALID:
-            return Reason.TOO_FEW_SAMPLES, f"{since:.2f} s of braking are too short"
+            return Reason.NOT_READY, f"{since:.2f} s of braking are too short"
         if not (self._passing.seen and self._passing.long_ago(time - self._start.time)):
             lasted = self._passing.time_beyond
             return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {lasted:.2f} s only"

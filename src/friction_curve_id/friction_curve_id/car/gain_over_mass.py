@@ -16,7 +16,6 @@ begins the learning anew; one that neither explains is not learned from.
 """
 
 from dataclasses import dataclass
-from enum import IntEnum
 from math import exp, hypot, inf, isfinite, log, nan, sqrt
 
 import numpy as np
@@ -25,6 +24,7 @@ from numpy.typing import NDArray
 from friction_curve_id.car.car_sample import Checked
 from friction_curve_id.car.prior import radius_deviation
 from vehicle_models.constants import AIR_DENSITY, GRAVITY
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import FRONT, REAR, Vehicle, absolute_deviation, mass_deviation, relative_deviation
 
 Array = NDArray[np.float64]
@@ -59,13 +59,6 @@ _MEMORY = 3600.0
 _FRONT, _REAR, _MASS, _INERTIA, _SCALE, _OFFSET, _DRAG, _DELAY, _WHEELS = range(9)
 
 
-class LearnedReason(IntEnum):
-    """Why there is nothing to be used; the values of friction_msgs/VehicleFit."""
-
-    OK = 0
-    NOTHING_LEARNED = 1
-
-
 @dataclass(frozen=True)
 class GainOverMass:
     """Brake gain of a wheel over the mass of the car [N m/(Pa kg)], mean of the axle; NaN of an axle that is not."""
@@ -83,7 +76,7 @@ class GainOverMass:
     """Brakings that neither the vehicle file nor what was learned explains."""
     restarts: int
     """Times the learning began anew, because brakes or load had changed."""
-    reason: LearnedReason
+    reason: Reason
 
 
 @dataclass(frozen=True)
@@ -218,7 +211,7 @@ class GainOverMassLearner:
             self._brakings,
             self._refused,
             self._restarts,
-            LearnedReason.OK if self._brakings else LearnedReason.NOTHING_LEARNED,
+            Reason.OK if self._brakings else Reason.NOTHING_LEARNED,
         )
 
     def _wait(self) -> None:

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from friction_curve_id.chapter.friction_samples import FrictionPoint, FrictionSamples
 from friction_curve_id.chapter.start_parameters import StartParameters
 from friction_curve_id.curve.fitted_curve import FittedCurve
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
+from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause, Sample
+from vehicle_models.reason import Reason
 
 Array = NDArray[np.float64]
 
@@ -106,15 +107,13 @@ class PointFitting:
         self._waiting.append(point)
         count, needed = len(self._waiting), self._start.initial_samples
         if count < needed:
-            return Refusal(Reason.TOO_FEW_SAMPLES, f"{count} of {needed} initial samples")
+            return Refusal(Reason.NOT_READY, f"{count} of {needed} initial samples")
         slips = np.array([first.slip for first in self._waiting])
         span = float(np.ptp(slips))
         if span < _LEAST_SLIP_SPAN:
             return Refusal(Reason.NO_EXCITATION, f"the slip stays within {span:.4f}: nothing to fit")
         if point.slip <= self._start.lambda_init:
-            return Refusal(
-                Reason.TOO_FEW_SAMPLES, f"slip {point.slip:.3f} has not passed {self._start.lambda_init:.3f}"
-            )
+            return Refusal(Reason.NOT_READY, f"slip {point.slip:.3f} has not passed {self._start.lambda_init:.3f}")
         self._fit.start(slips, np.array([first.mu for first in self._waiting]))
         self._count, self._largest_slip = count, float(np.max(slips))
         self._waiting.clear()

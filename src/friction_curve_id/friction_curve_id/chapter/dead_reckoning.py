@@ -13,8 +13,9 @@ measured speed, where there is one, weighted by its variance.
 
 from typing import Final
 
-from friction_curve_id.interface import Reason, Refusal
+from friction_curve_id.interface import Refusal
 from friction_curve_id.measurement_noise import MeasurementNoise
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import CornerParameters
 
 _UNKNOWN = float("inf")

@@ -23,11 +23,12 @@ from math import isfinite
 from typing import Final, NamedTuple
 
 from friction_curve_id.chapter.dead_reckoning import FREE_ROLLING_TORQUE, DeadReckonedSpeed
-from friction_curve_id.interface import Reason, Refusal, Sample
+from friction_curve_id.interface import Refusal, Sample
 from friction_curve_id.measurement_noise import MeasurementNoise
 from friction_curve_id.sample_gate import GateParameters, SampleGate
 from friction_curve_id.stamp_order import Admission
 from vehicle_models.physical_bounds import HIGHEST_TORQUE, HIGHEST_WHEEL_SPEED
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import CornerParameters
 
 _GATE, _NOISE = GateParameters(), MeasurementNoise()
@@ -124,7 +125,7 @@ class FrictionSamples:
             self._last = None
             return speed
         self._last = _Known(sample.time, sample.wheel_speed, speed, torque)
-        return Refusal(Reason.TOO_FEW_SAMPLES, "first sample: a friction sample takes two")
+        return Refusal(Reason.NOT_READY, "first sample: a friction sample takes two")
 
     def _continue(self, last: _Known, sample: Sample, torque: float) -> FrictionPoint | Refusal:
         w, dt = self._wheel, sample.time - last.time

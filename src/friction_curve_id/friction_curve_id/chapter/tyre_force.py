@@ -11,8 +11,9 @@ from friction_curve_id.chapter.curve_fitting import PointFitting
 from friction_curve_id.chapter.friction_samples import LARGEST_FRICTION, FrictionPoint
 from friction_curve_id.chapter.maximum_likelihood import MaximumLikelihood
 from friction_curve_id.chapter.start_parameters import StartParameters
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal
+from friction_curve_id.interface import CurveEstimate, Refusal
 from friction_parameters.parameter import max_gap_parameter, parameter
+from vehicle_models.reason import Reason
 
 _BRAKING_FRICTION = 0.02
 """mu [-] from which the brake counts as applied."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.curve.validity import ValidityLimits
-from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate
+from friction_curve_id.interface import UNKNOWN_THETA_COVARIANCE, CurveEstimate
 
 Array = NDArray[np.float64]
 
@@ -99,7 +99,7 @@ class FittedCurve:
             lambda_max_stddev=lambda_stddev,
             mu_max_stddev=mu_stddev,
             theta=theta.copy(),
-            theta_stddev=UNKNOWN_THETA if isnan(theta[0]) else np.sqrt(np.maximum(np.diag(covariance), 0.0)),
+            theta_covariance=UNKNOWN_THETA_COVARIANCE if isnan(theta[0]) else covariance,
             mu=m.friction(p, slip),
             slope=slope,
             slope_stddev=slope_stddev,

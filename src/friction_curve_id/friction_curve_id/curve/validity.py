@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import isfinite
 
-from friction_curve_id.interface import Reason
+from vehicle_models.reason import Reason
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class ValidityLimits:
             stddev: standard deviation of lambda_max [-], NaN where it is unknown.
         """
         if samples < self.min_samples:
-            return Reason.TOO_FEW_SAMPLES, f"{samples} of {self.min_samples} samples"
+            return Reason.NOT_READY, f"{samples} of {self.min_samples} samples"
         if not isfinite(lambda_max):
             return Reason.NO_PEAK, "the fitted curve has no peak in (0, 1)"
         smallest, largest = slip_span

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from friction_curve_id.curve.fitted_curve import probability_negative
 from friction_curve_id.curve.validity import ValidityLimits
 from friction_curve_id.default.braking_window import NewestSlip
-from friction_curve_id.interface import CurveEstimate, Reason, RestartCause
+from friction_curve_id.interface import CurveEstimate, RestartCause
 from vehicle_models import burckhardt_log
+from vehicle_models.reason import Reason
 
 Array = NDArray[np.float64]
 
@@ -59,7 +60,7 @@ def describe(
         lambda_max_stddev=lambda_stddev,
         mu_max_stddev=mu_stddev,
         theta=theta,
-        theta_stddev=np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", jacobian, of_q, jacobian), 0.0)),
+        theta_covariance=jacobian @ of_q @ jacobian.T,
         mu=here.friction,
         slope=here.slope,
         slope_stddev=sqrt(max(float(row @ covariance @ row), 0.0)),

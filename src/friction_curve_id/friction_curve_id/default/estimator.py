@@ -18,10 +18,11 @@ from friction_curve_id.default.map_fit import FitParameters, MapFit
 from friction_curve_id.default.rolling_noise import RollingNoise
 from friction_curve_id.default.surface_change import LONGEST_OUTLIER, SurfaceChangeMonitor
 from friction_curve_id.default.torque_watch import TorqueWatch
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause, Sample
+from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause, Sample
 from friction_curve_id.sample_gate import GateParameters, SampleGate
 from friction_curve_id.stamp_order import Admission
 from vehicle_models import burckhardt_log
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import CornerParameters
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.car.braked_speed import BrakedSpeed
 from friction_curve_id.car.gain_over_mass import GainOverMass
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
+from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.ros.curve_messages import CurveMessages, health_of
 from friction_curve_id.ros.inputs import IMU
@@ -20,11 +20,12 @@ from friction_runtime.new_message import new_message
 from friction_runtime.pressure_watch import PressureWatch
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, silent
-from friction_runtime.reason_text import set_reason
+from friction_runtime.reason_text import validity
 from friction_runtime.stamps import header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_PRESSURE
+from vehicle_models.reason import Reason
 from vehicle_models.signal_units import AccelerationUnit
 from vehicle_models.vehicle import Vehicle
 
@@ -66,8 +67,9 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             **dict.fromkeys(self._pressures, FluidPressure),
         }
         self.estimates: Mapping[str, type] = {}
-        self.outputs: Mapping[str, type] = {f"{wheel}/friction_curve": FrictionCurve for wheel in self._wheels}
-        self.outputs |= {VEHICLE_FIT: VehicleFit}
+        self.outputs: Mapping[str, type] = {VEHICLE_FIT: VehicleFit}
+        for messages in self._messages.values():
+            self.outputs |= messages.topics
 
     def _payload(self, message: JointState) -> tuple[float, ...]:
         return self._wheel_speeds.read(message)
@@ -95,13 +97,16 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             answers = self._estimator.update(taken)
         self._last = []
         outputs: list[Output] = []
+        debug: list[Output] = []
         for (topic, wheel), answer in zip(self._pressures.items(), answers, strict=True):
             found: CurveEstimate | Refusal = answer
             if isinstance(answer, Refusal) and topic in sample.missing and not wrong_unit:
-                found = Refusal(Reason.NO_TORQUE, sample.missing[topic])
-            message = self._messages[wheel].message(sample.stamp, found, nan, self._cause)
-            self._last.append(message)
-            outputs.append((f"{wheel}/friction_curve", message))
+                found = Refusal(Reason.NO_PRESSURE, sample.missing[topic])
+            curve, internals = self._messages[wheel].outputs(sample.stamp, found, nan, self._cause)
+            self._last.append(curve[1])
+            outputs.append(curve)
+            debug.append(internals)
+        outputs += debug  # nobody waits for these
         if self._to_be_told(sample.stamp):
             found_of_car = self._estimator.learner.found
             self._told = sample.stamp
@@ -142,14 +147,14 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         worst = max(self._last, key=health_of, default=None)
         if worst is None:
             return Level.OK, ""
-        return health_of(worst), worst.reason_text
+        return health_of(worst), worst.validity.text
 
     def _values(self) -> dict[str, str]:
         values = {}
         for last in self._last:
             values[f"{last.wheel} lambda_max [-]"] = f"{last.lambda_max:.4f}"
             values[f"{last.wheel} mu_max [-]"] = f"{last.mu_max:.4f}"
-            values[f"{last.wheel} reason"] = Reason(last.reason).name.lower()
+            values[f"{last.wheel} reason"] = Reason(last.validity.reason).name.lower()
         found = self._estimator.learner.found
         for axle, value, stddev in (
             ("front", found.front, found.front_stddev),
@@ -177,5 +182,6 @@ def vehicle_fit(found: GainOverMass, stamp: int) -> VehicleFit:
     message.gain_over_mass_rear = found.rear
     message.gain_over_mass_rear_stddev = found.rear_stddev
     message.brakings, message.refused, message.restarts = found.brakings, found.refused, found.restarts
-    set_reason(message, "vehicle", found.reason, "" if found.brakings else "no braking has been learned from")
+    text = "" if found.brakings else "no braking has been learned from"
+    message.validity = validity("vehicle", found.reason, text)
     return message

@@ -1,29 +1,30 @@
-"""Estimates of one wheel as friction_msgs/FrictionCurve, with the state that spans estimates: restarts and
+"""Estimates of one wheel as FrictionCurve and FrictionCurveDebug, with the state that spans estimates: restarts and
 activation.
 """
 
 from math import nan
 
-from friction_msgs.msg import FrictionCurve
+from friction_msgs.msg import FrictionCurve, FrictionCurveDebug
 
 from friction_curve_id.activation import ActivationMark
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
+from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
 from friction_runtime.new_message import new_message
-from friction_runtime.processor import Level, level_of
-from friction_runtime.reason_text import set_reason
+from friction_runtime.processor import Level, Output, level_of
+from friction_runtime.reason_text import validity
 from friction_runtime.stamps import header_at
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.reason import Reason
 
 _NO_ESTIMATE = CurveEstimate(samples=0, slip=nan)
-_QUIET = (Reason.OK, Reason.TOO_FEW_SAMPLES, Reason.PEAK_NOT_PASSED, Reason.LOW_SPEED, Reason.NO_EXCITATION)
+_QUIET = (Reason.OK, Reason.NOT_READY, Reason.PEAK_NOT_PASSED, Reason.LOW_SPEED, Reason.NO_EXCITATION)
 """Reasons that belong to ordinary driving."""
-_BROKEN = (Reason.NO_SLIP, Reason.NO_TORQUE, Reason.NO_ACCELERATION)
+_BROKEN = (Reason.NO_SLIP, Reason.NO_PRESSURE, Reason.NO_ACCELERATION)
 """Reasons that do not go away by waiting."""
 
 
 def health_of(message: FrictionCurve) -> Level:
     """Return the level of diagnostics that the reason of a message has."""
-    return level_of(message.reason, _QUIET, _BROKEN)
+    return level_of(message.validity.reason, _QUIET, _BROKEN)
 
 
 class CurveMessages:
@@ -40,6 +41,8 @@ class CurveMessages:
             highest_mu: largest mu_max [-] that is valid.
         """
         self._wheel = wheel
+        self._topic = f"{wheel}/friction_curve"
+        self._debug_topic = f"{self._topic}_debug"
         self._frame_id = frame_id
         self._method = method
         self._activation = ActivationMark(activation_slip)
@@ -51,8 +54,13 @@ class CurveMessages:
         """Forget the activation before another braking."""
         self._activation.reset()
 
-    def message(self, stamp: int, answer: CurveEstimate | Refusal, slip: float, cause: RestartCause) -> FrictionCurve:
-        """Make the message of one sample.
+    @property
+    def topics(self) -> dict[str, type]:
+        """Topics and types of the outputs."""
+        return {self._topic: FrictionCurve, self._debug_topic: FrictionCurveDebug}
+
+    def outputs(self, stamp: int, answer: CurveEstimate | Refusal, slip: float, cause: RestartCause) -> list[Output]:
+        """Make the curve of one sample, then its debug message.
 
         Args:
             stamp: stamp of the sample [ns].
@@ -71,19 +79,24 @@ class CurveMessages:
             requested = estimate.restart_cause is RestartCause.REQUEST
             self._cause = cause if requested else estimate.restart_cause
         self._activation.update(stamp / NANOSECONDS, slip, estimate.lambda_max)
+        header = header_at(stamp, self._frame_id)
         message = new_message(FrictionCurve)
         _set_curve(message, estimate)
-        message.header = header_at(stamp, self._frame_id)
+        message.header = header
         message.wheel = self._wheel
         message.method = self._method
         message.slip = slip
         message.restarts = self._restarts
-        message.restart_cause = int(self._cause)
-        message.abs_active = self._activation.active
-        message.at_activation = self._activation.at_activation
-        message.lambda_max_at_activation = self._activation.lambda_max
-        set_reason(message, self._wheel, reason, text)
-        return message
+        message.validity = validity(self._wheel, reason, text)
+        debug = new_message(FrictionCurveDebug)
+        debug.header = header
+        debug.wheel = self._wheel
+        debug.restarted = estimate.restarted
+        debug.restart_cause = int(self._cause)
+        debug.abs_active = self._activation.active
+        debug.at_activation = self._activation.at_activation
+        debug.lambda_max_at_activation = self._activation.lambda_max
+        return [(self._topic, message), (self._debug_topic, debug)]
 
 
 def _of_a_tyre(answer: CurveEstimate, highest_mu: float) -> CurveEstimate:
@@ -99,7 +112,7 @@ def _of_a_tyre(answer: CurveEstimate, highest_mu: float) -> CurveEstimate:
 
 def _set_curve(message: FrictionCurve, estimate: CurveEstimate) -> None:
     message.theta_1, message.theta_2, message.theta_3 = estimate.theta.tolist()
-    message.theta_1_stddev, message.theta_2_stddev, message.theta_3_stddev = estimate.theta_stddev.tolist()
+    message.theta_covariance = estimate.theta_covariance.ravel()
     message.lambda_max = estimate.lambda_max
     message.mu_max = estimate.mu_max
     message.lambda_max_stddev = estimate.lambda_max_stddev
@@ -109,4 +122,3 @@ def _set_curve(message: FrictionCurve, estimate: CurveEstimate) -> None:
     message.slope_stddev = estimate.slope_stddev
     message.probability_beyond_peak = estimate.probability_beyond_peak
     message.samples = estimate.samples
-    message.restarted = estimate.restarted

@@ -1,11 +1,11 @@
-"""Messages in, <wheel>/friction_curve out: one processor per wheel, one for the vehicle, or one for all its wheels."""
+"""Friction curves and their debug messages: one processor per wheel, one for the vehicle, or one for all wheels."""
 
 from collections.abc import Mapping
 from typing import Any
 
 from friction_msgs.msg import FrictionCurve, WheelSlip
 
-from friction_curve_id.interface import Reason, RestartCause
+from friction_curve_id.interface import RestartCause
 from friction_curve_id.parameters import CAR, TYRE_FORCE, VEHICLE, FrictionCurveParameters
 from friction_curve_id.ros.car_processor import CarProcessor
 from friction_curve_id.ros.curve_messages import CurveMessages, health_of
@@ -19,6 +19,7 @@ from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, silent
 from friction_runtime.reason_text import without_wheel
 from friction_runtime.slip_fault import slip_fault
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
 
@@ -36,7 +37,6 @@ class CurveProcessor(AlignedProcessor[Any]):
         """Publish the curve of `name` (a wheel, or 'vehicle'); `report` is the log function."""
         super().__init__(name, Primary(inputs.primary, name, report), inputs.aligned, parameters.deadline)
         self._inputs = inputs
-        self._topic = f"{name}/friction_curve"
         self._messages = CurveMessages(
             name, frame_id, parameters.method, parameters.abs_activation_slip, parameters.highest_mu
         )
@@ -45,7 +45,7 @@ class CurveProcessor(AlignedProcessor[Any]):
         self._slip_faults: dict[str, str] = {}
         self.sensors = inputs.sensors
         self.estimates = inputs.estimates
-        self.outputs: Mapping[str, type] = {self._topic: FrictionCurve}
+        self.outputs: Mapping[str, type] = self._messages.topics
 
     def _payload(self, message: Any) -> Any:
         return self._inputs.read_primary(message)
@@ -58,8 +58,9 @@ class CurveProcessor(AlignedProcessor[Any]):
 
     def _fire(self, sample: AlignedSample[Any]) -> list[Output]:
         answer, slip = self._inputs.answer(sample)
-        self._last = self._messages.message(sample.stamp, answer, slip, self._cause)
-        return [(self._topic, self._last)]
+        outputs = self._messages.outputs(sample.stamp, answer, slip, self._cause)
+        self._last = outputs[0][1]
+        return outputs
 
     def _forget(self) -> None:
         self._last = None
@@ -73,7 +74,7 @@ class CurveProcessor(AlignedProcessor[Any]):
         last = self._last
         if last is None:
             return Level.OK, ""
-        level, text = health_of(last), without_wheel(self._name, last.reason_text)
+        level, text = health_of(last), without_wheel(self._name, last.validity.text)
         # A method may go on without the slip for a while, or with the speed of before.
         faults = [fault for topic, fault in self._slip_faults.items() if fault and topic not in text]
         if not faults:
@@ -90,7 +91,7 @@ class CurveProcessor(AlignedProcessor[Any]):
             "mu_max [-]": f"{last.mu_max:.4f}",
             "samples": str(last.samples),
             "restarts": str(last.restarts),
-            "reason": Reason(last.reason).name.lower(),
+            "reason": Reason(last.validity.reason).name.lower(),
         }
 
     def _restart(self, cause: RestartCause) -> None:

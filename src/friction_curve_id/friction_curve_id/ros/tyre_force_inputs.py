@@ -7,12 +7,13 @@ from typing import Any
 from friction_msgs.msg import TyreForce, WheelSlip
 
 from friction_curve_id.chapter.tyre_force import TyreForceFitting, TyreForceSample
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal
+from friction_curve_id.interface import CurveEstimate, Refusal
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.ros.inputs import Reading, wheel_slip
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.reason_text import of_topic
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.reason import Reason
 
 _SLIP_GAP = 0.1
 """Longest time over which slip is interpolated [s], though forces may come a second apart."""
@@ -44,8 +45,8 @@ class TyreForceInputs:
         if values is None or values[3] != 1.0:
             return Refusal(Reason.NO_SLIP, sample.missing.get(self._slip, f"{self._slip}: not valid")), nan
         slip = values[2]
-        if not force.valid:
-            return Refusal(Reason.BAD_INPUT, of_topic(self.primary, force.reason_text or "not valid")), slip
+        if not force.validity.valid:
+            return Refusal(Reason.BAD_INPUT, of_topic(self.primary, force.validity.text or "not valid")), slip
         return self._fitting.update(TyreForceSample(sample.stamp / NANOSECONDS, slip, force.fx, force.fz)), slip
 
     def reset(self) -> None:

@@ -8,7 +8,7 @@ from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import Imu, JointState
 
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal
+from friction_curve_id.interface import CurveEstimate, Refusal
 from friction_curve_id.parameters import SLIP, FrictionCurveParameters
 from friction_curve_id.ros.inputs import (
     IMU,
@@ -26,6 +26,7 @@ from friction_runtime.processor import Report
 from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
 

@@ -8,7 +8,7 @@ from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import FluidPressure, JointState
 
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, Sample
+from friction_curve_id.interface import CurveEstimate, Refusal, Sample
 from friction_curve_id.parameters import SLIP, FrictionCurveParameters
 from friction_curve_id.parameters import VEHICLE_VELOCITY as SPEED_SENSOR
 from friction_curve_id.ros.inputs import (
@@ -24,6 +24,7 @@ from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.processor import Report
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
 
@@ -73,7 +74,7 @@ class WheelInputs:
         if wrong_unit := self._brake_torque.wrong_unit(sample.stamp, sample.payload, given):
             return Refusal(Reason.BAD_INPUT, wrong_unit), slip
         if torque is None:
-            return Refusal(Reason.NO_TORQUE, sample.missing[self._pressure]), slip
+            return Refusal(Reason.NO_PRESSURE, sample.missing[self._pressure]), slip
         speed = known_speed(sample, self._speed)
         return self._estimator.update(Sample(sample.stamp / NANOSECONDS, sample.payload, speed, torque[0])), slip
 

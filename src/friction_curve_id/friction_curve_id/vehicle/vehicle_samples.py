@@ -6,10 +6,11 @@ from statistics import fmean
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.interface import Reason, Refusal
+from friction_curve_id.interface import Refusal
 from friction_parameters.parameter import max_gap_parameter, minimum_speed_parameter, parameter
 from vehicle_models.constants import AIR_DENSITY, GRAVITY
 from vehicle_models.physical_bounds import HIGHEST_ACCELERATION
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]

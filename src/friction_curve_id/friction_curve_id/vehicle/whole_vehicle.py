@@ -30,7 +30,7 @@ from friction_curve_id.curve.burckhardt_curve import (
 )
 from friction_curve_id.curve.fitted_curve import FittedCurve, samples_per_information
 from friction_curve_id.curve.validity import ValidityLimits
-from friction_curve_id.interface import CurveEstimate, Reason, Refusal, RestartCause
+from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
 from friction_curve_id.vehicle.vehicle_samples import (
     VehiclePoint,
     VehicleSample,
@@ -39,6 +39,7 @@ from friction_curve_id.vehicle.vehicle_samples import (
     relaxation_spread,
 )
 from vehicle_models import burckhardt
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -93,7 +94,7 @@ class WholeVehicle:
             self._clear()
         self._points.append(point)
         if len(self._points) < _FEWEST_SAMPLES:
-            return Refusal(Reason.TOO_FEW_SAMPLES, f"{len(self._points)} of {_FEWEST_SAMPLES} samples")
+            return Refusal(Reason.NOT_READY, f"{len(self._points)} of {_FEWEST_SAMPLES} samples")
         covariance = self._fit()
         theta = to_theta(self._unknowns[:3])
         scale = theta_per_unknown(theta)

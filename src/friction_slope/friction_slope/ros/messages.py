@@ -1,42 +1,39 @@
-"""Output of the detectors of a wheel as messages."""
+"""Messages of the two detectors of a wheel."""
 
 from typing import Any
 
 from friction_msgs.msg import FrictionSlope, SlopeVote
 
 from friction_runtime.new_message import new_message
-from friction_runtime.reason_text import of_wheel, set_reason
+from friction_runtime.reason_text import validity
 from friction_runtime.stamps import from_nanoseconds, header_at
 from friction_slope.estimate import SlopeEstimate
 
 
 def estimate_message(wheel: str, stamp: int, estimate: SlopeEstimate) -> FrictionSlope:
     """Return the estimate of a wheel at a stamp [ns]."""
-    message = _told(FrictionSlope, wheel, stamp, estimate)
-    message.method = int(estimate.method)
+    message = _common(FrictionSlope, wheel, stamp, estimate)
+    message.method = estimate.method.value
     message.sign = estimate.sign
     message.crossings = estimate.crossings
     message.crossing_sign = estimate.crossing_sign
     message.slip_at_crossing = estimate.slip_at_crossing
     message.crossing_stamp = from_nanoseconds(estimate.crossing_stamp)
-    set_reason(message, wheel, estimate.reason, estimate.text)
     return message
 
 
 def vote_message(wheel: str, stamp: int, vote: SlopeEstimate) -> SlopeVote:
     """Return the vote of a wheel at a stamp [ns]."""
-    message = _told(SlopeVote, wheel, stamp, vote)
-    message.reason = int(vote.reason)
-    message.reason_text = of_wheel(wheel, vote.text)
-    return message
+    return _common(SlopeVote, wheel, stamp, vote)
 
 
-def _told(kind: type, wheel: str, stamp: int, estimate: SlopeEstimate) -> Any:
-    """Return a message with what estimate and vote have in common."""
+def _common(kind: type, wheel: str, stamp: int, estimate: SlopeEstimate) -> Any:
+    """Return a message with the fields that estimate and vote have in common."""
     message = new_message(kind)
     message.header = header_at(stamp, wheel)
     message.wheel = wheel
     message.h = estimate.h
     message.indicator = estimate.indicator
     message.delay = estimate.delay
+    message.validity = validity(wheel, estimate.reason, estimate.text)
     return message

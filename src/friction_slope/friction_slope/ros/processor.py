@@ -17,10 +17,11 @@ from friction_runtime.stamps import to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from friction_slope.detector import SlopeDetector
 from friction_slope.doubt import doubt_of
-from friction_slope.estimate import METHODS, Method, Reason, SlopeEstimate, SlopeSample
+from friction_slope.estimate import Method, SlopeEstimate, SlopeSample
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.ros.messages import estimate_message, vote_message
 from vehicle_models.physical_bounds import HIGHEST_ACCELERATION
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.wheel_forces import WheelLoad
 
@@ -30,7 +31,7 @@ _QUIET = (
     *(Reason.NO_EXCITATION, Reason.NOT_LASTING),
 )
 """Reasons that belong to ordinary driving."""
-_BROKEN = (Reason.NO_TORQUE,)
+_BROKEN = (Reason.NO_PRESSURE,)
 """Reasons that do not go away by waiting."""
 _UNKNOWN_SLIP = (nan, nan, 0.0, nan, 0.0)
 """Slip, slip rate, 1 if they are valid, vehicle speed, 1 if it is known."""
@@ -50,7 +51,7 @@ class _Sample:
         estimate = detector.update(self.sample)
         if self.wrong_unit:
             estimate.reason, estimate.text = Reason.BAD_INPUT, self.wrong_unit
-        elif estimate.reason is Reason.NO_TORQUE and self.no_torque:
+        elif estimate.reason is Reason.NO_PRESSURE and self.no_torque:
             estimate.text = self.no_torque
         return estimate
 
@@ -86,7 +87,7 @@ class WheelProcessor(AlignedProcessor[float]):
         )
         self._estimate: SlopeDetector | None = None
         if estimates:
-            method = METHODS[parameters.method]
+            method = Method(parameters.method)
             doubt = doubt_of(vehicle, wheel)
             self._estimate = SlopeDetector(corner, method, detector, parameters.no_slip, load, length, doubt)
         self._brake_torque = BrakeTorque(vehicle, wheel)
@@ -151,7 +152,7 @@ class WheelProcessor(AlignedProcessor[float]):
                 "sign": str(last.sign),
                 "H [rad/s^3]": f"{last.h:.1f}",
                 "indicator [rad/s^3]": f"{last.indicator:.1f}",
-                "method": last.method.name.lower(),
+                "method": last.method.value,
                 "vertical load": "from imu/data" if last.load_transfer else "at rest",
                 "crossings": str(last.crossings),
                 "slip at the last crossing": f"{last.slip_at_crossing:.4f}",

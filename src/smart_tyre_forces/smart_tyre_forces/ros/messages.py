@@ -6,7 +6,7 @@ from friction_msgs.msg import ContactPatch, TyreForce
 from geometry_msgs.msg import Vector3, Wrench, WrenchStamped
 from std_msgs.msg import Header
 
-from friction_runtime.reason_text import set_reason
+from friction_runtime.reason_text import validity
 from smart_tyre_forces.calibration import TyreCalibration
 from smart_tyre_forces.correction import Patch
 from smart_tyre_forces.forces import Forces, length_stddev, shift_stddev
@@ -14,7 +14,7 @@ from smart_tyre_forces.forces import Forces, length_stddev, shift_stddev
 
 def contact_patch(header: Header, wheel: str, patch: Patch, tyre: TyreCalibration | None) -> ContactPatch:
     """Make <wheel>/contact_patch."""
-    message = ContactPatch(
+    return ContactPatch(
         header=header,
         wheel=wheel,
         revolution=patch.passage.revolution,
@@ -27,23 +27,21 @@ def contact_patch(header: Header, wheel: str, patch: Patch, tyre: TyreCalibratio
         length_stddev=nan if tyre is None else length_stddev(tyre, patch),
         shift_stddev=nan if tyre is None else shift_stddev(tyre, patch),
         wheel_speed=patch.passage.wheel_speed,
+        validity=validity(wheel, patch.reason, patch.text),
     )
-    set_reason(message, wheel, patch.reason, patch.text)
-    return message
 
 
 def tyre_force(header: Header, wheel: str, forces: Forces) -> TyreForce:
     """Make <wheel>/tyre_force."""
-    message = TyreForce(
+    return TyreForce(
         header=header,
         wheel=wheel,
         fx=forces.fx,
         fz=forces.fz,
         fx_stddev=forces.fx_stddev,
         fz_stddev=forces.fz_stddev,
+        validity=validity(wheel, forces.reason, forces.text),
     )
-    set_reason(message, wheel, forces.reason, forces.text)
-    return message
 
 
 def tyre_wrench(header: Header, forces: Forces) -> WrenchStamped:

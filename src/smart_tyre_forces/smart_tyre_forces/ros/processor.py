@@ -24,15 +24,15 @@ from smart_tyre_forces.gain_watch import GainWatch
 from smart_tyre_forces.late_acceleration import DELAY, LateAcceleration
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker
-from smart_tyre_forces.reasons import ForceReason, PatchReason
 from smart_tyre_forces.ros import messages
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.tyre_comparison import TyreComparison
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_ACCELERATION, LATEST_STAMP, NEW_RUN
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
-_QUIET = (PatchReason.OK, PatchReason.NOT_READY, PatchReason.SPEED_RANGE, PatchReason.REVERSAL)
+_QUIET = (Reason.OK, Reason.NOT_READY, Reason.SPEED_RANGE, Reason.REVERSAL)
 """Reasons that belong to ordinary driving."""
 
 _ACCELERATION = "imu/data"
@@ -195,7 +195,7 @@ class TyreProcessor:
             (f"{wheel}/contact_patch", messages.contact_patch(header, wheel, self._patch, self._tyre)),
             (f"{wheel}/tyre_force", messages.tyre_force(header, wheel, self._forces)),
         ]
-        if self._p.publish_wrench and self._forces.reason is ForceReason.OK:
+        if self._p.publish_wrench and self._forces.reason is Reason.OK:
             outputs.append((f"{wheel}/tyre_wrench", messages.tyre_wrench(header, self._forces)))
         return outputs
 
@@ -207,7 +207,7 @@ class TyreProcessor:
     def _learn(self, stamp: int, patch: Patch, gains: GainWatch) -> None:
         """Learn from the revolutions DELAY ago: what comes out does not depend on which input arrived first."""
         zero_speed = self._correction.zero_speed
-        if patch.reason is not PatchReason.OK or self._tyre is None or self._wheel_calibration is None:
+        if patch.reason is not Reason.OK or self._tyre is None or self._wheel_calibration is None:
             return
         if zero_speed != self._zero_speed:
             self._watch_again()

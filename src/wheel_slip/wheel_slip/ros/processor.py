@@ -13,13 +13,14 @@ from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, silent
-from friction_runtime.reason_text import set_reason
+from friction_runtime.reason_text import validity
 from friction_runtime.stamps import header_at, to_nanoseconds
 from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_ACCELERATION, HIGHEST_SPEED
+from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.estimate import Mode, Reason, WheelEstimate
+from wheel_slip.estimate import Mode, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.ros.brake_pressures import BrakePressures
@@ -151,10 +152,10 @@ def _message(stamp: int, wheel: str, estimate: WheelEstimate) -> WheelSlip:
     message.slip_rate = estimate.slip_rate
     message.vehicle_speed = estimate.vehicle_speed
     message.wheel_speed = estimate.wheel_speed
-    message.slip_variance = estimate.slip_variance
-    message.slip_rate_variance = estimate.slip_rate_variance
-    message.vehicle_speed_variance = estimate.vehicle_speed_variance
+    message.slip_stddev = sqrt(estimate.slip_variance)
+    message.slip_rate_stddev = sqrt(estimate.slip_rate_variance)
+    message.vehicle_speed_stddev = sqrt(estimate.vehicle_speed_variance)
     message.speed_source = int(estimate.source)
     message.mode = int(estimate.mode)
-    set_reason(message, wheel, estimate.reason, estimate.text)
+    message.validity = validity(wheel, estimate.reason, estimate.text)
     return message
