@@ -58,7 +58,10 @@ def build(root: Path) -> int:
         sys.exit("colcon is not on the PATH: sudo apt-get install -y python3-colcon-common-extensions")
     # By this python, so that the programs of the packages start with it too, wherever colcon comes from.
     command = [sys.executable, colcon, "--log-base", str(root / "log"), "build", "--base-paths", "src"]
-    code = subprocess.run([*command, "--packages-select", *changed], cwd=root).returncode if changed else 0
+    env = dict(os.environ)
+    for name in ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH"):  # colcon warns of directories that are gone
+        env[name] = os.pathsep.join(filter(os.path.isdir, env.get(name, "").split(os.pathsep)))
+    code = subprocess.run([*command, "--packages-select", *changed], cwd=root, env=env).returncode if changed else 0
     # What failed is built again, as is what came after it.
     built = wanted if code == 0 else {**wanted, **dict.fromkeys(changed, "failed")}
     _write(stamp, {**built, "made by": made_by, "state": "finished"})

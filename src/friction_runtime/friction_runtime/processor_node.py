@@ -23,7 +23,6 @@ from friction_runtime.guarded import Guarded
 from friction_runtime.node_parameters import declare
 from friction_runtime.processor import CommandingProcessor, Health, Level, Output, Processor, Report, Severity
 from friction_runtime.report_kind import ReportLimit
-from friction_runtime.wire import packed, unpacked
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -163,17 +162,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         if name not in self._subscribed:
             self._subscribed.add(name)
             given = self._inputs[name]
-            taken = partial(self._take, given, callback)
-            qos.subscribe(self, given.kind, given.topic, taken, given.profile, raw=True)
-
-    def _take(self, given: _Input, callback: Callable[[Any], object], data: bytes) -> None:
-        try:
-            message = unpacked(data, given.kind)
-        except ValueError as problem:
-            self._report("warning", f"{given.topic}: {problem}")
-            self._say()
-            return
-        callback(message)
+            qos.subscribe(self, given.kind, given.topic, callback, given.profile)
 
     def _report(self, severity: Severity, text: str) -> None:
         """Log once what is to be published is on its way: the first line of a process takes 20 ms, a command waits."""
@@ -208,7 +197,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         for processor in self._readers.get(topic, ()):
             for output, answer in processor.process(topic, message):
                 full_name, publisher = self._outputs[output]
-                publisher.publish(packed(answer, publisher.msg_type))
+                publisher.publish(answer)
                 given.append((full_name, answer))
         self._say()
         return given
@@ -218,8 +207,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         ages = self._ages(now)
         for processor in self._processors:
             for topic, message in processor.watch(ages, now):
-                publisher = self._outputs[topic][1]
-                publisher.publish(packed(message, publisher.msg_type))
+                self._outputs[topic][1].publish(message)
         self._say()
 
     def _ages(self, now: float) -> dict[str, float]:

@@ -73,7 +73,6 @@ def subscribe(
     callback: Callable[[Any], object],
     profile: QoSProfile,
     events: SubscriptionEventCallbacks | None = None,
-    raw: bool = False,
 ) -> Subscription:
     """Subscribe with QoS overriding on.
 
@@ -81,15 +80,14 @@ def subscribe(
         node: the node that subscribes.
         kind: message class.
         topic: relative or full name.
-        callback: takes each message, or its bytes.
+        callback: takes each message.
         profile: QoS.
         events: callbacks for what the middleware reports.
-        raw: whether the callback takes the bytes of a message (wire.py).
     """
     # a copy: rclpy writes the overrides of this topic into the profile it is given
     options = _overriding(profile)
     return node.create_subscription(
-        kind, topic, callback, copy(profile), event_callbacks=events, qos_overriding_options=options, raw=raw
+        kind, topic, callback, copy(profile), event_callbacks=events, qos_overriding_options=options
     )
 
 

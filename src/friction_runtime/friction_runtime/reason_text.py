@@ -4,7 +4,6 @@ from typing import Any
 
 from friction_msgs.msg import Validity
 
-from friction_runtime.new_message import new_message
 from vehicle_models.reason import Reason
 
 
@@ -16,7 +15,7 @@ def validity(wheel: str, reason: Reason, text: str) -> Any:
         reason: why it may not be used.
         text: the reason in words, empty where it is OK.
     """
-    message = new_message(Validity)
+    message = Validity()
     message.valid = reason == Reason.OK
     message.reason = int(reason)
     message.text = of_wheel(wheel, text)

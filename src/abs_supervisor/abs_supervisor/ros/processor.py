@@ -22,7 +22,6 @@ from abs_supervisor.supervisor import Evidence, Supervisor
 from abs_supervisor.wheel_pair import WheelPair, wheel_pairs
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, level_of, silent
 from friction_runtime.reason_text import of_topic, validity, without_wheel
@@ -352,7 +351,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
 
     def _outputs(self) -> list[Output]:
         machine, envelope = self._supervisor, self._guard.envelope
-        state = new_message(SupervisorState)
+        state = SupervisorState()
         state.header = header = header_at(self._stamp, self._wheel)
         state.wheel = self._wheel
         state.state = int(machine.state)
@@ -378,7 +377,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
     def _debug(self, header: Header) -> SupervisorDebug:
         """Return the internals of machine and envelope."""
         counts, envelope = self._supervisor.counts, self._guard.envelope
-        debug = new_message(SupervisorDebug)
+        debug = SupervisorDebug()
         debug.header = header
         debug.wheel = self._wheel
         debug.indicator = self._indicator
@@ -397,7 +396,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         """Return the command that is in force, once more: a heartbeat."""
         self._commanded = True
         self._counter = (self._counter + 1) % _COUNTER_END
-        command = new_message(BrakeCommand)
+        command = BrakeCommand()
         command.header = header
         command.wheel = self._wheel
         command.command = int(self._command)

@@ -14,7 +14,6 @@ from std_msgs.msg import Header
 
 from corner_sim.plant import SLIP_MIN_SPEED, PlantSample, SlopeCrossings
 from corner_sim.sensors import Measurement, SensorNoise
-from friction_runtime.new_message import new_message
 from friction_runtime.processor import Output
 from friction_runtime.reason_text import validity
 from friction_runtime.stamps import from_nanoseconds
@@ -154,8 +153,7 @@ def truth(stamp_ns: int, wheels: Sequence[str], sample: PlantSample, crossings: 
 
 def _slip(header: Header, wheel: str, sample: PlantSample, i: int) -> WheelSlip:
     moving = sample.speed > SLIP_MIN_SPEED
-    return _made(
-        WheelSlip,
+    return WheelSlip(
         header=header,
         wheel=wheel,
         slip=float(sample.slip[i]) if moving else nan,
@@ -174,8 +172,7 @@ def _slip(header: Header, wheel: str, sample: PlantSample, i: int) -> WheelSlip:
 def _slope(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCrossings, i: int) -> FrictionSlope:
     moving = sample.speed > SLIP_MIN_SPEED
     count = int(crossings.count[i])
-    return _made(
-        FrictionSlope,
+    return FrictionSlope(
         header=header,
         wheel=wheel,
         method="truth",
@@ -195,8 +192,7 @@ def _curve(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCros
     theta = sample.theta[i]
     lambda_max, mu_max = (float(value) for value in sample.peak[i])
     slip = float(sample.tyre_slip[i])
-    return _made(
-        FrictionCurve,
+    return FrictionCurve(
         header=header,
         wheel=wheel,
         method="truth",
@@ -221,8 +217,7 @@ def _curve(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCros
 
 def _force(header: Header, wheel: str, sample: PlantSample, i: int) -> TyreForce:
     load = float(sample.vertical_load[i])
-    return _made(
-        TyreForce,
+    return TyreForce(
         header=header,
         wheel=wheel,
         fx=-load * float(sample.friction[i]),
@@ -238,12 +233,4 @@ def _validity(wheel: str, moving: bool) -> Any:
 
 
 def _header(stamp: Time, frame_id: str) -> Header:
-    return _made(Header, stamp=stamp, frame_id=frame_id)
-
-
-def _made(kind: Any, **fields: Any) -> Any:
-    """Return a message of the truth, all of its fields given: there are many of these, and nobody changes them."""
-    message = new_message(kind)
-    for name, value in fields.items():
-        setattr(message, name, value)
-    return message
+    return Header(stamp=stamp, frame_id=frame_id)

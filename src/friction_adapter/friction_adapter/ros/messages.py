@@ -18,7 +18,6 @@ from friction_adapter.quantities import (
     VEHICLE_VELOCITY,
     WHEEL_STATES,
 )
-from friction_runtime.new_message import new_message
 from friction_runtime.stamps import header_at
 from vehicle_models.vehicle import Vehicle
 
@@ -64,12 +63,10 @@ def maker(target: Target, stddevs: Mapping[str, float], vehicle: Vehicle) -> Mak
 
 def _wheel_states_maker(joints: list[str]) -> Maker:
     def make(stamp: int, values: Sequence[float]) -> JointState:
-        message = new_message(JointState)
+        message = JointState()
         message.header = header_at(stamp, "")
         message.name = joints
         message.velocity = array("d", values)
-        message.position = array("d")
-        message.effort = array("d")
         return message
 
     return make
@@ -77,7 +74,7 @@ def _wheel_states_maker(joints: list[str]) -> Maker:
 
 def _pressure_maker(wheel: str, variance: float) -> Maker:
     def make(stamp: int, values: Sequence[float]) -> FluidPressure:
-        message = new_message(FluidPressure)
+        message = FluidPressure()
         message.header = header_at(stamp, wheel)
         message.fluid_pressure = values[0]
         message.variance = variance
@@ -89,7 +86,6 @@ def _pressure_maker(wheel: str, variance: float) -> Maker:
 def _imu_maker(variance: float, axis: str) -> Maker:
     """The accelerometer along the car is on the axis that the vehicle file names."""
     across = "x" if axis == "y" else "y"
-    defaults = Imu()
     unknown = _covariance(0, _UNKNOWN)
     measured = _covariance("xyz".index(axis), variance)
 
@@ -101,14 +97,14 @@ def _imu_maker(variance: float, axis: str) -> Maker:
             setattr(acceleration, across, leftward)
         if not isnan(yaw_rate):
             rates.z = yaw_rate
-        message = new_message(Imu)
+        message = Imu()
         message.header = header_at(stamp, _FRAME)
-        message.orientation = defaults.orientation
         message.orientation_covariance = unknown
         message.linear_acceleration = acceleration
         message.linear_acceleration_covariance = measured
         message.angular_velocity = rates
-        message.angular_velocity_covariance = unknown if isnan(yaw_rate) else defaults.angular_velocity_covariance
+        if isnan(yaw_rate):
+            message.angular_velocity_covariance = unknown
         return message
 
     return make

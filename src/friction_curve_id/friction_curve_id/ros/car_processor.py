@@ -16,7 +16,6 @@ from friction_curve_id.ros.curve_messages import CurveMessages, health_of
 from friction_curve_id.ros.inputs import IMU
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.new_message import new_message
 from friction_runtime.pressure_watch import PressureWatch
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, silent
@@ -174,7 +173,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
 
 def vehicle_fit(found: GainOverMass, stamp: int) -> VehicleFit:
     """Return what was learned as a message of a stamp [ns]."""
-    message = new_message(VehicleFit)
+    message = VehicleFit()
     message.header = header_at(stamp, "base_link")
     message.wheel = "vehicle"
     message.gain_over_mass_front = found.front

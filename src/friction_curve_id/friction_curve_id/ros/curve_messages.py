@@ -8,7 +8,6 @@ from friction_msgs.msg import FrictionCurve, FrictionCurveDebug
 
 from friction_curve_id.activation import ActivationMark
 from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
-from friction_runtime.new_message import new_message
 from friction_runtime.processor import Level, Output, level_of
 from friction_runtime.reason_text import validity
 from friction_runtime.stamps import header_at
@@ -80,7 +79,7 @@ class CurveMessages:
             self._cause = cause if requested else estimate.restart_cause
         self._activation.update(stamp / NANOSECONDS, slip, estimate.lambda_max)
         header = header_at(stamp, self._frame_id)
-        message = new_message(FrictionCurve)
+        message = FrictionCurve()
         _set_curve(message, estimate)
         message.header = header
         message.wheel = self._wheel
@@ -88,7 +87,7 @@ class CurveMessages:
         message.slip = slip
         message.restarts = self._restarts
         message.validity = validity(self._wheel, reason, text)
-        debug = new_message(FrictionCurveDebug)
+        debug = FrictionCurveDebug()
         debug.header = header
         debug.wheel = self._wheel
         debug.restarted = estimate.restarted

@@ -4,7 +4,6 @@ from typing import Any
 
 from friction_msgs.msg import FrictionSlope, SlopeVote
 
-from friction_runtime.new_message import new_message
 from friction_runtime.reason_text import validity
 from friction_runtime.stamps import from_nanoseconds, header_at
 from friction_slope.estimate import SlopeEstimate
@@ -29,7 +28,7 @@ def vote_message(wheel: str, stamp: int, vote: SlopeEstimate) -> SlopeVote:
 
 def _common(kind: type, wheel: str, stamp: int, estimate: SlopeEstimate) -> Any:
     """Return a message with the fields that estimate and vote have in common."""
-    message = new_message(kind)
+    message = kind()
     message.header = header_at(stamp, wheel)
     message.wheel = wheel
     message.h = estimate.h

@@ -10,7 +10,6 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_runtime.aligned_processor import AlignedProcessor
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.new_message import new_message
 from friction_runtime.primary import Primary
 from friction_runtime.processor import Level, Output, Report, silent
 from friction_runtime.reason_text import validity
@@ -145,7 +144,7 @@ def build(parameters: WheelSlipParameters, vehicle: Vehicle, report: Report = si
 
 
 def _message(stamp: int, wheel: str, estimate: WheelEstimate) -> WheelSlip:
-    message = new_message(WheelSlip)
+    message = WheelSlip()
     message.header = header_at(stamp, wheel)
     message.wheel = wheel
     message.slip = estimate.slip
