@@ -102,7 +102,7 @@ class CarSetup:
             demand_level=self.demand * self.vehicle.wheels[0].brake_gain,
             demand_start=ROLLING * DT,
             acceleration_variance=ACCELERATION_STDDEV**2,
-            acceleration_offset=OFFSET,
+            acceleration_bias=OFFSET,
             vehicle_velocity=False,
             actuator=self.trouble.actuator,
             car=CarModelParameters(right_surface=self.right_surface, hill=self.trouble.hill, hill_distance=_HILL),

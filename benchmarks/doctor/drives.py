@@ -221,7 +221,7 @@ TROUBLES: dict[str, Trouble] = {
         Trouble("accelerometer backwards", _scaled(IMU, -1.0), "sign", IMU, "backwards"),
         Trouble("accelerometer along y", _turned, "mounting", IMU, "y"),
         Trouble("accelerometer scale 0.9", _scaled(IMU, 0.9), "scale", IMU),
-        Trouble("accelerometer offset 0.9 m/s^2", _scaled(IMU, 1.0, 0.9), "offset", IMU),
+        Trouble("accelerometer bias 0.9 m/s^2", _scaled(IMU, 1.0, 0.9), "bias", IMU),
         Trouble("accelerometer 40 ms late", _late(IMU, 0.04), "skew", IMU),
         Trouble("no accelerometer", _without(IMU), "topic", IMU, "no message"),
         Trouble("accelerometer in steps", _edit(IMU, lambda r: replace(r, values=np.round(r.values / 0.4) * 0.4)),

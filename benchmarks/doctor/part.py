@@ -61,7 +61,7 @@ def sabotaged_rows(vehicle: Vehicle, most: int, first_seed: int = 0, seconds: fl
     """Return a row of each sabotaged drive, with the number of troubles that were not named."""
     cases: list[tuple[Trouble, ...]] = [(each,) for each in TROUBLES.values()]
     cases += [tuple(TROUBLES[name] for name in pair) for pair in PAIRS]
-    seeds = [first_seed + 101 + 2 * k for k in range(_BASES)]  # odd ones are flat, so that an offset can be told
+    seeds = [first_seed + 101 + 2 * k for k in range(_BASES)]  # odd ones are flat, so that a bias is determined
     bases: dict[int, Drive] = {}
     rows = []
     for number, troubles in enumerate(track(cases[:most], "sabotaged")):
@@ -125,14 +125,14 @@ def _errors(base: Driven, findings: list[Finding], vehicle: Vehicle) -> dict[str
     add("age of the accelerometer [ms]", "skew", "imu/data", 1e3 * (sensors.acceleration_delay - base.wheel_age))
     add("age of the speed sensor [ms]", "skew", "vehicle_velocity", -1e3 * base.wheel_age)
     if base.flat:
-        add("offset [m/s^2]", "offset", "imu/data", sensors.acceleration_offset)
+        add("bias [m/s^2]", "bias", "imu/data", sensors.acceleration_bias)
     gain = sum(k / r for k, r in zip(truth.brake_gain, truth.radius, strict=True)) / truth.mass
     true = gain / expected_gain(vehicle) * (1.0 - truth.fading)
     add("gain over mass [%]", "gain", "brakes", true, 100.0 / true)
     return found
 
 
-_LIMITS = {"radius [%]": 0.3, "offset [m/s^2]": 0.05, "gain over mass [%]": 3.0}
+_LIMITS = {"radius [%]": 0.3, "bias [m/s^2]": 0.05, "gain over mass [%]": 3.0}
 _AGE = 2.0
 
 

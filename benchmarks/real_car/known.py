@@ -58,7 +58,7 @@ def exactly_known(vehicle: Vehicle) -> Vehicle:
     """Return the vehicle with deviations of zero, on tyres that respond at once as those of the chapter do."""
     of_car = ("mass", "centre_of_gravity_height", "front_load_share", "brake_pressure_delay", "engine_drag_torque")
     of_wheel = ("inertia", "brake_gain", "radius", "relaxation_length")
-    of_accelerometer = ("offset", "scale", "pitch_gain", "delay")
+    of_accelerometer = ("bias", "scale", "pitch_gain", "delay")
     return replace(
         vehicle,
         wheels=tuple(

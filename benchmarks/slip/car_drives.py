@@ -1,6 +1,6 @@
 """Drives of the independent plant on which speed without a speed sensor is judged: stops, hills, locks, spins.
 
-The estimator has the vehicle file. The plant's radii, pitch, and scale, offset and delay of its accelerometer have the
+The estimator has the vehicle file. The plant's radii, pitch, and scale, bias and delay of its accelerometer have the
 deviations that this file states; a trouble by name is set on top of that. Each of them is one error over a whole drive,
 so that of a few cars drawn at random chance decides what a row says. Those of consecutive seeds are spread evenly
 instead (Kronecker's sequence: multiples of an irrational share, modulo 1, are the probabilities of the deviations).
@@ -23,7 +23,7 @@ from corner_sim.car.tyres import TYRES
 from vehicle_models.vehicle import Vehicle
 
 BEGIN = 6.0
-"""Begin of braking, slope or spin [s]: before it the car rolls and the offset can be learned."""
+"""Begin of braking, slope or spin [s]: before it the car rolls and the bias can be learned."""
 _RISE = 0.5
 """Time in which a gentle brake is applied [s]."""
 _DURATION = 14.0
@@ -44,7 +44,7 @@ _ORDINARY = 60.0
 _SPREAD: Mapping[str, float] = {
     "radius": (sqrt(5.0) - 1.0) / 2.0,
     "pitch_gain": sqrt(2.0),
-    "offset": sqrt(3.0),
+    "bias": sqrt(3.0),
     "scale": sqrt(7.0),
     "delay": sqrt(11.0),
 }
@@ -140,7 +140,7 @@ _TROUBLES: Mapping[str, Mapping[str, Any]] = {
     "scale -3 %": {"acceleration_scale": 0.97},
     "pitch as the file": {"pitch_gain": 0.0026},
     "no pitch": {"pitch_gain": 0.0},
-    "offset 0.5 m/s^2": {"acceleration_offset": 0.5},
+    "bias 0.5 m/s^2": {"acceleration_bias": 0.5},
     "accelerometer 10 ms late": {"acceleration_delay": 0.01},
     "48 teeth at 200 Hz": {"encoder_teeth": 48},
     "48 teeth at 50 Hz": {"encoder_teeth": 48, "sample_rate": 50},
@@ -241,7 +241,7 @@ def _differing(case: Case, vehicle: Vehicle, seed: int) -> CarParameters:
     values: dict[str, Any] = {
         "radius": (around(wheel, "radius"),) * 4,
         "pitch_gain": around(accelerometer, "pitch_gain"),
-        "acceleration_offset": around(accelerometer, "offset"),
+        "acceleration_bias": around(accelerometer, "bias"),
         "acceleration_scale": around(accelerometer, "scale"),
         "acceleration_delay": max(around(accelerometer, "delay"), 0.0),
         **(case.trouble or {}),

@@ -74,7 +74,7 @@ class SensorErrors:
     noise: SensorNoise
     acceleration_variance: float
     """[m^2/s^4]"""
-    acceleration_offset: float
+    acceleration_bias: float
     """On top of that of the vehicle file [m/s^2]."""
     seed: int
 
@@ -230,7 +230,7 @@ def as_it_is(vehicle: Vehicle, tyre: Tyre, parameters: CarModelParameters, error
         pressure_delay=vehicle.brake_pressure_delay,
         pressure_stddev=(noise / gains[0], noise / gains[1], noise / gains[2], noise / gains[3]),
         acceleration_delay=parameters.acceleration_delay,
-        acceleration_offset=accelerometer.offset + errors.acceleration_offset,
+        acceleration_bias=accelerometer.bias + errors.acceleration_bias,
         acceleration_scale=accelerometer.scale,
         acceleration_stddev=errors.acceleration_variance**0.5,
     )

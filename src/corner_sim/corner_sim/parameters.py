@@ -54,7 +54,7 @@ class SimParameters:
     acceleration_variance: float = parameter(
         0.0, "variance of the accelerometer noise (none in section 8.3.2)", unit="m^2/s^4", minimum=0.0, maximum=100.0
     )
-    acceleration_offset: float = parameter(
+    acceleration_bias: float = parameter(
         0.0,
         "unknown constant error of the accelerometer; a known one belongs in the vehicle file",
         unit="m/s^2",

@@ -46,20 +46,20 @@ class Sensors:
     """Sensors of n wheels; each kind draws noise from its own stream, so that one does not shift the others."""
 
     def __init__(
-        self, noise: SensorNoise, acceleration_variance: float, acceleration_offset: float, vehicle: Vehicle, seed: int
+        self, noise: SensorNoise, acceleration_variance: float, acceleration_bias: float, vehicle: Vehicle, seed: int
     ) -> None:
         """Seed the sensors.
 
         Args:
             noise: variances of wheel speed, vehicle speed and torque (section 8.3.2).
             acceleration_variance: noise of the accelerometer [m^2/s^4], >= 0.
-            acceleration_offset: constant error of the accelerometer on top of that in the vehicle file [m/s^2].
+            acceleration_bias: constant error of the accelerometer on top of that in the vehicle file [m/s^2].
             vehicle: its brakes and the mounting of its accelerometer; wheels in the order of the samples.
             seed: same seed, same noise.
         """
         self._noise = noise
         self._acceleration_stddev = float(np.sqrt(acceleration_variance))
-        self._acceleration_offset = acceleration_offset
+        self._acceleration_bias = acceleration_bias
         self._accelerometer = vehicle.accelerometer
         self._brake_gain = np.array([wheel.brake_gain for wheel in vehicle.wheels])
         streams = (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(4))
@@ -76,6 +76,6 @@ class Sensors:
             brake_pressure=(sample.pressure_torque + torque_error) / self._brake_gain,
             speed=sample.speed + float(np.sqrt(noise.speed_variance) * self._speed.standard_normal()),
             acceleration=self._accelerometer.reading(sample.acceleration)
-            + self._acceleration_offset
+            + self._acceleration_bias
             + self._acceleration_stddev * float(self._acceleration.standard_normal()),
         )

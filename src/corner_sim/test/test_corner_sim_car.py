@@ -286,7 +286,7 @@ def test_the_encoder_gives_the_mean_between_edges_and_never_more_than_a_tooth_al
 
 
 def test_the_accelerometer_feels_slope_pitch_scale_and_offset() -> None:
-    sensors = replace(QUIET, acceleration_scale=1.02, acceleration_offset=0.3)
+    sensors = replace(QUIET, acceleration_scale=1.02, acceleration_bias=0.3)
     parameters = replace(SMOOTH, slope=0.04, pitch_gain=PITCH_GAIN, sensors=sensors, pitch_damping=1.0)
     run = record(parameters, PressureProfile((0.0, 0.2), (0.0, 4e6)), 0, duration=2.5)
     a = run.true_acceleration[-1]

@@ -158,7 +158,7 @@ def test_noise_and_road_repeat_with_the_seed() -> None:
 def test_troubles_of_sensors_and_road_reach_the_messages() -> None:
     plain = run(QUIET, 60)
     troubles = CarModelParameters(slope=0.05, acceleration_delay=0.01, wheel_delay=0.005)
-    found = run(replace(QUIET, demand_level=0.0, car=troubles, acceleration_offset=0.2), 60)
+    found = run(replace(QUIET, demand_level=0.0, car=troubles, acceleration_bias=0.2), 60)
     # on a slope the accelerometer feels what gravity does not take: the drag alone, and its offset
     assert found["imu/data"][-1].linear_acceleration.x == pytest.approx(0.2 - 0.28, abs=0.03)
     late = run(replace(QUIET, car=CarModelParameters(wheel_delay=0.005)), 60)

@@ -84,8 +84,8 @@ def test_silencing_one_kind_of_sensor_does_not_change_the_noise_of_the_others() 
     [
         Accelerometer(),
         Accelerometer(axis="y", sign=-1.0),
-        Accelerometer(axis="z", offset=0.4, scale=1.03, pitch_gain=0.004),
-        Accelerometer(sign=-1.0, offset=-0.2, scale=0.97, pitch_gain=0.01),
+        Accelerometer(axis="z", bias=0.4, scale=1.03, pitch_gain=0.004),
+        Accelerometer(sign=-1.0, bias=-0.2, scale=0.97, pitch_gain=0.01),
     ],
 )
 def test_the_accelerometer_reads_what_its_mounting_makes_of_the_acceleration(mounting: Accelerometer) -> None:

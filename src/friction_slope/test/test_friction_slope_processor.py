@@ -323,7 +323,7 @@ def test_corner_alone_has_no_load_transfer_and_does_not_take_the_acceleration() 
 
 
 def test_acceleration_is_read_as_the_accelerometer_is_mounted() -> None:
-    turned = replace(CAR, accelerometer=Accelerometer(sign=-1.0, offset=0.3, scale=1.02))
+    turned = replace(CAR, accelerometer=Accelerometer(sign=-1.0, bias=0.3, scale=1.02))
     straight = run(WheelProcessor("front_left", CAR, P), braked(40, harder))
     fed = braked(40, lambda k: turned.accelerometer.reading(harder(k)))
     found = run(WheelProcessor("front_left", turned, P), fed)

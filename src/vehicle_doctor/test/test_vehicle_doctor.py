@@ -214,14 +214,14 @@ def test_a_log_without_a_map_is_refused(tmp_path: Path, capsys: pytest.CaptureFi
 
 def test_everything_else_in_the_vehicle_file_stays_comments_too(tmp_path: Path, car: Path) -> None:
     learned = {f"wheels.{name}.radius": (0.33, 0.0004) for name in FOUR}
-    changed = with_values(CAR, {**learned, "accelerometer.offset": (0.2, 0.01), "accelerometer.sign": (-1.0, 0.0)})
+    changed = with_values(CAR, {**learned, "accelerometer.bias": (0.2, 0.01), "accelerometer.sign": (-1.0, 0.0)})
     (tmp_path / "changed.yaml").write_text(changed)
     before, after = load_vehicle(car), load_vehicle(tmp_path / "changed.yaml")
     assert after.radii == (0.33,) * 4
     for old, new in zip(before.wheels, after.wheels, strict=True):
         assert new.deviations == {**old.deviations, "radius": Deviation(0.0004, SharedBy.WHEEL)}
         assert (new.name, new.joint, new.inertia, new.driven) == (old.name, old.joint, old.inertia, old.driven)
-    assert (after.accelerometer.offset, after.accelerometer.sign) == (0.2, -1.0)
+    assert (after.accelerometer.bias, after.accelerometer.sign) == (0.2, -1.0)
     assert (after.mass, after.deviations) == (before.mass, before.deviations)
     for comment in ("# it is mine", "# from the data sheet", "# worn", "# the new one", "# a comment below"):
         assert comment in changed

@@ -8,7 +8,7 @@ import numpy as np
 import yaml
 
 from vehicle_doctor.findings import Finding, Verdict
-from vehicle_models.vehicle import Vehicle, stated_deviation
+from vehicle_models.vehicle import Vehicle, specified_stddev
 from vehicle_models.vehicle_file import load_vehicle
 
 
@@ -39,7 +39,7 @@ def stated_stddev(vehicle: Vehicle, key: str) -> float | None:
     """Return the deviation that the file states for a dotted key; None where it states none."""
     *path, name = key.split(".")
     part = vehicle.wheel(path[1]) if path[:1] == ["wheels"] else vehicle.accelerometer if path else vehicle
-    return stated_deviation(part.deviations, name)
+    return specified_stddev(part.deviations, name)
 
 
 def learned_file(findings: Sequence[Finding], source: Path) -> str:
@@ -72,7 +72,7 @@ def with_values(text: str, learned: Mapping[str, tuple[float, float]]) -> str:
 
     Args:
         text: text of a valid vehicle file.
-        learned: value and its standard deviation by dotted key, such as `wheels.FL.radius` or `accelerometer.offset`.
+        learned: value and its standard deviation by dotted key, such as `wheels.FL.radius` or `accelerometer.bias`.
 
     Returns:
         The new text.

@@ -47,8 +47,8 @@ def test_a_corner_is_a_wheel_with_the_mass_that_rests_on_it() -> None:
         (Accelerometer(), reads("x", -4.0), -4.0),
         (Accelerometer(axis="y"), reads("y", -4.0), -4.0),
         (Accelerometer(axis="z", sign=-1.0), reads("z", 4.0), -4.0),
-        (Accelerometer(offset=0.5), reads("x", -3.5), -4.0),
-        (Accelerometer(sign=-1.0, offset=0.5), reads("x", 3.5), -4.0),
+        (Accelerometer(bias=0.5), reads("x", -3.5), -4.0),
+        (Accelerometer(sign=-1.0, bias=0.5), reads("x", 3.5), -4.0),
         (Accelerometer(scale=1.25), reads("x", -5.0), -4.0),
         # 4 m/s^2 bring the nose down by 0.02 rad, which adds 0.02 g to the reading
         (Accelerometer(pitch_gain=0.005), reads("x", -4.0 - 9.81 * 0.02), -4.0),

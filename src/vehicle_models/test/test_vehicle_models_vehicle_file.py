@@ -99,8 +99,8 @@ def test_deviations_say_with_which_wheels_an_error_is_shared(tmp_path: Path) -> 
     assert car.wheel("FL").deviations == car.wheel("FR").deviations == of_axle
     assert car.wheel("RL").deviations == gain | {"radius": Deviation(0.001, SharedBy.WHEEL)}
     assert car.wheel("RR").deviations == gain
-    mounted = load(tmp_path, CAR.replace("sign: 1}", "sign: 1, offset: {value: 0.1, stddev: 0.17}}"))
-    assert mounted.accelerometer == Accelerometer(offset=0.1, deviations={"offset": Deviation(0.17, SharedBy.ALL)})
+    mounted = load(tmp_path, CAR.replace("sign: 1}", "sign: 1, bias: {value: 0.1, stddev: 0.17}}"))
+    assert mounted.accelerometer == Accelerometer(bias=0.1, deviations={"bias": Deviation(0.17, SharedBy.ALL)})
 
 
 def test_a_deviation_of_zero_says_that_a_value_is_known_exactly(tmp_path: Path) -> None:

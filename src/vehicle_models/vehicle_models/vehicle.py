@@ -124,7 +124,7 @@ class Accelerometer:
 
     axis: str = parameter("x", "its axis along the car", choices=("x", "y", "z"))
     sign: float = parameter(1.0, "1 if that axis points forward, -1 if backward", minimum=-1.0, maximum=1.0)
-    offset: float = parameter(
+    bias: float = parameter(
         0.0, "its reading at rest on a level road, after 'sign'", unit="m/s^2", minimum=-20.0, maximum=20.0
     )
     scale: float = parameter(1.0, "change of its reading over change of acceleration", minimum=0.5, maximum=2.0)
@@ -142,20 +142,20 @@ class Accelerometer:
     def forward(self, linear_acceleration: Any) -> float:
         """Acceleration of the car [m/s^2], forward positive, on a level road.
 
-        A nose that dives adds a share of gravity to the reading: sign f = scale (1 + g pitch_gain) a + offset.
+        A nose that dives adds a share of gravity to the reading: sign f = scale (1 + g pitch_gain) a + bias.
 
         Args:
             linear_acceleration: vector with x, y, z [m/s^2], as in sensor_msgs/Imu.
         """
-        return self.without_offset(linear_acceleration) / (self.scale * (1.0 + GRAVITY * self.pitch_gain))
+        return self.without_bias(linear_acceleration) / (self.scale * (1.0 + GRAVITY * self.pitch_gain))
 
-    def without_offset(self, linear_acceleration: Any) -> float:
-        """Reading [m/s^2], forward positive, of which only the offset is taken off: pitch and scale are in it."""
-        return self.sign * float(getattr(linear_acceleration, self.axis)) - self.offset
+    def without_bias(self, linear_acceleration: Any) -> float:
+        """Reading [m/s^2], forward positive, of which only the bias is removed: pitch and scale are in it."""
+        return self.sign * float(getattr(linear_acceleration, self.axis)) - self.bias
 
     def reading(self, acceleration: float) -> float:
         """Reading of `axis` [m/s^2] at an acceleration of the car [m/s^2], the inverse of `forward`."""
-        return self.sign * (self.scale * (1.0 + GRAVITY * self.pitch_gain) * acceleration + self.offset)
+        return self.sign * (self.scale * (1.0 + GRAVITY * self.pitch_gain) * acceleration + self.bias)
 
 
 @dataclass(frozen=True)
@@ -312,7 +312,7 @@ STATED_ABSOLUTE = {
     "front_load_share": 0.0115,
     "brake_pressure_delay": 0.012,
     "engine_drag_torque": 46.0,
-    "offset": 0.17,
+    "bias": 0.17,
     "scale": 0.0115,
     "pitch_gain": 0.0015,
     "delay": 0.006,
@@ -320,14 +320,14 @@ STATED_ABSOLUTE = {
 """Deviations of what a vehicle file does not state, in its units."""
 
 
-def stated_deviation(deviations: Deviations, name: str) -> float | None:
+def specified_stddev(deviations: Deviations, name: str) -> float | None:
     """Standard deviation of a quantity in its unit, None where its file states none."""
     return deviations[name].stddev if name in deviations else None
 
 
 def deviation_of(deviations: Deviations, name: str, otherwise: float) -> float:
     """Standard deviation of a quantity in its unit, `otherwise` where its file states none."""
-    found = stated_deviation(deviations, name)
+    found = specified_stddev(deviations, name)
     return otherwise if found is None else found
 
 

@@ -280,7 +280,7 @@ max_slip_stddev learn_radii max_gap"""
 
 
 def test_mounting_of_the_accelerometer_is_that_of_the_car(processor: CarProcessor) -> None:
-    mounted = replace(CORNER.accelerometer, axis="y", sign=-1.0, offset=0.5, scale=1.02, pitch_gain=0.001)
+    mounted = replace(CORNER.accelerometer, axis="y", sign=-1.0, bias=0.5, scale=1.02, pitch_gain=0.001)
     turned = CarProcessor(replace(CORNER, accelerometer=mounted), WheelSlipParameters())
     messages: list[Message] = []
     for topic, message in stop():

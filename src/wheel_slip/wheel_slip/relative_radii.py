@@ -19,7 +19,7 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle_models.vehicle import REAR, STATED, Vehicle, stated_deviation
+from vehicle_models.vehicle import REAR, STATED, Vehicle, specified_stddev
 from wheel_slip.free_rolling import Stretch
 
 Array = NDArray[np.float64]
@@ -68,7 +68,7 @@ class RelativeRadii:
         self._names = vehicle.wheel_names
         self._half_track = 0.5 * vehicle.track
         stated = [
-            _UNSTATED if (found := stated_deviation(each.deviations, "radius")) is None else found / each.radius
+            _UNSTATED if (found := specified_stddev(each.deviations, "radius")) is None else found / each.radius
             for each in wheels
         ]
         self._stddevs: Array = np.maximum(np.array(stated), _LEAST_DEVIATION)

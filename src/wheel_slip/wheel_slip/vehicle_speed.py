@@ -16,7 +16,7 @@ from typing import Final
 
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.vehicle import Vehicle, deviation_of, stated_deviation
+from vehicle_models.vehicle import Vehicle, deviation_of, specified_stddev
 from wheel_slip.accelerometer_watch import AccelerometerWatch
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
 from wheel_slip.mode import Cause, transition
@@ -55,7 +55,7 @@ class VehicleSpeed:
             parameters.speed_filter,
             _gain_stddev(vehicle),
             mounting.delay,
-            stated_deviation(mounting.deviations, "delay"),
+            specified_stddev(mounting.deviations, "delay"),
         )
         self.radii = RadiusDoubt(vehicle)
         """How far the radii make the speed wrong."""
@@ -401,14 +401,14 @@ class VehicleSpeed:
 
 def _of_car(parameters: SpeedFilterParameters, vehicle: Vehicle) -> SpeedFilterParameters:
     """Return the parameters with the deviation of the offset that the vehicle file states, if it is a larger one."""
-    stated = deviation_of(vehicle.accelerometer.deviations, "offset", 0.0)
+    stated = deviation_of(vehicle.accelerometer.deviations, "bias", 0.0)
     return replace(parameters, offset_stddev=max(parameters.offset_stddev, stated))
 
 
 def _gain_stddev(vehicle: Vehicle) -> float | None:
     """Deviation of the accelerometer's gain as a share, by scale and pitch; None where the vehicle file states none."""
     mounting = vehicle.accelerometer
-    scale = stated_deviation(mounting.deviations, "scale")
+    scale = specified_stddev(mounting.deviations, "scale")
     if scale is None:
         return None
     return hypot(scale / mounting.scale, GRAVITY * deviation_of(mounting.deviations, "pitch_gain", 0.0))

@@ -32,7 +32,7 @@ class SensorParameters:
     """White noise of the pressures [Pa]."""
     acceleration_delay: float = 0.0
     """Time by which an acceleration is older than its stamp [s]."""
-    acceleration_offset: float = 0.0
+    acceleration_bias: float = 0.0
     """[m/s^2]"""
     acceleration_scale: float = 1.0
     """Change of the reading over change of specific force."""

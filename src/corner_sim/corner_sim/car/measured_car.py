@@ -190,7 +190,7 @@ class MeasuredCar:
             wheel_speed = ideal([late.value() for late in self._speeds], s.wheel_speed_variance, rng)
         noise = rng.normal(0.0, s.pressure_stddev, 4).tolist()
         pressure = [each + error for each, error in zip(self._sensed_pressure, noise, strict=True)]
-        force = s.acceleration_scale * self._force.value() + s.acceleration_offset
+        force = s.acceleration_scale * self._force.value() + s.acceleration_bias
         return Measurement(self.time, wheel_speed, pressure, force + float(rng.normal(0.0, s.acceleration_stddev)))
 
     def _sense(self, pressure: list[float], slope: float) -> None:

@@ -25,7 +25,7 @@ def random_car(seed: int, road: str, family: str) -> RandomCar:
     Uniform: brake gain +-10 % of front and rear apart, mass and inertia +-15 %, radius +-1 % of all wheels (each
     differs from that by 0.05 % RMS), height of the centre of gravity +-10 %, load share +-0.02, pressure 0-20 ms and
     accelerometer 0-10 ms late, relaxation 0.05-0.4 m, load varying 0-6 % RMS, slope +-4 %, engine drag 0-80 N m at each
-    driven wheel, accelerometer offset +-0.3 m/s^2, scale +-2 %; pitch 0.15 deg per m/s^2 at 1.3-1.9 Hz, damping
+    driven wheel, accelerometer bias +-0.3 m/s^2, scale +-2 %; pitch 0.15 deg per m/s^2 at 1.3-1.9 Hz, damping
     0.35-0.65, any share of the dampers in the load transfer; 48 teeth at 100 or 200 Hz; first rise of pressure 0.15-1 s
     (uniform in its logarithm), reversed at 1.5-2 lambda_max.
 
@@ -54,7 +54,7 @@ def random_car(seed: int, road: str, family: str) -> RandomCar:
         encoder_teeth=48,
         pressure_delay=between(0.0, 0.02),
         acceleration_delay=between(0.0, 0.01),
-        acceleration_offset=between(-0.3, 0.3),
+        acceleration_bias=between(-0.3, 0.3),
         acceleration_scale=within(0.02),
     )
     parameters = CarParameters(

@@ -49,14 +49,14 @@ class Simulation:
         road = Road(parameters.surfaces, parameters.surface_distances)
         p, speed = parameters, parameters.initial_speed
         if p.model == CAR:
-            errors = SensorErrors(self._noise, p.acceleration_variance, p.acceleration_offset, p.seed)
+            errors = SensorErrors(self._noise, p.acceleration_variance, p.acceleration_bias, p.seed)
             self._plant = self._sensors = car = CarPlant(vehicle, road, p.car, p.actuator, errors, speed)
             peak_torque = car.peak_torque
         else:
             model = build_model(p.model, vehicle, speed)
             plant = Plant(model, road, p.actuator, vehicle)
             self._plant = RecordedPlant(plant, recorded) if recorded else plant
-            self._sensors = Sensors(self._noise, p.acceleration_variance, p.acceleration_offset, vehicle, p.seed)
+            self._sensors = Sensors(self._noise, p.acceleration_variance, p.acceleration_bias, vehicle, p.seed)
             peak_torque = model.peak_torque(road.theta(0.0))
         level = parameters.demand_level
         if parameters.demand_unit == "peak_ratio":

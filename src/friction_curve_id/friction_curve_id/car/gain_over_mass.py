@@ -116,7 +116,7 @@ class GainOverMassLearner:
             absolute_deviation(mounting.deviations, "scale"),
             GRAVITY * absolute_deviation(mounting.deviations, "pitch_gain"),
         )
-        deviation[_OFFSET] = absolute_deviation(mounting.deviations, "offset")
+        deviation[_OFFSET] = absolute_deviation(mounting.deviations, "bias")
         self._mean[_DRAG] = drag * vehicle.engine_drag_torque
         deviation[_DRAG] = drag * absolute_deviation(vehicle.deviations, "engine_drag_torque")
         self._mean[_DELAY] = vehicle.brake_pressure_delay - mounting.delay

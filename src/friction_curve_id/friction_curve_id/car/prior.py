@@ -105,7 +105,7 @@ def car_prior(
     put(Unknown.SLOPE, 0.0, slope_stddev * GRAVITY)
     if with_accelerometer:
         put(Unknown.ACCELEROMETER_DELAY, mounting.delay, absolute_deviation(mounting.deviations, "delay"))
-        put(Unknown.ACCELEROMETER_OFFSET, 0.0, absolute_deviation(mounting.deviations, "offset"))
+        put(Unknown.ACCELEROMETER_OFFSET, 0.0, absolute_deviation(mounting.deviations, "bias"))
         pitch = GRAVITY * absolute_deviation(mounting.deviations, "pitch_gain")
         put(Unknown.PITCH_READING, GRAVITY * mounting.pitch_gain, pitch)
         put(Unknown.ACCELEROMETER_SCALE, 0.0, hypot(absolute_deviation(mounting.deviations, "scale"), radius))

@@ -76,7 +76,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     def _take(self, topic: str, message: Any) -> str | None:
         if topic == IMU:
             # The estimator knows scale and pitch as unknowns of its own.
-            reading = self._mounting.without_offset(message.linear_acceleration)
+            reading = self._mounting.without_bias(message.linear_acceleration)
         else:
             # No delay is taken off: the age of the pressures is an unknown too.
             reading = float(message.fluid_pressure)

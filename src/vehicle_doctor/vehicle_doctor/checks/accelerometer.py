@@ -1,7 +1,7 @@
 """Accelerometer against freely rolling wheels: delay, scale factor, bias, mounting.
 
 A wheel without drive or brake has the speed of the car. So its speed is the integral of the accelerometer, but for
-slope and offset, which a polynomial over some seconds takes up; steps of the throttle then tell age and scale. The
+slope and bias, which a polynomial over some seconds takes up; steps of the throttle then tell age and scale. The
 body's pitch is in both: it belongs to how the accelerometer is mounted.
 """
 
@@ -15,7 +15,7 @@ from vehicle_doctor.findings import Finding, Verdict, against_file
 from vehicle_doctor.motion import Motion, free_rims
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.vehicle import deviation_of, stated_deviation
+from vehicle_models.vehicle import deviation_of, specified_stddev
 from wheel_slip.accelerometer_age import AccelerometerAge
 from wheel_slip.mode import SlideParameters
 
@@ -47,7 +47,7 @@ def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift
     else:
         found += _age_and_scale(drive, compared, age_of_teeth(drive, motion))
         gain = compared.gain
-    found.append(_offset(drive, motion, gain, road))
+    found.append(_bias(drive, motion, gain, road))
     return found, compared
 
 
@@ -140,14 +140,14 @@ def _age_and_scale(drive: Drive, compared: Shift, of_wheels: float) -> list[Find
     accelerometer = drive.vehicle.accelerometer
     stated = accelerometer.deviations
     age, doubt = compared.late, hypot(compared.late_stddev, AGE_FLOOR)
-    verdict = against_file(age, hypot(doubt, of_wheels), accelerometer.delay, stated_deviation(stated, "delay"), 4e-3)
+    verdict = against_file(age, hypot(doubt, of_wheels), accelerometer.delay, specified_stddev(stated, "delay"), 4e-3)
     text = f"{1e3 * age:+.1f} ms later than the wheels, {1e3 * accelerometer.delay:.1f} ms in the file"
     learned = {"accelerometer.delay": (max(age, 0.0), doubt)} if age < 0.1 else {}
     remedy = "--write, or 'latency' in the signal map" if verdict is Verdict.WARN else ""
     findings = [Finding("skew", IMU, verdict, text, 1e3 * age, 1e3 * doubt, "ms", remedy, learned)]
     scale, doubt = compared.gain, hypot(compared.gain_stddev, _SCALE_FLOOR)
     of_pitch = GRAVITY * deviation_of(stated, "pitch_gain", 0.0)
-    verdict = against_file(scale, hypot(doubt, of_pitch), accelerometer.scale, stated_deviation(stated, "scale"), 0.02)
+    verdict = against_file(scale, hypot(doubt, of_pitch), accelerometer.scale, specified_stddev(stated, "scale"), 0.02)
     text = f"reads {scale:.3f} of the wheels' acceleration, without pitch ({accelerometer.scale:.3f})"
     learned = {"accelerometer.scale": (scale, hypot(doubt, of_pitch))}
     remedy = "--write, or 'scale' in the signal map" if verdict is Verdict.WARN else ""
@@ -155,26 +155,22 @@ def _age_and_scale(drive: Drive, compared: Shift, of_wheels: float) -> list[Find
     return findings
 
 
-def _offset(drive: Drive, motion: Motion, gain: float, road: str) -> Finding:
+def _bias(drive: Drive, motion: Motion, gain: float, road: str) -> Finding:
     """Mean of what is left of the reading; over the distance, as hills that end where they began cancel over it."""
     if road == UNKNOWN:
         text = "cannot be distinguished from the grade: give --road flat or --road out-and-back if it was so"
-        return Finding("offset", IMU, Verdict.NOTE, text)
+        return Finding("bias", IMU, Verdict.NOTE, text)
     rest = without_pitch(drive, motion) - gain * motion.rate
     use = motion.moving & np.isfinite(rest)
     if use.sum() * motion.step < 5.0:
-        return Finding("offset", IMU, Verdict.NOTE, "not determined: the car hardly moves")
+        return Finding("bias", IMU, Verdict.NOTE, "not determined: the car hardly moves")
     weight = motion.speed[use] if road == CIRCUIT else np.ones(int(use.sum()))
-    offset, doubt = _mean(rest[use], weight)
+    bias, doubt = _mean(rest[use], weight)
     accelerometer = drive.vehicle.accelerometer
-    verdict = against_file(
-        offset, doubt, accelerometer.offset, stated_deviation(accelerometer.deviations, "offset"), 0.05
-    )
-    text = f"reads {offset:+.3f} m/s^2 on a level road, {accelerometer.offset:+.3f} in the file"
+    verdict = against_file(bias, doubt, accelerometer.bias, specified_stddev(accelerometer.deviations, "bias"), 0.05)
+    text = f"reads {bias:+.3f} m/s^2 on a level road, {accelerometer.bias:+.3f} in the file"
     remedy = "take the value into the vehicle file (--write)" if verdict is Verdict.WARN else ""
-    return Finding(
-        "offset", IMU, verdict, text, offset, doubt, "m/s^2", remedy, {"accelerometer.offset": (offset, doubt)}
-    )
+    return Finding("bias", IMU, verdict, text, bias, doubt, "m/s^2", remedy, {"accelerometer.bias": (bias, doubt)})
 
 
 def _mean(values: Array, weight: Array) -> tuple[float, float]:

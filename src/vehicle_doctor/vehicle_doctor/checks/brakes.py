@@ -15,7 +15,7 @@ from vehicle_doctor.comparison import Shift, shift, stretches
 from vehicle_doctor.drive import Array, Drive, pressure_topic
 from vehicle_doctor.findings import Finding, Verdict, against_file, failure
 from vehicle_doctor.motion import Motion, NDArrayBool, pressure_threshold
-from vehicle_models.vehicle import Vehicle, deviation_of, stated_deviation
+from vehicle_models.vehicle import Vehicle, deviation_of, specified_stddev
 
 _UNITS = {"Pa": 1.0, "kPa": 1e-3, "bar": 1e-5, "MPa": 1e-6, "mbar": 1e-2, "psi": 1.0 / 6894.76}
 _NEAR = log(2.5)
@@ -116,7 +116,7 @@ def _correlation(x: Array, y: Array, use: NDArrayBool) -> float:
 
 def _ages(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], where: list[slice]) -> list[Finding]:
     vehicle = drive.vehicle
-    stated = stated_deviation(vehicle.deviations, "brake_pressure_delay")
+    stated = specified_stddev(vehicle.deviations, "brake_pressure_delay")
     found = []
     of_wheels, lag = age_of_teeth(drive, motion), wheel_lag(drive, motion)
     for i in sound:

@@ -9,7 +9,7 @@ from vehicle_doctor.drive import Array, Drive
 from vehicle_doctor.findings import Finding, Verdict, against_file
 from vehicle_doctor.motion import Motion
 from vehicle_models.constants import AIR_DENSITY, GRAVITY
-from vehicle_models.vehicle import Deviations, SharedBy, stated_deviation
+from vehicle_models.vehicle import Deviations, SharedBy, specified_stddev
 
 MIN_ROLLING_TIME = 4.0
 """Rolling time [s] below which there is no answer."""
@@ -105,8 +105,8 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
     driven = [wheel.driven for wheel in vehicle.wheels]
     if not has_sensor:
         free = free / np.median(free)  # one wheel that is far off does not move the others
-    stated_stddevs = [stated_deviation(wheel.deviations, "radius") for wheel in vehicle.wheels]
-    common = 0.0 if has_sensor else max(each or 0.01 for each in stated_stddevs)
+    specified_stddevs = [specified_stddev(wheel.deviations, "radius") for wheel in vehicle.wheels]
+    common = 0.0 if has_sensor else max(each or 0.01 for each in specified_stddevs)
     found = []
     factors = 1.0 / free
     usual = float(np.median(factors))
@@ -114,7 +114,7 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
         radius = wheel.radius * float(factors[i])
         relative = float(np.hypot(stddev[i], _FLOOR * (2.0 if driven[i] else 1.0)))
         doubt = radius * float(np.hypot(relative, common / wheel.radius))
-        stated = stated_stddevs[i]
+        stated = specified_stddevs[i]
         against = "the speed sensor" if has_sensor else "the other wheels"
         change = 100.0 * (factors[i] - 1.0)
         verdict = against_file(radius, radius * relative, wheel.radius, stated, 0.004 * wheel.radius)
