@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger
 
 from friction_parameters.parameter import ParameterError, ignored
 from friction_runtime import qos
-from friction_runtime.guarded import Guarded
+from friction_runtime.fault_isolation import FaultIsolatedProcessor
 from friction_runtime.node_parameters import declare
 from friction_runtime.processor import CommandingProcessor, Health, Level, Output, Processor, Report, Severity
 from friction_runtime.report_kind import ReportLimit
@@ -101,7 +101,7 @@ class ProcessorNode(Node, Generic[Parameters]):
         self._subscribed: set[str] = set()
         self._arrivals: dict[str, float] = {}
         self._counts: dict[str, int] = {}
-        self._readers: dict[str, list[Guarded]] = {}
+        self._readers: dict[str, list[FaultIsolatedProcessor]] = {}
         self._watched = monotonic()
         self._ignored: set[str] = set()
         parameters = declare(self, parameter_class, self._apply)
@@ -120,7 +120,9 @@ class ProcessorNode(Node, Generic[Parameters]):
 
     def _apply(self, parameters: Parameters) -> None:
         """Replace the processors by new ones for these parameters. If that fails, the old ones stay."""
-        processors = [Guarded(each, self._report) for each in self._build(parameters, self._vehicle, self._report)]
+        processors = [
+            FaultIsolatedProcessor(each, self._report) for each in self._build(parameters, self._vehicle, self._report)
+        ]
         for text in ignored(parameters):
             if text not in self._ignored:
                 self._ignored.add(text)
@@ -128,8 +130,8 @@ class ProcessorNode(Node, Generic[Parameters]):
         self._processors = processors
         self._commands = any(isinstance(each.processor, CommandingProcessor) for each in processors)
         self._readers = {}
-        for guarded in processors:
-            processor = guarded.processor
+        for isolated in processors:
+            processor = isolated.processor
             for topic, kind in processor.outputs.items():
                 if topic not in self._outputs:
                     publisher = qos.publish(self, kind, topic, _offered(processor, topic))
@@ -139,7 +141,7 @@ class ProcessorNode(Node, Generic[Parameters]):
                     if topic not in self._counts:
                         self._counts[topic] = 0
                         self._inputs[self.resolve_topic_name(topic)] = _Input(topic, kind, profile)
-                    self._readers.setdefault(topic, []).append(guarded)
+                    self._readers.setdefault(topic, []).append(isolated)
         self._connect(self)
 
     @property

@@ -1,4 +1,4 @@
-"""A processor whose exceptions end no node: a defect of one wheel's estimate leaves the other wheels theirs."""
+"""Fault isolation of a processor: an exception in one wheel's estimate affects neither node nor other wheels."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -9,7 +9,7 @@ from friction_runtime.processor import CommandingProcessor, Health, Level, Outpu
 from friction_runtime.stamps import to_nanoseconds
 
 
-class Guarded:
+class FaultIsolatedProcessor:
     """Hands messages to one processor. Where it raises, its brake goes back to the driver and it starts again."""
 
     def __init__(self, processor: Processor, report: Report) -> None:

@@ -4,7 +4,7 @@ from typing import Any
 from friction_msgs.msg import BrakeDemand
 from std_msgs.msg import Header
 
-from friction_runtime.guarded import Guarded
+from friction_runtime.fault_isolation import FaultIsolatedProcessor
 from friction_runtime.processor import CommandingProcessor, Health, Level, Output
 from friction_runtime.stamps import from_nanoseconds
 
@@ -58,33 +58,33 @@ def _never(severity: str, text: str) -> None:
 
 
 def test_a_processor_that_never_raises_is_as_without_a_guard() -> None:
-    guarded = Guarded(Estimator(), _never)
-    assert [guarded.process(TOPIC, demand(1.0)) for _ in range(3)] == [[("count", n)] for n in (1, 2, 3)]
-    assert guarded.watch({}, 0.0) == []
-    assert guarded.health() == Health("front_left", values={"count": "3"})
+    isolated = FaultIsolatedProcessor(Estimator(), _never)
+    assert [isolated.process(TOPIC, demand(1.0)) for _ in range(3)] == [[("count", n)] for n in (1, 2, 3)]
+    assert isolated.watch({}, 0.0) == []
+    assert isolated.health() == Health("front_left", values={"count": "3"})
 
 
 def test_one_that_raises_starts_again_is_named_with_topic_and_stamp_and_counted() -> None:
     said: list[tuple[str, str]] = []
-    guarded = Guarded(Estimator(), lambda severity, text: said.append((severity, text)))
-    guarded.process(TOPIC, demand(1.0))
-    assert guarded.process(TOPIC, demand(-1.0)) == []
-    assert guarded.process(TOPIC, demand(1.0)) == [("count", 1)]
-    assert guarded.watch({}, -1.0) == []
+    isolated = FaultIsolatedProcessor(Estimator(), lambda severity, text: said.append((severity, text)))
+    isolated.process(TOPIC, demand(1.0))
+    assert isolated.process(TOPIC, demand(-1.0)) == []
+    assert isolated.process(TOPIC, demand(1.0)) == [("count", 1)]
+    assert isolated.watch({}, -1.0) == []
     ((severity, text), (_, watch)) = said
     assert severity == "error"
-    assert all(part in text for part in (TOPIC, "7000000001", "ZeroDivisionError", "pressure", "guarded.py:"))
+    assert all(part in text for part in (TOPIC, "7000000001", "ZeroDivisionError", "pressure", "fault_isolation.py:"))
     assert "KeyError" in watch
-    health = guarded.health()
+    health = isolated.health()
     assert (health.level, health.values["exceptions"]) == (Level.ERROR, "2")
-    guarded.reset()
-    assert guarded.health() == Health("front_left", values={"count": "0"})
+    isolated.reset()
+    assert isolated.health() == Health("front_left", values={"count": "0"})
 
 
 def test_one_that_commands_gives_the_brake_back_before_it_forgets_what_it_commanded() -> None:
     supervisor = Supervisor()
     assert isinstance(supervisor, CommandingProcessor)
-    guarded = Guarded(supervisor, lambda severity, text: None)
-    guarded.process(TOPIC, demand(1.0))
-    assert guarded.process(TOPIC, demand(-1.0)) == [("brake_command", "none after 2")]
+    isolated = FaultIsolatedProcessor(supervisor, lambda severity, text: None)
+    isolated.process(TOPIC, demand(1.0))
+    assert isolated.process(TOPIC, demand(-1.0)) == [("brake_command", "none after 2")]
     assert supervisor.count == 0
