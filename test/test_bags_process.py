@@ -16,9 +16,8 @@ from rclpy.serialization import deserialize_message
 
 from friction_adapter.map_file import load_map
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_bags.bag_io.bag_writer import BagWriter
+from friction_bags.bag_io.bag_writer import BagWriter, write_bag
 from friction_bags.bag_io.cdr import encode
-from friction_bags.bag_io.message_bag import write_bag
 from friction_bags.experiments.library import Experiment, simulate
 from friction_bags.importers.table import Table
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS

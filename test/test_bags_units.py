@@ -12,8 +12,8 @@ from friction_msgs.msg import FrictionCurve, FrictionSlope, WheelSlip
 
 from friction_adapter.map_file import load_map
 from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.bag_io.bag_writer import write_bag
 from friction_bags.bag_io.cdr import decode
-from friction_bags.bag_io.message_bag import write_bag
 from friction_bags.importers.table import Table
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag

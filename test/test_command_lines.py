@@ -110,7 +110,6 @@ def bag_lines(directory: Path, given: dict[str, str]) -> Iterator[list[str]]:
     for option in ("--ahead", "--subscribers"):
         yield from with_each(["play", DRY], option, COUNTS)
     yield from with_each(["play", DRY], "--subscribers", ("a=", "a=0", "=", "a=b=c"))
-    yield from with_each(["play", DRY], "--remap", ("a", ":=", "a:=", ":=b"))
 
 
 def other_lines(directory: Path, given: dict[str, str]) -> Iterator[tuple[Callable[[Sequence[str]], int], list[str]]]:
@@ -241,7 +240,7 @@ def test_an_interruption_is_one_word_and_exit_code_130(capsys: pytest.CaptureFix
         ["friction_bags", "record", "--ros-args", "-r", "__ns:=1 2"],
         ["friction_bags", "play", DRY, "--start-offset", "100000"],
         ["friction_bags", "play", DRY, "--topics", "/nothing"],
-        ["friction_bags", "play", DRY, "--remap", "/wheel_states:=/a b"],
+        ["friction_bags", "play", DRY, "--ros-args", "-r", "/wheel_states:=/a b"],
         ["wheel_slip", "--ros-args", "--params-file", "not_there.yaml"],
         ["campaigns", "live", "--seconds", "-1"],
     ],

@@ -19,7 +19,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_bags.bag_io.message_bag import write_bag
+from friction_bags.bag_io.bag_writer import write_bag
 from friction_bringup.__main__ import main
 from friction_report.recorded_run import RecordedRun, read_run
 from friction_runtime.shipped_files import shipped_file

@@ -22,7 +22,7 @@ from campaigns.dds import arrived, tap
 from campaigns.live.graph import LiveRunError
 from corner_sim.parameters import SimParameters
 from corner_sim.ros.simulation import Simulation
-from friction_bags.bag_io.message_bag import write_bag
+from friction_bags.bag_io.bag_writer import write_bag
 from friction_bags.record_replay.flow_control import header_stamp
 from friction_bringup import graph
 from friction_bringup.discovery import local_discovery

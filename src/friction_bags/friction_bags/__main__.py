@@ -8,8 +8,8 @@ from pathlib import Path
 from friction_parameters.command_line import command, run_subcommand
 
 _NODES = {
-    "record": ("friction_bags.record_replay.record", "record topics to a bag"),
-    "play": ("friction_bags.record_replay.play", "replay a bag onto its topics"),
+    "record": ("friction_bags.record_replay.recorder", "record topics to a bag"),
+    "play": ("friction_bags.record_replay.player", "replay a bag onto its topics"),
 }
 _TOOLS = {
     "info": ("friction_bags.bag_io.info", "show what a bag holds"),

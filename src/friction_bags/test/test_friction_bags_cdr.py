@@ -28,8 +28,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import String
 
-from friction_bags.bag_io.cdr import decode, encode
-from friction_bags.bag_io.message_definition import message_definition, type_name
+from friction_bags.bag_io.cdr import decode, encode, message_definition, type_name
 from friction_runtime.message_type import message_class
 
 KINDS: list[Any] = [

@@ -17,6 +17,7 @@ ALLOWED: dict[str, set[str]] = {
     "record_replay": {
         "friction_bags.bag_io",
         "friction_bags.bag_vehicle",
+        "friction_bags.progress_bars",
         "friction_parameters",
         "friction_runtime",
         "vehicle_models",

@@ -6,8 +6,7 @@ from friction_msgs.msg import SupervisorState, TyreForce, WheelSlip
 
 from friction_bags.__main__ import main
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_bags.bag_io.cdr import decode
-from friction_bags.bag_io.message_definition import message_definition
+from friction_bags.bag_io.cdr import decode, message_definition
 from friction_bags.experiments import tyre_runs
 from friction_bags.experiments.library import EXPERIMENTS, START_STAMP, simulate
 from friction_bags.experiments.stops import STOPS

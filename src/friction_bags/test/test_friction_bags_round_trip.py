@@ -18,7 +18,7 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
-from friction_bags.bag_io.message_definition import message_definition
+from friction_bags.bag_io.cdr import message_definition
 from friction_runtime.message_type import UnknownTypeError, message_class
 
 FOREVER = QosTime(9223372036, 854775807)

@@ -2,8 +2,7 @@ import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from friction_bags.record_replay.qos_profiles import matching, replayed, stored
-from friction_bags.record_replay.topic_selection import TopicSelection
+from friction_bags.record_replay.topics import TopicSelection, matching, replayed, stored
 
 
 @pytest.mark.parametrize(

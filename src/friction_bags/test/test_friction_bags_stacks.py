@@ -15,8 +15,7 @@ from friction_bags.__main__ import main
 from friction_bags.bag_io.bag_format import Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
-from friction_bags.bag_io.cdr import decode, encode, installed_topic
-from friction_bags.bag_io.message_definition import message_definition
+from friction_bags.bag_io.cdr import decode, encode, installed_topic, message_definition
 from friction_runtime.message_type import message_class
 from vehicle_models.vehicle_file import load_vehicle
 

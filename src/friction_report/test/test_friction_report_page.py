@@ -17,7 +17,7 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
-from friction_bags.bag_io.message_bag import write_bag
+from friction_bags.bag_io.bag_writer import write_bag
 from friction_report.__main__ import main
 from friction_report.page import PANELS, html_page, page_data
 from friction_report.recorded_run import WHY, RecordedRun, Series, read_run

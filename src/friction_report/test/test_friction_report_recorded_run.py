@@ -9,7 +9,7 @@ from friction_msgs.msg import FrictionSlope
 
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_bags.bag_io.message_bag import write_bag
+from friction_bags.bag_io.bag_writer import write_bag
 from friction_report.picture import write_picture
 from friction_report.recorded_run import read_run, require_samples
 

@@ -12,7 +12,7 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import Imu, JointState
 
-from friction_bags.bag_io.message_bag import write_bag
+from friction_bags.bag_io.bag_writer import write_bag
 from friction_runtime import qos
 from friction_runtime.stamps import from_nanoseconds
 from friction_test_support.dds_client import dds_client, stop

@@ -11,8 +11,7 @@ from friction_adapter.map_argument import add_map_argument
 from friction_adapter.map_file import load_map
 from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_bags.bag_io.cdr import decode
-from friction_bags.bag_io.message_definition import type_name
+from friction_bags.bag_io.cdr import decode, type_name
 from friction_bags.bag_vehicle import vehicle_for
 from friction_bags.importers.import_log import is_bag, open_log
 from friction_bags.offline.plan import SayOnce, open_bag

@@ -5,20 +5,17 @@ from dataclasses import dataclass
 from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
 from types import TracebackType
-from typing import Any, Protocol, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import yaml
+import zstandard
 from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat
 from rosbags.rosbag2 import Reader
 
 from friction_bags.bag_io.bag_format import METADATA_NAME, BagError, Contents, Topic, read_custom_data
-from friction_bags.bag_io.decompression import unpack_file, unpack_message
-from friction_bags.bag_io.mcap_summary import summary_fault
-from friction_bags.bag_io.salvage_mcap import McapSalvage
-from friction_bags.bag_io.salvage_sqlite import SqliteSalvage, is_truncated
+from friction_bags.bag_io.recover import Recorded, Recovery, sqlite_fault
 
-Message = tuple[Topic, int, bytes]
-"""Topic, recording stamp [ns], CDR data."""
+Message = Recorded
 Opened = TypeVar("Opened", bound="BagReader")
 
 _ENCODINGS = {
@@ -31,18 +28,9 @@ _COMPRESSED = ".zstd"
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 
 
-class _Salvage(Protocol):
-    problems: list[str]
-
-    @property
-    def topics(self) -> list[Topic]: ...
-
-    def messages(self, start: int = 0) -> Iterator[Message]: ...
-
-
 @dataclass
 class _Part:
-    """A storage file: with an index, or salvaged where there is no reader."""
+    """A storage file: with an index, or to be recovered where there is no reader."""
 
     path: Path
     contents: Contents
@@ -78,7 +66,7 @@ class BagReader:
         for file in files:
             path = self._unpack(file) if file.suffix == _COMPRESSED else file
             if path is not None and not self._open_indexed(path):
-                self._open_salvage(path)
+                self._open_damaged(path)
         if not self._parts:
             self.close()
             raise BagError(f"{bag} cannot be read: {'; '.join(self.problems)}")
@@ -175,12 +163,13 @@ class BagReader:
             self._unpacked = TemporaryDirectory(prefix="friction_bags_")
         unpacked = Path(self._unpacked.name, file.stem)
         try:
-            fault = unpack_file(file, unpacked)
+            with file.open("rb") as source, unpacked.open("wb") as target:
+                zstandard.ZstdDecompressor().copy_stream(source, target)
         except OSError as error:
             self.problems.append(f"{file}: {_said(error)}")
             return None
-        if fault:
-            self.problems.append(f"{file}: {fault}")
+        except zstandard.ZstdError as error:
+            self.problems.append(f"{file}: decompression stopped: {error}")
         return unpacked
 
     def _part_messages(self, part: _Part, wanted: dict[tuple[str, str], Topic], start: int) -> Iterator[Message]:
@@ -202,23 +191,22 @@ class BagReader:
             except Exception as error:
                 self.problems.append(f"{part.path}: {_said(error)}; going on behind the damage")
         try:
-            salvage = open_salvage(part.path)
-            for topic, stamp, data in salvage.messages(last + 1):
+            recovery = Recovery(part.path)
+            for topic, stamp, data in recovery.messages(last + 1):
                 named = wanted.get((topic.name, topic.type))
                 if named is not None:
                     yield named, stamp, _plain(data)
         except Exception as error:
             self._note([_said(error)])
         else:
-            self._note(salvage.problems)
+            self._note(recovery.problems)
 
     def _note(self, problems: list[str]) -> None:
         self.problems.extend(problem for problem in problems if problem not in self.problems)
 
     def _open_indexed(self, file: Path) -> bool:
         try:
-            fault = _fault(file)
-            if fault:
+            if file.suffix == ".db3" and (fault := sqlite_fault(file)):
                 raise BagError(fault)
             reader = Reader(file)
             reader.open()
@@ -235,15 +223,21 @@ class BagReader:
         self._parts.append(_Part(file, contents, reader, topic_of))
         return True
 
-    def _open_salvage(self, file: Path) -> None:
+    def _open_damaged(self, file: Path) -> None:
+        counts: dict[Topic, int] = {}
+        stamps: list[int] = []
         try:
-            salvage = open_salvage(file)
-            contents = scan(file.name, salvage)
+            recovery = Recovery(file)
+            for topic, stamp, _ in recovery.messages():
+                counts[topic] = counts.get(topic, 0) + 1
+                stamps = [min(stamp, *stamps), max(stamp, *stamps)] if stamps else [stamp, stamp]
         except Exception as error:
             self._note([_said(error)])
             return
-        self._note(salvage.problems)
-        self._parts.append(_Part(file, contents, None, {}))
+        self._note(recovery.problems)
+        counts = {**dict.fromkeys(recovery.topics.values(), 0), **counts}
+        begin, end = stamps or (0, 0)
+        self._parts.append(_Part(file, Contents(file.name, counts, begin, end), None, {}))
 
 
 def storage_files(bag: Path) -> list[Path]:
@@ -255,40 +249,6 @@ def storage_files(bag: Path) -> list[Path]:
 def storage_of(file: Path) -> str:
     """Return the name of a file's storage in rosbag2."""
     return _STORAGES[file.suffix]
-
-
-def open_salvage(file: Path) -> _Salvage:
-    """Open a damaged file for reading from its beginning.
-
-    Raises:
-        BagError: the file is not an mcap or sqlite3 file, or nothing in it can be read.
-        OSError: the file cannot be opened.
-    """
-    if file.suffix == ".mcap":
-        return McapSalvage(file)
-    if file.suffix == ".db3":
-        return SqliteSalvage(file)
-    raise BagError(f"{file} is neither an .mcap nor a .db3 file")
-
-
-def scan(name: str, salvage: _Salvage) -> Contents:
-    """Read all messages; return the contents."""
-    counts: dict[Topic, int] = {}
-    start, end = 0, 0
-    for topic, stamp, _ in salvage.messages():
-        start = min(start, stamp) if counts else stamp
-        end = max(end, stamp)
-        counts[topic] = counts.get(topic, 0) + 1
-    for topic in salvage.topics:
-        counts.setdefault(topic, 0)
-    return Contents(name, counts, start, end)
-
-
-def _fault(file: Path) -> str:
-    """Return why a file is not read by its index; empty where nothing speaks against it."""
-    if file.suffix == ".db3":
-        return "the file is truncated" if is_truncated(file) else ""
-    return summary_fault(file)
 
 
 def _topic(connection: Connection) -> Topic:
@@ -305,7 +265,7 @@ def _topic(connection: Connection) -> Topic:
 
 def _plain(data: bytes) -> bytes:
     """Return the CDR of a message, decompressed if the bag compresses messages one by one."""
-    return unpack_message(data) if data[:4] == _ZSTD_MAGIC else data
+    return zstandard.decompress(data) if data[:4] == _ZSTD_MAGIC else data
 
 
 def _said(error: BaseException) -> str:

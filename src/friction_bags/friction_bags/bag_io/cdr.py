@@ -1,4 +1,4 @@
-"""Messages to CDR and back.
+"""Messages to CDR and back, and the definitions of their types.
 
 rclpy's own serialization does not initialise the padding between fields, and appends padding to a message that ends
 with an empty sequence of doubles; rosbags pads with zeros and appends nothing, so that equal messages give equal bytes.
@@ -7,17 +7,70 @@ message with the same lengths as an earlier one is read and written by its layou
 rosbags in a fraction of the time.
 """
 
+import json
+import re
 from array import array
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
 from rclpy.serialization import deserialize_message
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from friction_bags.bag_io.bag_format import Topic
-from friction_bags.bag_io.message_definition import message_definition, type_name
 from friction_runtime.cdr_codec import LayoutCodec
+from friction_runtime.message_type import TYPE_NAME, UnknownTypeError
+
+_SEPARATOR = "=" * 80
+_FIELD_TYPE = re.compile(r"^\s*((?:[A-Za-z]\w*/)*[A-Za-z]\w*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]\w*")
+_PRIMITIVES = frozenset(
+    "bool byte char float32 float64 int8 uint8 int16 uint16 int32 uint32 int64 uint64 string wstring".split()
+)
+
+
+@dataclass(frozen=True)
+class MessageDefinition:
+    """Definition of a message type."""
+
+    text: str
+    """Text in the ros2msg encoding: its own .msg file, then those of all types it refers to."""
+    type_hash: str
+    """RIHS01 hash."""
+
+
+@cache
+def message_definition(type_name: str) -> MessageDefinition:
+    """Return the definition of an installed type, from the share directory of its package.
+
+    Args:
+        type_name: e.g. sensor_msgs/msg/JointState.
+
+    Raises:
+        UnknownTypeError: the type or one it refers to is not installed.
+    """
+    own = _msg_path(type_name)
+    texts = {_short(type_name): own.read_text(encoding="utf-8")}
+    waiting = [_short(type_name)]
+    while waiting:
+        current = waiting.pop(0)
+        for referred in _references(current, texts[current]):
+            if referred not in texts:
+                texts[referred] = _msg_path(referred).read_text(encoding="utf-8")
+                waiting.append(referred)
+    parts = [
+        text if name == _short(type_name) else f"{_SEPARATOR}\nMSG: {name}\n{text}" for name, text in texts.items()
+    ]
+    return MessageDefinition("\n".join(part.rstrip("\n") for part in parts) + "\n", _type_hash(own, type_name))
+
+
+@cache
+def type_name(kind: Any) -> str:
+    """Return the name of a message class, e.g. sensor_msgs/msg/JointState."""
+    return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
 
 
 def installed_topic(name: str, kind: type) -> Topic:
@@ -99,3 +152,41 @@ def _codec_of(kind: Any) -> _Codec:
     if codec is None:
         codec = _codecs[kind] = _Codec(kind)
     return codec
+
+
+def _references(owner: str, text: str) -> list[str]:
+    """Return the types that a .msg file refers to, as package/Name, in their order."""
+    found = []
+    for line in text.splitlines():
+        match = _FIELD_TYPE.match(line.split("#", 1)[0])
+        if match is None or match[1] in _PRIMITIVES:
+            continue
+        name = match[1]
+        if "/" not in name:
+            name = f"{owner.split('/')[0]}/{name}"
+        found.append(_short(name))
+    return found
+
+
+def _short(type_name: str) -> str:
+    return type_name.replace("/msg/", "/")
+
+
+def _msg_path(type_name: str) -> Path:
+    if not TYPE_NAME.fullmatch(type_name):
+        raise UnknownTypeError(f"{type_name!r} is not the name of a type")
+    package, name = _short(type_name).split("/")
+    try:
+        path = Path(get_package_share_directory(package), "msg", f"{name}.msg")
+    except (PackageNotFoundError, ValueError) as error:
+        raise UnknownTypeError(f"type {type_name} is not installed: package {package} was not found") from error
+    if not path.is_file():
+        raise UnknownTypeError(f"type {type_name}: package {package} has no definition {name}.msg")
+    return path
+
+
+def _type_hash(msg_path: Path, type_name: str) -> str:
+    described = json.loads(msg_path.with_suffix(".json").read_text(encoding="utf-8"))
+    package, name = _short(type_name).split("/")
+    wanted = f"{package}/msg/{name}"
+    return next(str(each["hash_string"]) for each in described["type_hashes"] if each["type_name"] == wanted)

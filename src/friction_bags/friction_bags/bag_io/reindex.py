@@ -1,13 +1,12 @@
-"""Repair of a bag whose recorder was killed: closes its files and rebuilds metadata.yaml."""
+"""`reindex`: repair of a bag whose recorder was killed; closes its files and rebuilds metadata.yaml."""
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
-from rosbags.rosbag2 import Reader
-
-from friction_bags.bag_io.bag_format import BagError, Contents, read_custom_data, write_metadata
-from friction_bags.bag_io.bag_reader import open_salvage, scan, storage_files, storage_of
-from friction_bags.bag_io.mcap_writer import McapWriter
+from friction_bags.bag_io.bag_format import BagError, Contents, Topic, read_custom_data, write_metadata
+from friction_bags.bag_io.bag_reader import BagReader, storage_files, storage_of
+from friction_bags.bag_io.bag_writer import BagWriter
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -25,22 +24,18 @@ def run(args: Namespace) -> int:
         BagError: nothing can be repaired.
         OSError: a file cannot be read or written.
     """
-    contents, problems = reindex(args.bag)
+    count, problems = reindex(args.bag)
     for problem in problems:
         print(f"repaired: {problem}")
-    total = sum(content.message_count for content in contents)
-    print(f"{args.bag}: {total} messages in {len(contents)} files; metadata.yaml written")
+    print(f"{args.bag}: {count} messages; metadata.yaml written")
     return 0
 
 
-def reindex(bag: Path) -> tuple[list[Contents], list[str]]:
+def reindex(bag: Path) -> tuple[int, list[str]]:
     """Rebuild metadata.yaml from the files of a bag; a damaged mcap file is replaced by one of its sound messages.
 
-    Args:
-        bag: directory of the bag.
-
     Returns:
-        New contents of each file, and what was wrong.
+        Number of messages, and what was wrong.
 
     Raises:
         BagError: the path is not a directory, holds no storage file or files of two kinds, or nothing can be read.
@@ -51,46 +46,37 @@ def reindex(bag: Path) -> tuple[list[Contents], list[str]]:
     storages = {storage_of(file) for file in files}
     if len(storages) != 1:
         raise BagError(f"{bag} holds {'both .mcap and' if storages else 'neither .mcap nor'} .db3 files")
+    contents: list[Contents] = []
     problems: list[str] = []
-    contents = []
     for file in files:
         try:
-            if not _is_sound(file) and file.suffix == ".mcap":
-                problems.extend(_rewrite(file))
-            salvage = open_salvage(file)
-            contents.append(scan(file.name, salvage))
-            problems.extend(salvage.problems)
-        except (BagError, OSError) as error:
+            found, said = _repaired(file)
+        except BagError as error:
             problems.append(f"{error}: left out")
+            continue
+        contents.append(found)
+        problems.extend(said)
     if not contents:
         raise BagError(f"{bag}: nothing can be read: {'; '.join(problems)}")
     write_metadata(bag, storages.pop(), contents, read_custom_data(bag))
+    return sum(each.message_count for each in contents), problems
+
+
+def _repaired(file: Path) -> tuple[Contents, list[str]]:
+    """Replace a damaged mcap file by one of its sound messages; return what it holds, and what was wrong."""
+    counts: dict[Topic, int] = {}
+    stamps: list[int] = []
+    with BagReader(file) as reader:
+        for topic, stamp, _ in reader.messages():
+            counts[topic] = counts.get(topic, 0) + 1
+            stamps = [min(stamp, *stamps), max(stamp, *stamps)] if stamps else [stamp, stamp]
+        problems = list(reader.problems)
+        contents = Contents(file.name, {**dict.fromkeys(reader.counts, 0), **counts}, *(stamps or (0, 0)))
+        if problems and file.suffix == ".mcap":
+            with TemporaryDirectory(dir=file.parent, prefix=".reindex_") as directory:
+                with BagWriter(Path(directory, "bag")) as writer:
+                    channels = {topic: writer.add_topic(topic) for topic in contents.counts}
+                    for topic, stamp, data in reader.messages():
+                        writer.write(channels[topic], stamp, data)
+                Path(directory, "bag", "bag_0.mcap").replace(file)
     return contents, problems
-
-
-def _is_sound(file: Path) -> bool:
-    """Whether index and all data can be read."""
-    try:
-        with Reader(file) as reader:
-            for _ in reader.messages():
-                pass
-    except Exception:  # rosbags passes on errors of every layer below it
-        return False
-    return True
-
-
-def _rewrite(file: Path) -> list[str]:
-    """Replace a damaged mcap file by one of its sound messages, in one step; return what was wrong."""
-    salvage = open_salvage(file)
-    new = file.with_name(f"{file.name}.new")
-    new.unlink(missing_ok=True)
-    writer = McapWriter(new)
-    try:
-        for topic, stamp, data in salvage.messages():
-            writer.write(writer.add_topic(topic), stamp, data)
-        for topic in salvage.topics:
-            writer.add_topic(topic)
-    finally:
-        writer.finish()
-    new.replace(file)
-    return list(salvage.problems)

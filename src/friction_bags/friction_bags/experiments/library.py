@@ -13,7 +13,7 @@ from rich.progress import Progress
 from corner_sim.parameters import SimParameters
 from corner_sim.ros.simulation import Simulation
 from friction_bags.bag_io.bag_format import METADATA_NAME, BagError
-from friction_bags.bag_io.message_bag import write_bag
+from friction_bags.bag_io.bag_writer import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.experiments import stops, tyre_runs
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors

@@ -10,7 +10,7 @@ from typing import Protocol
 from friction_adapter.map_argument import add_map_argument
 from friction_adapter.map_file import load_map, shipped_maps
 from friction_adapter.signal_map import SignalMap
-from friction_bags.bag_io.message_bag import write_bag
+from friction_bags.bag_io.bag_writer import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.importers import can_log, mdf_log, parquet_table, ros1_log
 from friction_bags.importers.can_log import CanLog, is_can_log

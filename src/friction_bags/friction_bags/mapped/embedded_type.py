@@ -9,8 +9,7 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 
 from friction_adapter.field_path import Fields
 from friction_bags.bag_io.bag_format import BagError, Topic
-from friction_bags.bag_io.cdr import decode
-from friction_bags.bag_io.message_definition import message_definition
+from friction_bags.bag_io.cdr import decode, message_definition
 from friction_runtime.message_type import UnknownTypeError, message_class
 
 _PADDING = 4

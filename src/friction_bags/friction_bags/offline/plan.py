@@ -12,8 +12,7 @@ from sensor_msgs.msg import JointState
 from friction_adapter.map_file import load_map
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_bags.bag_io.cdr import decode
-from friction_bags.bag_io.message_definition import type_name
+from friction_bags.bag_io.cdr import decode, type_name
 from friction_bags.bag_vehicle import vehicle_for
 from friction_bags.mapped.mapped_bag import MappedBag
 from friction_bags.offline.estimators import (

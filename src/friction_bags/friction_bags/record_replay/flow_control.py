@@ -8,8 +8,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
-from friction_bags.record_replay import qos_profiles
-from friction_bags.record_replay.topic_selection import TopicSelection
+from friction_bags.record_replay.topics import TopicSelection, matching
 from friction_runtime.machine_load import slowdown
 from friction_runtime.message_type import UnknownTypeError, message_class
 from friction_runtime.stop_flag import StopFlag
@@ -61,7 +60,7 @@ class FlowControl:
             except UnknownTypeError:
                 continue
             if has_header(kind):
-                profile = qos_profiles.matching(self._node.get_publishers_info_by_topic(name))
+                profile = matching(self._node.get_publishers_info_by_topic(name))
                 subscription = self._node.create_subscription(kind, name, _never_called, profile, raw=True)
                 self._followed[name] = (subscription, kind)
                 self._reached[name] = 0
@@ -132,9 +131,7 @@ class FlowControl:
 
 
 def has_header(kind: Any) -> bool:
-    """Whether messages of a class begin with a header; False for a foreign class, whose fields are unknown."""
-    if not hasattr(kind, "get_fields_and_field_types"):
-        return False
+    """Whether messages of a class begin with a header."""
     return next(iter(kind.get_fields_and_field_types().values()), "") == "std_msgs/Header"
 
 
