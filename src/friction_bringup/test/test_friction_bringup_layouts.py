@@ -1,8 +1,9 @@
-"""The layouts of Foxglove and PlotJuggler name topics and fields that exist."""
+"""The layouts of Foxglove and PlotJuggler name topics and fields that exist, for all four wheels, raw and valid."""
 
 from __future__ import annotations
 
 import json
+import re
 from operator import attrgetter
 from pathlib import Path
 from xml.etree import ElementTree
@@ -14,34 +15,55 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from friction_bringup.live_view import TOPICS
 
 LAYOUTS = Path(__file__).resolve().parents[1] / "layouts"
+WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 TYPES: dict[str, type] = {
     "/vehicle_velocity": TwistWithCovarianceStamped,
     "/brake_demand": BrakeDemand,
-    **{f"{truth}/front_left/{name}": kind for name, kind in TOPICS.items() for truth in ("", "/truth")},
+    **{
+        f"{truth}/{wheel}/{name}": kind for wheel in WHEELS for name, kind in TOPICS.items() for truth in ("", "/truth")
+    },
 }
+FILTER = re.compile(r"(?P<topic>[^{]+)\{(?P<flag>\S+)==true\}(?P<field>.+)")
 
 
 def foxglove_paths() -> list[str]:
+    """Topic and field of every curve, the flag of a filter too."""
     panels = json.loads((LAYOUTS / "foxglove.json").read_text())["configById"].values()
-    return [path["value"] for panel in panels for path in panel.get("paths", [])]
+    found = []
+    for value in (path["value"] for panel in panels for path in panel.get("paths", [])):
+        valid = FILTER.fullmatch(value)
+        found += [f"{valid['topic']}.{valid['flag']}", valid["topic"] + valid["field"]] if valid else [value]
+    return found
 
 
 def plotjuggler_paths() -> list[str]:
-    curves = ElementTree.parse(LAYOUTS / "plotjuggler.xml").iter("curve")
-    names = [curve.attrib["name"] for curve in curves]
+    """Topic and field of every curve; of one that shows valid values only, its two sources."""
+    root = ElementTree.parse(LAYOUTS / "plotjuggler.xml")
+    made = {
+        snippet.attrib["name"]: [snippet.findtext("linked_source"), snippet.findtext("additional_sources/v1")]
+        for snippet in root.iter("snippet")
+    }
     found = []
-    for name in names:
-        topic = max((topic for topic in TYPES if name.startswith(f"{topic}/")), key=len)
-        found.append(f"{topic}.{name.removeprefix(f'{topic}/').replace('/', '.')}")
+    for name in (curve.attrib["name"] for curve in root.iter("curve")):
+        for source in made.get(name, [name]):
+            assert source is not None
+            topic = max((topic for topic in TYPES if source.startswith(f"{topic}/")), key=len)
+            found.append(f"{topic}.{source.removeprefix(f'{topic}/').replace('/', '.')}")
     return found
 
 
 @pytest.mark.parametrize("paths", [foxglove_paths(), plotjuggler_paths()], ids=["foxglove", "plotjuggler"])
 def test_layout_names_numbers_that_the_messages_have(paths: list[str]) -> None:
-    assert len(paths) > 15
+    assert len(paths) > 60
     for path in paths:
         topic, _, field = path.partition(".")
         assert isinstance(attrgetter(field)(TYPES[topic]()), (bool, int, float)), path
+
+
+@pytest.mark.parametrize("paths", [foxglove_paths(), plotjuggler_paths()], ids=["foxglove", "plotjuggler"])
+def test_layout_shows_every_wheel_raw_and_valid(paths: list[str]) -> None:
+    for wheel in WHEELS:
+        assert {f"/{wheel}/friction_curve.lambda_max", f"/{wheel}/friction_curve.validity.valid"} <= set(paths)
 
 
 def test_every_panel_of_the_foxglove_layout_is_placed_once() -> None:
@@ -49,7 +71,8 @@ def test_every_panel_of_the_foxglove_layout_is_placed_once() -> None:
 
     def leaves(node: str | dict[str, object]) -> list[str]:
         if isinstance(node, str):
-            return [node]
+            tabs = content["configById"][node].get("tabs", [])
+            return [node] + [leaf for tab in tabs for leaf in leaves(tab["layout"])]
         return [leaf for side in ("first", "second") for leaf in leaves(node[side])]  # type: ignore[arg-type]
 
     assert sorted(leaves(content["layout"])) == sorted(content["configById"])

@@ -1,4 +1,4 @@
-"""A car whose brakes are 10 % weaker than its vehicle file says: what is valid is right, in Python too."""
+"""A car whose brakes are 10 % weaker than in its vehicle file: valid estimates are right, in Python too."""
 
 from collections.abc import Callable
 from dataclasses import replace
