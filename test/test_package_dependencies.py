@@ -89,8 +89,10 @@ def importable(package: str) -> frozenset[str]:
     modules = {key: module for module, key in ROSDEP_KEYS.items()}
     while waiting:
         name = waiting.pop()
-        if name in modules:
-            libraries.add(PIP_NAMES.get(modules[name], modules[name]))
+        if name.startswith("python3-"):
+            module = modules.get(name, name.removeprefix("python3-").replace("-", "_"))
+            libraries.add(PIP_NAMES.get(module, module))
+            found.add("lark" if module == "lark_parser" else module)
         elif name not in found:
             found.add(name)
             libraries.add(f"ros-{name}")  # the same package as a Python wheel, which names what it needs itself

@@ -114,7 +114,7 @@ def node_actions(
     sim_time = ["-p", f"use_sim_time:={str(uses_sim_time(context)).lower()}"]
     log_level = ["--log-level", argument(context, "log_level")]
     respawn = _is_true(context, "respawn")
-    ends: dict[str, Any] = {"respawn": respawn, "on_exit": None if respawn else _end_launch, "output": "screen"}
+    ends: dict[str, Any] = {"respawn": respawn, "on_exit": None if respawn else end_launch, "output": "screen"}
     return [
         *(LogInfo(msg=note) for start in starts for note in start.notes),
         *(
@@ -141,7 +141,7 @@ def node_actions(
     ]
 
 
-def _end_launch(event: ProcessExited, context: LaunchContext) -> list[LaunchDescriptionEntity]:
+def end_launch(event: ProcessExited, context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """End the launch when one of its processes has ended.
 
     Raises:
