@@ -15,7 +15,7 @@ PARTS = {
     "measured": "whole-vehicle fit on measured data: BMW stop, Putnam laps, tyre rig",
     "slip": "vehicle speed and slip without a speed sensor, simulated stops and the measured one",
     "smart_tyre": "Fz and Fx from the in-tyre accelerometer",
-    "doctor": "the doctor: sabotaged drives named, healthy ones without alarm, accuracy of what it learns",
+    "doctor": "vehicle doctor: injected faults reported, healthy drives without alarm, accuracy",
     "bags": "offline processing of bags: real-time factor, memory over length",
 }
 MODULES = {"measured": "benchmarks.measured", "bags": "benchmarks.bags"}

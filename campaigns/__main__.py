@@ -9,7 +9,7 @@ from benchmarks.command import main_of
 
 PARTS = {
     "faults": "faults in closed loop: what each does to the stop, and whether the limits hold",
-    "fuzz": "hostile messages into every processor: exceptions, valid nonsense, recovery",
+    "fuzz": "hostile messages into every processor: exceptions, impossible valid estimates, recovery",
     "live": "the graph over DDS: lost samples, delay, agreement with the offline processors",
     "soak": "the whole graph with tyres over DDS for minutes: memory, threads, descriptors, lost samples, delays",
 }

@@ -19,7 +19,7 @@ from benchmarks.abs.panic_stop import (
     LongestLock,
     PanicPlant,
     PanicStops,
-    Trouble,
+    Perturbation,
     brake_to_rest,
 )
 from benchmarks.protocol import DT, SPEED, STEP
@@ -47,9 +47,9 @@ class ActuatorBound:
     """[s] where the road changes: what no release comes in time for."""
 
 
-def actuator_bound(surface: str, trouble: Trouble) -> ActuatorBound:
+def actuator_bound(surface: str, perturbation: Perturbation) -> ActuatorBound:
     """Return the bound of a plant on a road of one surface; a load that varies does not count."""
-    plant = PanicPlant(surface, trouble.steady, np.zeros((1, 1)))
+    plant = PanicPlant(surface, perturbation.steady, np.zeros((1, 1)))
     corner = plant.corner
     lambda_max = float(burckhardt.peak(plant.theta)[0][0])
     increase = np.array([int(Command.INCREASE)])
@@ -148,7 +148,7 @@ def car_bound(setup: CarSetup) -> ActuatorBound:
     plant: _Plant = _Car(setup) if MODELS[setup.car] == CAR else _TwoAxle(setup)
     for _ in range(round(ROLLING * DT / _STEP)):
         plant.step(np.zeros(4))
-    car, actuator = setup.vehicle, setup.trouble.actuator
+    car, actuator = setup.vehicle, setup.perturbation.actuator
     radius = np.array([wheel.radius for wheel in car.wheels])
     inertia = np.array([wheel.inertia for wheel in car.wheels])
     rise, fall = actuator.apply_rate * _STEP, actuator.release_rate * _STEP
@@ -187,11 +187,11 @@ _SEEN = 3
 """Valid reports after which the law takes the peak as seen."""
 
 
-def oracle(surface: str, trouble: Trouble) -> PanicStops:
-    """Return the stop of the oracle, arrays of shape (1,); a load that varies does not count."""
-    plant = PanicPlant(surface, trouble.steady, np.zeros((1, 1)))
+def ideal_controller(surface: str, perturbation: Perturbation) -> PanicStops:
+    """Return the stop of the ideal controller, arrays of shape (1,); a load that varies does not count."""
+    plant = PanicPlant(surface, perturbation.steady, np.zeros((1, 1)))
     corner = plant.corner
-    law = CurveLaw(plant.parameters, trouble.actuator, CurveLawParameters())
+    law = CurveLaw(plant.parameters, perturbation.actuator, CurveLawParameters())
     thetas = plant.way.theta(np.array(plant.way.distances))
     values = np.column_stack((thetas, burckhardt.peak(thetas)[0])).tolist()
     curves = [RoadCurve(theta_1, theta_2, theta_3, peak) for theta_1, theta_2, theta_3, peak in values]

@@ -16,7 +16,7 @@ from benchmarks.abs.panic_stop import (
     Array,
     LongestLock,
     PanicStops,
-    Trouble,
+    Perturbation,
     panic_road,
 )
 from benchmarks.protocol import ACCELERATION_STDDEV, DT, SPEED
@@ -54,7 +54,7 @@ class CarSetup:
     """Of MODELS."""
     surface: str
     """Name of a road, which panic_road knows."""
-    trouble: Trouble = NONE
+    perturbation: Perturbation = NONE
     right_surface: str = SAME
     """Of the right wheels; only with the car whose model is CAR."""
     select_low: str = NO_AXLE
@@ -63,7 +63,7 @@ class CarSetup:
     """Fastest growth of the moment of the front brakes [N m/s]; 0: no limit."""
 
     @property
-    def told(self) -> Vehicle:
+    def nominal(self) -> Vehicle:
         """The car as the graph knows it, wheels in the order of the plant."""
         car = replace(load_vehicle(SHIPPED_CAR), front_yaw_moment_rate=self.yaw_moment_rate)
         return in_order(MODELS[self.car], car)
@@ -71,7 +71,7 @@ class CarSetup:
     @property
     def vehicle(self) -> Vehicle:
         """The car that brakes."""
-        return self.trouble.vehicle(self.told)
+        return self.perturbation.vehicle(self.nominal)
 
     @property
     def road(self) -> Road:
@@ -104,8 +104,8 @@ class CarSetup:
             acceleration_variance=ACCELERATION_STDDEV**2,
             acceleration_bias=OFFSET,
             vehicle_velocity=False,
-            actuator=self.trouble.actuator,
-            car=CarModelParameters(right_surface=self.right_surface, hill=self.trouble.hill, hill_distance=_HILL),
+            actuator=self.perturbation.actuator,
+            car=CarModelParameters(right_surface=self.right_surface, hill=self.perturbation.hill, hill_distance=_HILL),
         )
 
     def simulation(self, seed: int) -> Simulation:
@@ -126,7 +126,7 @@ def car_stops(setup: CarSetup, seeds: range, law: str) -> PanicStops:
 
 def car_stop(setup: CarSetup, seed: int, law: str) -> tuple[PanicStops, Array]:
     """Brake once; return the result, and the moment about the vertical from the onset on [N m], shape (k,)."""
-    wheels = setup.told.wheel_names
+    wheels = setup.nominal.wheel_names
     graph = ProcessorGraph(_processors(law, setup))
     simulation = setup.simulation(seed)
     lock = LongestLock(len(wheels))
@@ -175,8 +175,8 @@ def car_stop(setup: CarSetup, seed: int, law: str) -> tuple[PanicStops, Array]:
 
 
 def _processors(law: str, setup: CarSetup) -> list[Processor]:
-    told = setup.told
-    parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, len(told.wheels))
+    nominal = setup.nominal
+    parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, len(nominal.wheels))
     supervisor = replace(parameters["abs_supervisor"], real_time=False, select_low=setup.select_low)
     parameters["abs_supervisor"] = supervisor
-    return make_processors(parameters, told, silent)
+    return make_processors(parameters, nominal, silent)

@@ -14,7 +14,7 @@ from friction_msgs.msg import BrakeCommand, BrakeDemand, WheelSlip
 from abs_supervisor.parameters import SHIPPED as SHIPPED_SUPERVISOR
 from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.ros.processor import WheelProcessor as SupervisorProcessor
-from benchmarks.abs.panic_stop import NONE, Commands, Flags, PanicPlant, PanicStops, Trouble, brake_to_rest
+from benchmarks.abs.panic_stop import NONE, Commands, Flags, PanicPlant, PanicStops, Perturbation, brake_to_rest
 from benchmarks.protocol import ACCELERATION_STDDEV, CAR, DT, STEP
 from corner_sim.ros import messages
 from corner_sim.sensors import Measurement, SensorNoise
@@ -74,7 +74,7 @@ class Controller:
             vehicle: its first wheel brakes.
             noise: variances of the sensors.
             make: makes the processors of a car of one wheel.
-            speed_sensor: whether they are told the speed of the car.
+            speed_sensor: whether they have a speed sensor.
         """
         self._vehicle, self._noise, self._speed_sensor = one_wheel(vehicle), noise, speed_sensor
         self.processors = make(self._vehicle)
@@ -97,7 +97,7 @@ class Controller:
 
 @dataclass(frozen=True)
 class InertialSensing:
-    """What the graph is told of the motion of the car; the defaults are the chapter's."""
+    """Motion sensors that the graph has; the defaults are the chapter's."""
 
     speed_sensor: bool = True
     offset: float = 0.0
@@ -115,7 +115,7 @@ class BrakedCorners:
         seeds: range,
         make: Callable[[Vehicle], Sequence[Processor]],
         sensing: InertialSensing = InertialSensing(),
-        trouble: Trouble = NONE,
+        perturbation: Perturbation = NONE,
         vehicle: Vehicle = CAR,
     ) -> None:
         """Start at SPEED.
@@ -124,14 +124,14 @@ class BrakedCorners:
             surface: its name.
             seeds: of the sensor noise and of the road's unevenness.
             make: makes the processors of a car of one wheel, which command its brake.
-            sensing: what the graph is told of the motion of the car.
-            trouble: what the graph is not told of.
+            sensing: motion sensors that the graph has.
+            perturbation: differences between the car and the nominal vehicle of the graph.
             vehicle: its first wheel brakes.
         """
         wheel = vehicle.wheels[0]
-        phases = np.array([Trouble.phases(np.random.default_rng((seed, 3))) for seed in seeds])
-        self.plant = PanicPlant(surface, trouble, phases, vehicle.corner(wheel.name))
-        noise = trouble.sensors
+        phases = np.array([Perturbation.phases(np.random.default_rng((seed, 3))) for seed in seeds])
+        self.plant = PanicPlant(surface, perturbation, phases, vehicle.corner(wheel.name))
+        noise = perturbation.sensors
         self.controllers = [Controller(vehicle, noise, make, speed_sensor=sensing.speed_sensor) for _ in seeds]
         self._noise, self._sensing = noise, sensing
         self._gain, self._accelerometer = wheel.brake_gain, vehicle.accelerometer
@@ -277,17 +277,17 @@ ROLLING = round(3.0 / DT)
 """Samples of free rolling before the brake, in which wheel_slip learns the offset of the accelerometer."""
 
 
-def law_stops(surface: str, seeds: range, law: str, trouble: Trouble) -> PanicStops:
+def law_stops(surface: str, seeds: range, law: str, perturbation: Perturbation) -> PanicStops:
     """Brake once for each seed, side by side.
 
     Args:
         surface: its name.
         seeds: of the sensor noise and the road's roughness.
         law: of abs_supervisor, or THRESHOLDS.
-        trouble: what the graph is not told of.
+        perturbation: differences between the car and the nominal vehicle of the graph.
     """
     sensing = InertialSensing(speed_sensor=False, offset=OFFSET, stddev=ACCELERATION_STDDEV)
-    braked = BrakedCorners(surface, seeds, partial(_processors, law), sensing, trouble)
+    braked = BrakedCorners(surface, seeds, partial(_processors, law), sensing, perturbation)
     braked.roll(ROLLING)
     return brake_to_rest(braked.plant, braked.brake)
 

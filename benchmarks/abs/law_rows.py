@@ -8,11 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from abs_supervisor.wheel_pair import NO_AXLE
-from benchmarks.abs.bounds import ActuatorBound, actuator_bound, car_bound, oracle
+from benchmarks.abs.bounds import ActuatorBound, actuator_bound, car_bound, ideal_controller
 from benchmarks.abs.car import MODELS, CarSetup, car_stop, car_stops
 from benchmarks.abs.controllers import law_stops
-from benchmarks.abs.panic_stop import CAR_TROUBLES, CHANGES, LOCK_TIME, NONE, TROUBLES, PanicStops, Trouble
-from benchmarks.abs.second_opinion import SMART_TYRES, opinion_row
+from benchmarks.abs.panic_stop import (
+    CAR_PERTURBATIONS,
+    CHANGES,
+    LOCK_TIME,
+    NONE,
+    PERTURBATIONS,
+    PanicStops,
+    Perturbation,
+)
+from benchmarks.abs.tyre_force_crosscheck import SMART_TYRES, opinion_row
 from benchmarks.protocol import CORNER, DT, SPEED
 from benchmarks.rows import Row
 from corner_sim.models import CAR
@@ -113,7 +121,7 @@ _UTILISATION = {"dry": 0.953, "wet": 0.974, "cobblestone": 0.956, "snow": 0.988}
 _WORST = {"snow": 0.008}
 """The worst run below the mean, at most; elsewhere 0.005."""
 _BELOW_BOUND = {"snow": 0.015}
-"""With a trouble, below the bound of that plant, at most; elsewhere 0.01."""
+"""With a perturbation, below the bound of that plant, at most; elsewhere 0.01."""
 _CAR_BELOW_BOUND = {"snow": 0.02, "dry to snow": 0.03}
 """Of the undisturbed car, below its bound, at most; elsewhere 0.01."""
 _NOISE_LOSS = 0.005
@@ -122,8 +130,8 @@ _DRY_DISTANCE = 42.4
 _LEAST = {("dry", "load varies 5 %"): 0.94, ("dry", "load varies 10 %"): 0.90, ("dry", "gain fades 10 %/s"): 0.935}
 """Goals of their own."""
 _DRY_ONLY = tuple(name for _, name in _LEAST)
-_OVER_ORACLE = 1.04
-"""Distance where the road changes over that of the oracle, at most."""
+_OVER_IDEAL = 1.04
+"""Distance where the road changes over that of the ideal controller, at most."""
 CAR_CHANGES = ("dry to snow",)
 """Roads that change under a car with four wheels."""
 _NOTICED = 0.025
@@ -149,7 +157,7 @@ def law_rows(
         law: of abs_supervisor.
         seeds: stops of each row.
         surfaces: names of the roads; none: all.
-        cases: names of the troubles; none: all.
+        cases: names of the perturbations; none: all.
         judged: whether the limits apply; else the rows are for information.
         done: called after each row.
     """
@@ -176,12 +184,12 @@ def chosen(
     return found
 
 
-def _chosen(cars: Sequence[str], surfaces: Sequence[str], cases: Sequence[str]) -> list[tuple[str, str, Trouble]]:
+def _chosen(cars: Sequence[str], surfaces: Sequence[str], cases: Sequence[str]) -> list[tuple[str, str, Perturbation]]:
     return [
         (car, road, case)
         for car in cars
         if car not in (SPLIT, SMART_TYRES)
-        for case in (NONE, *(TROUBLES if car == CORNER_ALONE else CAR_TROUBLES))
+        for case in (NONE, *(PERTURBATIONS if car == CORNER_ALONE else CAR_PERTURBATIONS))
         for road in (*TABLE_8_1, *_changes(car, case))
         if (not surfaces or road in surfaces)
         and (not cases or case.name in cases)
@@ -190,13 +198,13 @@ def _chosen(cars: Sequence[str], surfaces: Sequence[str], cases: Sequence[str]) 
     ]
 
 
-def _changes(car: str, case: Trouble) -> Sequence[str]:
+def _changes(car: str, case: Perturbation) -> Sequence[str]:
     if case is not NONE:
         return ()
     return CHANGES if car == CORNER_ALONE else CAR_CHANGES
 
 
-def _made(car: str, law: str, seeds: int, road: str, case: Trouble, judged: bool) -> Row:
+def _made(car: str, law: str, seeds: int, road: str, case: Perturbation, judged: bool) -> Row:
     drawn = range(FIRST_SEED, FIRST_SEED + seeds)
     extra: Row = {}
     if car == CORNER_ALONE and road in CHANGES:
@@ -206,7 +214,7 @@ def _made(car: str, law: str, seeds: int, road: str, case: Trouble, judged: bool
         limit = _least(road, case, bound)
         failures = _failures(found, limit) + (_undisturbed(road, found) if case is NONE else [])
         extra = {
-            "oracle": float(oracle(road, case).utilisation[0]),
+            "ideal_controller": float(ideal_controller(road, case).utilisation[0]),
             "distance_over_ideal": float(found.distance.mean()) / _ideal(road, case),
         }
     else:
@@ -239,11 +247,11 @@ def _made(car: str, law: str, seeds: int, road: str, case: Trouble, judged: bool
 
 
 def _changed(law: str, seeds: int, road: str, judged: bool) -> Row:
-    """Return the row of a road that changes: its distance beside that of the oracle, who knows where, and its locks."""
-    found, best = law_stops(road, range(FIRST_SEED, FIRST_SEED + seeds), law, NONE), oracle(road, NONE)
+    """Return the row of a road that changes: its distance over the ideal controller's, and its locks."""
+    found, best = law_stops(road, range(FIRST_SEED, FIRST_SEED + seeds), law, NONE), ideal_controller(road, NONE)
     ratio = float(found.distance.mean() / best.distance[0])
     lock, least_lock = float(found.longest_lock.max()), float(best.longest_lock[0])
-    failures = [] if ratio <= _OVER_ORACLE else [f"distance {ratio:.4f} of the oracle's > {_OVER_ORACLE}"]
+    failures = [] if ratio <= _OVER_IDEAL else [f"distance {ratio:.4f} of the ideal controller's > {_OVER_IDEAL}"]
     longest = _CHANGE_LOCK.get(road, LOCK_TIME - DT)
     if not lock < longest + 0.5 * DT:
         failures.append(f"lock {lock:.3f} s > {longest:.3f} s")
@@ -256,27 +264,27 @@ def _changed(law: str, seeds: int, road: str, judged: bool) -> Row:
         "law": law,
         "seeds": seeds,
         "value": ratio,
-        "limit": _OVER_ORACLE if judged else None,
+        "limit": _OVER_IDEAL if judged else None,
         "passed": not failures if judged else None,
         "failures": "; ".join(failures) if judged else "",
         "worst": float(found.distance.max() / best.distance[0]),
         "utilisation": float(found.utilisation.mean()),
-        "oracle": float(best.utilisation[0]),
+        "ideal_controller": float(best.utilisation[0]),
         "distance_m": float(found.distance.mean()),
-        "oracle_distance_m": float(best.distance[0]),
+        "ideal_controller_distance_m": float(best.distance[0]),
         "longest_lock_s": lock,
-        "oracle_longest_lock_s": least_lock,
+        "ideal_controller_longest_lock_s": least_lock,
         "runs_with_lock": int((found.longest_lock >= LOCK_TIME).sum()),
         "commands_per_s": float(found.changes.mean()),
     }
 
 
-def _ideal(road: str, case: Trouble) -> float:
+def _ideal(road: str, case: Perturbation) -> float:
     mu_max = float(burckhardt.peak(surface(road))[1])
     return SPEED**2 / (2.0 * mu_max * case.corner(CORNER).gravity)
 
 
-def _least(road: str, case: Trouble, bound: ActuatorBound) -> float:
+def _least(road: str, case: Perturbation, bound: ActuatorBound) -> float:
     """Return the least mean utilisation of a row."""
     if case is NONE:
         return _UTILISATION[road]

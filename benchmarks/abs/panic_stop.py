@@ -23,7 +23,7 @@ _TONES = 27
 
 
 @dataclass(frozen=True)
-class Trouble:
+class Perturbation:
     """A disturbance of the plant; the defaults disturb nothing."""
 
     name: str = "none"
@@ -48,16 +48,16 @@ class Trouble:
     hill: float = 0.0
     """Sine of the slope that comes within 30 m soon after the onset. The single corner has none."""
 
-    def corner(self, told: CornerParameters) -> CornerParameters:
+    def corner(self, nominal: CornerParameters) -> CornerParameters:
         """Return the corner that brakes, of the one in the vehicle file."""
         return replace(
-            told,
-            mass=self.mass * told.mass,
-            vertical_load=self.mass * told.vertical_load,
-            radius=self.radius * told.radius,
+            nominal,
+            mass=self.mass * nominal.mass,
+            vertical_load=self.mass * nominal.vertical_load,
+            radius=self.radius * nominal.radius,
         )
 
-    def vehicle(self, told: Vehicle) -> Vehicle:
+    def vehicle(self, nominal: Vehicle) -> Vehicle:
         """Return the car that brakes, of the one in the vehicle file."""
         wheels = tuple(
             replace(
@@ -66,20 +66,20 @@ class Trouble:
                 brake_gain=self.gain * wheel.brake_gain,
                 relaxation_length=self.relaxation_length or wheel.relaxation_length,
             )
-            for wheel in told.wheels
+            for wheel in nominal.wheels
         )
-        return replace(told, mass=self.mass * told.mass, wheels=wheels)
+        return replace(nominal, mass=self.mass * nominal.mass, wheels=wheels)
 
     @property
-    def steady(self) -> "Trouble":
+    def steady(self) -> "Perturbation":
         """The same on an even road."""
         return replace(self, load_variation=0.0)
 
     @property
     def actuator(self) -> ActuatorParameters:
         """Its hydraulics."""
-        told = ActuatorParameters()
-        return replace(told, delay=told.delay + self.delay, apply_rate=self.apply_rate * told.apply_rate)
+        nominal = ActuatorParameters()
+        return replace(nominal, delay=nominal.delay + self.delay, apply_rate=self.apply_rate * nominal.apply_rate)
 
     @property
     def sensors(self) -> SensorNoise:
@@ -108,32 +108,32 @@ class Trouble:
         return generator.uniform(0.0, 2.0 * np.pi, _TONES)
 
 
-NONE = Trouble()
+NONE = Perturbation()
 _OF_ANY_CAR = (
-    Trouble("gain -20 %", gain=0.8),
-    Trouble("gain +20 %", gain=1.2),
-    Trouble("mass -20 %", mass=0.8),
-    Trouble("mass +20 %", mass=1.2),
-    Trouble("radius -2 %", radius=0.98),
-    Trouble("radius +2 %", radius=1.02),
-    Trouble("delay +10 ms", delay=0.01),
-    Trouble("delay +20 ms", delay=0.02),
-    Trouble("apply rate -30 %", apply_rate=0.7),
+    Perturbation("gain -20 %", gain=0.8),
+    Perturbation("gain +20 %", gain=1.2),
+    Perturbation("mass -20 %", mass=0.8),
+    Perturbation("mass +20 %", mass=1.2),
+    Perturbation("radius -2 %", radius=0.98),
+    Perturbation("radius +2 %", radius=1.02),
+    Perturbation("delay +10 ms", delay=0.01),
+    Perturbation("delay +20 ms", delay=0.02),
+    Perturbation("apply rate -30 %", apply_rate=0.7),
 )
-TROUBLES: tuple[Trouble, ...] = (
-    Trouble("noise x2", noise=2.0),
+PERTURBATIONS: tuple[Perturbation, ...] = (
+    Perturbation("noise x2", noise=2.0),
     *_OF_ANY_CAR,
-    Trouble("load varies 5 %", load_variation=0.05),
-    Trouble("load varies 10 %", load_variation=0.10),
-    Trouble("gain fades 10 %/s", fading=0.1),
+    Perturbation("load varies 5 %", load_variation=0.05),
+    Perturbation("load varies 10 %", load_variation=0.10),
+    Perturbation("gain fades 10 %/s", fading=0.1),
 )
 """Of the single corner."""
-CAR_TROUBLES: tuple[Trouble, ...] = (
+CAR_PERTURBATIONS: tuple[Perturbation, ...] = (
     *_OF_ANY_CAR,
-    Trouble("relaxation 0.2 m", relaxation_length=0.2),
-    Trouble("relaxation 0.5 m", relaxation_length=0.5),
-    Trouble("hill +6 %", hill=0.06),
-    Trouble("hill -6 %", hill=-0.06),
+    Perturbation("relaxation 0.2 m", relaxation_length=0.2),
+    Perturbation("relaxation 0.5 m", relaxation_length=0.5),
+    Perturbation("hill +6 %", hill=0.06),
+    Perturbation("hill -6 %", hill=-0.06),
 )
 """Of a car with four wheels; only that of `model: car` has the last four."""
 
@@ -171,11 +171,11 @@ class PanicPlant:
 
     surface: str
     """Name of the road, which panic_road knows."""
-    trouble: Trouble
+    perturbation: Perturbation
     phases: Array
     """Phases of the wheel load [rad], shape (n, tones)."""
-    told: CornerParameters = CORNER
-    """The corner without the trouble."""
+    nominal: CornerParameters = CORNER
+    """The corner without the perturbation."""
     corner: SingleCorner = field(init=False)
     torque: Array = field(init=False)
     """That acts [N m], shape (n,)."""
@@ -187,13 +187,13 @@ class PanicPlant:
     def __post_init__(self) -> None:
         """Start at full speed."""
         count = len(self.phases)
-        trouble = self.trouble
-        self.parameters = trouble.corner(self.told)
+        perturbation = self.perturbation
+        self.parameters = perturbation.corner(self.nominal)
         self.way = panic_road(self.surface)
         self.corner = SingleCorner(self.parameters, np.full(count, SPEED))
         peaks = self.parameters.peak_torque(self.way.theta(np.array(self.way.distances)))
-        self.demand = DEMAND_RATIO * float(np.max(peaks)) / trouble.gain
-        self.actuator = BrakeActuator(count, DT, trouble.actuator)
+        self.demand = DEMAND_RATIO * float(np.max(peaks)) / perturbation.gain
+        self.actuator = BrakeActuator(count, DT, perturbation.actuator)
         self.torque = np.zeros(count)
         self.time = 0.0
         self._onset = self.corner.distance
@@ -215,7 +215,7 @@ class PanicPlant:
 
     def road(self) -> Array:
         """Curves now, the wheel load in them, shape (n, 3)."""
-        load = self.trouble.load_at(self.time, self.phases)
+        load = self.perturbation.load_at(self.time, self.phases)
         theta = self.theta.copy()
         theta[:, 0] *= load
         theta[:, 2] *= load
@@ -229,7 +229,7 @@ class PanicPlant:
     @property
     def gain(self) -> float:
         """Brake torque over that of the vehicle file now [-]."""
-        return self.trouble.gain_at(self.since)
+        return self.perturbation.gain_at(self.since)
 
     @property
     def acceleration(self) -> Array:

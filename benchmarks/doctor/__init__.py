@@ -1,1 +1,1 @@
-"""The doctor on drives with known troubles, and on healthy ones."""
+"""The doctor on drives with injected faults, and on healthy ones."""

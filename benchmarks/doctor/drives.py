@@ -104,8 +104,8 @@ Change = Callable[[Drive], Drive]
 
 
 @dataclass(frozen=True)
-class Trouble:
-    """A trouble and its name in the report."""
+class InjectedFault:
+    """A fault and its name in the report."""
 
     name: str
     change: Change
@@ -197,48 +197,50 @@ def _jumping_back(recorded: Recorded) -> Recorded:
 
 
 _FRONT_LEFT = pressure_topic("front_left")
-TROUBLES: dict[str, Trouble] = {
-    trouble.name: trouble
-    for trouble in (
-        Trouble("wheels in km/h", _scaled(WHEEL_STATES, 3.6 * 0.3), "unit", WHEEL_STATES, "km/h"),
-        Trouble("wheels in rpm", _scaled(WHEEL_STATES, 30.0 / np.pi), "unit", WHEEL_STATES, "rpm"),
-        Trouble("wheels in m/s", _scaled(WHEEL_STATES, 0.3), "unit", WHEEL_STATES, "m/s"),
-        Trouble(
+FAULTS: dict[str, InjectedFault] = {
+    fault.name: fault
+    for fault in (
+        InjectedFault("wheels in km/h", _scaled(WHEEL_STATES, 3.6 * 0.3), "unit", WHEEL_STATES, "km/h"),
+        InjectedFault("wheels in rpm", _scaled(WHEEL_STATES, 30.0 / np.pi), "unit", WHEEL_STATES, "rpm"),
+        InjectedFault("wheels in m/s", _scaled(WHEEL_STATES, 0.3), "unit", WHEEL_STATES, "m/s"),
+        InjectedFault(
             "wheel backwards", _scaled(WHEEL_STATES, np.array([1.0, 1.0, -1.0, 1.0])), "sign", "rear_left", "backwards"
         ),
-        Trouble("wheel copied", _copied(WHEEL_STATES, 0, 1), "duplicate", "front_right", "front_left"),
-        Trouble("wheel stuck", _column(WHEEL_STATES, 3, lambda v: 7.0 + 0.0 * v), "wheel", "rear_right", "never"),
-        Trouble("front wheels exchanged", _exchanged([1, 0, 2, 3]), "exchanged", "front_left", "front_right"),
-        Trouble("axles exchanged", _exchanged([2, 3, 0, 1]), "exchanged", WHEEL_STATES, "front and rear"),
-        Trouble("a tooth missing", _lacking_teeth(2, 1, 48), "teeth", "rear_left", "once in every revolution"),
-        Trouble(
+        InjectedFault("wheel copied", _copied(WHEEL_STATES, 0, 1), "duplicate", "front_right", "front_left"),
+        InjectedFault("wheel stuck", _column(WHEEL_STATES, 3, lambda v: 7.0 + 0.0 * v), "wheel", "rear_right", "never"),
+        InjectedFault("front wheels exchanged", _exchanged([1, 0, 2, 3]), "exchanged", "front_left", "front_right"),
+        InjectedFault("axles exchanged", _exchanged([2, 3, 0, 1]), "exchanged", WHEEL_STATES, "front and rear"),
+        InjectedFault("a tooth missing", _lacking_teeth(2, 1, 48), "teeth", "rear_left", "once in every revolution"),
+        InjectedFault(
             "radius -3 %", _scaled(WHEEL_STATES, np.array([1.0 / 0.97, 1.0, 1.0, 1.0])), "radius", "front_left", "-"
         ),
-        Trouble(
+        InjectedFault(
             "radius +2 %", _scaled(WHEEL_STATES, np.array([1.0, 1.0, 1.0, 1.0 / 1.02])), "radius", "rear_right", "+"
         ),
-        Trouble("accelerometer in g", _scaled(IMU, 1.0 / 9.81), "unit", IMU, "g"),
-        Trouble("accelerometer backwards", _scaled(IMU, -1.0), "sign", IMU, "backwards"),
-        Trouble("accelerometer along y", _turned, "mounting", IMU, "y"),
-        Trouble("accelerometer scale 0.9", _scaled(IMU, 0.9), "scale", IMU),
-        Trouble("accelerometer bias 0.9 m/s^2", _scaled(IMU, 1.0, 0.9), "bias", IMU),
-        Trouble("accelerometer 40 ms late", _late(IMU, 0.04), "skew", IMU),
-        Trouble("no accelerometer", _without(IMU), "topic", IMU, "no message"),
-        Trouble("accelerometer in steps", _edit(IMU, lambda r: replace(r, values=np.round(r.values / 0.4) * 0.4)),
+        InjectedFault("accelerometer in g", _scaled(IMU, 1.0 / 9.81), "unit", IMU, "g"),
+        InjectedFault("accelerometer backwards", _scaled(IMU, -1.0), "sign", IMU, "backwards"),
+        InjectedFault("accelerometer along y", _turned, "mounting", IMU, "y"),
+        InjectedFault("accelerometer scale 0.9", _scaled(IMU, 0.9), "scale", IMU),
+        InjectedFault("accelerometer bias 0.9 m/s^2", _scaled(IMU, 1.0, 0.9), "bias", IMU),
+        InjectedFault("accelerometer 40 ms late", _late(IMU, 0.04), "skew", IMU),
+        InjectedFault("no accelerometer", _without(IMU), "topic", IMU, "no message"),
+        InjectedFault("accelerometer in steps", _edit(IMU, lambda r: replace(r, values=np.round(r.values / 0.4) * 0.4)),
                 "resolution", IMU, "steps"),
-        Trouble("pressure in bar", _pressures(lambda t: _scaled(t, 1e-5)), "unit", _FRONT_LEFT, "bar"),
-        Trouble("pressure in kPa", _pressures(lambda t: _scaled(t, 1e-3)), "unit", _FRONT_LEFT, "kPa"),
-        Trouble("pressure backwards", _scaled(_FRONT_LEFT, -1.0), "sign", _FRONT_LEFT, "falls"),
-        Trouble("pressure that does not brake",
+        InjectedFault("pressure in bar", _pressures(lambda t: _scaled(t, 1e-5)), "unit", _FRONT_LEFT, "bar"),
+        InjectedFault("pressure in kPa", _pressures(lambda t: _scaled(t, 1e-3)), "unit", _FRONT_LEFT, "kPa"),
+        InjectedFault("pressure backwards", _scaled(_FRONT_LEFT, -1.0), "sign", _FRONT_LEFT, "falls"),
+        InjectedFault("pressure that does not brake",
                 _edit(_FRONT_LEFT, lambda r: replace(r, values=np.roll(r.values, r.values.size // 3, axis=0))),
                 "pressure", _FRONT_LEFT, "does not brake"),
-        Trouble("pressure offset 3 bar", _scaled(_FRONT_LEFT, 1.0, 3e5), "pressure offset", _FRONT_LEFT),
-        Trouble("pressure 60 ms late", _pressures(lambda t: _late(t, 0.06)), "skew", _FRONT_LEFT),
-        Trouble("gain 1.6 times", _pressures(lambda t: _scaled(t, 1.0 / 1.6)), "gain", "brakes"),
-        Trouble("wheels with gaps", _kept(WHEEL_STATES, lambda r: r.stamp % 20.0 > 0.4), "topic", WHEEL_STATES, "gaps"),
-        Trouble("stamps go back", _edit(IMU, _jumping_back), "topic", IMU, "back"),
-        Trouble("speed in km/h", _scaled(SPEED, 3.6), "unit", SPEED, "km/h"),
-        Trouble("speed 80 ms late", _late(SPEED, 0.08), "skew", SPEED),
+        InjectedFault("pressure offset 3 bar", _scaled(_FRONT_LEFT, 1.0, 3e5), "pressure offset", _FRONT_LEFT),
+        InjectedFault("pressure 60 ms late", _pressures(lambda t: _late(t, 0.06)), "skew", _FRONT_LEFT),
+        InjectedFault("gain 1.6 times", _pressures(lambda t: _scaled(t, 1.0 / 1.6)), "gain", "brakes"),
+        InjectedFault(
+            "wheels with gaps", _kept(WHEEL_STATES, lambda r: r.stamp % 20.0 > 0.4), "topic", WHEEL_STATES, "gaps"
+        ),
+        InjectedFault("stamps go back", _edit(IMU, _jumping_back), "topic", IMU, "back"),
+        InjectedFault("speed in km/h", _scaled(SPEED, 3.6), "unit", SPEED, "km/h"),
+        InjectedFault("speed 80 ms late", _late(SPEED, 0.08), "skew", SPEED),
     )
 }  # fmt: skip
 PAIRS = (
@@ -258,4 +260,4 @@ PAIRS = (
     ("front wheels exchanged", "pressure 60 ms late"),
     ("a tooth missing", "wheels in km/h"),
 )
-"""Pairs of troubles."""
+"""Pairs of faults."""

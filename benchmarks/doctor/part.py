@@ -1,4 +1,4 @@
-"""The doctor: every trouble of sabotaged drives named, healthy drives without a false alarm, what it learns.
+"""The doctor: every fault of faulty drives named, healthy drives without a false alarm, what it learns.
 
 The drives are those of `model: car`, a plant that shares no code with the doctor; the vehicle file is compact_car, and
 the cars are spread as its deviations say.
@@ -10,7 +10,7 @@ from math import hypot
 import numpy as np
 from rich.progress import track
 
-from benchmarks.doctor.drives import PAIRS, TROUBLES, Driven, Trouble, driven
+from benchmarks.doctor.drives import FAULTS, PAIRS, Driven, InjectedFault, driven
 from benchmarks.rows import Row, at_most, not_judged
 from friction_parameters.command_line import count
 from vehicle_doctor.checks.accelerometer import FLAT, UNKNOWN
@@ -26,18 +26,18 @@ _SECONDS = 180.0
 _FADED = 0.3
 _SOON = 1e5
 """Work of a brake, that of a braking or two, at which it is lost early [J]."""
-_ALL = len(TROUBLES) + len(PAIRS) + 2
+_ALL = len(FAULTS) + len(PAIRS) + 2
 _COVERS = 3.0
 """Deviations within which a value that misses its limit must be."""
 _ALARMS = (Verdict.WARN, Verdict.FAIL)
 _BASES = 6
-"""Drives that the sabotages share."""
+"""Drives that the faults share."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add its own options."""
     parser.add_argument("--healthy", type=count, default=20, help="healthy drives")
-    parser.add_argument("--sabotaged", type=count, default=_ALL, help="sabotaged drives, singles first")
+    parser.add_argument("--faulty", type=count, default=_ALL, help="faulty drives, singles first")
     parser.add_argument("--first-seed", type=int, default=0, help="seed of the first drive")
 
 
@@ -54,26 +54,26 @@ def run(options: argparse.Namespace) -> list[Row]:
         for name, pair in _errors(base, findings, vehicle).items():
             errors.setdefault(name, []).extend(pair)
     rows += [row for name, pairs in errors.items() for row in _accuracy(name, pairs)]
-    return rows + sabotaged_rows(vehicle, options.sabotaged, options.first_seed)
+    return rows + faulty_rows(vehicle, options.faulty, options.first_seed)
 
 
-def sabotaged_rows(vehicle: Vehicle, most: int, first_seed: int = 0, seconds: float = _SECONDS) -> list[Row]:
-    """Return a row of each sabotaged drive, with the number of troubles that were not named."""
-    cases: list[tuple[Trouble, ...]] = [(each,) for each in TROUBLES.values()]
-    cases += [tuple(TROUBLES[name] for name in pair) for pair in PAIRS]
+def faulty_rows(vehicle: Vehicle, most: int, first_seed: int = 0, seconds: float = _SECONDS) -> list[Row]:
+    """Return a row of each faulty drive, with the number of faults that were not named."""
+    cases: list[tuple[InjectedFault, ...]] = [(each,) for each in FAULTS.values()]
+    cases += [tuple(FAULTS[name] for name in pair) for pair in PAIRS]
     seeds = [first_seed + 101 + 2 * k for k in range(_BASES)]  # odd ones are flat, so that a bias is determined
     bases: dict[int, Drive] = {}
     rows = []
-    for number, troubles in enumerate(track(cases[:most], "sabotaged")):
+    for number, faults in enumerate(track(cases[:most], "faulty")):
         seed = seeds[number % len(seeds)] | 1
         if seed not in bases:
             bases[seed] = driven(vehicle, seed, seconds).drive
         drive = bases[seed]
-        for trouble in troubles:
-            drive = trouble.change(drive)
+        for fault in faults:
+            drive = fault.change(drive)
         findings = examine(drive, FLAT)
-        missed = [each for each in troubles if not named(each, findings)]
-        rows.append(_row(" and ".join(each.name for each in troubles), findings, float(len(missed))))
+        missed = [each for each in faults if not named(each, findings)]
+        rows.append(_row(" and ".join(each.name for each in faults), findings, float(len(missed))))
     return [*rows, *_faded_rows(vehicle, seeds[1] | 1, seconds)[: max(most - len(cases), 0)]]
 
 
@@ -96,13 +96,13 @@ def _row(drive: str, findings: list[Finding], missed: float) -> Row:
     return {"drive": drive, "said": said, **at_most(missed, 0.0)}
 
 
-def named(trouble: Trouble, findings: list[Finding]) -> bool:
-    """Whether a trouble is among the alarms."""
+def named(fault: InjectedFault, findings: list[Finding]) -> bool:
+    """Whether a fault is among the alarms."""
     return any(
-        each.check == trouble.check
-        and each.subject == trouble.subject
+        each.check == fault.check
+        and each.subject == fault.subject
         and each.verdict in _ALARMS
-        and trouble.word in each.sentence
+        and fault.word in each.sentence
         for each in findings
     )
 

@@ -101,7 +101,7 @@ def bound_rows(road: str, left: Sequence[tuple[float, float]]) -> list[Row]:
     rows: list[Row] = []
     for name, values in zip(("lambda_max", "mu_max"), np.array(left).T, strict=True):
         start = {"case": "random cars", "road": road, "stops": len(left)}
-        quantity = f"best left by the troubles, {name} [%]"
+        quantity = f"bound with all perturbations, {name} [%]"
         median = {"median_pct": 100.0 * float(np.median(values))}
         rows.append(start | {"quantity": quantity} | not_judged(100.0 * float(np.sqrt(np.mean(values**2)))) | median)
     return rows

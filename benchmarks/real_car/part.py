@@ -1,6 +1,6 @@
 """Friction curves of cars with uncertain parameters, on the independent plant corner_sim.car, with limits.
 
-Study `troubles`: each perturbation alone on a nominal car. The default estimator assumes a car without
+Study `perturbations`: each perturbation alone on a nominal car. The default estimator assumes a car without
 load transfer, relaxation and delays; `car` assumes the values of the vehicle file.
 """
 
@@ -45,7 +45,7 @@ from friction_parameters.command_line import count, positive
 from vehicle_models.surfaces import TABLE_8_1
 
 ROADS = tuple(TYRES["burckhardt"])
-BELIEVED: Mapping[str, CarParameters] = MappingProxyType(
+NOMINAL_CARS: Mapping[str, CarParameters] = MappingProxyType(
     {
         DEFAULT: CarParameters(height=0.0),
         "car": CarParameters(
@@ -56,7 +56,7 @@ BELIEVED: Mapping[str, CarParameters] = MappingProxyType(
         ),
     }
 )
-"""The car without any trouble, by the method that is judged."""
+"""The car without any perturbation, by the method that is judged."""
 
 
 def _gains(factor: float) -> Mapping[str, Any]:
@@ -64,7 +64,7 @@ def _gains(factor: float) -> Mapping[str, Any]:
     return {"brake_gain": tuple(factor * gain for gain in gains)}
 
 
-TROUBLES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+PERTURBATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "none": {},
         "load transfer": {"height": 0.2 * CarParameters().wheelbase},
@@ -88,24 +88,24 @@ TROUBLES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "1000 Hz": {"sample_rate": 1000},
     }
 )
-"""Changes to the car, by the name of the trouble; `car` believes in the relaxation length of 0.3 m."""
+"""Changes to the car, by the name of the perturbation; `car` believes in the relaxation length of 0.3 m."""
 
 
-def troubled_car(trouble: str, road: str, method: str) -> tuple[CarParameters, Cycling]:
-    """Make the car of a trouble on a road, for a method of BELIEVED, and the way it is braked."""
-    changes = dict(TROUBLES[trouble])
+def perturbed_car(perturbation: str, road: str, method: str) -> tuple[CarParameters, Cycling]:
+    """Make the car of a perturbation on a road, for a method of NOMINAL_CARS, and the way it is braked."""
+    changes = dict(PERTURBATIONS[perturbation])
     cycling = Cycling(ramp=changes.pop("ramp", Cycling.ramp))
     tyre = {**TYRES, "brush": BRUSH_TYRES}[changes.pop("family", "burckhardt")][road]
     rear = Scaled(tyre, **changes.pop("rear")) if "rear" in changes else tyre
-    believed = BELIEVED[method]
+    nominal = NOMINAL_CARS[method]
     of_sensors = {name: changes.pop(name) for name in list(changes) if hasattr(SensorParameters, name)}
-    sensors = replace(believed.sensors, **of_sensors)
-    return replace(believed, tyres=(tyre, tyre, rear, rear), sensors=sensors, **changes), cycling
+    sensors = replace(nominal.sensors, **of_sensors)
+    return replace(nominal, tyres=(tyre, tyre, rear, rear), sensors=sensors, **changes), cycling
 
 
 _FIRST_SEED = 40_000
 """Far from the seeds of the tuning."""
-_STUDIES = ("troubles", "random", "before_peak", "road_change", "driving", "known", "cost")
+_STUDIES = ("perturbations", "random", "before_peak", "road_change", "driving", "known", "cost")
 _KNOWN_RUNS = 20
 """Runs of a known corner in one task of a process."""
 _TIMED = 2
@@ -114,19 +114,21 @@ _TIMED = 2
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
-    parser.add_argument("--seeds", type=count, default=50, help="seeds a trouble and road; random cars a road")
+    parser.add_argument("--seeds", type=count, default=50, help="seeds a perturbation and road; random cars a road")
     parser.add_argument("--hours", type=positive, default=0.2, help="hours of ordinary driving")
     parser.add_argument("--first-drive", type=count, default=1, help="number of the first drive: long ones in parts")
     parser.add_argument("--method", choices=METHODS, default=DEFAULT, help="the estimator that is judged")
     parser.add_argument("--studies", nargs="+", choices=_STUDIES, default=list(_STUDIES), help="what to study")
-    parser.add_argument("--troubles", nargs="+", choices=TROUBLES, default=list(TROUBLES), help="for 'troubles'")
+    parser.add_argument(
+        "--perturbations", nargs="+", choices=PERTURBATIONS, default=list(PERTURBATIONS), help="for 'perturbations'"
+    )
     parser.add_argument("--processes", type=count, default=2, help="processes that share the runs")
 
 
 def run(options: argparse.Namespace) -> list[Row]:
     """Make the studies and return their rows."""
     studies = {
-        "troubles": _troubles,
+        "perturbations": _perturbations,
         "random": _random,
         "before_peak": _before_peak,
         "road_change": _road_change,
@@ -137,18 +139,18 @@ def run(options: argparse.Namespace) -> list[Row]:
     return [row for name in options.studies for row in studies[name](options)]
 
 
-def _troubles(options: argparse.Namespace) -> list[Row]:
-    cases = [(trouble, road) for trouble in options.troubles for road in ROADS]
+def _perturbations(options: argparse.Namespace) -> list[Row]:
+    cases = [(perturbation, road) for perturbation in options.perturbations for road in ROADS]
     jobs = [
-        Stop(*troubled_car(trouble, road, options.method), _FIRST_SEED + seed, options.method)
-        for trouble, road in cases
+        Stop(*perturbed_car(perturbation, road, options.method), _FIRST_SEED + seed, options.method)
+        for perturbation, road in cases
         for seed in range(options.seeds)
     ]
-    results = in_processes(make_stop, jobs, "one trouble", options.processes)
+    results = in_processes(make_stop, jobs, "one perturbation", options.processes)
     rows: list[Row] = []
-    for number, (trouble, road) in enumerate(cases):
+    for number, (perturbation, road) in enumerate(cases):
         of_case = results[number * options.seeds : (number + 1) * options.seeds]
-        rows += stop_rows(trouble, road, of_case, judge_errors=False)
+        rows += stop_rows(perturbation, road, of_case, judge_errors=False)
     return rows
 
 
@@ -161,7 +163,7 @@ def _random(options: argparse.Namespace) -> list[Row]:
             jobs.append(Stop(car.parameters, car.cycling, number, options.method))
     results = in_processes(make_stop, jobs, "random cars", options.processes)
     cars = [Bound(_FIRST_SEED + seed, road, _family(seed)) for road in ROADS for seed in range(options.seeds)]
-    bounds = in_processes(bound, cars, "best left by the troubles", options.processes)
+    bounds = in_processes(bound, cars, "bound with all perturbations", options.processes)
     rows = stop_rows("random cars", "all", results, judge_errors=True) + bound_rows("all", bounds)
     for number, road in enumerate(ROADS):
         of_road = slice(number * options.seeds, (number + 1) * options.seeds)

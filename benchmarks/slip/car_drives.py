@@ -1,9 +1,9 @@
 """Drives of the independent plant on which speed without a speed sensor is judged: stops, hills, locks, spins.
 
 The estimator has the vehicle file. The plant's radii, pitch, and scale, bias and delay of its accelerometer have the
-deviations that this file states; a trouble by name is set on top of that. Each of them is one error over a whole drive,
-so that of a few cars drawn at random chance decides what a row says. Those of consecutive seeds are spread evenly
-instead (Kronecker's sequence: multiples of an irrational share, modulo 1, are the probabilities of the deviations).
+standard deviations of this file; a perturbation by name is set on top. Each is one error over a whole drive, so that
+with few random cars chance would decide a row. The errors of consecutive seeds are spread evenly instead (Kronecker's
+sequence: multiples of an irrational ratio, modulo 1, are the probabilities of the errors).
 """
 
 from collections.abc import Callable, Mapping
@@ -94,7 +94,7 @@ class Case:
     road: str = "dry"
     share: float | None = None
     """Share of the peak's pressures of a gentle stop; None: the slips are cycled through the peak."""
-    trouble: Mapping[str, Any] | None = None
+    perturbation: Mapping[str, Any] | None = None
     """Parameters of car or sensors in place of the drawn ones."""
     around: Around | None = None
     until: float = np.inf
@@ -114,12 +114,12 @@ class Case:
     @property
     def teeth(self) -> int:
         """Teeth of that encoder, missing ones included; 0: none."""
-        return int((self.trouble or {}).get("encoder_teeth", 0))
+        return int((self.perturbation or {}).get("encoder_teeth", 0))
 
     @property
     def missing_teeth(self) -> int:
         """Teeth that its ring lacks, which the estimator knows."""
-        return int((self.trouble or {}).get("missing_teeth", 0))
+        return int((self.perturbation or {}).get("missing_teeth", 0))
 
 
 def _hill(sine: float) -> Around:
@@ -135,7 +135,7 @@ def _spin(time: float, car: Car) -> Surroundings:
     return Surroundings(engine_torque=torque if BEGIN < time < BEGIN + lasting else 0.0)
 
 
-_TROUBLES: Mapping[str, Mapping[str, Any]] = {
+_PERTURBATIONS: Mapping[str, Mapping[str, Any]] = {
     "scale +3 %": {"acceleration_scale": 1.03},
     "scale -3 %": {"acceleration_scale": 0.97},
     "pitch as the file": {"pitch_gain": 0.0026},
@@ -158,9 +158,9 @@ def cases() -> dict[str, Case]:
             for share in (0.5, 0.8, 0.9, 0.95):
                 found[f"{family}, {road}, at {share:.0%} of the peak"] = Case(family, road, share)
             found[f"{family}, {road}, through the peak"] = Case(family, road)
-    for name, trouble in _TROUBLES.items():
-        found[f"{name}, at half of the peak"] = Case(share=0.5, trouble=trouble)
-        found[f"{name}, through the peak"] = Case(trouble=trouble)
+    for name, perturbation in _PERTURBATIONS.items():
+        found[f"{name}, at half of the peak"] = Case(share=0.5, perturbation=perturbation)
+        found[f"{name}, through the peak"] = Case(perturbation=perturbation)
     for name, around in (
         ("hill of 6 % in 1 s", _hill(_HILL)),
         ("step of +10 %", _step(_STEEP)),
@@ -244,7 +244,7 @@ def _differing(case: Case, vehicle: Vehicle, seed: int) -> CarParameters:
         "acceleration_bias": around(accelerometer, "bias"),
         "acceleration_scale": around(accelerometer, "scale"),
         "acceleration_delay": max(around(accelerometer, "delay"), 0.0),
-        **(case.trouble or {}),
+        **(case.perturbation or {}),
     }
     nominal = CarParameters(relaxation_length=(0.3,) * 4, damper_share=0.5)
     of_sensors = {name: values.pop(name) for name in list(values) if hasattr(nominal.sensors, name)}

@@ -10,7 +10,7 @@ from rich.progress import Progress
 
 from benchmarks.measured import BMW, IAC, data_directory
 from benchmarks.rows import Row, at_most
-from benchmarks.slip.honesty import honesty_rows, laps_rows
+from benchmarks.slip.consistency import consistency_rows, laps_rows
 from benchmarks.slip.stops import (
     Array,
     Followed,
@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> list[Row]:
         rows += measured + _judged(measured)
         rows += _laps(options.data / IAC)
     if "drives" in options.cases:
-        rows += honesty_rows(_car_of_stops(options.vehicle), shipped().estimator, range(options.cars))
+        rows += consistency_rows(_car_of_stops(options.vehicle), shipped().estimator, range(options.cars))
     return rows
 
 

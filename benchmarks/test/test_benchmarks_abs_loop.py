@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from benchmarks.abs import law_rows
-from benchmarks.abs.bounds import actuator_bound, car_bound, oracle
+from benchmarks.abs.bounds import actuator_bound, car_bound, ideal_controller
 from benchmarks.abs.car import CarSetup, car_stop
 from benchmarks.abs.controllers import Parameters, law_stops, shipped
 from benchmarks.abs.law_rows import COUPLINGS, SPLITS, largest_growth, split_setup
-from benchmarks.abs.panic_stop import CAR_TROUBLES, END_SPEED, NONE, PanicPlant, Trouble
+from benchmarks.abs.panic_stop import CAR_PERTURBATIONS, END_SPEED, NONE, PanicPlant, Perturbation
 from benchmarks.abs.part import stops
 from benchmarks.command import load_part
 from benchmarks.protocol import CAR, CORNER, SPEED, VEHICLE
@@ -103,9 +103,9 @@ def test_the_bound_of_the_brake_is_that_of_its_rate(name: str, bound: float) -> 
 
 
 def test_a_slower_or_later_brake_has_a_lower_bound() -> None:
-    slow = actuator_bound("dry", Trouble("slow", apply_rate=0.7)).utilisation
+    slow = actuator_bound("dry", Perturbation("slow", apply_rate=0.7)).utilisation
     assert slow < actuator_bound("dry", NONE).utilisation - 0.01
-    late = actuator_bound("dry", Trouble("late", delay=0.01)).utilisation
+    late = actuator_bound("dry", Perturbation("late", delay=0.01)).utilisation
     assert slow < late < actuator_bound("dry", NONE).utilisation
 
 
@@ -119,21 +119,21 @@ def test_the_law_on_the_curve_comes_near_the_bound_without_a_speed_sensor_and_lo
 
 def test_a_brake_that_answers_late_is_learned_in_time_for_the_first_peak() -> None:
     """Without that it costs 0.06."""
-    late = Trouble("late", delay=0.02)
+    late = Perturbation("late", delay=0.02)
     found = law_stops("dry", range(1), "curve", late)
     assert found.utilisation[0] > actuator_bound("dry", late).utilisation - 0.01
     assert found.longest_lock[0] < 0.05
 
 
-def test_the_oracle_is_near_the_bound() -> None:
+def test_the_ideal_controller_is_near_the_bound() -> None:
     for name in ("dry", "cobblestone"):
-        assert oracle(name, NONE).utilisation[0] > actuator_bound(name, NONE).utilisation - 0.005
+        assert ideal_controller(name, NONE).utilisation[0] > actuator_bound(name, NONE).utilisation - 0.005
 
 
 @pytest.mark.parametrize("car", ["four_wheels", "car"])
 def test_the_bound_of_a_car_is_that_of_its_rate_and_below_one(car: str) -> None:
     bound = car_bound(CarSetup(car, "dry"))
-    slow = car_bound(CarSetup(car, "dry", Trouble("slow", apply_rate=0.7)))
+    slow = car_bound(CarSetup(car, "dry", Perturbation("slow", apply_rate=0.7)))
     assert 0.9 < bound.utilisation < bound.utilisation_to_rest < 1.0
     assert slow.utilisation < bound.utilisation - 0.01
     assert slow.distance > bound.distance
@@ -176,18 +176,18 @@ def test_a_road_changes_at_a_distance_from_the_onset_and_the_demand_is_too_much_
     np.testing.assert_allclose(plant.best_deceleration, float(burckhardt.peak(dry)[1]) * CORNER.gravity)
 
 
-def test_the_oracle_knows_of_a_change_and_a_brake_that_comes_down_too_slowly_locks_nevertheless() -> None:
-    assert oracle("snow to dry", NONE).utilisation[0] > 0.95
-    locked = oracle("dry to snow", NONE)
+def test_the_ideal_controller_knows_of_a_change_and_a_brake_that_comes_down_too_slowly_locks_nevertheless() -> None:
+    assert ideal_controller("snow to dry", NONE).utilisation[0] > 0.95
+    locked = ideal_controller("dry to snow", NONE)
     assert locked.utilisation[0] > 0.95
     assert 0.08 < locked.longest_lock[0] < 0.14
 
 
-def test_where_the_road_changes_the_row_compares_with_the_oracle() -> None:
+def test_where_the_road_changes_the_row_compares_with_the_ideal_controller() -> None:
     options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", car=["corner"], surface=["dry to wet"], case=["none"])
     (row,) = load_part("benchmarks.abs.part").run(options)
     assert row["passed"], row["failures"]
-    assert row["value"] == pytest.approx(row["distance_m"] / row["oracle_distance_m"])
+    assert row["value"] == pytest.approx(row["distance_m"] / row["ideal_controller_distance_m"])
     assert row["limit"] == 1.04
 
 
@@ -216,8 +216,8 @@ def test_under_a_car_the_road_changes_after_the_onset_and_the_bound_locks_while_
 def test_a_split_road_is_snow_on_the_right() -> None:
     setup = split_setup("dry | snow", COUPLINGS[-1])
     assert (setup.parameters.surfaces, setup.parameters.car.right_surface) == (("dry",), "snow")
-    assert setup.told.front_yaw_moment_rate > 0.0
-    assert {split_setup(road, COUPLINGS[0]).told.front_yaw_moment_rate for road in SPLITS} == {0.0}
+    assert setup.nominal.front_yaw_moment_rate > 0.0
+    assert {split_setup(road, COUPLINGS[0]).nominal.front_yaw_moment_rate for road in SPLITS} == {0.0}
 
 
 def test_the_growth_of_a_moment_is_that_of_its_size_over_half_a_second() -> None:
@@ -231,7 +231,7 @@ def test_the_growth_of_a_moment_is_that_of_its_size_over_half_a_second() -> None
 @pytest.mark.parametrize("name", ["hill -6 %", "hill +6 %"])
 def test_a_hill_that_begins_within_a_stop_on_snow_locks_no_wheel_and_leaves_the_brakes_on(name: str) -> None:
     """Without a reference all wheels lock for ten seconds downhill, and lose 9 % of the brake uphill."""
-    hill = next(each for each in CAR_TROUBLES if each.name == name)
+    hill = next(each for each in CAR_PERTURBATIONS if each.name == name)
     found, _ = car_stop(CarSetup("car", "snow", hill), 30_000, "curve")
     assert found.stopped.all()
     assert found.longest_lock[0] < 0.05

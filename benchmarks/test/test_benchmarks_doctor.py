@@ -1,6 +1,6 @@
-"""A short cut of the doctor's evaluation: sabotaged drives of `model: car`."""
+"""A short cut of the doctor's evaluation: faulty drives of `model: car`."""
 
-from benchmarks.doctor.drives import TROUBLES, driven
+from benchmarks.doctor.drives import FAULTS, driven
 from benchmarks.doctor.part import named
 from vehicle_doctor.checks.accelerometer import FLAT
 from vehicle_doctor.examine import examine
@@ -16,9 +16,9 @@ NAMED = (
 )
 
 
-def test_troubles_are_named_and_a_healthy_drive_gives_no_alarm() -> None:
+def test_faults_are_named_and_a_healthy_drive_gives_no_alarm() -> None:
     base = driven(load_vehicle("compact_car"), SEED, SECONDS).drive
     alarms = [each for each in examine(base, FLAT) if each.verdict in (Verdict.WARN, Verdict.FAIL)]
     assert not alarms
-    missed = [name for name in NAMED if not named(TROUBLES[name], examine(TROUBLES[name].change(base), FLAT))]
+    missed = [name for name in NAMED if not named(FAULTS[name], examine(FAULTS[name].change(base), FLAT))]
     assert not missed

@@ -9,7 +9,7 @@ from benchmarks import measured
 from benchmarks import measured as measured_data
 from benchmarks.measured import tyre_rig_rows
 from benchmarks.rows import Row
-from benchmarks.slip.honesty import laps_rows
+from benchmarks.slip.consistency import laps_rows
 from friction_parameters.parameter import ParameterError
 
 DATA = measured_data.data_directory()

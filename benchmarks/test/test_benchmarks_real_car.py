@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from benchmarks.real_car import part
 from benchmarks.real_car.bound import Bound, _burckhardt, _correlation, _pacejka, _sensitivities, bound
 from benchmarks.real_car.driving import DriveResult, SlopeDrive, drive_rows, slope_drive_rows
-from benchmarks.real_car.part import BELIEVED, TROUBLES, troubled_car
+from benchmarks.real_car.part import NOMINAL_CARS, PERTURBATIONS, perturbed_car
 from benchmarks.real_car.road_change import TwoRoads, TwoRoadsResult, make_two_roads, rise_rows, two_roads_rows
 from benchmarks.real_car.stops import METHODS, VEHICLE, Answers, judge, stop_rows
 from benchmarks.rows import Row, run_lengths
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 @pytest.fixture(scope="module")
 def run() -> Recording:
-    parameters, cycling = troubled_car("none", "dry", "default")
+    parameters, cycling = perturbed_car("none", "dry", "default")
     return record(parameters, SlipCycle(parameters, cycling), 1)
 
 
@@ -34,7 +34,7 @@ def first_passing(run: Recording) -> float:
     return float(run.time[(run.tyre_slip > run.lambda_max).any(axis=1).argmax()])
 
 
-def oracle(run: Recording, since: float = 0.1, alarm_shift: float = 0.0) -> Answers:
+def exact(run: Recording, since: float = 0.1, alarm_shift: float = 0.0) -> Answers:
     """Right answers, valid `since` the first passing, with alarms `alarm_shift` after the truth."""
     n = len(run.time)
     every = np.ones((n, 4))
@@ -50,7 +50,7 @@ def quantities(rows: list[Row]) -> dict[str, Row]:
 
 
 def test_right_answers_pass_every_limit(run: Recording) -> None:
-    result = judge(run, oracle(run), first_passing(run))
+    result = judge(run, exact(run), first_passing(run))
     assert result.first_valid == pytest.approx(0.1, abs=1e-6)
     assert (result.passed, result.early, result.missed, result.false_beyond) == (4, 0, 0, 0.0)
     rows = stop_rows("case", "dry", [result] * 3, judge_errors=True)
@@ -59,7 +59,7 @@ def test_right_answers_pass_every_limit(run: Recording) -> None:
 
 
 def test_an_interval_that_misses_the_truth_is_counted(run: Recording) -> None:
-    found = oracle(run)
+    found = exact(run)
     wrong = judge(run, replace(found, lambda_max=found.lambda_max + 0.03), first_passing(run))
     rows = quantities(stop_rows("case", "dry", [judge(run, found, first_passing(run)), wrong], judge_errors=False))
     assert rows["coverage of lambda_max [%]"]["value"] == 50.0
@@ -69,7 +69,7 @@ def test_an_interval_that_misses_the_truth_is_counted(run: Recording) -> None:
 
 
 def test_silence_does_not_pass(run: Recording) -> None:
-    found = oracle(run)
+    found = exact(run)
     silent = replace(found, valid=0.0 * found.valid, probability_beyond_peak=found.valid * np.nan)
     result = judge(run, silent, first_passing(run))
     assert result.missed == 4 and result.first_valid == np.inf
@@ -80,7 +80,7 @@ def test_silence_does_not_pass(run: Recording) -> None:
 
 @pytest.mark.parametrize(("shift", "early"), [(-0.05, 4), (-0.02, 0), (0.1, 0)])
 def test_alarms_more_than_25_ms_before_the_passing_are_early(run: Recording, shift: float, early: int) -> None:
-    result = judge(run, oracle(run, alarm_shift=shift), first_passing(run))
+    result = judge(run, exact(run, alarm_shift=shift), first_passing(run))
     assert result.early == early and result.missed == 0
     if not early:
         assert result.alarm_delay == pytest.approx([shift] * 4, abs=0.003)
@@ -88,22 +88,22 @@ def test_alarms_more_than_25_ms_before_the_passing_are_early(run: Recording, shi
 
 
 def test_what_is_valid_before_50_ms_fails(run: Recording) -> None:
-    rows = stop_rows("case", "dry", [judge(run, oracle(run, since=0.04), first_passing(run))], judge_errors=False)
+    rows = stop_rows("case", "dry", [judge(run, exact(run, since=0.04), first_passing(run))], judge_errors=False)
     assert not quantities(rows)["valid before 0.05 s [%]"]["passed"]
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("trouble", TROUBLES)
-def test_a_trouble_is_alone(trouble: str, method: str) -> None:
-    (car, cycling), (none, plain) = (troubled_car(each, "snow", method) for each in (trouble, "none"))
-    assert none == replace(BELIEVED[method], tyres=(TYRES["burckhardt"]["snow"],) * 4)
+@pytest.mark.parametrize("perturbation", PERTURBATIONS)
+def test_a_perturbation_is_alone(perturbation: str, method: str) -> None:
+    (car, cycling), (none, plain) = (perturbed_car(each, "snow", method) for each in (perturbation, "none"))
+    assert none == replace(NOMINAL_CARS[method], tyres=(TYRES["burckhardt"]["snow"],) * 4)
     changed = {each.name for each in fields(car) if getattr(car, each.name) != getattr(none, each.name)}
-    believed = trouble == "none" or (method, trouble) == ("car", "relaxation 0.3 m")
-    assert len(changed) + (cycling != plain) == (not believed)
+    nominal = perturbation == "none" or (method, perturbation) == ("car", "relaxation 0.3 m")
+    assert len(changed) + (cycling != plain) == (not nominal)
 
 
-def test_the_car_without_trouble_is_that_of_the_vehicle_file() -> None:
-    car, vehicle = BELIEVED["car"], load_vehicle(VEHICLE)
+def test_the_car_without_perturbation_is_that_of_the_vehicle_file() -> None:
+    car, vehicle = NOMINAL_CARS["car"], load_vehicle(VEHICLE)
     for name in ("mass", "front_load_share", "wheelbase", "track", "drag_area", "rolling_resistance"):
         assert getattr(car, name) == getattr(vehicle, name), name
     for name in ("radius", "inertia", "brake_gain", "relaxation_length"):
@@ -179,7 +179,7 @@ def test_the_load_of_the_bound_has_the_correlation_of_the_road() -> None:
 
 
 def test_torques_and_forces_of_the_bound_are_those_of_the_plant() -> None:
-    car, _ = troubled_car("relaxation 0.3 m", "dry", "default")
+    car, _ = perturbed_car("relaxation 0.3 m", "dry", "default")
     car = replace(car, sensors=replace(car.sensors, sample_rate=1000))
     run = record(car, SlipCycle(car, Cycling()), 1)
     n = int(np.searchsorted(run.time, first_passing(run) + 0.4))
@@ -213,7 +213,7 @@ def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(part, "SPLITS", ())
     parser = argparse.ArgumentParser()
     part.add_arguments(parser)
-    arguments = ["--seeds", "1", "--hours", "0.002", "--processes", "1", "--troubles", "48 teeth at 100 Hz"]
+    arguments = ["--seeds", "1", "--hours", "0.002", "--processes", "1", "--perturbations", "48 teeth at 100 Hz"]
     rows = part.run(parser.parse_args(arguments))
     assert {row["case"] for row in rows} == {
         *("48 teeth at 100 Hz", "random cars", "ordinary driving"),

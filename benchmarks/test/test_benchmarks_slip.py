@@ -10,7 +10,7 @@ from benchmarks.protocol import DT
 from benchmarks.rows import failures
 from benchmarks.slip import part as slip
 from benchmarks.slip.car_drives import cases, deviates, drive
-from benchmarks.slip.honesty import Judged, case_rows, judge
+from benchmarks.slip.consistency import Judged, case_rows, judge
 from benchmarks.slip.stops import CAR, CRUISE, Stop, follow, follow_bmw, shipped, stops
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -197,7 +197,7 @@ _ALWAYS = {
 """Fields that are NaN or lie within, valid or not."""
 
 
-def nonsense(message: Any) -> str:
+def impossible(message: Any) -> str:
     """Return what is impossible in the answer of a processor, empty where all may be."""
     kind = type(message).__name__
     if hasattr(message, "validity") and message.validity.valid:

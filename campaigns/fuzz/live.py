@@ -25,7 +25,7 @@ from rclpy.publisher import Publisher
 
 from benchmarks.rows import Row, at_least, at_most
 from campaigns.dds import arrived, tap, use_of
-from campaigns.fuzz.garbage import START, clean_run, fuzzed_parameters, garbage, nonsense, raw_garbage
+from campaigns.fuzz.garbage import START, clean_run, fuzzed_parameters, garbage, impossible, raw_garbage
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS
 from friction_bags.bag_io.cdr import encode
 from friction_bags.offline.estimators import make_processors
@@ -120,7 +120,7 @@ class _Trial:
         outputs = [given for processor in processors for given in processor.outputs.items()]
         self._taps = {topic: tap(node, kind, topic) for topic, kind in outputs}
         self._node = node
-        self._nonsense: list[str] = []
+        self._impossible: list[str] = []
         self._sent = 0
         self._wait_for_node()
 
@@ -138,7 +138,7 @@ class _Trial:
         judged = (
             ("ended live", at_most(int(not self._alive()), 0), "" if self._alive() else log[-300:]),
             ("exceptions live", at_most(len(defects), 0), next(iter(defects), "")),
-            ("valid nonsense live", at_most(len(self._nonsense), 0), next(iter(self._nonsense), "")),
+            ("impossible valid estimate, live", at_most(len(self._impossible), 0), next(iter(self._impossible), "")),
             ("share of a clean drive answered as before", at_least(share, _LEAST_SHARE), f"drive {drives}"),
             ("memory afterwards [B]", at_most(memory, _LARGEST_MEMORY), ""),
         )
@@ -203,8 +203,8 @@ class _Trial:
     def _take(self, found: _Answers | None) -> None:
         for topic, subscription in self._taps.items():
             for message, _ in arrived(subscription):
-                if text := nonsense(message):
-                    self._nonsense.append(text)
+                if text := impossible(message):
+                    self._impossible.append(text)
                 if found is not None:
                     found[topic, _time(message)] = _is_valid(message)
 

@@ -1,4 +1,4 @@
-"""Hostile messages into every processor of the graph: exceptions, valid nonsense, time of an update, recovery.
+"""Hostile messages into every processor: exceptions, impossible valid estimates, time of an update, recovery.
 
 A clean drive is sent again and again; each time a share of its messages is broken, lost, repeated or exchanged. After
 each, the processor is reset and takes the clean drive: its answers must be those after a clean one, bit for bit.
@@ -22,7 +22,7 @@ from rich.progress import track
 
 from benchmarks.rows import Row, at_most
 from campaigns.dds import use_of
-from campaigns.fuzz.garbage import clean_run, fuzzed_parameters, garbage, inputs_of, nonsense
+from campaigns.fuzz.garbage import clean_run, fuzzed_parameters, garbage, impossible, inputs_of
 from campaigns.fuzz.live import live_rows
 from campaigns.fuzz.update_time import update_time_rows, wrong_unit_rows
 from friction_bags.bag_io.cdr import encode
@@ -122,7 +122,7 @@ class _Findings:
     def __init__(self) -> None:
         self.messages = 0
         self.exceptions: list[str] = []
-        self.nonsense: list[str] = []
+        self.impossible: list[str] = []
         self.slowest = 0.0
 
     def feed(self, processor: Any, topic: str, message: Any) -> list[Any]:
@@ -136,7 +136,7 @@ class _Findings:
             self.exceptions.append(f"{topic}: {type(problem).__name__}: {problem}")
             outputs = []
         self.slowest = max(self.slowest, time.thread_time() - begun)
-        self.nonsense.extend(text for _, answer in outputs if (text := nonsense(answer)))
+        self.impossible.extend(text for _, answer in outputs if (text := impossible(answer)))
         return outputs
 
 
@@ -160,7 +160,7 @@ def _judge(name: str, make: _Maker, inputs: Sequence[tuple[str, Any]], messages:
         {"processor": name, "messages": findings.messages, "quantity": quantity, **result, "first": first}
         for quantity, result, first in (
             ("exceptions", at_most(len(findings.exceptions), 0), next(iter(findings.exceptions), "")),
-            ("valid nonsense", at_most(len(findings.nonsense), 0), next(iter(findings.nonsense), "")),
+            ("impossible valid estimate", at_most(len(findings.impossible), 0), next(iter(findings.impossible), "")),
             ("clean drives with other answers after a reset", at_most(lasting, 0), ""),
             ("largest CPU time of an update [s]", at_most(findings.slowest, _LARGEST_UPDATE), ""),
         )

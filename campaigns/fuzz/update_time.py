@@ -153,7 +153,7 @@ _NOT_BY_WHEELS_ALONE = "acceleration in g"
 
 
 def wrong_unit_rows(cars: Sequence[str] = (CORNER, CAR), surfaces: Sequence[str] = SURFACES) -> list[Row]:
-    """Return for each car, braking and sabotage how many of the roads have it named, and what was valid afterwards."""
+    """Return for each car, braking and fault how many of the roads have it named, and what was valid afterwards."""
     rows: list[Row] = []
     for name, braking in track([(car, braking) for car in cars for braking in _DEMANDS], description="units"):
         car = load_vehicle(name)

@@ -9,7 +9,7 @@ from sensor_msgs.msg import FluidPressure, JointState
 from benchmarks.__main__ import main
 from benchmarks.rows import failures
 from campaigns.fuzz import part
-from campaigns.fuzz.garbage import garbage, nonsense, raw_garbage
+from campaigns.fuzz.garbage import garbage, impossible, raw_garbage
 from campaigns.fuzz.live import live_rows
 from campaigns.fuzz.update_time import CORNER, wrong_unit_rows
 from friction_bags.bag_io.cdr import encode
@@ -65,19 +65,19 @@ def test_garbage_has_blocks_that_are_far_too_long_with_all_their_arrays_of_one_l
         (FrictionCurve(lambda_max=float("nan"), probability_beyond_peak=1.2), "probability"),
     ],
 )
-def test_what_no_car_does_is_nonsense(message: Any, said: str) -> None:
-    assert said in nonsense(message)
+def test_what_no_car_does_is_impossible(message: Any, said: str) -> None:
+    assert said in impossible(message)
 
 
-def test_invalid_answers_and_plausible_ones_are_no_nonsense() -> None:
-    assert not nonsense(WheelSlip(slip=-11.7, validity=Validity(valid=False)))
-    assert not nonsense(WheelSlip(slip=0.2, slip_stddev=0.1, validity=Validity(valid=True)))
-    assert not nonsense(
+def test_invalid_answers_and_plausible_ones_are_not_impossible() -> None:
+    assert not impossible(WheelSlip(slip=-11.7, validity=Validity(valid=False)))
+    assert not impossible(WheelSlip(slip=0.2, slip_stddev=0.1, validity=Validity(valid=True)))
+    assert not impossible(
         FrictionCurve(lambda_max=0.1, mu_max=1.1, probability_beyond_peak=float("nan"), validity=Validity(valid=True))
     )
 
 
-def test_exceptions_nonsense_and_updates_without_end_are_found() -> None:
+def test_exceptions_impossible_estimates_and_updates_without_end_are_found() -> None:
     findings = part._Findings()
     processor = Broken()
     findings.feed(processor, "p", FluidPressure(fluid_pressure=float("inf")))
@@ -85,7 +85,7 @@ def test_exceptions_nonsense_and_updates_without_end_are_found() -> None:
     findings.feed(processor, "p", FluidPressure(fluid_pressure=0.1))
     assert len(findings.exceptions) == 1
     assert "too large" in findings.exceptions[0]
-    assert len(findings.nonsense) == 1
+    assert len(findings.impossible) == 1
     with pytest.raises(part._TookTooLongError), part._no_longer_than(0.05):
         begun = time.process_time()
         while time.process_time() - begun < 60.0:

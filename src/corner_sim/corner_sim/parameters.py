@@ -19,7 +19,7 @@ class SimParameters:
     model: str = parameter(
         "single_corner",
         "vehicle model: corners that share one body, a car whose load moves between its axles, or one with the "
-        "troubles of a real car",
+        "perturbations of a real car",
         choices=("single_corner", "two_axle", "car"),
         read_only=True,
     )

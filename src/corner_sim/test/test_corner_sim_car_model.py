@@ -94,7 +94,7 @@ def test_the_true_curve_is_that_of_the_tyre_of_the_family_on_the_road(family: st
     assert curve.probability_beyond_peak == 1.0
 
 
-def test_without_its_troubles_it_moves_as_the_two_axle_car_does() -> None:
+def test_without_its_perturbations_it_moves_as_the_two_axle_car_does() -> None:
     wheels = tuple(replace(wheel, relaxation_length=1e-3) for wheel in COMPACT.wheels)
     plain = replace(COMPACT, wheels=wheels, centre_of_gravity_height=0.0, rolling_resistance=0.0)
     parameters = replace(QUIET, demand_rise=0.3, demand_level=0.9)
@@ -155,10 +155,10 @@ def test_noise_and_road_repeat_with_the_seed() -> None:
         assert repr(first[topic]) != repr(other[topic]), topic
 
 
-def test_troubles_of_sensors_and_road_reach_the_messages() -> None:
+def test_perturbations_of_sensors_and_road_reach_the_messages() -> None:
     plain = run(QUIET, 60)
-    troubles = CarModelParameters(slope=0.05, acceleration_delay=0.01, wheel_delay=0.005)
-    found = run(replace(QUIET, demand_level=0.0, car=troubles, acceleration_bias=0.2), 60)
+    perturbations = CarModelParameters(slope=0.05, acceleration_delay=0.01, wheel_delay=0.005)
+    found = run(replace(QUIET, demand_level=0.0, car=perturbations, acceleration_bias=0.2), 60)
     # on a slope the accelerometer feels what gravity does not take: the drag alone, and its offset
     assert found["imu/data"][-1].linear_acceleration.x == pytest.approx(0.2 - 0.28, abs=0.03)
     late = run(replace(QUIET, car=CarModelParameters(wheel_delay=0.005)), 60)

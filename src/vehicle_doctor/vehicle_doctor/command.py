@@ -108,7 +108,7 @@ def read_drive(path: Path, map_name: str, vehicle: str, dbc: Path | None) -> tup
                 others.add(topic)
 
     drive = collect(signal_map.vehicle, of_log(), others)
-    for text, times in log.troubles().items():
+    for text, times in log.problems().items():
         print(f"warning: {path}: {text}, {times} times", file=sys.stderr)
     return drive, source
 

@@ -42,7 +42,7 @@ class SensorParameters:
 
 @dataclass(frozen=True)
 class CarParameters:
-    """A compact car, its rear wheels driven; the defaults are its nominal values without any trouble."""
+    """A compact car, its rear wheels driven; the defaults are its nominal values without any perturbation."""
 
     tyres: tuple[Tyre, Tyre, Tyre, Tyre] = (TYRES["burckhardt"]["dry"],) * 4
     """Tyre of each wheel on its road."""

@@ -96,9 +96,9 @@ class AdapterProcessor:
 
     def health(self) -> Health:
         """State for diagnostics: WARN once something could not be used."""
-        troubles = self._troubles()
-        values = {"messages made": str(self._count), **{text: str(count) for text, count in troubles.items()}}
-        return Health("map", Level.WARN if troubles else Level.OK, ", ".join(troubles) or "ok", values)
+        problems = self._problems()
+        values = {"messages made": str(self._count), **{text: str(count) for text, count in problems.items()}}
+        return Health("map", Level.WARN if problems else Level.OK, ", ".join(problems) or "ok", values)
 
     def _of_frame(self, frames: CanFrames, message: Any) -> list[Output]:
         frame = frames.decode(message.id, message.is_extended, bytes(message.data[: message.dlc]))
@@ -107,13 +107,13 @@ class AdapterProcessor:
         stamp = self._arrival() if self._map.can.by_arrival else to_nanoseconds(message.header.stamp)
         return self._mapper.take(frame.name, frame.values, stamp)
 
-    def _troubles(self) -> dict[str, int]:
+    def _problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
         undecoded = 0 if self._frames is None else self._frames.undecoded
-        return {**self._mapper.troubles(), **({"frame that cannot be decoded": undecoded} if undecoded else {})}
+        return {**self._mapper.problems(), **({"frame that cannot be decoded": undecoded} if undecoded else {})}
 
     def _say(self) -> None:
-        for text, count in self._troubles().items():
+        for text, count in self._problems().items():
             if count > self._said.get(text, 0):
                 self._said[text] = count
                 self._report("warning", f"signal map: {text}")

@@ -41,7 +41,7 @@ class RecordMapper:
         """Start again, as after construction."""
         self._adapter.reset()
 
-    def troubles(self) -> dict[str, int]:
+    def problems(self) -> dict[str, int]:
         """Return how often something could not be used so far, by what it is; without what never happened."""
         found = {
             **{f"no value for {title}": count for title, count in self._adapter.unreadable.items()},

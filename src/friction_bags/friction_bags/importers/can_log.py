@@ -86,10 +86,10 @@ class CanLog:
         binary = getattr(self._file, "buffer", self._file)  # a text stream has no position while it is read
         return float(binary.tell() / self._size)
 
-    def troubles(self) -> dict[str, int]:
+    def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
         undecoded = self._frames.undecoded
-        return {**self._mapper.troubles(), **({"frame that cannot be decoded": undecoded} if undecoded else {})}
+        return {**self._mapper.problems(), **({"frame that cannot be decoded": undecoded} if undecoded else {})}
 
     def _logged(self) -> Iterator[Any]:
         """Yield the frames with data."""

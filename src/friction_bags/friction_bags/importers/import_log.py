@@ -38,7 +38,7 @@ class Log(Protocol):
     def share(self) -> float:
         """Return the share that has been read."""
 
-    def troubles(self) -> Mapping[str, int]:
+    def problems(self) -> Mapping[str, int]:
         """Return how often something could not be used, by what it is."""
 
 
@@ -76,10 +76,10 @@ def run(args: Namespace) -> int:
     with bars([path.name]) as show:
         count = write_bag(args.out, _shown(log, show), notes)
     print(f"{args.out}: {count} messages from {path}")
-    troubles = log.troubles()
-    for text, times in troubles.items():
+    problems = log.problems()
+    for text, times in problems.items():
         _warn("warning", f"{path}: {text}, {times} times")
-    return 1 if troubles else 0
+    return 1 if problems else 0
 
 
 def is_bag(path: Path) -> bool:
@@ -119,7 +119,7 @@ def _import_bag(path: Path, signal_map: SignalMap, out: Path) -> int:
             _warn(severity, text)
 
     with MappedBag(path, signal_map, report) as bag, bars([path.name]) as show:
-        known = len(warnings)  # what the map lacks is no trouble of this bag
+        known = len(warnings)  # what the map lacks is no problem of this bag
         count = write_mapped(bag, out, signal_map.notes, partial(show, 0))
         problems = list(bag.problems)
     for problem in problems:

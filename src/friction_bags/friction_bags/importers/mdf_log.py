@@ -101,9 +101,9 @@ class MdfLog:
         """Return the share of the samples that have been read."""
         return self._share
 
-    def troubles(self) -> dict[str, int]:
+    def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return self._mapper.troubles()
+        return self._mapper.problems()
 
     def _columns(self, channels: dict[str, tuple[int, int]]) -> tuple[Any, dict[str, Any]]:
         """Return times [s] and values of the channels of one group, NaN where a value is marked as invalid."""

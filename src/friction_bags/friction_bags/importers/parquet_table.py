@@ -72,9 +72,9 @@ class ParquetTable:
         """Return the share of the table that has been read."""
         return self._read / max(int(self._file.metadata.num_rows), 1)
 
-    def troubles(self) -> dict[str, int]:
+    def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return self._mapper.troubles()
+        return self._mapper.problems()
 
     def _numbers(self, name: str, column: Any) -> list[float]:
         values = column.to_numpy(zero_copy_only=False)

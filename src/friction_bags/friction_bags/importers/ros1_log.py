@@ -58,9 +58,9 @@ class Ros1Log:
         """Return the share of the messages that have been read."""
         return self._read / self._total
 
-    def troubles(self) -> dict[str, int]:
+    def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return self._mapper.troubles()
+        return self._mapper.problems()
 
     def _decoded(self) -> Iterator[tuple[str, Any, int]]:
         """Yield topic, message and recording stamp [ns] of what the map needs."""

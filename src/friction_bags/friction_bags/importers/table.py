@@ -91,9 +91,9 @@ class Table:
         stream = self._stream
         return 0.0 if stream is None or stream.closed else stream.buffer.tell() / self._size
 
-    def troubles(self) -> dict[str, int]:
+    def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return self._mapper.troubles()
+        return self._mapper.problems()
 
 
 def put_later(rows: Iterable[dict[str, float]], signal_map: SignalMap) -> Iterator[dict[str, float]]:

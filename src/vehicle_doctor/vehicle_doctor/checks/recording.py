@@ -51,27 +51,27 @@ def _topic(topic: str, recorded: Recorded) -> Finding:
     jitter = float(np.median(np.abs(forward - period)) * 1.48)
     unknown = int((~np.isfinite(recorded.values[:, 0])).sum()) if topic == WHEEL_STATES else 0
     text = f"{recorded.stamp.size} messages, {1.0 / period:.1f} Hz, jitter {1e3 * jitter:.1f} ms"
-    troubles, remedies = [], []
+    problems, remedies = [], []
     if back:
-        troubles.append(f"{back} stamps go back in time")
+        problems.append(f"{back} stamps go back in time")
         remedies.append("find the second sender, or stamp by the time of measurement")
     if same > 0.01 * steps.size:
-        troubles.append(f"{same} messages repeat a stamp")
+        problems.append(f"{same} messages repeat a stamp")
         remedies.append("stamp each message with its own time")
     if gaps.size:
-        troubles.append(f"{gaps.size} gaps, the longest {gaps.max():.2f} s")
+        problems.append(f"{gaps.size} gaps, the longest {gaps.max():.2f} s")
         remedies.append("look for lost messages between sensor and recorder")
     if jitter > _JITTER * period:
-        troubles.append("stamps are uneven")
+        problems.append("stamps are uneven")
         remedies.append("stamp by the time of measurement, not of arrival")
     if topic == WHEEL_STATES and 1.0 / period < _SLOW_WHEELS:
-        troubles.append(f"below {_SLOW_WHEELS:.0f} Hz a slip through the peak is not seen")
+        problems.append(f"below {_SLOW_WHEELS:.0f} Hz a slip through the peak is not seen")
         remedies.append("record the wheels faster")
     if unknown:
         text += f", {unknown} without the first wheel"
-    verdict = Verdict.FAIL if back else Verdict.WARN if troubles else Verdict.OK
+    verdict = Verdict.FAIL if back else Verdict.WARN if problems else Verdict.OK
     return Finding(
-        "topic", topic, verdict, "; ".join([text, *troubles]), 1.0 / period, unit="Hz", remedy="; ".join(remedies)
+        "topic", topic, verdict, "; ".join([text, *problems]), 1.0 / period, unit="Hz", remedy="; ".join(remedies)
     )
 
 

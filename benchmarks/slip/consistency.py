@@ -97,15 +97,15 @@ class Judged:
     """Share of valid slips [%]."""
 
 
-def honesty_rows(vehicle: Vehicle, parameters: EstimatorParameters, seeds: Sequence[int]) -> list[Row]:
+def consistency_rows(vehicle: Vehicle, parameters: EstimatorParameters, seeds: Sequence[int]) -> list[Row]:
     """Return the rows of all drives, each with one car for each seed."""
     rows: list[Row] = []
     for name, case in track(cases().items(), description="drives"):
         of_wheels = replace(parameters.wheel_filter, edges=case.edges, missing_teeth=case.missing_teeth)
-        told, car = replace(parameters, wheel_filter=of_wheels), vehicle
+        nominal, car = replace(parameters, wheel_filter=of_wheels), vehicle
         if case.edges:
             car = replace(vehicle, wheels=tuple(replace(each, encoder_teeth=case.teeth) for each in vehicle.wheels))
-        rows += case_rows(name, [judge(drive(case, car, seed), car, told) for seed in seeds])
+        rows += case_rows(name, [judge(drive(case, car, seed), car, nominal) for seed in seeds])
     ordinary = [ordinary_drive(seed) for seed in range(seeds[0], seeds[0] + 8 * len(seeds))]
     return rows + case_rows("ordinary driving", [judge(each, vehicle, parameters) for each in ordinary])
 

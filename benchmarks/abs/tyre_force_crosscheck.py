@@ -74,8 +74,8 @@ class Heard:
         reached = [stamp for stamp, true in zip(self.stamps, self.friction, strict=True) if true >= mu]
         if not reached:
             return nan
-        told = [each.came for each in self.opinions if each.mu >= mu and each.stamp >= reached[0]]
-        return (told[0] - reached[0]) / NANOSECONDS if told else inf
+        reported = [each.came for each in self.opinions if each.mu >= mu and each.stamp >= reached[0]]
+        return (reported[0] - reached[0]) / NANOSECONDS if reported else inf
 
 
 def heard(road: str, seed: int, law: str) -> tuple[Mapping[str, Heard], int]:
@@ -95,12 +95,12 @@ def heard(road: str, seed: int, law: str) -> tuple[Mapping[str, Heard], int]:
         seed=seed,
     )
     simulation = Simulation(plant, setup.vehicle, _START)
-    parameters = closed_loop_parameters(ESTIMATORS, law, len(setup.told.wheels))
+    parameters = closed_loop_parameters(ESTIMATORS, law, len(setup.nominal.wheels))
     parameters["abs_supervisor"] = replace(parameters["abs_supervisor"], real_time=False)
     parameters[SMART_TYRE] = replace(parameters[SMART_TYRE], calibration_file=str(plant_calibration()))
-    graph = ProcessorGraph(make_processors(parameters, setup.told, silent))
+    graph = ProcessorGraph(make_processors(parameters, setup.nominal, silent))
     begin = _START + round(onset * NANOSECONDS)
-    found = {wheel: Heard() for wheel in setup.told.wheel_names}
+    found = {wheel: Heard() for wheel in setup.nominal.wheel_names}
     while simulation.end is None and simulation.time < onset + LONGEST:
         braking = simulation.stamp >= begin
         for topic, message in simulation.messages():

@@ -5,7 +5,7 @@ from math import inf, isnan, nan
 import numpy as np
 import pytest
 
-from benchmarks.abs.second_opinion import Heard, Opinion
+from benchmarks.abs.tyre_force_crosscheck import Heard, Opinion
 
 MS = 1_000_000
 """[ns]"""
@@ -23,8 +23,8 @@ def test_an_error_is_that_at_the_stamp_of_what_was_said_not_when_it_came() -> No
 
 
 def test_lag_is_from_what_the_tyre_did_to_when_it_was_told() -> None:
-    told = heard(Opinion(430 * MS, 400 * MS, 0.8, 0.02), Opinion(490 * MS, 460 * MS, 0.95, 0.02))
-    assert told.lag(0.9) == pytest.approx(0.04)
+    reported = heard(Opinion(430 * MS, 400 * MS, 0.8, 0.02), Opinion(490 * MS, 460 * MS, 0.95, 0.02))
+    assert reported.lag(0.9) == pytest.approx(0.04)
 
 
 def test_what_was_said_before_the_tyre_did_it_does_not_count() -> None:
