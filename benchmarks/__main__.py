@@ -17,13 +17,14 @@ PARTS = {
     "smart_tyre": "Fz and Fx from the in-tyre accelerometer",
     "doctor": "vehicle doctor: injected faults reported, healthy drives without alarm, accuracy",
     "bags": "offline processing of bags: real-time factor, memory over length",
+    "headlines": "the headline numbers of README.md, each by its command, within its stated noise",
+    "results": "docs/results.md, one page from the JSON files of the last `make bench`",
 }
-MODULES = {"measured": "benchmarks.measured", "bags": "benchmarks.bags"}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one part; return its exit code."""
-    return main_of("benchmarks", PARTS, arguments, MODULES)
+    return main_of("benchmarks", PARTS, arguments)
 
 
 if __name__ == "__main__":

@@ -30,28 +30,28 @@ class Part(Protocol):
         """Do it, with a progress bar, and return flat rows; what has to hold is in their `passed` (rows.py)."""
 
 
-def load_part(module: str) -> Part:
+def load_part(program: str, name: str) -> Part:
     """Import a part when it is needed: some need the middleware, some only numpy."""
-    return cast(Part, import_module(module))
+    is_package = (Path(__file__).parents[1] / program / name).is_dir()
+    return cast(Part, import_module(f"{program}.{name}.part" if is_package else f"{program}.{name}"))
 
 
 @cache
-def rows_of(module: str, *arguments: str) -> Sequence[Row]:
+def rows_of(program: str, name: str, *arguments: str) -> Sequence[Row]:
     """Run a part with the arguments of its command line; the same ones are run once."""
-    part = load_part(module)
-    parser = argparse.ArgumentParser(prog=module)
+    part = load_part(program, name)
+    parser = argparse.ArgumentParser(prog=name)
     part.add_arguments(parser)
     return part.run(parser.parse_args(arguments))
 
 
-def main_of(program: str, parts: Mapping[str, str], arguments: Sequence[str] | None, modules: Mapping[str, str]) -> int:
+def main_of(program: str, parts: Mapping[str, str], arguments: Sequence[str] | None) -> int:
     """Run one of several parts by its name.
 
     Args:
         program: name of the package.
         parts: names and one-line descriptions.
         arguments: the command line, None for that of the process.
-        modules: modules of the parts whose module is not PROGRAM.PART.part.
 
     Returns:
         Exit code: 1 where a row fails, 2 where a parameter or a file is bad, else 0.
@@ -62,8 +62,7 @@ def main_of(program: str, parts: Mapping[str, str], arguments: Sequence[str] | N
         parser = argparse.ArgumentParser(prog=f"python3 -m {program}")
         parser.add_argument("part", choices=parts, help="; ".join(f"{name}: {text}" for name, text in parts.items()))
         name = parser.parse_args(given[:1]).part
-        part = load_part(modules.get(name, f"{program}.{name}.part"))
-        return run_part(f"python3 -m {program} {name}", parts[name], part, given[1:])
+        return run_part(f"python3 -m {program} {name}", parts[name], load_part(program, name), given[1:])
 
     return command(run)
 

@@ -14,7 +14,7 @@ _TITLE = "Numbers of the chapter beside ours"
 def main(arguments: Sequence[str] | None = None) -> int:
     """Write the page; return the exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)
-    return command(lambda: run_part("python3 -m book", _TITLE, load_part("book.report"), given))
+    return command(lambda: run_part("python3 -m book", _TITLE, load_part("book", "report"), given))
 
 
 if __name__ == "__main__":

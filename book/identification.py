@@ -127,7 +127,7 @@ def section(pictures: Path, seeds: Callable[[int], int]) -> Section:
     """Make the runs and draw into `pictures`."""
     drawn = figures(pictures, _METHODS)
     read = readings(max(seeds(300), _FEWEST))
-    study = ("benchmarks.identification.part", "--seeds", str(seeds(500)), "--methods", "rml", "rls", "--manoeuvre")
+    study = ("benchmarks", "identification", "--seeds", str(seeds(500)), "--methods", "rml", "rls", "--manoeuvre")
     kept = kept_rows([row for manoeuvre in "BC" for row in rows_of(*study, manoeuvre)])
     shown = [
         Table("Which reading gives which number: |error| of lambda_max [%], median (5 to 95 %)", by_number(read)),

@@ -102,7 +102,7 @@ def section(directory: Path, seeds: Callable[[int], int]) -> Section:
     """Make the runs and draw into `directory`."""
     rows, numbers = mean_slips(seeds(_SEEDS))
     detected, closed = (
-        rows_of(f"benchmarks.{part}.part", "--seeds", str(seeds(full))) for part, full in (("slope", 300), ("abs", 100))
+        rows_of("benchmarks", part, "--seeds", str(seeds(full))) for part, full in (("slope", 300), ("abs", 100))
     )
     runs = {road: stop_run(name, _FIRST_SEED) for road, name in ROADS.items()}
     pictures = []

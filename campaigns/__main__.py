@@ -17,7 +17,7 @@ PARTS = {
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one part; return its exit code."""
-    return main_of("campaigns", PARTS, arguments, {})
+    return main_of("campaigns", PARTS, arguments)
 
 
 if __name__ == "__main__":

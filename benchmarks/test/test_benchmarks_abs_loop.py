@@ -84,7 +84,7 @@ def test_every_run_that_ends_is_reported_once(parameters: Parameters) -> None:
 
 
 def test_part_gives_a_flat_row_for_each_surface_and_says_what_has_to_hold() -> None:
-    rows = load_part("benchmarks.abs.part").run(Namespace(seeds=1, vehicle=VEHICLE, law=None))
+    rows = load_part("benchmarks", "abs").run(Namespace(seeds=1, vehicle=VEHICLE, law=None))
     assert [r["surface"] for r in rows if "passed" not in r] == list(TABLE_8_1)
     judged = [(r["surface"], r["quantity"]) for r in rows if "passed" in r]
     assert judged == [(name, quantity) for name in TABLE_8_1 for quantity in ("utilisation", "runs with lock")]
@@ -150,14 +150,14 @@ def test_the_demand_of_a_car_is_more_than_every_wheel_can_use() -> None:
 
 def test_the_law_brings_a_car_of_four_wheels_near_its_bound_without_a_lock() -> None:
     options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", car=["car"], surface=["dry"], case=["none"])
-    (row,) = load_part("benchmarks.abs.part").run(options)
+    (row,) = load_part("benchmarks", "abs").run(options)
     assert row["limit"] == row["bound"] - 0.01
     assert row["passed"], row["failures"]
 
 
 def test_rows_of_the_law_say_what_has_to_hold() -> None:
     options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", car=["corner"], surface=["wet"], case=["none"])
-    (row,) = load_part("benchmarks.abs.part").run(options)
+    (row,) = load_part("benchmarks", "abs").run(options)
     assert (row["surface"], row["case"], row["limit"]) == ("wet", "none", 0.974)
     assert row["passed"] == (not row["failures"])
 
@@ -185,7 +185,7 @@ def test_the_ideal_controller_knows_of_a_change_and_a_brake_that_comes_down_too_
 
 def test_where_the_road_changes_the_row_compares_with_the_ideal_controller() -> None:
     options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", car=["corner"], surface=["dry to wet"], case=["none"])
-    (row,) = load_part("benchmarks.abs.part").run(options)
+    (row,) = load_part("benchmarks", "abs").run(options)
     assert row["passed"], row["failures"]
     assert row["value"] == pytest.approx(row["distance_m"] / row["ideal_controller_distance_m"])
     assert row["limit"] == 1.04

@@ -89,7 +89,7 @@ def made(key: str) -> Callable[[Path, Callable[[int], int]], Section]:
 
 def test_a_section_goes_to_the_page_and_its_rows_to_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(report, "SECTIONS", {key: made(key) for key in ("8.2", "8.3.2", "8.3.3")})
-    (first, second) = rows_of("book.report", "--out", str(tmp_path), "--effort", "0.1", "--section", "8.3")
+    (first, second) = rows_of("book", "report", "--out", str(tmp_path), "--effort", "0.1", "--section", "8.3")
     assert (first["quantity"], second["quantity"]) == ("8.3.2", "8.3.3")
     results = json.loads((tmp_path / "results.json").read_text())
     assert results["8.3.2"] == {"delay": [{"seeds": 5}]}
@@ -99,7 +99,7 @@ def test_a_section_goes_to_the_page_and_its_rows_to_results(tmp_path: Path, monk
 
 def test_a_section_that_the_chapter_does_not_have_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ParameterError, match=r"8\.3\.2"):
-        rows_of("book.report", "--out", str(tmp_path), "--section", "8.31")
+        rows_of("book", "report", "--out", str(tmp_path), "--section", "8.31")
 
 
 def test_the_page_holds_the_sections_made_before_one_that_fails(
@@ -110,5 +110,5 @@ def test_the_page_holds_the_sections_made_before_one_that_fails(
 
     monkeypatch.setattr(report, "SECTIONS", {"8.2": made("The first"), "8.4": fail})
     with pytest.raises(RuntimeError):
-        rows_of("book.report", "--out", str(tmp_path))
+        rows_of("book", "report", "--out", str(tmp_path))
     assert "The first" in (tmp_path / "index.html").read_text()

@@ -263,7 +263,7 @@ def test_partial_braking_of_the_corner_keeps_its_brake() -> None:
         seeds=1, processes=1, law="slope_sign", quick=False, live=None, car=[CORNER], surface=["dry"], fault=faults,
         demand=[0.6],
     )  # fmt: skip
-    rows = list(load_part("campaigns.faults.part").run(options))
+    rows = list(load_part("campaigns", "faults").run(options))
     assert [row["fault"] for row in rows] == faults
     assert {row["fault"]: row["failures"] for row in rows if not row["passed"]} == {}
 
