@@ -16,7 +16,7 @@ SEVERAL = {**FREE, "OPENBLAS_NUM_THREADS": "4"}
 PROCESSES = (
     *("wheel_slip.ros.node", "friction_slope.ros.node", "friction_curve_id.ros.node", "abs_supervisor.ros.node"),
     *("smart_tyre_forces.ros.node", "friction_bringup.composed", "friction_bags.offline.process"),
-    *("friction_bags.offline.stage_processes", "vehicle_doctor.__main__", "friction_report.__main__"),
+    *("friction_bags.offline.run", "vehicle_doctor.__main__", "friction_report.__main__"),
 )
 """Module that each process begins with: nodes, commands, workers."""
 

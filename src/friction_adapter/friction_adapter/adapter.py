@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from math import nan
 from typing import Any
 
-from friction_adapter.edge_counters import EdgeCounters, Values
-from friction_adapter.instants import Instants
-from friction_adapter.quantities import BRAKE_PRESSURE, QUANTITIES, WHEEL_STATES
-from friction_adapter.signal_map import ARRIVAL, Kind, Signal, SignalMap
+from friction_adapter.sampling import EdgeCounters, Instants, Values
+from friction_adapter.signal_map import ARRIVAL, BRAKE_PRESSURE, QUANTITIES, WHEEL_STATES, Kind, Signal, SignalMap
 from friction_adapter.sources import TABLE, Found, Read, Sources
 from friction_adapter.unit_table import UNITS, Conversion, conversion, is_rim_speed, unit_named
 from friction_parameters.parameter import ParameterError

@@ -15,13 +15,12 @@
 There are no expressions. A mistake is refused with file and line.
 """
 
+from argparse import ArgumentParser
 from collections.abc import Mapping
 from pathlib import Path
 
-from friction_adapter.map_entries import MapEntries
-from friction_adapter.quantities import QUANTITIES
-from friction_adapter.signal_entry import SignalEntry
-from friction_adapter.signal_map import ARRIVAL, CanBus, SignalMap
+from friction_adapter.map_entry import MapEntries, SignalEntry
+from friction_adapter.signal_map import ARRIVAL, QUANTITIES, CanBus, SignalMap
 from friction_parameters.parameter import ParameterError
 from friction_parameters.yaml_file import Entry, read_yaml
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -147,3 +146,9 @@ def _nanoseconds(
 ) -> int:
     seconds = file.number(key, top[key], least, most) if key in top else default
     return round(seconds * NANOSECONDS)
+
+
+def add_map_argument(parser: ArgumentParser) -> None:
+    """Add `--map`, empty by default."""
+    text = f"signal map of what is no topic of this graph: {map_choices()}"
+    parser.add_argument("--map", default="", metavar="NAME|FILE", help=text)

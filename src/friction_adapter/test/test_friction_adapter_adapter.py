@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 
 from friction_adapter.adapter import Adapter, Made
-from friction_adapter.field_path import Fields
 from friction_adapter.map_file import load_map
-from friction_adapter.sources import TABLE, Sources
+from friction_adapter.sources import TABLE, Fields, Sources
 from friction_parameters.parameter import ParameterError
 
 CAR = Path(__file__).parent / "four_wheels.yaml"

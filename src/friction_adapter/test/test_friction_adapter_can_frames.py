@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from friction_adapter.can_frames import CanFrames
+from friction_adapter.sources import CanFrames
 from friction_parameters.parameter import ParameterError
 
 DBC = """VERSION ""

@@ -2,7 +2,7 @@ from types import SimpleNamespace as Message
 
 import pytest
 
-from friction_adapter.field_path import FieldPath, Fields
+from friction_adapter.sources import FieldPath, Fields
 
 NUMBER, NUMBERS = Fields({}), Fields({}, is_sequence=True)
 WHEEL = Fields({"id": NUMBER, "speed": NUMBER}, is_sequence=True)

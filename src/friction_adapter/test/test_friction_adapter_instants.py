@@ -1,6 +1,6 @@
 from math import isnan
 
-from friction_adapter.instants import Instants
+from friction_adapter.sampling import Instants
 
 MS = 1_000_000
 

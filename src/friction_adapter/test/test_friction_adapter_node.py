@@ -8,8 +8,7 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import Imu, JointState
 
 from friction_adapter.map_file import load_map
-from friction_adapter.ros.message_fields import installed_fields
-from friction_adapter.ros.processor import AdapterProcessor
+from friction_adapter.ros.processor import AdapterProcessor, installed_fields
 from friction_runtime import qos
 from friction_runtime.processor import silent
 from friction_runtime.stamps import from_nanoseconds

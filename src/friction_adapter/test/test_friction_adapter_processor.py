@@ -12,8 +12,7 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_adapter.map_file import load_map
-from friction_adapter.ros.message_fields import installed_fields
-from friction_adapter.ros.processor import AdapterProcessor
+from friction_adapter.ros.processor import AdapterProcessor, installed_fields
 from friction_parameters.parameter import ParameterError
 from friction_runtime.message_type import message_class
 from friction_runtime.stamps import from_nanoseconds, to_nanoseconds

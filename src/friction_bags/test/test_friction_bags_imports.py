@@ -12,7 +12,7 @@ PACKAGE = Path(__file__).parents[1] / "friction_bags"
 WORKSPACE = frozenset(path.parent.name for path in Path(__file__).parents[2].glob("*/package.xml"))
 ALLOWED: dict[str, set[str]] = {
     "progress_bars": set(),
-    "bag_io": {"friction_runtime"},  # names of message types
+    "bag_io": {"friction_parameters", "friction_runtime"},  # errors of a command, names of message types
     "bag_vehicle": {"friction_bags.bag_io", "friction_parameters", "friction_runtime", "vehicle_models"},
     "record_replay": {
         "friction_bags.bag_io",
@@ -26,14 +26,14 @@ ALLOWED: dict[str, set[str]] = {
         "friction_adapter",
         "friction_bags.bag_io",
         "friction_bags.bag_vehicle",
-        "friction_bags.mapped",
+        "friction_bags.mapped_bag",
         "friction_bags.progress_bars",
         "friction_parameters",
         "friction_runtime",
         "vehicle_models",
         "wheel_slip",
     },
-    "mapped": {
+    "mapped_bag": {
         "friction_adapter",
         "friction_bags.bag_io",
         "friction_bags.bag_vehicle",
@@ -43,7 +43,7 @@ ALLOWED: dict[str, set[str]] = {
         "friction_adapter",
         "friction_bags.bag_io",
         "friction_bags.bag_vehicle",
-        "friction_bags.mapped",
+        "friction_bags.mapped_bag",
         "friction_bags.progress_bars",
         "friction_parameters",
         "friction_runtime",

@@ -11,7 +11,7 @@ import pytest
 from friction_adapter.map_file import load_map
 from friction_bags.__main__ import main
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_bags.importers.parquet_table import ParquetTable
+from friction_bags.importers.table import ParquetTable
 from friction_parameters.parameter import ParameterError
 
 MAP = """vehicle: compact_car

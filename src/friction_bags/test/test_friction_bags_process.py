@@ -20,8 +20,7 @@ from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import encode, installed_topic
-from friction_bags.offline.graph_stages import graph_stages
-from friction_bags.offline.plan import ProcessOptions
+from friction_bags.offline.plan import ProcessOptions, graph_stages
 from friction_bags.offline.run import process_bag
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_runtime.message_type import message_class
@@ -138,7 +137,7 @@ def test_a_system_that_allows_small_pipes_only_gets_the_same_bytes(
         asked.append(arguments)
         raise PermissionError
 
-    monkeypatch.setattr("friction_bags.offline.stage_processes.fcntl", refuse)
+    monkeypatch.setattr("friction_bags.offline.run.fcntl", refuse)
     process(bag, tmp_path / "out", 2)
     assert asked
     assert (tmp_path / "out" / "out_0.mcap").read_bytes() == (processed / "out_0.mcap").read_bytes()

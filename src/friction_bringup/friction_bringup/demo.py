@@ -19,12 +19,10 @@ from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.live import Live
 
-from friction_adapter.map_argument import add_map_argument
-from friction_adapter.map_file import load_map
+from friction_adapter.map_file import add_map_argument, load_map
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_vehicle import vehicle_for
-from friction_bags.mapped.mapped_bag import MappedBag
-from friction_bags.mapped.write_mapped import write_mapped
+from friction_bags.mapped_bag import MappedBag, write_mapped
 from friction_bags.offline.plan import SayOnce
 from friction_bringup import graph
 from friction_bringup.demo_drive import CARS, ROADS

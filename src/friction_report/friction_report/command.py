@@ -12,7 +12,7 @@ from os import cpu_count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from friction_adapter.map_argument import add_map_argument
+from friction_adapter.map_file import add_map_argument
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_vehicle import CAR_OTHERWISE
 from friction_bags.offline.plan import ProcessOptions

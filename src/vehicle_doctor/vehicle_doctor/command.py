@@ -7,8 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from friction_adapter.map_argument import add_map_argument
-from friction_adapter.map_file import load_map
+from friction_adapter.map_file import add_map_argument, load_map
 from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode, type_name

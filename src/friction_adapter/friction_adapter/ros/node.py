@@ -5,8 +5,7 @@ from time import time_ns
 
 from friction_adapter.map_file import load_map
 from friction_adapter.parameters import FrictionAdapterParameters
-from friction_adapter.ros.message_fields import installed_fields
-from friction_adapter.ros.processor import AdapterProcessor
+from friction_adapter.ros.processor import AdapterProcessor, installed_fields
 from friction_parameters.parameter import ParameterError
 from friction_runtime.message_type import UnknownTypeError, message_class
 from friction_runtime.processor import Processor, Report

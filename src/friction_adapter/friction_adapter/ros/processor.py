@@ -1,18 +1,42 @@
-"""Layer 2: messages of a car in, messages of this graph out."""
+"""Messages of a car in, messages of this graph out."""
 
+import re
 from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import cache
 from typing import Any
 
-from friction_adapter.can_frames import CanFrames
-from friction_adapter.field_path import Fields
-from friction_adapter.ros.record_mapper import RecordMapper
+from friction_adapter.ros.messages import RecordMapper
 from friction_adapter.signal_map import Kind, SignalMap
-from friction_adapter.sources import Sources
+from friction_adapter.sources import CanFrames, Fields, Sources
 from friction_parameters.parameter import ParameterError
+from friction_runtime.message_type import UnknownTypeError, message_class
 from friction_runtime.processor import Health, Level, Output, Report
 from friction_runtime.stamps import to_nanoseconds
 
+_SEQUENCE = re.compile(r"sequence<(.+?)(?:, \d+)?>|(.+)\[\d+\]")
 CAN_FRAME = "can_msgs/msg/Frame"
+
+
+@cache
+def installed_fields(type_name: str) -> Fields:
+    """Return the fields of an installed type.
+
+    Raises:
+        ValueError: the type is not installed.
+    """
+    try:
+        kind: Any = message_class(type_name)
+    except UnknownTypeError as error:
+        raise ValueError(str(error)) from error
+    return Fields({name: _fields(text) for name, text in kind.get_fields_and_field_types().items()})
+
+
+def _fields(text: str) -> Fields:
+    """Return the fields of a type as rosidl describes it: double, std_msgs/Header, sequence<string>, double[9]."""
+    sequence = _SEQUENCE.fullmatch(text)
+    element = (sequence[1] or sequence[2]) if sequence else text
+    members = installed_fields(element.replace("/", "/msg/")).members if "/" in element else {}
+    return Fields(members, is_sequence=sequence is not None)
 
 
 class AdapterProcessor:

@@ -17,7 +17,7 @@ from corner_sim.car.car import STEP, Car
 from corner_sim.car.car_parameters import WHEELS, CarParameters, SensorParameters
 from corner_sim.car.driving import Cycling, SlipCycle, Surroundings
 from corner_sim.car.recording import Recording, record
-from friction_adapter.can_frames import INSTALL_LINE
+from friction_adapter.sources import INSTALL_LINE
 from friction_bags.bag_io.bag_format import BagError
 from friction_parameters.parameter import ParameterError
 from vehicle_models.constants import AIR_DENSITY, GRAVITY

@@ -1,22 +1,31 @@
-"""Logs of a CAN bus: BLF, ASC, candump, TRC and the CSV of python-can, through that package."""
+"""Logs of a CAN bus as messages by a signal map."""
 
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from friction_adapter.can_frames import INSTALL_LINE, CanFrames
-from friction_adapter.ros.record_mapper import RecordMapper
+from friction_adapter.ros.messages import RecordMapper
 from friction_adapter.signal_map import SignalMap
-from friction_adapter.sources import Sources
+from friction_adapter.sources import INSTALL_LINE, CanFrames, Sources
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.importers.log_start import start_offset
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 from vehicle_models.nanoseconds import NANOSECONDS
 
+"""Logs that count from their own beginning: a stamp of 0 s is no stamp, so they are put later."""
+
+START_OFFSET = 1000
+"""By how much such a log is put later [s]."""
+_EARLIEST = 1.0
+"""A log that begins before it counts from its beginning [s]."""
 SUFFIXES = (".asc", ".blf", ".log", ".trc")
 _CSV_BEGIN = "timestamp,arbitration_id,"
 """Begin of the first line of a CSV file that python-can has written: one of frames, and no table."""
+
+
+def start_offset(first: float) -> int:
+    """Return what to add to the times of a log whose first time is `first` [s]; NaN is no time and asks for nothing."""
+    return START_OFFSET if first < _EARLIEST else 0
 
 
 def is_can_log(path: Path) -> bool:

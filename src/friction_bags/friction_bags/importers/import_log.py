@@ -7,19 +7,16 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from friction_adapter.map_argument import add_map_argument
-from friction_adapter.map_file import load_map, shipped_maps
+from friction_adapter.map_file import add_map_argument, load_map, shipped_maps
 from friction_adapter.signal_map import SignalMap
 from friction_bags.bag_io.bag_writer import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE
-from friction_bags.importers import can_log, mdf_log, parquet_table, ros1_log
+from friction_bags.importers import can_log, mdf_log, ros1_log, table
 from friction_bags.importers.can_log import CanLog, is_can_log
 from friction_bags.importers.mdf_log import MdfLog
-from friction_bags.importers.parquet_table import ParquetTable
 from friction_bags.importers.ros1_log import Ros1Log
-from friction_bags.importers.table import Table
-from friction_bags.mapped.mapped_bag import MappedBag
-from friction_bags.mapped.write_mapped import write_mapped
+from friction_bags.importers.table import ParquetTable, Table
+from friction_bags.mapped_bag import MappedBag, write_mapped
 from friction_bags.progress_bars import bars
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output, Severity
@@ -45,7 +42,7 @@ class Log(Protocol):
 def add_arguments(parser: ArgumentParser) -> None:
     """Describe the command line."""
     logs = ", ".join((*can_log.SUFFIXES, *mdf_log.SUFFIXES))
-    tables = f"CSV, {parquet_table.SUFFIX}"
+    tables = f"CSV, {table.PARQUET}"
     kinds = f"table ({tables}), log ({logs}) or bag of ROS 2 or 1; the name of a shipped map may stand before it"
     parser.add_argument("log", nargs="+", metavar="[MAP] LOG", help=kinds)
     add_map_argument(parser)
@@ -104,7 +101,7 @@ def open_log(path: Path, signal_map: SignalMap, dbc: Path | None) -> Log:
         return CanLog(path, signal_map, dbc)
     if path.suffix.lower() in mdf_log.SUFFIXES:
         return MdfLog(path, signal_map)
-    if path.suffix.lower() == parquet_table.SUFFIX:
+    if path.suffix.lower() == table.PARQUET:
         return ParquetTable(path, signal_map)
     return Ros1Log(path, signal_map) if path.suffix == ros1_log.SUFFIX else Table(path, signal_map)
 

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from friction_adapter.ros.record_mapper import RecordMapper
+from friction_adapter.ros.messages import RecordMapper
 from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import Sources
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.importers.log_start import start_offset
+from friction_bags.importers.can_log import start_offset
 from friction_parameters.command_line import install_line
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output

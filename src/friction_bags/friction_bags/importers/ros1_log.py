@@ -6,12 +6,11 @@ from typing import Any
 
 from rosbags.highlevel import AnyReader, AnyReaderError
 
-from friction_adapter.field_path import Fields
-from friction_adapter.ros.record_mapper import RecordMapper
+from friction_adapter.ros.messages import RecordMapper
 from friction_adapter.signal_map import SignalMap
-from friction_adapter.sources import Sources
+from friction_adapter.sources import Fields, Sources
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.mapped.embedded_type import fields_in
+from friction_bags.mapped_bag import fields_in
 from friction_runtime.processor import Output
 
 SUFFIX = ".bag"

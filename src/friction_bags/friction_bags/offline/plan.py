@@ -1,9 +1,10 @@
-"""Plan for processing a bag, shared by all processes that take part."""
+"""Processors of a bag, their parameters and their division into stages."""
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode, type_name
 from friction_bags.bag_vehicle import vehicle_for
-from friction_bags.mapped.mapped_bag import MappedBag
+from friction_bags.mapped_bag import MappedBag
 from friction_bags.offline.estimators import (
     SMART_TYRE,
     WHEEL_ESTIMATORS,
@@ -29,9 +30,51 @@ from friction_runtime.shipped_files import shipped_parameters
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
+Stage = tuple[Processor, ...]
 _WHEEL_STATES = "wheel_states"
 _TYRE_SIGNALS = "/tyre_signals"
 _MOST_REPORTS = 100
+
+
+def graph_stages(processors: Sequence[Processor], most: int) -> list[Stage]:
+    """Divide processors into at most `most` stages that take about the same time.
+
+    Processors for several wheels (wheel_slip) are in the first stage, which also reads the bag and so has fewer of the
+    others. The others stay with those whose topics they take.
+    """
+    shared = [processor for processor in processors if len(_wheels(processor)) > 1]
+    groups = _connected([processor for processor in processors if processor not in shared])
+    count = min(most, len(groups))
+    alone = [processor for group in groups for processor in group]
+    if count < 2 or _made(alone) & _needed(shared):
+        return [tuple(processors)]
+    inner = [max(stage, (len(groups) + 1) * stage // count - 1) for stage in range(1, count)]
+    shares = [groups[begin:end] for begin, end in pairwise([0, *inner, len(groups)])]
+    stages = [tuple(processor for group in share for processor in group) for share in shares]
+    return [(*shared, *stages[0]), *stages[1:]]
+
+
+def _connected(processors: Sequence[Processor]) -> list[list[Processor]]:
+    """Return groups of processors that take each other's topics."""
+    groups: list[list[Processor]] = []
+    for processor in processors:
+        made, needed = _made([processor]), _needed([processor])
+        joined = [group for group in groups if _made(group) & needed or made & _needed(group)]
+        groups = [group for group in groups if group not in joined]
+        groups.append([*(member for group in joined for member in group), processor])
+    return groups
+
+
+def _made(processors: Iterable[Processor]) -> set[str]:
+    return {topic for processor in processors for topic in processor.outputs}
+
+
+def _needed(processors: Iterable[Processor]) -> set[str]:
+    return {topic for each in processors for topics in (each.sensors, each.estimates) for topic in topics}
+
+
+def _wheels(processor: Processor) -> set[str]:
+    return {topic.rpartition("/")[0] for topic in processor.outputs}
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from multiprocessing import active_children, get_context
 from os import cpu_count
 from pathlib import Path
 
-from friction_adapter.map_argument import add_map_argument
+from friction_adapter.map_file import add_map_argument
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_vehicle import CAR_OTHERWISE
 from friction_bags.offline.estimators import ESTIMATORS

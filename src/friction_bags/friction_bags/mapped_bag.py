@@ -1,16 +1,87 @@
-"""A bag of any car, read as if it held the topics of this graph too."""
+"""A bag of any car, read through a signal map as if it held the topics of this graph too."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
+
+from rosbags.interfaces import Nodetype
+from rosbags.serde import SerdeError
+from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
 from friction_adapter.ros.processor import AdapterProcessor
 from friction_adapter.signal_map import SignalMap
+from friction_adapter.sources import Fields
 from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader, Message
-from friction_bags.bag_io.cdr import encode, installed_topic
+from friction_bags.bag_io.bag_writer import BagWriter
+from friction_bags.bag_io.cdr import decode, encode, installed_topic, message_definition
 from friction_bags.bag_vehicle import VEHICLE_NOTE
-from friction_bags.mapped.embedded_type import EmbeddedType
+from friction_runtime.message_type import UnknownTypeError, message_class
 from friction_runtime.processor import Output, Report
+
+_PADDING = 4
+"""Bytes that rclpy appends to a message that ends with an empty sequence of doubles."""
+_SHOW_EVERY = 1000
+
+
+class EmbeddedType:
+    """The type of one topic."""
+
+    def __init__(self, topic: Topic) -> None:
+        """Read the definition.
+
+        Raises:
+            BagError: the bag holds none, or a damaged one, and the type is not installed.
+        """
+        self._name = topic.type
+        self._kind: Any = None
+        try:
+            self._kind = message_class(topic.type)
+            text, encoding = message_definition(topic.type).text, "ros2msg"
+        except UnknownTypeError as error:
+            if not topic.definition:
+                raise BagError(f"{topic.name}: {error}; the bag holds no definition of it") from error
+            text, encoding = topic.definition, topic.definition_encoding
+        self._store: Any = get_typestore(Stores.EMPTY)
+        try:
+            of_text = get_types_from_idl(text) if encoding == "ros2idl" else get_types_from_msg(text, topic.type)
+            self._store.register(of_text)
+            self.fields = fields_in(self._store, topic.type)
+            """Fields of the type."""
+        except Exception as error:  # rosbags passes on whatever its parser raises
+            raise BagError(f"{topic.name}: the definition of {topic.type} cannot be read") from error
+
+    def decode(self, data: bytes) -> Any:
+        """Decode CDR to an object with the fields of the message.
+
+        Raises:
+            ValueError: the data is not a message of this type.
+        """
+        if self._kind is not None:
+            return decode(data, self._kind)
+        try:
+            return self._store.deserialize_cdr(data, self._name)
+        except SerdeError as error:
+            with suppress(SerdeError):
+                return self._store.deserialize_cdr(data[:-_PADDING], self._name)
+            raise ValueError(f"not a {self._name}: {error}") from error
+
+
+def fields_in(store: Any, type_name: str) -> Fields:
+    """Return the fields of a type in a store of rosbags.
+
+    Raises:
+        KeyError: it, or one that it refers to, is not there.
+    """
+    return Fields({name: _fields(store, description) for name, description in store.fielddefs[type_name][1]})
+
+
+def _fields(store: Any, description: Any) -> Fields:
+    kind, details = description
+    if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+        return Fields(_fields(store, details[0]).members, is_sequence=True)
+    return fields_in(store, details) if kind == Nodetype.NAME else Fields({})
 
 
 class MappedBag(BagReader):
@@ -100,3 +171,29 @@ class MappedBag(BagReader):
                 self.problems.append(f"{topic.name}: {error}")
             return ()
         return self._processor.process(topic.name, message)
+
+
+def write_mapped(
+    bag: MappedBag, out: Path, notes: Mapping[str, str], progress: Callable[[float], None] = lambda _: None
+) -> int:
+    """Write what the map makes, recorded with the messages that completed it; return the number of messages.
+
+    Args:
+        bag: the bag.
+        out: bag to write.
+        notes: notes of the new bag, in addition to its car.
+        progress: called with the share that is done, 0 to 1.
+
+    Raises:
+        BagError: the new bag cannot be made.
+    """
+    duration = max(bag.end - bag.start, 1)
+    count = 0
+    with BagWriter(out, custom_data={**notes, VEHICLE_NOTE: bag.custom_data[VEHICLE_NOTE]}) as writer:
+        channels = {topic: writer.add_topic(topic) for topic in bag.made}
+        for topic, stamp, data in bag.messages(bag.made):
+            writer.write(channels[topic], stamp, data)
+            count += 1
+            if count % _SHOW_EVERY == 0:
+                progress((stamp - bag.start) / duration)
+    return count

@@ -1,1 +1,0 @@
-"""Bags of any car through a signal map."""
