@@ -103,7 +103,7 @@ _PEAK_PER_SLIP: Final = 60.0
 _NOISY: Final = 1.5
 """Noise of the wheel speed, in units of the ordinary, from which the curve does not know of it: less may be chance."""
 _DEEP: Final = 2.0
-"""A slip above its threshold by this factor is deep."""
+"""Ratio slip/threshold that counts as deep slip."""
 _STEADY: Final = 2.0
 """[m/s^2] A wheel that decelerates like the car, but for less, keeps its slip."""
 _STEADY_TIME: Final = round(0.1 * NANOSECONDS)
@@ -119,7 +119,7 @@ _FELL: Final = 0.2
 _BIASED: Final = 2.5
 """[m/s^2] by which the deceleration of the car may be wrong where nothing but the accelerometer tells it."""
 _CRAWLS: Final = 1.0
-"""[m/s] slower wheels are together in a lock, too."""
+"""Rim speed [m/s] below which equal wheel speeds do not exclude lock-up."""
 _RECOVERING: Final = 2.0
 """[m/s^2] of the circumference of a wheel that recovers."""
 _PAST_PEAK: Final = 0.15

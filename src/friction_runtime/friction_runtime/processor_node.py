@@ -167,7 +167,7 @@ class ProcessorNode(Node, Generic[Parameters]):
             qos.subscribe(self, given.kind, given.topic, callback, given.profile)
 
     def _report(self, severity: Severity, text: str) -> None:
-        """Log once what is to be published is on its way: the first line of a process takes 20 ms, a command waits."""
+        """Defer logging until outputs are published: the first log call of a process costs 20 ms."""
         self._unsaid.append((severity, text))
 
     def _say(self) -> None:

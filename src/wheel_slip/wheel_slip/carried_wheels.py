@@ -5,7 +5,7 @@ stands still when the road carries it alone. Mean m and variance s of the gap ar
 
     d = gap - m,    m' = m + k d,    s' = s + k (d (gap - m') - s),    k = dt / (T + dt)
 
-A wheel is carried while s is not much more than the noise of its rim speed. A wheel that stands still in a slip looks
+A wheel counts as rolling while s stays below quiet * noise variance. A wheel that stands still in a slip looks
 the same: whether its gap may be that of a rolling wheel is judged elsewhere (vehicle_speed.py).
 """
 

@@ -1,7 +1,7 @@
 """Missing-tooth filter: speed errors at the gap of a toothed ring such as 60-2.
 
 Over the gap fewer edges pass than pitches, so once in every revolution a speed is too low, by m pitches over the time
-between its edges. Such a speed says nothing. A wheel that dives is low as well, but not at one angle, and for longer:
+between its edges. Such samples are discarded. A wheel that dives is low as well, but not at one angle, and for longer:
 once two gaps were a revolution apart, only what is too low at that angle is taken for the gap.
 """
 

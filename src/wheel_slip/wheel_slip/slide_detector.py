@@ -19,7 +19,7 @@ from wheel_slip.mode import Evidence, SlideParameters
 from wheel_slip.slope_watch import SlopeParameters, SlopeWatch
 
 _NOT: Final = -1.0
-"""Time [s] of what is not so."""
+"""Sentinel time [s]: condition not met."""
 _LAG: Final = 0.015
 """Time constant [s] that gives the acceleration the lag of the wheel filter."""
 

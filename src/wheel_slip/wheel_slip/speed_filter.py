@@ -352,7 +352,7 @@ class SpeedFilter:
         """Limit the variance of the speed to `variance` [m^2/s^2] without moving it.
 
         As a measurement that agrees where that is enough to take away what happened unseen, and else without a word on
-        offset and gain: said at every sample, it would make certain what they are taken to be.
+        offset and gain: applied at every sample it would make the filter overconfident in bias and scale.
         """
         pv, total = self._p[0][0], self.speed_variance
         if total <= variance:

@@ -33,11 +33,11 @@ _SURE_OF_DELAY: Final = 2.0
 _BRAKED: Final = -0.5
 """Acceleration below which wheels may be braked [m/s^2]."""
 _AT_REST: Final = 2.5
-"""Deviations of the offset that a car reads at most while it stands."""
+"""Standstill threshold [bias standard deviations]."""
 
 
 class VehicleSpeed:
-    """Speed of one car. `speed`, `variance` and so on mean something unless `source` is NONE."""
+    """Speed of one car. Outputs are valid unless `source` is NONE."""
 
     def __init__(self, vehicle: Vehicle, parameters: VehicleSpeedParameters, wheel_speed_stddev: float) -> None:
         """Start without samples.
@@ -121,7 +121,7 @@ class VehicleSpeed:
 
     @property
     def is_unbraked(self) -> bool:
-        """Whether the accelerometer reads that no brake or engine forces the wheels much; so where there is none."""
+        """True while coasting; always true without an accelerometer."""
         return _BRAKED < self._slide.direction * (self._slide.acceleration or 0.0) < self._p.slide.roll_below
 
     @property

@@ -44,10 +44,10 @@ _UNMEASURED = (Reason.NOT_BRAKING, Reason.NO_EXCITATION)
 """Reasons of a vote with which the machine goes on although there is no indicator."""
 _CURVE_GAP: Final = 0.02
 """[s] curves of a tyre's blocks are further apart; nothing waits for these, as nobody knows when the next one comes."""
-_MAY_BE_LOCKED: Final = "this wheel alone: it may be locked, and has no ABS"
+_MAY_BE_LOCKED: Final = "speed known from this wheel only; it may be locked, ABS inactive"
 _COUNTER_END: Final = 2**32
 _SHARED: Final = 3
-"""Wheels of a car from which on one may roll for a moment."""
+"""Minimum wheel count for a reference release."""
 
 
 class WheelProcessor(AlignedProcessor[SlopeVote]):
