@@ -16,7 +16,8 @@ from friction_bringup import graph
 from friction_parameters.generated import ShippedFile, parameter_file, parameter_table
 from vehicle_models.vehicle_file import vehicle_table
 from wheel_slip.estimate import Mode
-from wheel_slip.mode import Cause, Evidence, SlideParameters, transition
+from wheel_slip.mode import Cause, Evidence, transition
+from wheel_slip.tuning import SlideTuning
 
 NODES = (*graph.NODES, graph.ADAPTER)
 ROOT = Path(__file__).resolve().parents[1]
@@ -46,9 +47,9 @@ ModeTransitions = dict[tuple[Mode, Mode], tuple[Cause, ...]]
 """Causes of each transition, by the modes before and after."""
 
 
-def mode_transitions(parameters: SlideParameters | None = None) -> ModeTransitions:
+def mode_transitions(parameters: SlideTuning | None = None) -> ModeTransitions:
     """Find every transition of the machine and its causes, by a grid over all evidence that it distinguishes."""
-    p = parameters or SlideParameters()
+    p = parameters or SlideTuning()
     accelerations = (0.0, 2.0 * p.slide_above)
     times = (-1.0, p.settle_time, max(p.settle_time, p.calm_time, p.steady_time))
     found: dict[tuple[Mode, Mode], set[Cause]] = {}

@@ -386,10 +386,6 @@ def test_a_bad_parameter_is_refused_by_name(values: dict[str, Any], named: str) 
         from_mapping(FrictionCurveParameters, values)
 
 
-OLD = """wheels method speed_source radii inertias masses vertical_loads brake_gains wheel_speed_variance speed_variance
-    torque_variance friction_source lambda_init initial_samples minimum_speed abs_activation_slip static_loads
-    transfer_shares rolling_resistance drag_per_speed_squared relaxation_length timing_stddev imu_axis imu_sign
-    imu_offset max_gap deadline""".split()
 """Names before there were groups and a vehicle file."""
 
 

@@ -88,10 +88,6 @@ def test_bad_parameters_are_refused_by_name(values: dict[str, Any], said: str) -
         from_mapping(SmartTyreParameters, values)
 
 
-OLD = """wheels sample_rate tyre_radius teeth encoder_hysteresis interval_ratio acceleration_range minimum_speed
-maximum_speed zero_duration zero_speed_spread zero_maximum_speed pressure_tolerance"""
-
-
 def changed(**values: Any) -> Vehicle:
     """The car with other front left wheel."""
     first, *others = CAR.wheels

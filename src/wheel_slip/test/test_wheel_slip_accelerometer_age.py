@@ -6,7 +6,7 @@ import pytest
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.accelerometer_age import AccelerometerAge
 from wheel_slip.estimator import SlipEstimator
-from wheel_slip.mode import SlideParameters
+from wheel_slip.tuning import SlideTuning
 
 STEP = 10_000_000
 CAR = load_vehicle("chapter_car")
@@ -24,7 +24,7 @@ def accelerations(seconds: float) -> np.ndarray:
 
 def found(readings: np.ndarray, speeds: np.ndarray) -> list[float]:
     """Return the ages found at each sample [s]."""
-    watch, ages = AccelerometerAge(SlideParameters()), []
+    watch, ages = AccelerometerAge(SlideTuning()), []
     for number, (reading, speed) in enumerate(zip(readings, speeds, strict=True)):
         rims = speed + 0.02 * RNG.normal(size=4)
         watch.update((number + 1) * STEP, rims.tolist(), float(reading))
@@ -74,7 +74,7 @@ def test_wheels_that_lock_and_turn_again_in_turns_are_no_lateness() -> None:
 
 
 def test_over_a_gap_nothing_is_compared() -> None:
-    watch = AccelerometerAge(SlideParameters())
+    watch = AccelerometerAge(SlideTuning())
     for number in range(400):
         watch.update((number + 1) * 300_000_000, [10.0 + number % 7] * 4, float(number % 5))
     assert watch.late == 0.0

@@ -5,7 +5,8 @@ from math import nan, sin
 import numpy as np
 import pytest
 
-from wheel_slip.carried_wheels import CarriedParameters, CarriedWheels
+from wheel_slip.carried_wheels import CarriedWheels
+from wheel_slip.tuning import CarriedTuning
 
 NOISE = 0.021**2
 DT = 0.005
@@ -13,7 +14,7 @@ DT = 0.005
 
 @pytest.fixture
 def wheels() -> CarriedWheels:
-    return CarriedWheels(CarriedParameters(), 2, NOISE)
+    return CarriedWheels(CarriedTuning(), 2, NOISE)
 
 
 def test_wheel_that_rolls_is_carried_and_one_that_swings_by_two_percent_is_not(wheels: CarriedWheels) -> None:

@@ -6,8 +6,9 @@ from math import pi, sin
 import pytest
 
 from wheel_slip.close_wheel import CloseWheel
-from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
-from wheel_slip.wheel_bounds import BoundParameters, WheelBounds
+from wheel_slip.speed_filter import SpeedFilter
+from wheel_slip.tuning import BoundTuning
+from wheel_slip.wheel_bounds import WheelBounds
 
 DT = 0.005
 MS = 1_000_000
@@ -127,8 +128,8 @@ def slid(rim: Slip, duration: float, offset: float = 0.0) -> tuple[SpeedFilter, 
 
     The accelerometer reads `offset` more from the onset on.
     """
-    car = SpeedFilter(SpeedFilterParameters())
-    bounds = WheelBounds(BoundParameters(), 4, 0.015**2, 0.004, 0.6, STEEPEST)
+    car = SpeedFilter()
+    bounds = WheelBounds(BoundTuning(), 4, 0.015**2, 0.004, 0.6, STEEPEST)
     speed = 30.0
     car.start(speed, 0.01)
     for k in range(round(duration / DT)):
@@ -159,8 +160,8 @@ def test_a_steady_road_keeps_the_speed_as_well_known_as_close_wheels_allow() -> 
 
 @pytest.mark.parametrize("past", [0.15, 0.3])
 def test_wheels_beyond_the_speed_raise_it_and_leave_what_they_may_slip_in_doubt(past: float) -> None:
-    car = SpeedFilter(SpeedFilterParameters())
-    bounds = WheelBounds(BoundParameters(), 4, 0.015**2, 0.004, 0.6, STEEPEST)
+    car = SpeedFilter()
+    bounds = WheelBounds(BoundTuning(), 4, 0.015**2, 0.004, 0.6, STEEPEST)
     car.start(10.0, 4.0)
     rim = 10.0 * (1.0 + past)
     for k in range(100):

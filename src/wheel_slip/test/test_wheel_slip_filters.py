@@ -8,12 +8,13 @@ from hypothesis import strategies as st
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
 from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import record
-from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
+from wheel_slip.speed_filter import AccelerometerParameters, SpeedFilter
 from wheel_slip.speed_queue import SpeedQueue
+from wheel_slip.tuning import SpeedFilterTuning
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
 MS = 1_000_000
-QUIET = SpeedFilterParameters(acceleration_stddev=1e-3, offset_stddev=0.4, offset_walk=1e-4, gain_stddev=0.0)
+QUIET = AccelerometerParameters(stddev=1e-3, offset_stddev=0.4), SpeedFilterTuning(offset_walk=1e-4, gain_stddev=0.0)
 
 
 def wheel_filter() -> WheelSpeedFilter:
@@ -123,7 +124,7 @@ def test_burst_of_near_equal_stamps_averages_and_a_gap_starts_again() -> None:
 
 def run_speed_filter(late: int, offset: float) -> SpeedFilter:
     """Brake from 30 m/s, accelerometer off by `offset`, the speed sensor's samples `late` samples old."""
-    f = SpeedFilter(QUIET)
+    f = SpeedFilter(*QUIET)
     times = np.arange(1, 401) * 0.005
     speeds = 30.0 - 8.0 * times + 0.5 * np.sin(3.0 * times)
     accelerations = -8.0 + 1.5 * np.cos(3.0 * times) + offset
@@ -143,7 +144,7 @@ def test_offset_is_learned_and_latency_leaves_no_bias(late: int) -> None:
 
 
 def test_scale_of_the_accelerometer_is_learned_in_braking_with_its_deviation() -> None:
-    f = SpeedFilter(SpeedFilterParameters(acceleration_stddev=1e-3, offset_stddev=0.01, gain_stddev=0.02))
+    f = SpeedFilter(AccelerometerParameters(stddev=1e-3, offset_stddev=0.01), SpeedFilterTuning(gain_stddev=0.02))
     rng = np.random.default_rng(1)
     for k in range(1, 601):
         t = k * 0.005
@@ -153,7 +154,7 @@ def test_scale_of_the_accelerometer_is_learned_in_braking_with_its_deviation() -
 
 
 def test_noise_of_an_accelerometer_says_nothing_of_its_scale() -> None:
-    f = SpeedFilter(SpeedFilterParameters())
+    f = SpeedFilter()
     rng = np.random.default_rng(2)
     for k in range(1, 6001):
         f.predict(k * 5 * MS, 0.3 + 0.1 * rng.normal())
@@ -164,7 +165,7 @@ def test_noise_of_an_accelerometer_says_nothing_of_its_scale() -> None:
 
 @pytest.mark.parametrize("compliance", [0.003, 0.04])
 def test_slip_of_rolling_wheels_is_told_from_the_speed_at_the_onset_of_braking(compliance: float) -> None:
-    f = SpeedFilter(SpeedFilterParameters())
+    f = SpeedFilter()
     rng = np.random.default_rng(3)
     speed = 20.0
     for k in range(1, 801):
@@ -178,7 +179,7 @@ def test_slip_of_rolling_wheels_is_told_from_the_speed_at_the_onset_of_braking(c
 
 
 def test_a_hill_on_which_a_car_coasts_is_an_offset_and_no_slip_of_its_wheels() -> None:
-    f, rng, speed = SpeedFilter(SpeedFilterParameters()), np.random.default_rng(5), 23.0
+    f, rng, speed = SpeedFilter(), np.random.default_rng(5), 23.0
     f.predict(5 * MS, -0.4)
     f.start(speed, 1e-4)
     for k in range(2, 1200):
@@ -188,13 +189,19 @@ def test_a_hill_on_which_a_car_coasts_is_an_offset_and_no_slip_of_its_wheels() -
         f.correct(speed + 0.01 * rng.normal(), 0.01**2, k * 5 * MS, 0.1)
         if hill:
             f.doubt_offset(0.05**2)
-    assert f.compliance == pytest.approx(SpeedFilterParameters().compliance, abs=1e-6)
+    assert f.compliance == pytest.approx(SpeedFilterTuning().compliance, abs=1e-6)
     assert f.offset == pytest.approx(0.6, abs=0.1)
     assert abs(f.speed - speed) < 2.0 * f.speed_variance**0.5
 
 
 def test_a_gain_that_is_not_known_makes_the_speed_as_uncertain_as_what_was_integrated_and_no_steady_road() -> None:
-    f = SpeedFilter(SpeedFilterParameters(blind_offset_walk=1e-4, offset_stddev=1e-3, gain_stddev=0.02), None, 0.0, 0.0)
+    f = SpeedFilter(
+        AccelerometerParameters(offset_stddev=1e-3),
+        SpeedFilterTuning(blind_offset_walk=1e-4, gain_stddev=0.02),
+        None,
+        0.0,
+        0.0,
+    )
     f.predict(5 * MS, 0.0)
     f.start(30.0, 1e-6)
     for k in range(2, 402):
@@ -204,7 +211,7 @@ def test_a_gain_that_is_not_known_makes_the_speed_as_uncertain_as_what_was_integ
 
 
 def test_sample_from_before_the_history_is_refused_and_changes_nothing() -> None:
-    f = SpeedFilter(QUIET)
+    f = SpeedFilter(*QUIET)
     f.predict(5 * MS, 0.0)
     f.correct(10.0, 0.01)
     before = (f.speed, f.offset, f.speed_variance)
@@ -214,7 +221,7 @@ def test_sample_from_before_the_history_is_refused_and_changes_nothing() -> None
 
 
 def test_without_measurements_the_uncertainty_grows_faster_than_time() -> None:
-    f = SpeedFilter(SpeedFilterParameters())
+    f = SpeedFilter()
     f.predict(5 * MS, 0.0)
     f.correct(30.0, 0.01)
     deviations = []
@@ -227,7 +234,7 @@ def test_without_measurements_the_uncertainty_grows_faster_than_time() -> None:
 
 def blind_filter(seconds: float) -> SpeedFilter:
     """Well known at 10 m/s, then blind for that long."""
-    f = SpeedFilter(SpeedFilterParameters())
+    f = SpeedFilter()
     for k in range(1, 2001):
         f.predict(k * 5 * MS, 0.0)
         f.correct(10.0, 1e-3)
@@ -255,7 +262,7 @@ def onset(time: float) -> float:
 def late_filter(late: float, delay: float, stddev: float, *, seen: bool) -> tuple[SpeedFilter, float]:
     """Brake with readings that are `late` [s]; return the filter, which sees the speed until then or always, and it."""
     f = SpeedFilter(
-        SpeedFilterParameters(acceleration_stddev=1e-3, offset_stddev=1e-3, gain_stddev=0.0), 0.0, delay, stddev
+        AccelerometerParameters(stddev=1e-3, offset_stddev=1e-3), SpeedFilterTuning(gain_stddev=0.0), 0.0, delay, stddev
     )
     speed = 30.0
     f.predict(MS, onset(-late))
@@ -298,7 +305,7 @@ def test_brakes_that_are_cycled_do_not_hide_what_an_age_has_done(late: float) ->
         return -8.0 * (1.0 + np.sin(2.0 * np.pi * time / 0.15)) if time > 0.0 else 0.0
 
     f = SpeedFilter(
-        SpeedFilterParameters(acceleration_stddev=1e-3, offset_stddev=1e-3, gain_stddev=0.0), 0.0, 0.0, late
+        AccelerometerParameters(stddev=1e-3, offset_stddev=1e-3), SpeedFilterTuning(gain_stddev=0.0), 0.0, 0.0, late
     )
     speed, z = 30.0, []
     f.predict(MS, 0.0)
@@ -426,7 +433,7 @@ def test_speeds_between_edges_are_brought_to_their_stamp_and_cover_what_is_left(
 
 @given(st.lists(st.tuples(st.floats(-0.2, 0.2), st.floats(-3.0, 3.0)), min_size=1, max_size=30))
 def test_braked_wheels_are_never_taken_to_roll_faster_than_free_ones(samples: list[tuple[float, float]]) -> None:
-    car = SpeedFilter(SpeedFilterParameters())
+    car = SpeedFilter()
     car.predict(MS, 0.0)
     car.start(20.0, 0.04)
     for k, (error, effort) in enumerate(samples, start=2):
@@ -437,7 +444,7 @@ def test_braked_wheels_are_never_taken_to_roll_faster_than_free_ones(samples: li
 
 
 def test_the_speed_has_as_much_of_the_radii_as_it_is_made_of_wheels() -> None:
-    made = SpeedFilter(SpeedFilterParameters())
+    made = SpeedFilter()
     made.predict(1_000_000, 0.0)
     made.start(10.0, 0.01)
     assert made.by_wheels == 1.0

@@ -9,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheel_slip.estimate import SOURCES, Mode, SpeedSource
-from wheel_slip.mode import Cause, Evidence, SlideParameters, transition
+from wheel_slip.mode import Cause, Evidence, transition
+from wheel_slip.tuning import SlideTuning
 
-SHIPPED = SlideParameters()
+SHIPPED = SlideTuning()
 ROLLING = {Mode.ROLLING, Mode.SENSOR_ROLLING}
 SENSOR = {Mode.SENSOR_ROLLING, Mode.SENSOR_SLIDING}
 NUMBERS = st.one_of(st.floats(allow_nan=True, allow_infinity=True), st.sampled_from([-1.0, 0.0, 0.3, 1.0, 2.0, 3.0]))

@@ -263,7 +263,6 @@ def test_every_output_of_a_hostile_stream_is_consistent(processor: CarProcessor)
         ({"estimator": {"minimum_speed": 0.0}}, "estimator.minimum_speed"),
         ({"estimator.max_gap": -1.0}, "estimator.max_gap"),
         ({"estimator.wheel_filter.speed_stddev": 0.0}, "speed_stddev"),
-        ({"estimator.vehicle_speed.slide.roll_below": 4.0}, "roll_below"),
         ({"speed_sensor.wait": 1.0}, "speed_sensor.wait"),
         ({"use_imu": "yes"}, "use_imu"),
     ],
@@ -271,12 +270,6 @@ def test_every_output_of_a_hostile_stream_is_consistent(processor: CarProcessor)
 def test_bad_parameter_is_refused_by_name(values: dict[str, Any], named: str) -> None:
     with pytest.raises(ParameterError, match=named):
         from_mapping(WheelSlipParameters, values)
-
-
-OLD = """wheels radii driven_wheels wheel_speed_stddev wheel_jerk_density imu_axis imu_sign imu_offset
-acceleration_stddev offset_stddev offset_walk blind_offset_walk slide_window slide_threshold slide_above roll_below
-slip_per_acceleration radius_uncertainty speed_stddev speed_latency speed_wait speed_timeout minimum_speed
-max_slip_stddev learn_radii max_gap"""
 
 
 def test_mounting_of_the_accelerometer_is_that_of_the_car(processor: CarProcessor) -> None:

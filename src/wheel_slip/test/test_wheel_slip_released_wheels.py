@@ -6,8 +6,9 @@ from math import exp, nan, sqrt
 import numpy as np
 import pytest
 
-from wheel_slip.released_wheels import ReleasedParameters, ReleasedWheels
-from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
+from wheel_slip.released_wheels import ReleasedWheels
+from wheel_slip.speed_filter import AccelerometerParameters, SpeedFilter
+from wheel_slip.tuning import ReleasedTuning, SpeedFilterTuning
 from wheel_slip.unseen_road import UnseenRoad
 
 DT = 0.005
@@ -31,7 +32,7 @@ def back(slip: float, end: float, after: float = OPENS) -> Rim:
 
 def told(rims: list[Rim], torques: list[Callable[[float], float]], seed: int = 1, dt: float = DT) -> list[float]:
     """What the wheels tell within a second."""
-    wheels, rng = ReleasedWheels(ReleasedParameters(), len(rims)), np.random.default_rng(seed)
+    wheels, rng = ReleasedWheels(ReleasedTuning(), len(rims)), np.random.default_rng(seed)
     found = []
     for k in range(round(1.0 / dt)):
         t = k * dt
@@ -56,7 +57,7 @@ def test_a_released_wheel_tells_once_by_how_much_the_speed_is_wrong(error: float
     found = told(
         [held(error - 1.2), back(0.06 - error / SPEED, error), held(error - 1.3)], [closed, opened, closed], 1, dt
     )
-    assert found == pytest.approx([error], abs=ReleasedParameters().slip * SPEED)
+    assert found == pytest.approx([error], abs=ReleasedTuning().slip * SPEED)
 
 
 def test_a_wheel_that_stays_in_its_slip_tells_nothing_though_its_pressure_reads_zero() -> None:
@@ -78,7 +79,7 @@ def test_a_brake_that_was_never_closed_or_is_not_known_opens_for_nothing() -> No
 
 
 def test_reset_forgets_that_a_brake_was_closed() -> None:
-    wheels = ReleasedWheels(ReleasedParameters(), 1)
+    wheels = ReleasedWheels(ReleasedTuning(), 1)
     for _ in range(40):
         wheels.update(DT, [200.0], [SPEED - 1.2], SPEED, NOISE)
     wheels.reset()
@@ -87,7 +88,7 @@ def test_reset_forgets_that_a_brake_was_closed() -> None:
 
 def sliding(seconds: float, reading: float) -> SpeedFilter:
     """A filter that has integrated through a slide from 25 m/s."""
-    f = SpeedFilter(SpeedFilterParameters(offset_stddev=0.01, gain_stddev=0.0), 0.0, 0.0, 0.0)
+    f = SpeedFilter(AccelerometerParameters(offset_stddev=0.01), SpeedFilterTuning(gain_stddev=0.0), 0.0, 0.0, 0.0)
     f.predict(5 * MS, reading)
     f.start(25.0, 1e-4)
     for k in range(round(seconds / DT)):

@@ -5,7 +5,8 @@ from math import nan
 
 import pytest
 
-from wheel_slip.slope_watch import SlopeParameters, SlopeWatch
+from wheel_slip.slope_watch import SlopeWatch
+from wheel_slip.tuning import SlopeTuning
 
 MS = 1_000_000
 
@@ -14,7 +15,7 @@ def followed(
     difference: Callable[[int], float], acceleration: float = 0.0, alike: bool = True, slip: float = nan
 ) -> list[float]:
     """Mismatch over two seconds at 200 Hz; `difference` is that of all four wheels after a number of samples."""
-    watch = SlopeWatch(SlopeParameters())
+    watch = SlopeWatch(SlopeTuning())
     found = []
     for k in range(400):
         watch.update((k + 1) * 5 * MS, alike, [difference(k)] * 4, acceleration, slip)
@@ -57,7 +58,7 @@ def test_wheels_that_lose_more_than_they_can_by_their_slip_or_too_little_for_it_
 
 def test_wheels_that_do_not_turn_alike_say_nothing_for_half_a_second() -> None:
     assert not any(followed(lambda k: 1.0, alike=False))
-    watch = SlopeWatch(SlopeParameters())
+    watch = SlopeWatch(SlopeTuning())
     watch.update(5 * MS, False, [1.0], 0.0, nan)
     found = []
     for k in range(1, 300):
@@ -67,6 +68,6 @@ def test_wheels_that_do_not_turn_alike_say_nothing_for_half_a_second() -> None:
 
 
 def test_a_wheel_without_speed_is_no_sample() -> None:
-    watch = SlopeWatch(SlopeParameters())
+    watch = SlopeWatch(SlopeTuning())
     watch.update(5 * MS, True, [], 0.0, nan)
     assert watch.mismatch == 0.0

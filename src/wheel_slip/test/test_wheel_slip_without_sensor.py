@@ -13,10 +13,9 @@ from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle, vehicle_path
 from wheel_slip.estimate import SpeedSource, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
-from wheel_slip.mode import SlideParameters
 from wheel_slip.slide_detector import SlideDetector
-from wheel_slip.slope_watch import SlopeParameters
 from wheel_slip.speed_sample import SpeedSample
+from wheel_slip.tuning import SlideTuning, SlopeTuning
 
 STEP = 5_000_000
 RADIUS = 0.3
@@ -118,7 +117,7 @@ def test_braked_wheels_do_not_agree_with_a_speed_the_more_the_less_it_is_known(
     acceleration: float, agree: bool
 ) -> None:
     """6 % of steady slip on soft snow: what is not known of the slope lets the deviation grow past the gap."""
-    wheels = SlideDetector(SlideParameters(), SlopeParameters(), [False] * 4)
+    wheels = SlideDetector(SlideTuning(), SlopeTuning(), [False] * 4)
     for k in range(1, 100):
         rims = [14.0 + 0.94 * acceleration * k * 0.005] * 4
         car = (15.0 + acceleration * k * 0.005, 0.9)
@@ -132,7 +131,7 @@ def test_a_wheel_that_creeps_from_its_peak_does_not_roll_by_the_doubt_of_the_slo
     undoubted: float, agree: bool
 ) -> None:
     """It falls 1.2 m/s^2 faster than its car, and passes the car's speed as it was integrated."""
-    wheels = SlideDetector(SlideParameters(), SlopeParameters(), [False])
+    wheels = SlideDetector(SlideTuning(), SlopeTuning(), [False])
     for k in range(1, 100):
         rim, car = 3.6 - 2.8 * k * 0.005, 3.0 - 1.6 * k * 0.005
         wheels.update(k * STEP, [rim], [-2.8], -1.6, -1.6, 1.0, undoubted, (car, 0.4))

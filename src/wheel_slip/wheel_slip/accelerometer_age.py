@@ -16,7 +16,7 @@ from math import isfinite
 from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
-from wheel_slip.mode import SlideParameters
+from wheel_slip.tuning import SlideTuning
 
 _WINDOW: Final = 0.4
 """T [s]."""
@@ -47,7 +47,7 @@ _BACK: Final = 0.9
 class AccelerometerAge:
     """Compares the accelerometer of one car with its wheels. `late` is the age found [s], 0 where it is in time."""
 
-    def __init__(self, parameters: SlideParameters) -> None:
+    def __init__(self, parameters: SlideTuning) -> None:
         """Know nothing; the parameters say when wheels turn alike."""
         self._p = parameters
         self.reset()

@@ -5,16 +5,16 @@ feels no dive of the wheels.
 from collections.abc import Sequence
 
 from wheel_slip.accelerometer_age import AccelerometerAge
-from wheel_slip.mode import SlideParameters
 from wheel_slip.outvoted import Outvoted
 from wheel_slip.stuck_sensor import StuckSensor
+from wheel_slip.tuning import SlideTuning
 from wheel_slip.unfelt_dive import UnfeltDive
 
 
 class AccelerometerWatch:
     """The accelerometer of one car."""
 
-    def __init__(self, parameters: SlideParameters, delay: float) -> None:
+    def __init__(self, parameters: SlideTuning, delay: float) -> None:
         """Start without samples.
 
         Args:

@@ -10,52 +10,15 @@ the same: whether its gap may be that of a rolling wheel is judged elsewhere (ve
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import isfinite
 
-from friction_parameters.parameter import parameter
-
-
-@dataclass(frozen=True)
-class CarriedParameters:
-    """When a wheel is carried by the road."""
-
-    time: float = parameter(
-        0.03,
-        "T: below the time a supervisor leaves a wheel released, above the half period of its swing",
-        unit="s",
-        minimum=0.001,
-        maximum=1.0,
-    )
-    quiet: float = parameter(
-        2.0,
-        "largest variance of a carried wheel's gap, over the noise: T at 200 Hz averages twelve samples",
-        minimum=0.1,
-        maximum=100.0,
-    )
-    swinging: float = parameter(
-        0.32,
-        "deviation of the gap when a slide begins: no wheel counts as carried in the first 0.14 s",
-        unit="m/s",
-        minimum=0.0,
-        maximum=10.0,
-    )
-    plausible: float = parameter(
-        3.0, "standard deviations by which a carried wheel may differ from the speed", minimum=1.0, maximum=10.0
-    )
-    released: float = parameter(
-        0.5,
-        "time over which the slip of a carried wheel is one error: longer than a supervisor leaves it released",
-        unit="s",
-        minimum=0.01,
-        maximum=10.0,
-    )
+from wheel_slip.tuning import CarriedTuning
 
 
 class CarriedWheels:
     """Mean and variance of every wheel's gap during one slide."""
 
-    def __init__(self, parameters: CarriedParameters, count: int, rim_speed_variance: float) -> None:
+    def __init__(self, parameters: CarriedTuning, count: int, rim_speed_variance: float) -> None:
         """Start empty; `rim_speed_variance`: noise of a rim speed [m^2/s^2]."""
         self._p = parameters
         self._swinging = parameters.swinging**2

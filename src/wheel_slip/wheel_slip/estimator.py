@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import isfinite, nan, sqrt
 from typing import NamedTuple
 
-from friction_parameters.parameter import group, max_gap_parameter, minimum_speed_parameter, parameter
+from friction_parameters.parameter import constants, group, max_gap_parameter, minimum_speed_parameter, parameter
 from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
@@ -15,8 +15,9 @@ from wheel_slip.online_radii import OnlineRadii
 from wheel_slip.radius_calibration import Radii
 from wheel_slip.relative_radii import RelativeRadii
 from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
-from wheel_slip.speed_parameters import VehicleSpeedParameters
+from wheel_slip.speed_filter import AccelerometerParameters
 from wheel_slip.speed_sample import SpeedSample
+from wheel_slip.tuning import Tuning
 from wheel_slip.unit_check import UnitCheck
 from wheel_slip.vehicle_speed import VehicleSpeed
 from wheel_slip.wheel_noise import WheelNoise
@@ -34,7 +35,11 @@ class EstimatorParameters:
         False, "calibrate the radii against vehicle_velocity while the car coasts, and use them"
     )
     wheel_filter: WheelFilterParameters = group(WheelFilterParameters())
-    vehicle_speed: VehicleSpeedParameters = group(VehicleSpeedParameters())
+    accelerometer: AccelerometerParameters = group(AccelerometerParameters())
+    speed_timeout: float = parameter(
+        0.5, "silence of vehicle_velocity after which the wheels take over", unit="s", minimum=0.01, maximum=10.0
+    )
+    tuning: Tuning = constants(Tuning())
 
 
 class SlipEstimator:
@@ -55,7 +60,7 @@ class SlipEstimator:
         p = self._p
         self._units.reset()
         self._wheels = [WheelSpeedFilter(p.wheel_filter, p.max_gap, each.encoder_teeth) for each in self._car.wheels]
-        self.vehicle = VehicleSpeed(self._car, p.vehicle_speed, p.wheel_filter.speed_stddev)
+        self.vehicle = VehicleSpeed(self._car, p.tuning, p.accelerometer, p.wheel_filter.speed_stddev, p.speed_timeout)
         self._noise = WheelNoise(p.wheel_filter.speed_stddev**2)
         self._relative.reset()
         self._free.reset()
@@ -121,7 +126,7 @@ class SlipEstimator:
         """Use the noise that wheels show which turn alike and no brake cycles, from this sample on."""
         before = self._noise.variance
         steady = self.vehicle.is_unbraked and not any([wheel.in_gap for wheel in self._wheels])
-        alike = steady and self._p.vehicle_speed.slide.are_alike(sorted(smooth_rim_speeds))
+        alike = steady and self._p.tuning.slide.are_alike(sorted(smooth_rim_speeds))
         self._noise.update(stamp, wheel_speeds, alike)
         if self._noise.variance != before:
             for wheel in self._wheels:

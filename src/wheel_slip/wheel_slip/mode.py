@@ -5,13 +5,11 @@ sensor corrects in either. WAITING has no speed: no wheel is trusted before it h
 made at a sample; that of the sensor comes first.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import Enum
 from typing import Final, NamedTuple
 
-from friction_parameters.parameter import parameter
 from wheel_slip.estimate import Mode
+from wheel_slip.tuning import SlideTuning
 
 
 class Cause(Enum):
@@ -42,91 +40,6 @@ _WITH_SENSOR: Final = {
 _WITHOUT_SENSOR: Final = {Mode.SENSOR_ROLLING: Mode.ROLLING, Mode.SENSOR_SLIDING: Mode.SLIDING}
 
 
-@dataclass(frozen=True)
-class SlideParameters:
-    """When a wheel, and the car, count as rolling."""
-
-    window: float = parameter(
-        0.2, "window T over which wheels are compared with the accelerometer", unit="s", minimum=0.02, maximum=1.0
-    )
-    threshold: float = parameter(
-        0.15, "difference |D| over that window above which a wheel slides", unit="m/s", minimum=0.01, maximum=5.0
-    )
-    slide_above: float = parameter(
-        3.0, "acceleration above which wheels are not trusted", unit="m/s^2", minimum=0.1, maximum=20.0
-    )
-    roll_below: float = parameter(
-        2.5, "acceleration below which they may be trusted again", unit="m/s^2", minimum=0.1, maximum=20.0
-    )
-    settle_time: float = parameter(
-        0.3, "time for which wheels must roll before they are trusted again", unit="s", minimum=0.0, maximum=10.0
-    )
-    agreement: float = parameter(
-        0.02, "share by which wheels that agree with the speed may differ from it", minimum=0.0, maximum=0.5
-    )
-    agreement_at_rest: float = parameter(
-        0.1, "what they may differ by besides, and by the speed's deviation", unit="m/s", minimum=0.0, maximum=5.0
-    )
-    calm_below: float = parameter(
-        1.0,
-        "acceleration below which wheels that roll are trusted over the integrated speed",
-        unit="m/s^2",
-        minimum=0.1,
-        maximum=20.0,
-    )
-    most_offset: float = parameter(
-        0.5,
-        "offset of the accelerometer, beyond which its reading is a force of the tyres on any slope",
-        unit="m/s^2",
-        minimum=0.0,
-        maximum=5.0,
-    )
-    calm_time: float = parameter(
-        1.0, "time for which they must roll before they are", unit="s", minimum=0.0, maximum=100.0
-    )
-    steady_below: float = parameter(
-        0.5,
-        "change of rim speed below which wheels that turn alike are right, whatever the accelerometer reads",
-        unit="m/s^2",
-        minimum=0.01,
-        maximum=5.0,
-    )
-    steady_time: float = parameter(2.0, "time for which they must turn so", unit="s", minimum=0.1, maximum=100.0)
-    spread: float = parameter(
-        0.03, "share by which rim speeds of rolling wheels may differ: radii, curves", minimum=0.0, maximum=0.5
-    )
-    spread_at_rest: float = parameter(
-        0.3, "what they may differ by besides: quantisation", unit="m/s", minimum=0.0, maximum=5.0
-    )
-    blind_below: float = parameter(
-        0.6,
-        "rim speed below which an encoder reads zero, and a wheel may be locked",
-        unit="m/s",
-        minimum=0.0,
-        maximum=5.0,
-    )
-    strongest: float = parameter(
-        14.0,
-        "without an accelerometer: change of rim speed above which a wheel slides",
-        unit="m/s^2",
-        minimum=1.0,
-        maximum=100.0,
-    )
-
-    def __post_init__(self) -> None:
-        """Refuse thresholds in the wrong order."""
-        if self.roll_below > self.slide_above:
-            raise ValueError(f"parameter 'roll_below' = {self.roll_below} must not exceed 'slide_above'")
-
-    def likeness(self, speed: float) -> float:
-        """Return how far rim speeds of rolling wheels may be from each other at a speed [m/s]."""
-        return self.spread_at_rest + self.spread * abs(speed)
-
-    def are_alike(self, known: Sequence[float]) -> bool:
-        """Whether wheels turn alike, as those that roll do, by their rim speeds in ascending order [m/s]."""
-        return bool(known) and known[-1] - known[0] <= self.likeness(known[len(known) // 2])
-
-
 class Evidence(NamedTuple):
     """What one sample says of the mode."""
 
@@ -150,7 +63,7 @@ class Evidence(NamedTuple):
     """Time for which they have turned alike and hardly changed since then [s]; negative where they do not."""
 
 
-def transition(mode: Mode, evidence: Evidence, parameters: SlideParameters) -> tuple[Mode, Cause]:
+def transition(mode: Mode, evidence: Evidence, parameters: SlideTuning) -> tuple[Mode, Cause]:
     """Return the next mode and the cause of the transition; the same mode and Cause.NONE where there is none."""
     if evidence.sensor and mode in _WITH_SENSOR:
         return _WITH_SENSOR[mode], Cause.SENSOR
@@ -163,14 +76,14 @@ def transition(mode: Mode, evidence: Evidence, parameters: SlideParameters) -> t
     return (mode if cause is Cause.NONE else _ROLLING[mode]), cause
 
 
-def _slides(evidence: Evidence, parameters: SlideParameters) -> Cause:
+def _slides(evidence: Evidence, parameters: SlideTuning) -> Cause:
     """Return why wheels that were trusted are no longer: every wheel has slip in a strong acceleration."""
     if not evidence.pulled and evidence.acceleration > parameters.slide_above:
         return Cause.STRONG
     return Cause.NONE if evidence.wheels_roll else Cause.WHEELS_SLIDE
 
 
-def _rolls(evidence: Evidence, parameters: SlideParameters) -> Cause:
+def _rolls(evidence: Evidence, parameters: SlideTuning) -> Cause:
     """Return why wheels are trusted again.
 
     Only the first cause looks at the integrated speed: one that has gone wrong must not keep the estimate.

@@ -8,44 +8,10 @@ the one witness of a slope that began during the slide.
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf, isfinite, sqrt
 from typing import Final
 
-from friction_parameters.parameter import parameter
-
-
-@dataclass(frozen=True)
-class ReleasedParameters:
-    """When a wheel is released, and what it tells."""
-
-    open_below: float = parameter(
-        40.0,
-        "brake torque below which a brake is open: the offset of a pressure sensor",
-        unit="N m",
-        minimum=0.0,
-        maximum=500.0,
-    )
-    gained: float = parameter(
-        0.01,
-        "share of the car's speed by which a wheel comes back at least, or its brake was not what held it",
-        minimum=0.0,
-        maximum=0.5,
-    )
-    settles: float = parameter(0.05, "time for which the brake must be open", unit="s", minimum=0.0, maximum=1.0)
-    stands: float = parameter(
-        0.04, "time for which the wheel must keep its gap to the speed", unit="s", minimum=0.0, maximum=1.0
-    )
-    swings: float = parameter(
-        0.005, "share of the speed by which the gap may swing meanwhile", minimum=0.0, maximum=0.1
-    )
-    slip: float = parameter(
-        0.004,
-        "slip that such a wheel may have: by drag of the engine, the rest of a torque, of its swing",
-        minimum=0.0,
-        maximum=0.1,
-    )
-
+from wheel_slip.tuning import ReleasedTuning
 
 _CLOSED: Final = 2.0
 """Of `open_below`: a brake that has had as much was closed."""
@@ -60,7 +26,7 @@ _FEWEST: Final = 3
 class ReleasedWheels:
     """The wheels of one car."""
 
-    def __init__(self, parameters: ReleasedParameters, count: int) -> None:
+    def __init__(self, parameters: ReleasedTuning, count: int) -> None:
         """Start with `count` wheels of whose brakes nothing is known."""
         self._p = parameters
         self._wheels = [_ReleasedWheel(parameters) for _ in range(count)]
@@ -100,7 +66,7 @@ class ReleasedWheels:
 class _ReleasedWheel:
     """Brake and gap of one of them."""
 
-    def __init__(self, parameters: ReleasedParameters) -> None:
+    def __init__(self, parameters: ReleasedTuning) -> None:
         self._p = parameters
         self.reset()
 

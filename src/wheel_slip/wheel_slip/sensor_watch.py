@@ -9,50 +9,23 @@ judged. A sample that repeats the one before to the last bit, while the accelero
 is an old one and says nothing.
 """
 
-from dataclasses import dataclass
 from math import hypot
 from typing import Final
 
-from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 from wheel_slip.sensor_age import SensorAge
 from wheel_slip.sensor_skew import SensorSkew
 from wheel_slip.speed_sample import SpeedSample
+from wheel_slip.tuning import SensorWatchTuning
 
 _AGREE: Final = 2.0
 """Standard deviations within which it agrees with the wheels."""
 
 
-@dataclass(frozen=True)
-class SensorWatchParameters:
-    """When a speed sensor is not believed, and how well its age is known."""
-
-    sure: float = parameter(
-        5.0, "standard deviations beyond which it contradicts the wheels", minimum=1.0, maximum=100.0
-    )
-    time: float = parameter(
-        0.5, "time for which it must, and must not before it is used again", unit="s", minimum=0.0, maximum=100.0
-    )
-    frozen: float = parameter(
-        0.3,
-        "change of speed by the accelerometer, beyond which a sample that repeats the last is an old one",
-        unit="m/s",
-        minimum=0.0,
-        maximum=10.0,
-    )
-    latency_stddev: float = parameter(
-        0.07,
-        "deviation of the age of its samples, until a change of the acceleration has shown it",
-        unit="s",
-        minimum=0.0,
-        maximum=0.5,
-    )
-
-
 class SensorWatch:
     """The speed sensor of one car."""
 
-    def __init__(self, parameters: SensorWatchParameters) -> None:
+    def __init__(self, parameters: SensorWatchTuning) -> None:
         """Start without samples."""
         self._p = parameters
         self.age = SensorAge()

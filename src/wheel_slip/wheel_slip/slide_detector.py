@@ -15,8 +15,9 @@ from statistics import median
 from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
-from wheel_slip.mode import Evidence, SlideParameters
-from wheel_slip.slope_watch import SlopeParameters, SlopeWatch
+from wheel_slip.mode import Evidence
+from wheel_slip.slope_watch import SlopeWatch
+from wheel_slip.tuning import SlideTuning, SlopeTuning
 
 _NOT: Final = -1.0
 """Sentinel time [s]: condition not met."""
@@ -27,7 +28,7 @@ _LAG: Final = 0.015
 class SlideDetector:
     """The wheels of one car."""
 
-    def __init__(self, parameters: SlideParameters, slope: SlopeParameters, driven: Sequence[bool]) -> None:
+    def __init__(self, parameters: SlideTuning, slope: SlopeTuning, driven: Sequence[bool]) -> None:
         """Start without samples.
 
         Args:

@@ -8,43 +8,15 @@ the slip is at present. A slope that makes them lose less than the car makes tha
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
-
-
-@dataclass(frozen=True)
-class SlopeParameters:
-    """When wheels and accelerometer differ by a slope of the road."""
-
-    steepest: float = parameter(
-        1.5, "difference that a road makes at most: a slope of 15 %", unit="m/s^2", minimum=0.1, maximum=5.0
-    )
-    least: float = parameter(0.4, "difference that noise does not make", unit="m/s^2", minimum=0.01, maximum=5.0)
-    steady_slip: float = parameter(0.08, "slip that may stay and looks like a slope", minimum=0.0, maximum=0.5)
-    lasting: float = parameter(
-        0.2, "time for which the difference must last: a dive passes through all", unit="s", minimum=0.0, maximum=5.0
-    )
-    alike: float = parameter(
-        0.5, "time for which wheels turn alike when none has dived lately", unit="s", minimum=0.0, maximum=5.0
-    )
-    forceless: float = parameter(
-        0.6,
-        "force of all tyres over the mass of the car, below which they have no slip to speak of",
-        unit="m/s^2",
-        minimum=0.0,
-        maximum=2.0,
-    )
-    settle_time: float = parameter(
-        0.5, "time that a doubt of the offset needs to be settled", unit="s", minimum=0.0, maximum=10.0
-    )
+from wheel_slip.tuning import SlopeTuning
 
 
 class SlopeWatch:
     """Follows the wheels of one car."""
 
-    def __init__(self, parameters: SlopeParameters) -> None:
+    def __init__(self, parameters: SlopeTuning) -> None:
         """Start without samples."""
         self._p = parameters
         self.reset()

@@ -28,6 +28,7 @@ from typing import Final
 
 from friction_parameters.parameter import parameter
 from vehicle_models.nanoseconds import NANOSECONDS
+from wheel_slip.tuning import SpeedFilterTuning
 from wheel_slip.unseen_road import UnseenRoad
 
 _HISTORY: Final = 1 * NANOSECONDS
@@ -47,83 +48,12 @@ _OTHERS: Final = range(1, 4)
 
 
 @dataclass(frozen=True)
-class SpeedFilterParameters:
-    """Noise of the accelerometer and of its offset."""
+class AccelerometerParameters:
+    """Errors of the accelerometer."""
 
-    acceleration_stddev: float = parameter(
-        0.1, "noise of an accelerometer sample", unit="m/s^2", minimum=1e-3, maximum=10.0
-    )
+    stddev: float = parameter(0.1, "noise of an accelerometer sample", unit="m/s^2", minimum=1e-3, maximum=10.0)
     offset_stddev: float = parameter(
         0.4, "offset (bias and road slope) to expect before it is learned", unit="m/s^2", minimum=1e-3, maximum=10.0
-    )
-    offset_walk: float = parameter(
-        0.001,
-        "change of the offset in the square root of a second while the wheels roll and the offset is learned",
-        unit="m/s^2",
-        minimum=1e-4,
-        maximum=10.0,
-    )
-    blind_offset_walk: float = parameter(
-        0.06,
-        "the same while wheels that roll are braked, and a change of road slope looks like their slip",
-        unit="m/s^2",
-        minimum=1e-4,
-        maximum=10.0,
-    )
-    slope_stddev: float = parameter(
-        0.4,
-        "change of the offset by the road's slope while the wheels slide and tell nothing of it",
-        unit="m/s^2",
-        minimum=1e-4,
-        maximum=10.0,
-    )
-    slope_length: float = parameter(
-        40.0,
-        "way on which such a change comes and goes",
-        unit="m",
-        minimum=0.1,
-        maximum=10000.0,
-    )
-    gain_stddev: float = parameter(
-        0.02,
-        "deviation of the accelerometer's scale and of the pitch of the body, as a share of the acceleration",
-        minimum=0.0,
-        maximum=0.5,
-    )
-    delay_stddev: float = parameter(
-        0.2,
-        "deviation of the accelerometer's age against the wheels, where the vehicle file states none",
-        unit="s",
-        minimum=0.0,
-        maximum=0.5,
-    )
-    compliance: float = parameter(
-        0.008, "slip of a rolling wheel per acceleration of the car, to expect", unit="s^2/m", minimum=0.0, maximum=0.1
-    )
-    compliance_stddev: float = parameter(0.05, "its standard deviation", unit="s^2/m", minimum=1e-4, maximum=0.1)
-    compliance_time: float = parameter(
-        5.0, "time in which it changes: the road, and how near the peak is", unit="s", minimum=0.1, maximum=100.0
-    )
-    telling: float = parameter(
-        0.7,
-        "acceleration from which on it tells of gain and slip: less is noise, which looks like a gain of 0",
-        unit="m/s^2",
-        minimum=0.0,
-        maximum=10.0,
-    )
-    acceleration_walk: float = parameter(
-        30.0,
-        "without an accelerometer: change of the acceleration in the square root of a second, 10 m/s^2 in 0.1 s",
-        unit="m/s^2",
-        minimum=0.1,
-        maximum=1000.0,
-    )
-    unknown_acceleration: float = parameter(
-        5.0,
-        "deviation of the acceleration when the accelerometer has just gone, or over a gap",
-        unit="m/s^2",
-        minimum=0.1,
-        maximum=50.0,
     )
 
 
@@ -132,7 +62,8 @@ class SpeedFilter:
 
     def __init__(
         self,
-        parameters: SpeedFilterParameters,
+        accelerometer: AccelerometerParameters = AccelerometerParameters(),
+        tuning: SpeedFilterTuning = SpeedFilterTuning(),
         gain_stddev: float | None = None,
         delay: float = 0.0,
         delay_stddev: float | None = None,
@@ -140,17 +71,19 @@ class SpeedFilter:
         """Start with nothing known.
 
         Args:
-            parameters: of noise, offset, slip.
-            gain_stddev: as in the parameters, where the car's is known.
+            accelerometer: its noise and offset.
+            tuning: of offset, gain and slip.
+            gain_stddev: as in the tuning, where the car's is known.
             delay: age tau_0 of a reading of the accelerometer against the wheel speeds [s].
             delay_stddev: deviation of e [s], where the car's is known.
         """
-        self._parameters = p = parameters
+        self._accelerometer = accelerometer
+        self._parameters = p = tuning
         self._road = UnseenRoad(p.blind_offset_walk, p.slope_stddev, p.slope_length)
         self._delay = delay
-        self._delay_variance = (parameters.delay_stddev if delay_stddev is None else delay_stddev) ** 2
+        self._delay_variance = (tuning.delay_stddev if delay_stddev is None else delay_stddev) ** 2
         self._averaged = _AVERAGED * sqrt(self._delay_variance)
-        self._gain_variance = (parameters.gain_stddev if gain_stddev is None else gain_stddev) ** 2
+        self._gain_variance = (tuning.gain_stddev if gain_stddev is None else gain_stddev) ** 2
         self.reset()
 
     def reset(self) -> None:
@@ -168,7 +101,9 @@ class SpeedFilter:
         """Last innovation over its standard deviation [-]."""
         self.by_wheels = 1.0
         """Share of an error that all radii have in common which the speed has: 1 from wheels alone, 0 from a sensor."""
-        self._p = _diagonal(_FIRST_SPEED_VARIANCE, p.offset_stddev**2, self._gain_variance, p.compliance_stddev**2)
+        self._p = _diagonal(
+            _FIRST_SPEED_VARIANCE, self._accelerometer.offset_stddev**2, self._gain_variance, p.compliance_stddev**2
+        )
         self._by_age = [0.0] * len(_ALL)
         """Errors of the state by an e of 1 s."""
         self._road.clear()
@@ -179,7 +114,7 @@ class SpeedFilter:
         """Mean of the last readings [m/s^2]: an e makes the integral wrong by as much of them as it lasts."""
         self._travelled = 0.0
         self._history: deque[tuple[int, float, float]] = deque()
-        self._kept = (0.0, p.offset_stddev**2)
+        self._kept = (0.0, self._accelerometer.offset_stddev**2)
 
     @property
     def speed_variance(self) -> float:
@@ -209,14 +144,14 @@ class SpeedFilter:
     @property
     def acceleration_variance(self) -> float:
         """[m^2/s^4]"""
-        noise = self._parameters.acceleration_stddev**2 if self._measured is not None else 0.0
+        noise = self._accelerometer.stddev**2 if self._measured is not None else 0.0
         return self.offset_variance + noise + self._p[2][2] * self.acceleration**2
 
     @property
     def slip_noise(self) -> float:
         """What the noise of the accelerometer does to the slip of rolling wheels, as a variance of speed [m^2/s^2]."""
         compliance = self.compliance**2 + self._p[3][3]
-        return compliance * (self._parameters.acceleration_stddev * self.speed) ** 2
+        return compliance * (self._accelerometer.stddev * self.speed) ** 2
 
     @property
     def _scale(self) -> float:
@@ -243,7 +178,7 @@ class SpeedFilter:
         if self._history:
             dt = (stamp - self._history[-1][0]) / NANOSECONDS
             p = self._parameters
-            walk, noise = p.offset_walk**2, p.acceleration_stddev**2
+            walk, noise = p.offset_walk**2, self._accelerometer.stddev**2
             if measured is None:
                 walk, noise = p.acceleration_walk**2, 0.0
             step = (measured or 0.0) - (self._measured or 0.0)

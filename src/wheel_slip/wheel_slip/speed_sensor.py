@@ -13,29 +13,31 @@ from wheel_slip.radius_doubt import RadiusDoubt
 from wheel_slip.sensor_watch import SensorWatch
 from wheel_slip.slide_detector import SlideDetector
 from wheel_slip.speed_filter import SpeedFilter
-from wheel_slip.speed_parameters import VehicleSpeedParameters
 from wheel_slip.speed_sample import SpeedSample
+from wheel_slip.tuning import Tuning
 
 
 class SpeedSensor:
     """The speed sensor of one car."""
 
     def __init__(
-        self, parameters: VehicleSpeedParameters, car: SpeedFilter, slide: SlideDetector, radii: RadiusDoubt
+        self, tuning: Tuning, timeout: float, car: SpeedFilter, slide: SlideDetector, radii: RadiusDoubt
     ) -> None:
         """Start without samples.
 
         Args:
-            parameters: of the speed.
+            tuning: of the speed.
+            timeout: silence after which the wheels take over [s].
             car: the speed, which is corrected.
             slide: which wheels roll.
             radii: how far the radii make wheels wrong.
         """
-        self._p = parameters
+        self._p = tuning
+        self._timeout = timeout * NANOSECONDS
         self._car = car
         self._slide = slide
         self._radii = radii
-        self._watch = SensorWatch(parameters.sensor)
+        self._watch = SensorWatch(tuning.sensor)
         self.reset()
 
     def reset(self) -> None:
@@ -68,8 +70,7 @@ class SpeedSensor:
         return self._is_fresh(stamp) and not self._watch.left_out
 
     def _is_fresh(self, stamp: int) -> bool:
-        timeout = self._p.sensor_timeout * NANOSECONDS
-        return self._stamp is not None and stamp - self._stamp <= timeout
+        return self._stamp is not None and stamp - self._stamp <= self._timeout
 
     def follow(self, stamp: int) -> None:
         """Follow the accelerometer up to a stamp [ns]."""

@@ -22,10 +22,10 @@ from wheel_slip.estimate import SOURCES, Mode, SpeedSource
 from wheel_slip.mode import Cause, transition
 from wheel_slip.radius_doubt import RadiusDoubt
 from wheel_slip.slide_detector import SlideDetector
-from wheel_slip.speed_filter import SpeedFilter, SpeedFilterParameters
-from wheel_slip.speed_parameters import VehicleSpeedParameters
+from wheel_slip.speed_filter import AccelerometerParameters, SpeedFilter
 from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.speed_sensor import SpeedSensor
+from wheel_slip.tuning import Tuning
 from wheel_slip.wheel_bounds import WheelBounds
 
 _SURE_OF_DELAY: Final = 2.0
@@ -39,40 +39,52 @@ _AT_REST: Final = 2.5
 class VehicleSpeed:
     """Speed of one car. Outputs are valid unless `source` is NONE."""
 
-    def __init__(self, vehicle: Vehicle, parameters: VehicleSpeedParameters, wheel_speed_stddev: float) -> None:
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        tuning: Tuning,
+        accelerometer: AccelerometerParameters,
+        wheel_speed_stddev: float,
+        sensor_timeout: float,
+    ) -> None:
         """Start without samples.
 
         Args:
             vehicle: the car.
-            parameters: parameters of the estimate.
+            tuning: of the estimate.
+            accelerometer: its noise and offset.
             wheel_speed_stddev: noise of a wheel speed [rad/s].
+            sensor_timeout: silence of the speed sensor after which the wheels take over [s].
         """
-        self._p = parameters = replace(parameters, speed_filter=_of_car(parameters.speed_filter, vehicle))
+        self._p = tuning
+        accelerometer = _of_car(accelerometer, vehicle)
+        self._offset_stddev = accelerometer.offset_stddev
         self._largest_radius = max(vehicle.radii)
         self._rim_speed_variance = (wheel_speed_stddev * self._largest_radius) ** 2
         mounting = vehicle.accelerometer
         self._filter = SpeedFilter(
-            parameters.speed_filter,
+            accelerometer,
+            tuning.speed_filter,
             _gain_stddev(vehicle),
             mounting.delay,
             specified_stddev(mounting.deviations, "delay"),
         )
         self.radii = RadiusDoubt(vehicle)
         """How far the radii make the speed wrong."""
-        self._slide = SlideDetector(parameters.slide, parameters.slope, [wheel.driven for wheel in vehicle.wheels])
+        self._slide = SlideDetector(tuning.slide, tuning.slope, [wheel.driven for wheel in vehicle.wheels])
         self._bounds = WheelBounds(
-            parameters.bounds,
+            tuning.bounds,
             len(vehicle.wheels),
             self._rim_speed_variance,
-            parameters.slip_per_acceleration,
+            tuning.slip_per_acceleration,
             self._p.slide.blind_below,
-            parameters.slope.steepest,
+            tuning.slope.steepest,
         )
         self._accelerometer = AccelerometerWatch(
-            parameters.slide,
+            tuning.slide,
             mounting.delay + _SURE_OF_DELAY * deviation_of(mounting.deviations, "delay", 0.0),
         )
-        self._sensor = SpeedSensor(self._p, self._filter, self._slide, self.radii)
+        self._sensor = SpeedSensor(tuning, sensor_timeout, self._filter, self._slide, self.radii)
         self.reset()
 
     def reset(self) -> None:
@@ -312,7 +324,7 @@ class VehicleSpeed:
         speed = sum(believed) / len(believed)
         blind = (
             abs(speed) < self._p.slide.blind_below
-            and abs(self._slide.acceleration or 0.0) >= _AT_REST * self._p.speed_filter.offset_stddev
+            and abs(self._slide.acceleration or 0.0) >= _AT_REST * self._offset_stddev
         )
         return None if blind else (speed, wheels)
 
@@ -390,7 +402,7 @@ class VehicleSpeed:
         else:
             self._start_at_wheels(speed, self._rim_speed_variance, effort)
         if cause is Cause.AGAINST_ACCELEROMETER:
-            self._filter.doubt_offset(self._p.speed_filter.offset_stddev**2)
+            self._filter.doubt_offset(self._offset_stddev**2)
 
     def _watch_offset(self, dt: float) -> None:
         """Learn the offset again when the innovations of the wheels stay on one side."""
@@ -399,7 +411,7 @@ class VehicleSpeed:
             self._filter.doubt_offset(self._p.rolling.doubt**2)
 
 
-def _of_car(parameters: SpeedFilterParameters, vehicle: Vehicle) -> SpeedFilterParameters:
+def _of_car(parameters: AccelerometerParameters, vehicle: Vehicle) -> AccelerometerParameters:
     """Return the parameters with the deviation of the offset that the vehicle file states, if it is a larger one."""
     stated = deviation_of(vehicle.accelerometer.deviations, "bias", 0.0)
     return replace(parameters, offset_stddev=max(parameters.offset_stddev, stated))

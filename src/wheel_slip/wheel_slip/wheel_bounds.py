@@ -6,58 +6,13 @@ alone has erred, one whose brake is seen to open whatever the road has done.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import copysign, sqrt
 
-from friction_parameters.parameter import group, parameter
-from wheel_slip.carried_wheels import CarriedParameters, CarriedWheels
+from wheel_slip.carried_wheels import CarriedWheels
 from wheel_slip.close_wheel import CloseWheel
-from wheel_slip.released_wheels import ReleasedParameters, ReleasedWheels
+from wheel_slip.released_wheels import ReleasedWheels
 from wheel_slip.speed_filter import SpeedFilter
-
-
-@dataclass(frozen=True)
-class BoundParameters:
-    """How closely the wheels bound the speed in a slide."""
-
-    margin: float = parameter(
-        0.02,
-        "share of the speed by which wheels may pass the bound: radii, torsional vibration",
-        minimum=0.0,
-        maximum=0.5,
-    )
-    latency: float = parameter(
-        0.03,
-        "time by which wheel speeds may be older or younger than the acceleration",
-        unit="s",
-        minimum=0.0,
-        maximum=0.5,
-    )
-    spring_back: float = parameter(
-        0.1,
-        "time for which wheels must be beyond the bound: released tyres spring back and turn them faster than the car",
-        unit="s",
-        minimum=0.0,
-        maximum=1.0,
-    )
-    close: float = parameter(
-        0.1,
-        "slip below which a braked wheel confirms the speed: it slips by anything from 0 to that",
-        minimum=0.0,
-        maximum=0.5,
-    )
-    comes_again: float = parameter(
-        1.0, "time within which a wheel whose brake cycles is that close again", unit="s", minimum=0.1, maximum=10.0
-    )
-    effort_above: float = parameter(
-        1.0,
-        "acceleration from which on it is known whether wheels are braked or driven",
-        unit="m/s^2",
-        minimum=0.0,
-        maximum=10.0,
-    )
-    carried: CarriedParameters = group(CarriedParameters())
-    released: ReleasedParameters = group(ReleasedParameters())
+from wheel_slip.tuning import BoundTuning
 
 
 class WheelBounds:
@@ -65,7 +20,7 @@ class WheelBounds:
 
     def __init__(
         self,
-        parameters: BoundParameters,
+        parameters: BoundTuning,
         count: int,
         rim_speed_variance: float,
         slip_per_acceleration: float,

@@ -17,7 +17,7 @@ from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import deviation_of, specified_stddev
 from wheel_slip.accelerometer_age import AccelerometerAge
-from wheel_slip.mode import SlideParameters
+from wheel_slip.tuning import SlideTuning
 
 FLAT, CIRCUIT, UNKNOWN = "flat", "out-and-back", "unknown"
 ROADS = (UNKNOWN, FLAT, CIRCUIT)
@@ -53,7 +53,7 @@ def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift
 
 def _long_after_the_wheels(motion: Motion) -> Finding | None:
     """Return the finding of an accelerometer with which wheel_slip cannot do anything."""
-    watch = AccelerometerAge(SlideParameters())
+    watch = AccelerometerAge(SlideTuning())
     known = np.isfinite(motion.force) & np.isfinite(motion.rims).all(axis=1)
     for number in np.flatnonzero(known):
         stamp = round((number + 1) * motion.step * NANOSECONDS)
