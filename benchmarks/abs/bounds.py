@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
+from abs_supervisor.law.curve_law import CurveLaw
 from abs_supervisor.law.road_curve import RoadCurve
 from abs_supervisor.law.usable_curve import CurveReport, Estimate
 from benchmarks.abs.car import MODELS, CarSetup
@@ -191,7 +191,7 @@ def ideal_controller(surface: str, perturbation: Perturbation) -> PanicStops:
     """Return the stop of the ideal controller, arrays of shape (1,); a load that varies does not count."""
     plant = PanicPlant(surface, perturbation.steady, np.zeros((1, 1)))
     corner = plant.corner
-    law = CurveLaw(plant.parameters, perturbation.actuator, CurveLawParameters())
+    law = CurveLaw(plant.parameters, perturbation.actuator)
     thetas = plant.way.theta(np.array(plant.way.distances))
     values = np.column_stack((thetas, burckhardt.peak(thetas)[0])).tolist()
     curves = [RoadCurve(theta_1, theta_2, theta_3, peak) for theta_1, theta_2, theta_3, peak in values]

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from friction_parameters.parameter import parameter
+from friction_parameters.parameter import constant, parameter
 from vehicle_models.nanoseconds import NANOSECONDS
 
 
@@ -11,15 +11,9 @@ class PressureParameters:
     """When braking is over, judged by the wheel's own brake pressure."""
 
     release_torque: float = parameter(
-        20.0, "braking is over after 'release_hold' below this torque", unit="N m", minimum=0.0, maximum=1e4
+        20.0, "braking is over some time below this torque", unit="N m", minimum=0.0, maximum=1e4, read_only=True
     )
-    release_hold: float = parameter(
-        0.2,
-        "time below 'release_torque' that ends braking; longer than the supervisor's own release",
-        unit="s",
-        minimum=0.0,
-        maximum=5.0,
-    )
+    release_hold: float = constant(0.2, "that time, longer than the supervisor's own release", unit="s")
 
 
 class TorqueWithHysteresis:

@@ -3,15 +3,14 @@
 No healthy brake is released, whatever asks for it: a fault of the law, of its inputs, or of a message.
 """
 
-from dataclasses import dataclass
 from typing import Final
 
 from abs_supervisor.fast_dive import FastDive
 from abs_supervisor.law.brake_line import BrakeLine
-from abs_supervisor.release_caps import Cap, CapParameters, ReleaseCaps
-from abs_supervisor.release_evidence import EvidenceParameters, Release, ReleaseEvidence, Wheel
+from abs_supervisor.release_caps import Cap, ReleaseCaps
+from abs_supervisor.release_evidence import Release, ReleaseEvidence, Wheel
 from abs_supervisor.road_torque import RoadTorque
-from friction_parameters.parameter import group
+from abs_supervisor.tuning import EnvelopeTuning
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import CornerParameters
@@ -26,18 +25,10 @@ _TELLS_ABOVE: Final = 2.0
 """[m/s] A wheel that is kept from every dive below no longer tells the speed of its car, and then stood."""
 
 
-@dataclass(frozen=True)
-class EnvelopeParameters:
-    """What is evidence for a release, and how long one may last."""
-
-    evidence: EvidenceParameters = group(EvidenceParameters())
-    caps: CapParameters = group(CapParameters())
-
-
 class Envelope:
     """Judges the law of one wheel."""
 
-    def __init__(self, corner: CornerParameters, actuator: ActuatorParameters, parameters: EnvelopeParameters) -> None:
+    def __init__(self, corner: CornerParameters, actuator: ActuatorParameters, parameters: EnvelopeTuning) -> None:
         """Choose a wheel, its hydraulics, and the parameters of the evidence and the caps."""
         self.evidence = ReleaseEvidence(corner.radius, parameters.evidence)
         self.caps = ReleaseCaps(parameters.caps, actuator)

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from math import isfinite, nan
 from typing import Final
 
-from abs_supervisor.envelope import Envelope, EnvelopeParameters
+from abs_supervisor.envelope import Envelope
 from abs_supervisor.pressure_check import PressureCheck
 from abs_supervisor.release_evidence import Wheel
 from abs_supervisor.speed_trend import SpeedTrend
+from abs_supervisor.tuning import EnvelopeTuning
 from abs_supervisor.wheel_check import Surroundings, WheelCheck
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.physical_bounds import SlowestCar
@@ -80,7 +81,7 @@ class Guard:
     """Watches one wheel: `look` at every sample, then `command`."""
 
     def __init__(
-        self, corner: CornerParameters, envelope: EnvelopeParameters, actuator: ActuatorParameters, commands: bool
+        self, corner: CornerParameters, envelope: EnvelopeTuning, actuator: ActuatorParameters, commands: bool
     ) -> None:
         """Choose a wheel.
 

@@ -4,12 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from abs_supervisor.braking import PressureParameters
-from abs_supervisor.envelope import EnvelopeParameters
 from abs_supervisor.fsm import Thresholds
-from abs_supervisor.law.curve_law import CurveLawParameters
+from abs_supervisor.tuning import Tuning
 from abs_supervisor.wheel_pair import NO_AXLE, SELECT_LOW
 from friction_parameters.generated import ShippedFile
-from friction_parameters.parameter import deadline_parameter, group, parameter
+from friction_parameters.parameter import constants, deadline_parameter, group, parameter
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.vehicle_file import vehicle_file_parameter
 
@@ -18,7 +17,7 @@ SLOPE_SIGN, CURVE = "slope_sign", "curve"
 
 @dataclass(frozen=True)
 class SupervisorParameters:
-    """All of them, with unit and range."""
+    """Parameters of the node."""
 
     vehicle_file: str = vehicle_file_parameter()
     shadow: bool = parameter(True, "publish the state, never a command", read_only=True)
@@ -36,7 +35,6 @@ class SupervisorParameters:
         choices=(SLOPE_SIGN, CURVE),
         read_only=True,
     )
-    curve: CurveLawParameters = group(CurveLawParameters(), selector="law", methods=(CURVE,))
     select_low: str = parameter(
         NO_AXLE,
         "axle whose wheels both get the pressure of the one with less grip",
@@ -47,16 +45,21 @@ class SupervisorParameters:
         "demand",
         "signal that shows whether the driver brakes: brake_demand, or <wheel>/brake_pressure with hysteresis",
         choices=("demand", "pressure"),
+        read_only=True,
     )
     braking_torque: float = parameter(
-        50.0, "T-bar: braking begins at this torque", unit="N m", minimum=1.0, maximum=1e4
+        50.0, "T-bar: braking begins at this torque", unit="N m", minimum=1.0, maximum=1e4, read_only=True
     )
     pressure: PressureParameters = group(PressureParameters(), selector="braking_source", methods=("pressure",))
     thresholds: Thresholds = group(Thresholds())
-    envelope: EnvelopeParameters = group(EnvelopeParameters())
     actuator: ActuatorParameters = group(ActuatorParameters())
     tolerance: float = parameter(
-        0.02, "message time of invalid input after which the fail-safe acts", unit="s", minimum=0.0, maximum=1.0
+        0.02,
+        "message time of invalid input after which the fail-safe acts",
+        unit="s",
+        minimum=0.0,
+        maximum=1.0,
+        read_only=True,
     )
     stale_after: float = parameter(
         0.1,
@@ -64,11 +67,18 @@ class SupervisorParameters:
         unit="s",
         minimum=0.02,
         maximum=60.0,
+        read_only=True,
     )
     demand_timeout: float = parameter(
-        0.08, "demand or pressure is held this long where no newer one comes", unit="s", minimum=0.0, maximum=5.0
+        0.08,
+        "demand or pressure is held this long where no newer one comes",
+        unit="s",
+        minimum=0.0,
+        maximum=5.0,
+        read_only=True,
     )
     deadline: float = deadline_parameter(0.02)
+    tuning: Tuning = constants(Tuning())
 
     def __post_init__(self) -> None:
         """Refuse a hysteresis whose thresholds are in the wrong order."""
@@ -81,7 +91,7 @@ class SupervisorParameters:
 
 SHIPPED: Mapping[str, ShippedFile] = {
     "abs_supervisor": ShippedFile(
-        "One set for all roads; it goes with 'vote' of friction_slope/config/friction_slope.yaml.\n"
+        "One set for all roads; it goes with VoteTuning of friction_slope.\n"
         "No shipped file commands a brake: the README describes how to do it on purpose.",
         SupervisorParameters(),
     ),

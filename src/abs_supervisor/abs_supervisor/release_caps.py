@@ -1,11 +1,10 @@
 """Limits on the duration of a release, and the return of the pressure after a limit."""
 
 from collections import deque
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
-from friction_parameters.parameter import parameter
+from abs_supervisor.tuning import CapTuning
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
 
@@ -18,36 +17,6 @@ class Cap(IntEnum):
     SHARE = 2
     RETURN = 3
     LOW_SPEED = 4
-
-
-@dataclass(frozen=True)
-class CapParameters:
-    """Limits of a release."""
-
-    longest: float = parameter(
-        0.3,
-        "longest release at a time, unless the slip is above its threshold and the wheel is seen to recover, or wheels "
-        "stand that the brake still holds",
-        unit="s",
-        minimum=0.05,
-        maximum=2.0,
-    )
-    window: float = parameter(2.0, "window over which releases are added up", unit="s", minimum=0.5, maximum=10.0)
-    most_in_window: float = parameter(1.0, "most time released in it", unit="s", minimum=0.1, maximum=5.0)
-    return_rate: float = parameter(
-        2000.0, "fastest rise of brake torque after a cap", unit="N m/s", minimum=10.0, maximum=1e6
-    )
-    return_time: float = parameter(
-        0.1, "least time after a cap before the next release", unit="s", minimum=0.0, maximum=2.0
-    )
-    driver_below: float = parameter(
-        1.5, "below this speed of the car the driver has the brake", unit="m/s", minimum=0.5, maximum=10.0
-    )
-
-    def __post_init__(self) -> None:
-        """Refuse a cap that cannot act."""
-        if not self.most_in_window < self.window:
-            raise ValueError(f"most_in_window ({self.most_in_window}) must be below window ({self.window})")
 
 
 _SAME_RELEASE: Final = 0.02
@@ -66,7 +35,7 @@ _MOST_OPENING: Final = 2.0
 class ReleaseCaps:
     """Follows the releases of one wheel."""
 
-    def __init__(self, parameters: CapParameters, actuator: ActuatorParameters) -> None:
+    def __init__(self, parameters: CapTuning, actuator: ActuatorParameters) -> None:
         """Start without releases; `actuator` are the hydraulics."""
         self._p, self._actuator = parameters, actuator
         self._share = min(parameters.return_rate / actuator.apply_rate, 1.0)

@@ -1,14 +1,13 @@
 """Release conditions independent of the control law: slip or deceleration of the wheel."""
 
-from dataclasses import dataclass
 from enum import IntEnum
 from math import inf, isfinite, nan, sqrt
 from typing import Final
 
 from abs_supervisor.own_fall import OwnFall
 from abs_supervisor.rolling_scatter import RollingScatter
+from abs_supervisor.tuning import EvidenceTuning
 from abs_supervisor.wheel_motion import ORDINARY_STDDEV, WheelMotion
-from friction_parameters.parameter import parameter
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HARDEST_BRAKING, SlowestCar
@@ -22,38 +21,6 @@ class Release(IntEnum):
     BY_DECELERATION = 2
     REFUSED = 3
     REFERENCE = 4
-
-
-@dataclass(frozen=True)
-class EvidenceParameters:
-    """What counts as evidence."""
-
-    least_slip: float = parameter(0.03, "no release below this slip", minimum=0.01, maximum=0.5)
-    lambda_max_share: float = parameter(
-        0.5, "a release needs a slip above this share of the curve's lambda_max", minimum=0.1, maximum=1.0
-    )
-    slip_without_curve: float = parameter(
-        0.2, "a release needs this slip where no curve is known", minimum=0.05, maximum=0.9
-    )
-    deceleration: float = parameter(
-        1.3, "or a deceleration of the wheel above this", unit="g", minimum=1.0, maximum=20.0
-    )
-    deceleration_margin: float = parameter(
-        0.3, "and above the car's own deceleration by this", unit="g", minimum=0.0, maximum=5.0
-    )
-    evidence_time: float = parameter(
-        0.01, "time for which slip or deceleration must be above", unit="s", minimum=0.0, maximum=0.2
-    )
-    sigmas: float = parameter(
-        3.0, "both must be above by this many standard deviations of their errors", minimum=0.0, maximum=10.0
-    )
-
-    def __post_init__(self) -> None:
-        """Refuse thresholds in the wrong order."""
-        if not self.least_slip <= self.slip_without_curve:
-            raise ValueError(
-                f"least_slip ({self.least_slip}) must not be above slip_without_curve ({self.slip_without_curve})"
-            )
 
 
 class Wheel:
@@ -129,7 +96,7 @@ _PAST_PEAK: Final = 0.15
 class ReleaseEvidence:
     """Judges one wheel at one sample after the other."""
 
-    def __init__(self, radius: float, parameters: EvidenceParameters) -> None:
+    def __init__(self, radius: float, parameters: EvidenceTuning) -> None:
         """Choose a wheel of effective radius `radius` [m]."""
         self._radius, self._p = radius, parameters
         self._time_ns = round(parameters.evidence_time * NANOSECONDS)

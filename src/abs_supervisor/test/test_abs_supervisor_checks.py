@@ -6,9 +6,9 @@ from math import nan
 import numpy as np
 import pytest
 
-from abs_supervisor.envelope import EnvelopeParameters
 from abs_supervisor.guard import Guard, Seen
 from abs_supervisor.pressure_check import PressureCheck
+from abs_supervisor.tuning import EnvelopeTuning
 from abs_supervisor.wheel_check import Surroundings, WheelCheck
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator, Command
 from vehicle_models.vehicle_file import load_vehicle
@@ -235,7 +235,7 @@ def test_pressure_that_follows_a_pedal_that_moves_is_not_blamed(rate: float) -> 
 def test_two_other_wheels_show_that_a_slow_wheel_of_unknown_slip_slides(
     others: list[float], slip: float, slides: bool
 ) -> None:
-    guard = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True)
+    guard = Guard(CORNER, EnvelopeTuning(), ActuatorParameters(), commands=True)
     guard.look(STEP, Seen(1.0, torque=100.0, demand=300.0, others=others, slip=slip))
     assert guard.slides == slides
 
@@ -247,7 +247,7 @@ def test_two_other_wheels_show_that_a_slow_wheel_of_unknown_slip_slides(
 def test_speed_of_the_car_that_no_wheel_has_is_believed_where_it_is_measured_or_wheels_differ(
     others: list[float], measured: bool, released: bool
 ) -> None:
-    guard, random = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True), np.random.default_rng(1)
+    guard, random = Guard(CORNER, EnvelopeTuning(), ActuatorParameters(), commands=True), np.random.default_rng(1)
     commands = []
     for k in range(40):
         speed = 10.0 / CORNER.radius + 0.07 * float(random.standard_normal())
@@ -268,7 +268,7 @@ def test_a_release_lasts_longer_only_where_two_wheels_stand_by_what_the_wheels_s
     rim: float, others: list[float], longer: bool
 ) -> None:
     """One that stands alone may be a dead sensor."""
-    guard, random = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True), np.random.default_rng(1)
+    guard, random = Guard(CORNER, EnvelopeTuning(), ActuatorParameters(), commands=True), np.random.default_rng(1)
     torque, commands = 2400.0, []
     for k in range(1, 130):
         dived = max(20.0 - 1.0 * max(k - 20, 0), rim)
@@ -287,7 +287,7 @@ def test_a_release_lasts_longer_only_where_two_wheels_stand_by_what_the_wheels_s
 
 
 def test_single_wheel_of_unknown_slip_says_that_it_cannot_tell_a_lock_from_standstill() -> None:
-    guard = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True)
+    guard = Guard(CORNER, EnvelopeTuning(), ActuatorParameters(), commands=True)
     guard.look(STEP, Seen(1.0, torque=100.0, demand=300.0))
     assert "locked" in guard.unchecked
     guard.look(2 * STEP, Seen(1.0, torque=100.0, demand=300.0, car_speed=0.3, slip=0.0))
@@ -298,7 +298,7 @@ def test_single_wheel_of_unknown_slip_says_that_it_cannot_tell_a_lock_from_stand
 def test_all_wheels_that_lock_are_no_standstill_without_a_speed_of_the_car_or_with_one_that_follows_them(
     follows: bool,
 ) -> None:
-    guard, random = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True), np.random.default_rng(1)
+    guard, random = Guard(CORNER, EnvelopeTuning(), ActuatorParameters(), commands=True), np.random.default_rng(1)
     commands = []
     for k in range(100):
         rim = max(20.0 - 0.5 * max(k - 50, 0), 0.0)
@@ -311,7 +311,7 @@ def test_all_wheels_that_lock_are_no_standstill_without_a_speed_of_the_car_or_wi
 
 
 def test_one_wheel_that_is_stuck_at_its_speed_does_not_keep_the_brake_from_the_driver_at_the_end_of_a_stop() -> None:
-    guard = Guard(CORNER, EnvelopeParameters(), ActuatorParameters(), commands=True)
+    guard = Guard(CORNER, EnvelopeTuning(), ActuatorParameters(), commands=True)
     for k in range(400):
         rim = max(20.0 - 0.06 * k, 1.0)
         guard.look(

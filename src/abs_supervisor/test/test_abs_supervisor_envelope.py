@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from abs_supervisor.envelope import Envelope, EnvelopeParameters
+from abs_supervisor.envelope import Envelope
 from abs_supervisor.release_caps import Cap
-from abs_supervisor.release_evidence import EvidenceParameters, Release, ReleaseEvidence, Wheel
+from abs_supervisor.release_evidence import Release, ReleaseEvidence, Wheel
+from abs_supervisor.tuning import EnvelopeTuning, EvidenceTuning
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.vehicle import CornerParameters
 
@@ -26,7 +27,7 @@ class Bench:
 
     def __init__(self, law: Command = Command.DECREASE, noise: float = 0.07) -> None:
         self.noise = noise
-        self.envelope = Envelope(CORNER, ActuatorParameters(), EnvelopeParameters())
+        self.envelope = Envelope(CORNER, ActuatorParameters(), EnvelopeTuning())
         self.law = law
         self.stamp = 0
         self.random = np.random.default_rng(7)
@@ -198,7 +199,7 @@ def test_dive_at_half_of_the_slip_for_a_release_stops_the_rise_of_the_pressure()
 
 @pytest.mark.parametrize("noise", [0.07, 0.21])
 def test_ripple_of_the_encoder_that_was_learned_is_no_evidence(noise: float) -> None:
-    evidence, random = ReleaseEvidence(RADIUS, EvidenceParameters()), np.random.default_rng(3)
+    evidence, random = ReleaseEvidence(RADIUS, EvidenceTuning()), np.random.default_rng(3)
     speed, angle, verdicts = 30.0, 0.0, []
     for k in range(600):
         braked = k >= 100
@@ -213,7 +214,7 @@ def test_ripple_of_the_encoder_that_was_learned_is_no_evidence(noise: float) -> 
 
 
 def test_deceleration_has_the_standard_deviation_that_it_says() -> None:
-    evidence, random = ReleaseEvidence(RADIUS, EvidenceParameters()), np.random.default_rng(3)
+    evidence, random = ReleaseEvidence(RADIUS, EvidenceTuning()), np.random.default_rng(3)
     errors, stated = [], []
     for k in range(4000):
         speed = 80.0 + 10.0 * sin(0.2 * pi * k * DT)
@@ -326,7 +327,7 @@ def test_jump_back_in_time_keeps_the_counts() -> None:
 
 def test_parameters_in_the_wrong_order_are_refused() -> None:
     with pytest.raises(ValueError, match="least_slip"):
-        EvidenceParameters(least_slip=0.3, slip_without_curve=0.2)
+        EvidenceTuning(least_slip=0.3, slip_without_curve=0.2)
 
 
 @pytest.mark.parametrize(

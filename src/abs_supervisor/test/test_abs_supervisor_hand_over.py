@@ -4,8 +4,9 @@ from math import isfinite, nan
 
 import pytest
 
-from abs_supervisor.envelope import Envelope, EnvelopeParameters
+from abs_supervisor.envelope import Envelope
 from abs_supervisor.release_evidence import Wheel
+from abs_supervisor.tuning import EnvelopeTuning
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.vehicle import CornerParameters
 
@@ -20,7 +21,7 @@ class Bench:
     """One wheel of which the slip was seen once, and is not known any more."""
 
     def __init__(self, slipped: bool = True) -> None:
-        self.envelope = Envelope(CORNER, ActuatorParameters(), EnvelopeParameters())
+        self.envelope = Envelope(CORNER, ActuatorParameters(), EnvelopeTuning())
         self.stamp = 0
         for slip, count in ((0.0, 60), (0.4, 20 if slipped else 0)):
             for _ in range(count):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from abs_supervisor.law.brake_line import BrakeLine
 from abs_supervisor.law.choice import Change, Law, LawChoice
-from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
+from abs_supervisor.law.curve_law import CurveLaw
 from abs_supervisor.law.disturbance import DisturbanceFilter
 from abs_supervisor.law.explained import Explained
 from abs_supervisor.law.released_wheel import ReleasedWheel
@@ -491,7 +491,7 @@ def _stop(name: str, speed: float = 30.0) -> tuple[np.ndarray, np.ndarray]:
     """Brake with everything known; return the slips and the speeds."""
     curve, theta = road(name), surface(name)
     law, plant, actuator = (
-        CurveLaw(CORNER, ACTUATOR, CurveLawParameters()),
+        CurveLaw(CORNER, ACTUATOR),
         SingleCorner(CORNER, [speed]),
         BrakeActuator(1, DT),
     )
@@ -525,7 +525,7 @@ def test_with_everything_known_the_slip_is_held_and_no_wheel_locks(name: str) ->
 
 
 def test_until_a_curve_is_known_the_drivers_pressure_passes() -> None:
-    law = CurveLaw(CORNER, ACTUATOR, CurveLawParameters())
+    law = CurveLaw(CORNER, ACTUATOR)
     asked = [law.ask(k * STEP, 100.0, 30.0, 0.0, 100.0, 1000.0, True) for k in range(1, 30)]
     assert set(asked) == {Command.INCREASE}
     assert law.ask(40 * STEP, 100.0, 30.0, 0.0, 100.0, 1000.0, True) is None
@@ -535,7 +535,7 @@ def test_until_a_curve_is_known_the_drivers_pressure_passes() -> None:
 @pytest.mark.parametrize(("speed", "keeps"), [(4.0, True), (20.0, False), (nan, False)])
 def test_at_the_end_of_a_stop_the_torque_is_kept_when_slip_is_lost(speed: float, keeps: bool) -> None:
     """At 4 m/s it is enough to know what the road gives; faster, or without a speed, the driver's pressure passes."""
-    law, slip = CurveLaw(CORNER, ACTUATOR, CurveLawParameters()), 0.92 * DRY.lambda_max
+    law, slip = CurveLaw(CORNER, ACTUATOR), 0.92 * DRY.lambda_max
     torque = 0.99 * steady_torque(CORNER, DRY, slip)
     for k in range(1, 100):
         law.learn(report(k * STEP, Estimate.VALID))
@@ -549,7 +549,7 @@ def test_at_the_end_of_a_stop_the_torque_is_kept_when_slip_is_lost(speed: float,
 @pytest.mark.parametrize(("name", "gives_way"), [("snow", True), ("dry", False)])
 def test_a_curve_of_another_road_gives_way_to_the_slopes_sign(name: str, gives_way: bool) -> None:
     """The wheel keeps a slip of 0.02 under a torque that dry gives there, four times the peak's of snow."""
-    law, slip = CurveLaw(CORNER, ACTUATOR, CurveLawParameters()), 0.02
+    law, slip = CurveLaw(CORNER, ACTUATOR), 0.02
     torque = steady_torque(CORNER, DRY, slip)
     asked = []
     for k in range(1, 301):
@@ -565,7 +565,7 @@ def test_below_the_peak_the_demand_passes_whatever_it_is() -> None:
     """Ordinary braking: the law asks for nothing but the driver's pressure."""
     for share in (0.1, 0.5, 0.9):
         law, plant, actuator = (
-            CurveLaw(CORNER, ACTUATOR, CurveLawParameters()),
+            CurveLaw(CORNER, ACTUATOR),
             SingleCorner(CORNER, [30.0]),
             BrakeActuator(1, DT),
         )
@@ -613,7 +613,7 @@ NUMBERS = st.one_of(st.floats(-1e6, 1e6), st.sampled_from([nan, inf, -inf, 0.0])
     )
 )
 def test_whatever_comes_the_law_answers_with_a_command_or_gives_way(rows: list[tuple]) -> None:
-    law, stamp = CurveLaw(CORNER, ACTUATOR, CurveLawParameters()), 0
+    law, stamp = CurveLaw(CORNER, ACTUATOR), 0
     for ahead, wheel, speed, slip, torque, demand, braking, estimate, name, stddev, restarts, samples in rows:
         stamp += ahead
         told = estimate in (Estimate.VALID, Estimate.VAGUE)

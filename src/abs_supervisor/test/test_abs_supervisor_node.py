@@ -103,11 +103,17 @@ def test_node_commands_nothing_unless_started_to_do_so() -> None:
         request = SetParameters.Request(parameters=[Parameter(name="shadow", value=false)])
         answer = client.call(SetParameters, "/abs_supervisor/set_parameters", request)
         assert [result.successful for result in answer.results] == [False]
-        # The source of the braking demand may change. The processors are then made again, without a command.
-        request = SetParameters.Request(parameters=[text("braking_source", "pressure")])
-        answer = client.call(SetParameters, "/abs_supervisor/set_parameters", request)
-        assert [result.successful for result in answer.results] == [True]
-        client.until(lambda: client.node.count_subscribers("front_left/brake_pressure") == 1)
+        # Only the thresholds may change. The processors are then made again, without a command.
+        wait = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=0.04)
+        for name, value, taken in (
+            ("tolerance", wait, False),
+            ("actuator.delay", wait, False),
+            ("demand_timeout", wait, False),
+            ("thresholds.wait", wait, True),
+        ):
+            request = SetParameters.Request(parameters=[Parameter(name=name, value=value)])
+            answer = client.call(SetParameters, "/abs_supervisor/set_parameters", request)
+            assert [result.successful for result in answer.results] == [taken]
         assert client.node.count_publishers("front_left/brake_command") == 0
         output = stop(process)
     assert process.returncode == 0

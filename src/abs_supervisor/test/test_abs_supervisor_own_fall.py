@@ -5,9 +5,10 @@ from math import nan
 import numpy as np
 import pytest
 
-from abs_supervisor.envelope import Envelope, EnvelopeParameters
+from abs_supervisor.envelope import Envelope
 from abs_supervisor.own_fall import OwnFall
 from abs_supervisor.release_evidence import Wheel
+from abs_supervisor.tuning import EnvelopeTuning
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.vehicle import CornerParameters
 
@@ -53,7 +54,7 @@ class Bench:
     """The envelope of a wheel whose slip is vague, and a law that always wants a release."""
 
     def __init__(self, car: float) -> None:
-        self.envelope = Envelope(CORNER, ActuatorParameters(), EnvelopeParameters())
+        self.envelope = Envelope(CORNER, ActuatorParameters(), EnvelopeTuning())
         self.car, self.stamp = car, 0
 
     def at(self, slip: float, count: int, torque: float = ROAD, stddev: float = 0.2) -> Command:

@@ -5,8 +5,8 @@ from math import nan
 
 import pytest
 
-from abs_supervisor.envelope import EnvelopeParameters
 from abs_supervisor.guard import Guard, Seen
+from abs_supervisor.tuning import EnvelopeTuning
 from abs_supervisor.wheel_pair import NO_AXLE, WheelPair, wheel_pairs
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.vehicle import FRONT, REAR
@@ -106,7 +106,7 @@ def test_a_moment_of_the_vehicle_file_is_a_difference_of_torques() -> None:
 @pytest.mark.parametrize("law", [Command.NONE, Command.INCREASE])
 def test_a_wheel_gets_no_more_than_the_other_leaves_but_the_drivers_brake_is_his(law: Command, most: Command) -> None:
     wheel = COMPACT.wheels[0]
-    guard = Guard(COMPACT.corner(wheel.name), EnvelopeParameters(), ActuatorParameters(), commands=True)
+    guard = Guard(COMPACT.corner(wheel.name), EnvelopeTuning(), ActuatorParameters(), commands=True)
     seen = Seen(wheel_speed=20.0 / wheel.radius, torque=300.0, demand=800.0, car_speed=20.0, slip=0.0)
     guard.look(STEP, seen)
     assert guard.command(STEP, law, most) is (Command.NONE if law is Command.NONE else most)

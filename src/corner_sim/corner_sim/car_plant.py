@@ -14,7 +14,7 @@ from corner_sim.driver import Throttle
 from corner_sim.plant import SAMPLE_TIME, SLIP_MIN_SPEED, PlantSample
 from corner_sim.road import Road
 from corner_sim.sensors import Measurement, SensorNoise
-from friction_parameters.parameter import parameter
+from friction_parameters.parameter import constant, parameter
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
 from vehicle_models.surfaces import SURFACES
 from vehicle_models.vehicle import Vehicle
@@ -30,16 +30,14 @@ class CarModelParameters:
     """Parameters of `model: car` that are not in the vehicle file: car, road and sensors."""
 
     tyre: str = parameter("burckhardt", "family of its tyres", choices=tuple(TYRES))
-    load_variation: float = parameter(
-        0.0, "RMS of the load of each wheel over its mean, at 1 to 14 Hz", minimum=0.0, maximum=0.3
-    )
+    load_variation: float = constant(0.0, "RMS of the load of each wheel over its mean, at 1 to 14 Hz")
     right_surface: str = parameter(
         SAME, "surface under the right wheels all the way; else the road's", choices=(SAME, *SURFACES)
     )
-    slope: float = parameter(0.0, "sine of the angle of the road, uphill positive", minimum=-0.3, maximum=0.3)
-    hill: float = parameter(0.0, "sine of the additional angle of the road on a hill", minimum=-0.3, maximum=0.3)
-    hill_distance: float = parameter(0.0, "where the hill begins", unit="m", minimum=0.0, maximum=1e5)
-    hill_length: float = parameter(30.0, "way to its full slope", unit="m", minimum=0.1, maximum=1e4)
+    slope: float = constant(0.0, "sine of the angle of the road, uphill positive")
+    hill: float = constant(0.0, "sine of the additional angle of the road on a hill")
+    hill_distance: float = constant(0.0, "where the hill begins", unit="m")
+    hill_length: float = constant(30.0, "way to its full slope", unit="m")
     drive_speeds: tuple[float, ...] = parameter(
         (0.0,),
         "speeds that the driver drives at until he brakes; 0: in neutral",
@@ -50,17 +48,13 @@ class CarModelParameters:
     drive_times: tuple[float, ...] = parameter(
         (0.0,), "when each is reached, straight from one to the next", unit="s", minimum=0.0
     )
-    fading: float = parameter(
-        0.0, "share of the brake gain lost when the pads have taken 100 kJ", minimum=0.0, maximum=0.9
-    )
-    damper_share: float = parameter(
-        0.0, "share of the dampers in the load transfer: 1 a sprung body, 0 a load that lags", minimum=0.0, maximum=1.0
+    fading: float = constant(0.0, "share of the brake gain lost when the pads have taken 100 kJ")
+    damper_share: float = constant(
+        0.0, "share of the dampers in the load transfer: 1 a sprung body, 0 a load that lags"
     )
     encoder: bool = parameter(False, "wheel speeds from the edges of the encoder's teeth, else ideal ones with noise")
-    wheel_delay: float = parameter(0.0, "age of a wheel speed at its stamp", unit="s", minimum=0.0, maximum=0.5)
-    acceleration_delay: float = parameter(
-        0.0, "age of an acceleration at its stamp", unit="s", minimum=0.0, maximum=0.5
-    )
+    wheel_delay: float = constant(0.0, "age of a wheel speed at its stamp", unit="s")
+    acceleration_delay: float = constant(0.0, "age of an acceleration at its stamp", unit="s")
 
     def hill_at(self, distance: float) -> float:
         """Return the sine of the angle of the hill at a distance [m]."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from corner_sim.car_plant import CarModelParameters
 from friction_parameters.generated import ShippedFile
-from friction_parameters.parameter import group, parameter
+from friction_parameters.parameter import constant, group, parameter
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.surfaces import SURFACES
 from vehicle_models.vehicle_file import vehicle_file_parameter
@@ -54,12 +54,8 @@ class SimParameters:
     acceleration_variance: float = parameter(
         0.0, "variance of the accelerometer noise (none in section 8.3.2)", unit="m^2/s^4", minimum=0.0, maximum=100.0
     )
-    acceleration_bias: float = parameter(
-        0.0,
-        "unknown constant error of the accelerometer; a known one belongs in the vehicle file",
-        unit="m/s^2",
-        minimum=-10.0,
-        maximum=10.0,
+    acceleration_bias: float = constant(
+        0.0, "unknown constant error of the accelerometer; a known one belongs in the vehicle file", unit="m/s^2"
     )
     seed: int = parameter(0, "seed of the noise", minimum=0, maximum=2**31 - 1)
 
@@ -67,9 +63,7 @@ class SimParameters:
     tyre_signals: bool = parameter(
         False, "publish <wheel>/tyre_signals: encoder voltage and in-tyre acceleration at 10 kHz", read_only=True
     )
-    inflation_pressure: float = parameter(
-        2e5, "gauge pressure of the tyres (tyre_signals)", unit="Pa", minimum=5e4, maximum=1e6
-    )
+    inflation_pressure: float = constant(2e5, "gauge pressure of the tyres (tyre_signals)", unit="Pa")
     publish_clock: bool = parameter(False, "publish /clock", read_only=True)
     start_stamp: int = parameter(
         0, "stamp of the first sample, 0: the wall clock at start", unit="ns", minimum=0, maximum=2**62, read_only=True

@@ -13,7 +13,7 @@ from friction_curve_id.methods import CHAPTER_METHODS, DEFAULT, METHODS, Chapter
 from friction_curve_id.sample_gate import GateParameters
 from friction_curve_id.vehicle.vehicle_samples import WholeVehicleParameters
 from friction_parameters.generated import ShippedFile
-from friction_parameters.parameter import deadline_parameter, group, parameter
+from friction_parameters.parameter import constant, constants, deadline_parameter, group, parameter
 from vehicle_models.physical_bounds import HIGHEST_MU
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import vehicle_file_parameter
@@ -38,14 +38,14 @@ class FrictionCurveParameters:
         choices=(SLIP, VEHICLE_VELOCITY, NO_SPEED),
     )
     abs_activation_slip: float = parameter(0.15, "slip whose first passing is marked", minimum=0.01, maximum=0.9)
-    highest_mu: float = parameter(HIGHEST_MU, "a larger mu_max is never valid", minimum=0.1, maximum=10.0)
+    highest_mu: float = constant(HIGHEST_MU, "a larger mu_max is never valid")
     deadline: float = deadline_parameter()
     gate: GateParameters = group(GateParameters(), selector="method", methods=(AUTO, *METHODS))
     noise: MeasurementNoise = group(MeasurementNoise(), selector="method", methods=(AUTO, *METHODS))
     chapter: ChapterParameters = group(ChapterParameters(), selector="method", methods=tuple(CHAPTER_METHODS))
     car: CarEstimatorParameters = group(CarEstimatorParameters(), selector="method", methods=(AUTO, CAR))
     vehicle: WholeVehicleParameters = group(WholeVehicleParameters(), selector="method", methods=(VEHICLE,))
-    tyre_force: TyreForceParameters = group(TyreForceParameters(), selector="method", methods=(TYRE_FORCE,))
+    tyre_force: TyreForceParameters = constants(TyreForceParameters())
 
     def __post_init__(self) -> None:
         """Refuse combinations that cannot work."""

@@ -5,7 +5,7 @@ from math import isfinite
 
 from friction_curve_id.interface import Refusal, Sample
 from friction_curve_id.stamp_order import Admission, StampOrder
-from friction_parameters.parameter import max_gap_parameter, minimum_speed_parameter
+from friction_parameters.parameter import constant, minimum_speed_parameter
 from vehicle_models.reason import Reason
 
 
@@ -14,7 +14,7 @@ class GateParameters:
     """Limits for samples that may enter a fit."""
 
     minimum_speed: float = minimum_speed_parameter(3.0)
-    max_gap: float = max_gap_parameter(0.025)
+    max_gap: float = constant(0.025, "longest time between two samples of an input that is bridged", unit="s")
 
 
 class SampleGate:

@@ -377,7 +377,7 @@ def test_the_vehicle_without_accelerometer_says_so(clean: Brake) -> None:
         ({"noise": {"torque_variance": math.nan}}, "noise.torque_variance"),
         ({"gate": {"minimum_speed": 0.0}}, "gate.minimum_speed"),
         ({"vehicle": {"timing_stddev": 0.0}}, "vehicle.timing_stddev"),
-        ({"tyre_force": {"min_load": 0.0}}, "tyre_force.min_load"),
+        ({"gate": {"max_gap": 0.1}}, "unknown parameter 'gate.max_gap'"),
         ({"wheels": ["front_left"]}, "unknown parameter 'wheels'"),
     ],
 )
@@ -386,18 +386,12 @@ def test_a_bad_parameter_is_refused_by_name(values: dict[str, Any], named: str) 
         from_mapping(FrictionCurveParameters, values)
 
 
-"""Names before there were groups and a vehicle file."""
-
-
-@pytest.mark.parametrize(
-    ("method", "used"), [("rls", "chapter gate"), ("vehicle", "vehicle"), ("tyre_force", "tyre_force")]
-)
+@pytest.mark.parametrize(("method", "used"), [("rls", "chapter gate"), ("vehicle", "vehicle"), ("tyre_force", "")])
 def test_parameters_of_other_methods_are_ignored_and_named(method: str, used: str) -> None:
     values = {
-        "gate.max_gap": 0.1,
+        "gate.minimum_speed": 4.0,
         "chapter.lambda_init": 0.07,
         "vehicle.timing_stddev": 0.02,
-        "tyre_force.min_load": 300.0,
     }
     named = {line.split(":")[0] for line in ignored(from_mapping(FrictionCurveParameters, {"method": method} | values))}
     assert named == {name for name in values if name.split(".")[0] not in used.split()}
@@ -456,7 +450,7 @@ def test_a_changed_parameter_makes_processors_on_the_same_topics() -> None:
     def topics(values: dict[str, Any]) -> Sequence[set[str]]:
         return [{*each.sensors, *each.estimates, *each.outputs} for each in made_by(values)]
 
-    assert topics({}) == topics({"chapter.friction_source": "slip_equation", "gate.max_gap": 0.1})
+    assert topics({}) == topics({"chapter.friction_source": "slip_equation", "gate.minimum_speed": 4.0})
 
 
 def test_a_car_that_is_not_known_exactly_gets_the_method_that_counts_it() -> None:

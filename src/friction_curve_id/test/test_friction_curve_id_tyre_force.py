@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from friction_curve_id.chapter.tyre_force import TyreForceFitting, TyreForceParameters, TyreForceSample
 from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
-from friction_parameters.parameter import ParameterError, from_mapping
 from vehicle_models import burckhardt
 from vehicle_models.reason import Reason
 from vehicle_models.surfaces import surface
@@ -71,11 +70,6 @@ def test_a_gap_begins_a_new_fit() -> None:
     estimates = [answer for answer in answers if isinstance(answer, CurveEstimate)]
     assert estimates[0].restart_cause is RestartCause.GAP
     assert estimates[-1].mu_max == pytest.approx(1.17, rel=0.02)
-
-
-def test_limits_that_admit_nothing_are_refused() -> None:
-    with pytest.raises(ParameterError, match="min_load"):
-        from_mapping(TyreForceParameters, {"min_load": 0.0})
 
 
 def test_the_fit_begins_beyond_lambda_init() -> None:

@@ -207,9 +207,7 @@ def test_a_gap_and_a_reset_begin_again_and_say_so() -> None:
     assert estimates[-1].lambda_max == pytest.approx(last_estimate(samples).lambda_max)
 
 
-@pytest.mark.parametrize(
-    "values", [{"timing_stddev": 0.0}, {"minimum_speed": 0.0}, {"max_gap": math.nan}, {"min_deceleration": -2.0}]
-)
+@pytest.mark.parametrize("values", [{"timing_stddev": 0.0}, {"minimum_speed": 0.0}])
 def test_parameters_that_admit_nothing_are_refused_by_name(values: dict[str, float]) -> None:
     with pytest.raises(ParameterError, match=next(iter(values))):
         from_mapping(WholeVehicleParameters, values)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
-from friction_parameters.parameter import declared, holds_constants, only_with, values_of
+from friction_parameters.parameter import declared, is_constant, only_with, values_of
 from friction_parameters.parameter_file import EVERY_NODE
 from friction_parameters.yaml_file import yaml_text
 
@@ -68,7 +68,7 @@ def _number(value: float) -> str:
 def _lines(parameters: Any, indent: str) -> Iterator[str]:
     for each in fields(parameters):
         value = getattr(parameters, each.name)
-        if holds_constants(each.metadata):
+        if is_constant(each.metadata):
             continue
         if is_dataclass(value):
             yield _commented(f"{indent}{each.name}:", only_with(each.metadata))

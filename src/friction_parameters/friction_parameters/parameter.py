@@ -29,7 +29,7 @@ from friction_parameters.command_line import UserError
 
 Parameters = TypeVar("Parameters")
 
-_CONSTANTS = {"constants": True}
+_CONSTANT = "constant"
 
 
 class ParameterError(UserError, ValueError):
@@ -84,17 +84,17 @@ def group(default: Any, *, selector: str = "", methods: tuple[str, ...] = ()) ->
 
 def constants(default: Any) -> Any:
     """Return a field that holds a frozen dataclass of constants: no parameters, neither listed nor read from files."""
-    return field(default=default, metadata=_CONSTANTS)
+    return field(default=default, metadata={_CONSTANT: True})
 
 
 def constant(default: Any, description: str, *, unit: str = "") -> Any:
-    """Return a field of a tuning dataclass: a physical quantity with its meaning and unit."""
-    return field(default=default, metadata={"description": description, "unit": unit})
+    """Return a field that is no parameter: a physical quantity with its meaning and unit, for a frozen dataclass."""
+    return field(default=default, metadata={_CONSTANT: True, "description": description, "unit": unit})
 
 
-def holds_constants(metadata: Mapping[str, Any]) -> bool:
-    """Whether a field was made with `constants`, from its metadata."""
-    return metadata == _CONSTANTS
+def is_constant(metadata: Mapping[str, Any]) -> bool:
+    """Whether a field was made with `constant` or `constants`, from its metadata."""
+    return _CONSTANT in metadata
 
 
 def max_gap_parameter(default: float) -> Any:
@@ -132,14 +132,14 @@ def declared(cls: type) -> dict[str, Declared]:
     """Return the parameters of a dataclass and of its groups, by dotted name, in the order of declaration.
 
     Raises:
-        TypeError: a field was not made with `parameter`, `group` or `constants`.
+        TypeError: a field was not made with `parameter`, `group`, `constant` or `constants`.
     """
     found: dict[str, Declared] = {}
     hints = get_type_hints(cls)
     for each in fields(cls):
         if each.default is MISSING or not each.metadata:
             raise TypeError(f"{cls.__name__}.{each.name} is not a parameter: make it with parameter(...) or group(...)")
-        if holds_constants(each.metadata):
+        if is_constant(each.metadata):
             continue
         if is_dataclass(hints[each.name]):
             for inner in declared(hints[each.name]).values():

@@ -54,9 +54,7 @@ class DetectorParameters:
     """Windows, thresholds and dead zones, for both methods."""
 
     window: int = parameter(26, "samples of the fit that gives H", minimum=3, maximum=400)
-    lead: float = parameter(
-        0.0, "where H is read: 0 window's centre, 1 newest sample; ahead of it is for 'vote'", minimum=0.0, maximum=4.0
-    )
+    lead: float = parameter(0.0, "where H is read: 0 window's centre, 1 newest sample", minimum=0.0, maximum=1.0)
     rate_window: int = parameter(26, "samples of the fits that give slip rate and eta", minimum=2, maximum=400)
     h_instability: float = parameter(
         -10.0, "indicator at or below which stability is lost", unit="rad/s^3", minimum=-1e5, maximum=0.0

@@ -4,16 +4,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from friction_parameters.generated import ShippedFile
-from friction_parameters.parameter import deadline_parameter, group, parameter
+from friction_parameters.parameter import constants, deadline_parameter, group, parameter
 from friction_slope.detector import DetectorParameters, NoSlipParameters
 from friction_slope.estimate import Method
-from friction_slope.vote import VoteParameters
+from friction_slope.vote import VoteTuning
 from vehicle_models.vehicle_file import vehicle_file_parameter
 
 
 @dataclass(frozen=True)
 class FrictionSlopeParameters:
-    """All of them, with unit and range."""
+    """Parameters of the node."""
 
     vehicle_file: str = vehicle_file_parameter()
     method: str = parameter(
@@ -23,16 +23,8 @@ class FrictionSlopeParameters:
     )
     detector: DetectorParameters = group(DetectorParameters())
     no_slip: NoSlipParameters = group(NoSlipParameters())
-    vote: VoteParameters = group(VoteParameters())
+    vote: VoteTuning = constants(VoteTuning())
     deadline: float = deadline_parameter(0.03)
-
-    def __post_init__(self) -> None:
-        """Refuse a prediction as an estimate: a file from before the vote had its own group tunes the vote with it."""
-        if self.detector.lead > 1.0:
-            raise ValueError(
-                f"parameter 'detector.lead' = {self.detector.lead} is above 1: an estimate is not predicted. The vote "
-                "for abs_supervisor is; what tunes it belongs into the group 'vote': 'vote.window', 'vote.lead', ..."
-            )
 
     @property
     def takes_slip(self) -> bool:
@@ -42,7 +34,7 @@ class FrictionSlopeParameters:
 
 SHIPPED: Mapping[str, ShippedFile] = {
     "friction_slope": ShippedFile(
-        "One set for both methods and all roads. `vote` tunes <wheel>/slope_vote, the fast vote for abs_supervisor.",
+        "One set for both methods and all roads.",
         FrictionSlopeParameters(),
     ),
 }

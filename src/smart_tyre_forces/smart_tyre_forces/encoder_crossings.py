@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_parameters.parameter import parameter
+from friction_parameters.parameter import constant
 from smart_tyre_forces.fir import filtered
 from smart_tyre_forces.missing_teeth import Gap
 from vehicle_models.reason import Reason
@@ -34,18 +34,11 @@ _QUIET: Final = 0.5
 class CrossingParameters:
     """What counts as a crossing."""
 
-    hysteresis: float = parameter(
-        0.1,
-        "voltage to be passed on either side of a zero crossing; a smaller sine counts as standstill",
-        unit="V",
-        minimum=1e-4,
-        maximum=100.0,
+    hysteresis: float = constant(
+        0.1, "voltage to be passed on either side of a zero crossing; a smaller sine counts as standstill", unit="V"
     )
-    interval_ratio: float = parameter(
-        1.5,
-        "ratio of neighbouring crossing intervals below the inverse of which one is surplus",
-        minimum=1.1,
-        maximum=3.0,
+    interval_ratio: float = constant(
+        1.5, "ratio of neighbouring crossing intervals below the inverse of which one is surplus"
     )
 
 

@@ -12,7 +12,7 @@ from vehicle_models.vehicle_file import vehicle_file_parameter
 
 @dataclass(frozen=True)
 class SmartTyreParameters:
-    """All of them, with unit and range."""
+    """Parameters of the node."""
 
     vehicle_file: str = vehicle_file_parameter()
     calibration_file: str = parameter("", "calibration made by the calibration tool; empty: raw contact patches only")

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_parameters.parameter import group, minimum_speed_parameter, parameter
+from friction_parameters.parameter import constants, minimum_speed_parameter, parameter
 from smart_tyre_forces.encoder_crossings import CrossingParameters, EncoderCrossings
 from smart_tyre_forces.front_template import FrontRefiner
 from smart_tyre_forces.fronts import FREE_BEGIN, FREE_END, WINDOW_END, find_fronts, noise_over_slope
@@ -50,7 +50,7 @@ class TrackerParameters:
     acceleration_range: float = parameter(
         500.0 * 9.81, "saturation of the accelerometer", unit="m/s^2", minimum=100.0, maximum=1e5
     )
-    crossings: CrossingParameters = group(CrossingParameters())
+    crossings: CrossingParameters = constants(CrossingParameters())
 
     def __post_init__(self) -> None:
         """Refuse an empty range of speeds."""

@@ -79,7 +79,6 @@ def test_shipped_parameters_are_the_defaults() -> None:
         ({"front_method": "template"}, "calibration_file"),
         ({"tracker": {"minimum_speed": 20.0, "maximum_speed": 10.0}}, "maximum_speed"),
         ({"tracker.sample_rate": -1.0}, "tracker.sample_rate"),
-        ({"tracker.crossings.interval_ratio": 1.0}, "interval_ratio"),
         ({"zero.duration": 0.0}, "zero.duration"),
     ],
 )

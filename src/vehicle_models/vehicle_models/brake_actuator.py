@@ -28,9 +28,15 @@ class Command(IntEnum):
 class ActuatorParameters:
     """Delay and rate limits of the hydraulics."""
 
-    delay: float = parameter(0.01, "transport delay of demand and command", unit="s", minimum=0.0, maximum=1.0)
-    apply_rate: float = parameter(5000.0, "fastest rise of brake torque", unit="N m/s", minimum=1.0, maximum=1e7)
-    release_rate: float = parameter(5000.0, "fastest fall of brake torque", unit="N m/s", minimum=1.0, maximum=1e7)
+    delay: float = parameter(
+        0.01, "transport delay of demand and command", unit="s", minimum=0.0, maximum=1.0, read_only=True
+    )
+    apply_rate: float = parameter(
+        5000.0, "fastest rise of brake torque", unit="N m/s", minimum=1.0, maximum=1e7, read_only=True
+    )
+    release_rate: float = parameter(
+        5000.0, "fastest fall of brake torque", unit="N m/s", minimum=1.0, maximum=1e7, read_only=True
+    )
 
     def __post_init__(self) -> None:
         """Refuse values without physical meaning."""

@@ -30,7 +30,7 @@ class SpeedSensorParameters:
 
 @dataclass(frozen=True)
 class WheelSlipParameters:
-    """All of them, with unit and range."""
+    """Parameters of the node."""
 
     vehicle_file: str = vehicle_file_parameter()
     use_imu: bool = parameter(True, "take imu/data and wait for it")

@@ -1,6 +1,5 @@
 """The law of one wheel: from what is known at a sample to what it asks for."""
 
-from dataclasses import dataclass
 from math import inf, isfinite, nan
 
 from abs_supervisor.law.choice import Law, LawChoice
@@ -13,7 +12,7 @@ from abs_supervisor.law.three_commands import command_towards
 from abs_supervisor.law.torque_set_point import most_torque, steady_torque, torque_set_point
 from abs_supervisor.law.usable_curve import CurveReport, UsableCurve
 from abs_supervisor.law.wheel_observer import WheelObserver
-from friction_parameters.parameter import parameter
+from abs_supervisor.tuning import Tuning
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import CornerParameters
@@ -27,21 +26,14 @@ _LONGEST_STEP = 0.02
 """[s]"""
 
 
-@dataclass(frozen=True)
-class CurveLawParameters:
-    """How finely the law answers."""
-
-    band: float = parameter(
-        20.0, "smallest error of the brake torque that a command answers", unit="N m", minimum=0.1, maximum=1e4
-    )
-
-
 class CurveLaw:
     """Slip control on the identified curve. `ask` at every sample, then `commanded`."""
 
-    def __init__(self, corner: CornerParameters, actuator: ActuatorParameters, parameters: CurveLawParameters) -> None:
+    def __init__(
+        self, corner: CornerParameters, actuator: ActuatorParameters, band: float = Tuning.torque_band
+    ) -> None:
         """Choose a wheel and its hydraulics."""
-        self._corner, self._actuator, self._band = corner, actuator, parameters.band
+        self._corner, self._actuator, self._band = corner, actuator, band
         self._observer = WheelObserver(corner, actuator)
         self._filter = DisturbanceFilter()
         self._released = ReleasedWheel()

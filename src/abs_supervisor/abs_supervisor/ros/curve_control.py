@@ -7,9 +7,10 @@ from friction_msgs.msg import FrictionCurve, SupervisorDebug, SupervisorState
 from abs_supervisor.curve_queue import CurveQueue
 from abs_supervisor.guard import Seen
 from abs_supervisor.law.choice import Change, Law
-from abs_supervisor.law.curve_law import CurveLaw, CurveLawParameters
+from abs_supervisor.law.curve_law import CurveLaw
 from abs_supervisor.law.usable_curve import CurveReport
 from abs_supervisor.ros.curve_report import curve_report
+from abs_supervisor.tuning import Tuning
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.wheel_forces import LEAST_SHARE, WheelLoad
@@ -21,11 +22,9 @@ _OF_THE_CAR = "car"
 class CurveControl:
     """Stands between the processor and the law."""
 
-    def __init__(
-        self, wheel: str, vehicle: Vehicle, actuator: ActuatorParameters, parameters: CurveLawParameters
-    ) -> None:
+    def __init__(self, wheel: str, vehicle: Vehicle, actuator: ActuatorParameters, tuning: Tuning) -> None:
         """Choose a wheel of the car and its hydraulics."""
-        self.law = CurveLaw(vehicle.corner(wheel), actuator, parameters)
+        self.law = CurveLaw(vehicle.corner(wheel), actuator, tuning.torque_band)
         self._reports: CurveQueue[CurveReport] = CurveQueue()
         self._load = WheelLoad(vehicle, wheel)
         self._true_friction = False

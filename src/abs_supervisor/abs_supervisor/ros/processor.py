@@ -101,11 +101,11 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         self._log = BrakingLog(wheel, report)
         self._hysteresis = TorqueWithHysteresis(parameters.braking_torque, parameters.pressure)
         obeyed = by_demand and not parameters.shadow
-        self._guard = Guard(vehicle.corner(wheel), parameters.envelope, parameters.actuator, obeyed)
+        self._guard = Guard(vehicle.corner(wheel), parameters.tuning.envelope, parameters.actuator, obeyed)
         self._end_of_stop = EndOfStop(vehicle.corner(wheel), parameters.actuator)
         self._curve_control = None
         if parameters.law == CURVE:
-            self._curve_control = CurveControl(wheel, vehicle, parameters.actuator, parameters.curve)
+            self._curve_control = CurveControl(wheel, vehicle, parameters.actuator, parameters.tuning)
         self._counter = 0
         self._commanded = False
         self._forget()

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from friction_curve_id.car.curve_family import PUBLISHED_ROADS, SHAPE_PRIORS, Family, ShapePrior
-from friction_parameters.parameter import max_gap_parameter, minimum_speed_parameter, parameter
+from friction_parameters.parameter import constant, minimum_speed_parameter, parameter
 
 ANY = "any"
 
@@ -22,11 +22,9 @@ class CarEstimatorParameters:
     slope_stddev: float = parameter(
         0.023, "standard deviation of the slope of the road; 0: level", minimum=0.0, maximum=0.3
     )
-    torque_stddev: float = parameter(
-        5.0, "standard deviation of what the wheel equation leaves out", unit="N m", minimum=0.01, maximum=1000.0
-    )
+    torque_stddev: float = constant(5.0, "standard deviation of what the wheel equation leaves out", unit="N m")
     minimum_speed: float = minimum_speed_parameter(3.0)
-    max_gap: float = max_gap_parameter(0.05)
+    max_gap: float = constant(0.05, "longest time between two samples of an input that is bridged", unit="s")
 
     def families(self) -> Mapping[Family, ShapePrior]:
         """Formulas to fit, each with the prior of its shape."""

@@ -12,7 +12,7 @@ from friction_curve_id.chapter.friction_samples import LARGEST_FRICTION, Frictio
 from friction_curve_id.chapter.maximum_likelihood import MaximumLikelihood
 from friction_curve_id.chapter.start_parameters import StartParameters
 from friction_curve_id.interface import CurveEstimate, Refusal
-from friction_parameters.parameter import max_gap_parameter, parameter
+from friction_parameters.parameter import constant
 from vehicle_models.reason import Reason
 
 _BRAKING_FRICTION = 0.02
@@ -39,8 +39,8 @@ class TyreForceSample:
 class TyreForceParameters(StartParameters):
     """When a fit begins, and which samples may enter it."""
 
-    min_load: float = parameter(200.0, "no friction from a vertical load below", unit="N", minimum=1.0, maximum=1e5)
-    max_gap: float = max_gap_parameter(1.0)
+    min_load: float = constant(200.0, "no friction from a vertical load below", unit="N")
+    max_gap: float = constant(1.0, "longest time between two samples of an input that is bridged", unit="s")
 
 
 class TyreForceFitting:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.interface import Refusal
-from friction_parameters.parameter import max_gap_parameter, minimum_speed_parameter, parameter
+from friction_parameters.parameter import constant, minimum_speed_parameter, parameter
 from vehicle_models.constants import AIR_DENSITY, GRAVITY
 from vehicle_models.physical_bounds import HIGHEST_ACCELERATION
 from vehicle_models.reason import Reason
@@ -35,10 +35,8 @@ class WholeVehicleParameters:
         maximum=0.1,
     )
     minimum_speed: float = minimum_speed_parameter(6.0)
-    min_deceleration: float = parameter(
-        2.0, "deceleration above which the car brakes, not coasts", unit="m/s^2", minimum=0.1, maximum=10.0
-    )
-    max_gap: float = max_gap_parameter(0.1)
+    min_deceleration: float = constant(2.0, "deceleration above which the car brakes, not coasts", unit="m/s^2")
+    max_gap: float = constant(0.1, "longest time between two samples of an input that is bridged", unit="s")
 
 
 def relaxation_spread(vehicle: Vehicle) -> float:
