@@ -19,6 +19,7 @@ from friction_curve_id.activation import ActivationMark
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.ros.car_processor import CarProcessor
 from friction_curve_id.ros.processor import CurveProcessor, build
+from friction_curve_id.sample_gate import GateParameters
 from friction_parameters.parameter import ParameterError, from_mapping, ignored
 from friction_parameters.parameter_file import load
 from friction_runtime.processor import Level, Report, silent
@@ -294,7 +295,9 @@ def test_a_pressure_is_not_interpolated_across_max_gap(clean: Brake) -> None:
         if not topic.endswith("brake_pressure") or (k // 4) % 8 == 0
     ]
     assert Reason.NO_PRESSURE in {message.validity.reason for message in drive(processor(), sparse)}
-    bridged = drive(processor(gate={"max_gap": 0.05}), sparse)
+    wider = FrictionCurveParameters(method="rls", gate=GateParameters(max_gap=0.05))
+    (patient,) = (each for each in build(wider, CORNER) if isinstance(each, CurveProcessor))
+    bridged = drive(patient, sparse)
     assert Reason.NO_PRESSURE not in {message.validity.reason for message in bridged[:80]}
 
 
