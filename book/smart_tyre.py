@@ -46,7 +46,7 @@ _CAPTIONS = {
 def section(pictures: Path, seeds: Callable[[int], int]) -> Section:
     """Make the runs and draw into `pictures`."""
     drawn = draw(pictures, calibration_runs(NOISY))
-    rows = [*rows_of("benchmarks", "smart_tyre", "--no-live", "--seeds", str(seeds(30))), *drawn]
+    rows = [*rows_of("benchmarks", "smart_tyre", "--seeds", str(seeds(30))), *drawn]
     title = "Contact forces from the smart tyre, Figures 8.16 to 8.28"
     shown = [Picture(caption, pictures / f"{name}.png") for name, caption in _CAPTIONS.items()]
     return Section("8.4", title, _TEXT, list(tables(rows)), shown, numbers(drawn))

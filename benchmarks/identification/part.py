@@ -1,14 +1,14 @@
 """Identification of lambda_max over manoeuvres, surfaces and methods, beside the Cramer-Rao bound.
 
 Studies: methods (the table of all methods), random (500 random curves), alarms (P(beyond the peak) against the true
-crossing), model_error (bias by wrong parameters), outliers, surface_change, cost (beside padasip and curve_fit).
+crossing), model_error (bias by wrong parameters), outliers, surface_change.
 """
 
 import argparse
 from collections.abc import Callable
 
 from benchmarks.identification import studies
-from benchmarks.identification.surface_change import cost, surface_change
+from benchmarks.identification.surface_change import surface_change
 from benchmarks.protocol import RAMP_TIMES
 from benchmarks.rows import Row
 from friction_curve_id.chapter.friction_samples import FrictionSource
@@ -22,7 +22,6 @@ _STUDIES: dict[str, Callable[[argparse.Namespace], list[Row]]] = {
     "model_error": studies.model_error,
     "outliers": studies.outliers,
     "surface_change": surface_change,
-    "cost": cost,
 }
 
 

@@ -3,23 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import os
-import subprocess
-import sys
 import time
-from array import array
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import rclpy
-from friction_msgs.msg import TyreSignals
 from numpy.typing import NDArray
-from rclpy.node import Node
 from rich.progress import Progress
 from scipy import linalg, signal
-from std_msgs.msg import Header
 
 from benchmarks.rows import Row, at_most, not_judged
 from benchmarks.smart_tyre import gains
@@ -46,11 +38,7 @@ from benchmarks.smart_tyre.runs import (
 )
 from corner_sim.smart_tyre.drives import dynamic_drive, steady_drive
 from corner_sim.smart_tyre.tyre_signal import AccelerometerParameters, EncoderParameters, TyreBlock
-from friction_bringup.discovery import local_discovery
 from friction_parameters.command_line import count
-from friction_runtime import qos
-from friction_runtime.domain import free_domain_id
-from friction_runtime.stamps import from_nanoseconds
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.correction import PatchCorrection
 from smart_tyre_forces.forces import forces
@@ -65,12 +53,9 @@ _VEHICLE = "smart_tyre_car"
 _WHEELS = load_vehicle(_VEHICLE).wheel_names
 _BLOCK = 100
 """Samples: 10 ms."""
-_LIVE_SECONDS = 15.0
-_CRUISE = 250_000
-"""Sample of the drive from which it cruises: the most revolutions a second."""
 
 
-def algorithm(known: Calibration) -> list[tuple[str, float]]:
+def cost(known: Calibration) -> float:
     """CPU of four wheels in 10 ms blocks over the dynamic drive, in % of a core."""
     drive = dynamic_drive(road_seed=0)
     blocks = {axle: simulate(drive, axle, 0) for axle in WHEEL_SEEDS}
@@ -86,58 +71,7 @@ def algorithm(known: Calibration) -> list[tuple[str, float]]:
                 forces(correction.update(passage), known.tyre, wheel, correction.zero_speed, restore_steady=True)
         spent += time.process_time() - began
         sampled += len(block.encoder_voltage) / TRACKER.sample_rate
-    return [("four wheels, 10 ms blocks, algorithm [% of a core]", 100.0 * len(_WHEELS) * spent / sampled)]
-
-
-def live_node() -> list[tuple[str, float]]:
-    """CPU of the live node with four wheels over DDS, in % of a core."""
-    block = simulate(dynamic_drive(road_seed=0), "front", 0)
-    os.environ |= {"ROS_DOMAIN_ID": str(free_domain_id()), **local_discovery()}
-    command = [sys.executable, "-m", "smart_tyre_forces", "--ros-args", "-p", f"vehicle_file:={_VEHICLE}"]
-    process = subprocess.Popen(command)
-    rclpy.init()
-    node = rclpy.create_node("tyre_cost")
-    try:
-        return [("four wheels, 10 ms blocks, live node over DDS [% of a core]", _feed(node, process.pid, block))]
-    finally:
-        process.terminate()
-        process.wait(timeout=10.0)
-        node.destroy_node()
-        rclpy.try_shutdown()
-
-
-def _feed(node: Node, pid: int, block: TyreBlock) -> float:
-    """Publish the cruise of the drive in real time; return the share of a core the process took [%]."""
-    publishers = [qos.publish(node, TyreSignals, f"{wheel}/tyre_signals") for wheel in _WHEELS]
-    patience = time.monotonic() + 20.0
-    while not all(p.get_subscription_count() for p in publishers):
-        if time.monotonic() > patience:
-            raise TimeoutError("smart_tyre_forces does not subscribe to its blocks")
-        time.sleep(0.05)
-    began, spent = time.monotonic(), _cpu_seconds(pid)
-    for k in range(round(_LIVE_SECONDS * TRACKER.sample_rate) // _BLOCK):
-        part = slice(_CRUISE + k * _BLOCK, _CRUISE + (k + 1) * _BLOCK)
-        due = k * _BLOCK / TRACKER.sample_rate
-        for wheel, publisher in zip(_WHEELS, publishers, strict=True):
-            message = TyreSignals(
-                header=Header(stamp=from_nanoseconds(1_000_000_000 + round(due * 1e9)), frame_id=wheel),
-                wheel=wheel,
-                sample_rate=TRACKER.sample_rate,
-                first_sample=k * _BLOCK,
-                encoder_voltage=array("f", block.encoder_voltage[part].tobytes()),
-                radial_acceleration=array("f", block.radial_acceleration[part].tobytes()),
-                inflation_pressure=np.nan,
-            )
-            publisher.publish(message)
-        time.sleep(max(0.0, began + due - time.monotonic()))
-    return 100.0 * (_cpu_seconds(pid) - spent) / (time.monotonic() - began)
-
-
-def _cpu_seconds(pid: int) -> float:
-    """User and system time of a process so far [s]."""
-    with open(f"/proc/{pid}/stat", encoding="ascii") as stat:
-        counters = stat.read().rsplit(")", 1)[1].split()
-    return (int(counters[11]) + int(counters[12])) / os.sysconf("SC_CLK_TCK")
+    return 100.0 * len(_WHEELS) * spent / sampled
 
 
 Array = NDArray[np.float64]
@@ -270,7 +204,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gains", action="store_true", help="only tyres that are not as calibrated, on a plant of its own"
     )
-    parser.add_argument("--no-live", action="store_true", help="leave out the cost of the live node over DDS (20 s)")
 
 
 def run(args: argparse.Namespace) -> list[Row]:
@@ -286,9 +219,7 @@ def run(args: argparse.Namespace) -> list[Row]:
     known, ideal = runs.calibrate(), calibration_runs(QUIET).calibrate()
     with Progress(transient=True) as progress:
         rows = list(evaluate(range(args.seeds), known, ideal, progress))
-    rows += [_row("cost", "all", quantity, value) for quantity, value in algorithm(known)]
-    if not args.no_live:
-        rows += [_row("cost", "all", quantity, value) for quantity, value in live_node()]
+    rows.append(_row("cost", "all", "four wheels, 10 ms blocks, algorithm [% of a core]", cost(known)))
     return rows
 
 
