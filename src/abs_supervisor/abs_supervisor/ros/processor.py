@@ -8,13 +8,13 @@ from friction_msgs.msg import BrakeCommand, BrakeDemand, SlopeVote, SupervisorDe
 from std_msgs.msg import Header
 
 from abs_supervisor.braking import TorqueWithHysteresis
-from abs_supervisor.braking_log import BrakingLog
 from abs_supervisor.end_of_stop import EndOfStop
 from abs_supervisor.fsm import COMMANDS, Cause, State
 from abs_supervisor.guard import Guard, Seen
 from abs_supervisor.parameters import CURVE, SupervisorParameters
 from abs_supervisor.reference_wheel import ReferenceWheel
 from abs_supervisor.release_evidence import Release
+from abs_supervisor.ros.braking_log import BrakingLog
 from abs_supervisor.ros.curve_control import CurveControl, describe
 from abs_supervisor.ros.input_watch import InputWatch, Loss
 from abs_supervisor.ros.wheel_inputs import WheelInputs
