@@ -254,7 +254,7 @@ def shifted_row(name: str, found: Row, straight: Row) -> Row:
 
 def car_row(name: str, samples: Iterator[CarSample], car: Vehicle, counted: bool) -> Row:
     """Feed the estimator of all wheels: how many of its answers were valid, and why the others were not."""
-    estimator = CarEstimator(car, CarEstimatorParameters(counted=counted, max_gap=0.1))
+    estimator = CarEstimator(car, CarEstimatorParameters(wheel_speed_is_interval_mean=counted, max_gap=0.1))
     reasons = Counter[str]()
     for sample in track(list(samples), description=f"{name}, method car"):
         reasons.update(answer.reason.name.lower() for answer in estimator.update(sample))

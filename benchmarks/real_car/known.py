@@ -96,7 +96,10 @@ def _updater(method: str) -> Callable[[float, float, float], CurveEstimate | Ref
         wheel = exact_wheel_estimator(DEFAULT, CORNER)
         return lambda time, omega, torque: wheel.update(Sample(time, omega, None, torque))
     parameters = CarEstimatorParameters(
-        family="burckhardt", counted=False, slope_stddev=0.0, torque_stddev=CHAPTER_NOISE.torque_variance**0.5
+        family="burckhardt",
+        wheel_speed_is_interval_mean=False,
+        slope_stddev=0.0,
+        torque_stddev=CHAPTER_NOISE.torque_variance**0.5,
     )
     car, gain = CarEstimator(exactly_known(CAR), parameters), CAR.wheels[0].brake_gain
     return lambda time, omega, torque: car.update(CarSample(time, [omega], [torque / gain], nan))[0]

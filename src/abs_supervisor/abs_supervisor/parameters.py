@@ -27,11 +27,11 @@ class SupervisorParameters:
         read_only=True,
     )
     valid_for: float = parameter(
-        0.1, "a command is in force for so long after its stamp", unit="s", minimum=0.02, maximum=1.0, read_only=True
+        0.1, "validity of a command after its stamp", unit="s", minimum=0.02, maximum=1.0, read_only=True
     )
     law: str = parameter(
         SLOPE_SIGN,
-        "what asks for a release: the sign of the slope, or the slip control on the identified curve",
+        "controller: the state machine on the slope sign, or slip control on the identified curve",
         choices=(SLOPE_SIGN, CURVE),
         read_only=True,
     )
@@ -43,7 +43,7 @@ class SupervisorParameters:
     )
     braking_source: str = parameter(
         "demand",
-        "signal that shows whether the driver brakes: brake_demand, or <wheel>/brake_pressure with hysteresis",
+        "signal of the driver's braking: brake_demand, or <wheel>/brake_pressure with hysteresis",
         choices=("demand", "pressure"),
         read_only=True,
     )

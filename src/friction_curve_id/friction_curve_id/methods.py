@@ -42,7 +42,7 @@ class ChapterParameters(StartParameters):
 
     friction_source: str = parameter(
         FrictionSource.DEAD_RECKONED.value,
-        "how the friction samples are made",
+        "equation of the friction samples",
         choices=tuple(source.value for source in FrictionSource),
     )
 

@@ -29,15 +29,17 @@ class FrictionCurveParameters:
     vehicle_file: str = vehicle_file_parameter()
     method: str = parameter(
         AUTO,
-        "how the curve is identified; auto: car, or default where the vehicle file says that it is exact",
+        "identification method; auto: car, or default where the vehicle file is exact",
         choices=(AUTO, *METHODS, CAR, VEHICLE, TYRE_FORCE),
     )
     speed_source: str = parameter(
         SLIP,
-        "where the vehicle speed comes from: the topic <wheel>/slip, vehicle_velocity, or none",
+        "source of the vehicle speed: the topic <wheel>/slip, vehicle_velocity, or none",
         choices=(SLIP, VEHICLE_VELOCITY, NO_SPEED),
     )
-    abs_activation_slip: float = parameter(0.15, "slip whose first passing is marked", minimum=0.01, maximum=0.9)
+    abs_activation_slip: float = parameter(
+        0.15, "slip that marks the ABS activation of a braking", minimum=0.01, maximum=0.9
+    )
     highest_mu: float = constant(HIGHEST_MU, "a larger mu_max is never valid")
     deadline: float = deadline_parameter()
     gate: GateParameters = group(GateParameters(), selector="method", methods=(AUTO, *METHODS))

@@ -368,7 +368,9 @@ def test_a_corner_that_is_known_exactly_is_identified_as_well_as_its_noise_allow
     of_wheel = dict.fromkeys(("inertia", "brake_gain", "radius", "relaxation_length"), zero)
     wheel = replace(corner.wheels[0], relaxation_length=1e-3, deviations=of_wheel)
     exact = replace(corner, wheels=(wheel,))
-    parameters = CarEstimatorParameters(family="burckhardt", counted=False, slope_stddev=0.0, torque_stddev=10.0**0.5)
+    parameters = CarEstimatorParameters(
+        family="burckhardt", wheel_speed_is_interval_mean=False, slope_stddev=0.0, torque_stddev=10.0**0.5
+    )
     truth = float(burckhardt.peak(np.array([SURFACES[road]]))[0][0])
     for seed in range(4):
         estimator, rng = CarEstimator(exact, parameters), np.random.default_rng([seed, 3])

@@ -99,7 +99,7 @@ def is_constant(metadata: Mapping[str, Any]) -> bool:
 
 def max_gap_parameter(default: float) -> Any:
     """Parameter that many nodes have: longest time between two samples of one input that is bridged [s]."""
-    text = "longest time between two samples of an input; a longer gap is not interpolated, the estimate starts again"
+    text = "longest time between two samples of an input; a longer gap is not interpolated, and the estimate restarts"
     return parameter(default, text, unit="s", minimum=0.001, maximum=2.0)
 
 

@@ -79,12 +79,10 @@ class DetectorParameters:
         minimum=1.0,
         maximum=50.0,
     )
-    load_transfer: bool = parameter(
-        True, "take imu/data for the vertical load, and its change out of H; else, and without it, (8.3) as printed"
-    )
+    load_transfer: bool = parameter(True, "compensate H for load transfer, from imu/data; otherwise (8.3) as printed")
     least_growth: float = parameter(
         18.0,
-        "a sign beyond the peak needs slip that grows over 'window' by this many times the scatter of the wheel speed",
+        "minimum growth of the slip over 'window' for a sign beyond the peak [noise of the wheel speed]",
         minimum=0.0,
         maximum=1000.0,
     )
@@ -105,7 +103,7 @@ class NoSlipParameters:
     )
     eta_margin: float = parameter(
         0.03,
-        "eta must be this much above the braking of the car, or below 0, to have a sign",
+        "margin of eta above the deceleration of the car, and below 0, for a sign",
         minimum=0.0,
         maximum=100.0,
     )

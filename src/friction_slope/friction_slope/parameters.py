@@ -18,7 +18,7 @@ class FrictionSlopeParameters:
     vehicle_file: str = vehicle_file_parameter()
     method: str = parameter(
         "slip",
-        "sign of the slip rate: measured (8.4), and where the slip is lost as with no_slip; or that of eta (8.5)",
+        "sign of the slip rate: measured (8.4), or that of eta (8.5), also used while the slip is lost",
         choices=tuple(method.value for method in Method),
     )
     detector: DetectorParameters = group(DetectorParameters())

@@ -16,7 +16,7 @@ class VoteTuning:
     h_instability: float = constant(-1.0, "indicator at or below which stability is lost", unit="rad/s^3")
     h_stability: float = constant(8000.0, "indicator at or above which stability is regained", unit="rad/s^3")
     slip_rate_dead_zone: float = constant(0.8, "slip rates up to this count for nothing", unit="1/s")
-    eta_margin: float = constant(0.3, "eta must be this much above the braking of the car, or below 0, to have a sign")
+    eta_margin: float = constant(0.3, "margin of eta above the deceleration of the car, and below 0, for a sign")
 
     @property
     def no_slip(self) -> NoSlipParameters:

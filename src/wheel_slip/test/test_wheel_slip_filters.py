@@ -14,7 +14,7 @@ from wheel_slip.tuning import SpeedFilterTuning
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
 MS = 1_000_000
-QUIET = AccelerometerParameters(stddev=1e-3, offset_stddev=0.4), SpeedFilterTuning(offset_walk=1e-4, gain_stddev=0.0)
+QUIET = AccelerometerParameters(stddev=1e-3, bias_stddev=0.4), SpeedFilterTuning(offset_walk=1e-4, gain_stddev=0.0)
 
 
 def wheel_filter() -> WheelSpeedFilter:
@@ -144,7 +144,7 @@ def test_offset_is_learned_and_latency_leaves_no_bias(late: int) -> None:
 
 
 def test_scale_of_the_accelerometer_is_learned_in_braking_with_its_deviation() -> None:
-    f = SpeedFilter(AccelerometerParameters(stddev=1e-3, offset_stddev=0.01), SpeedFilterTuning(gain_stddev=0.02))
+    f = SpeedFilter(AccelerometerParameters(stddev=1e-3, bias_stddev=0.01), SpeedFilterTuning(gain_stddev=0.02))
     rng = np.random.default_rng(1)
     for k in range(1, 601):
         t = k * 0.005
@@ -196,7 +196,7 @@ def test_a_hill_on_which_a_car_coasts_is_an_offset_and_no_slip_of_its_wheels() -
 
 def test_a_gain_that_is_not_known_makes_the_speed_as_uncertain_as_what_was_integrated_and_no_steady_road() -> None:
     f = SpeedFilter(
-        AccelerometerParameters(offset_stddev=1e-3),
+        AccelerometerParameters(bias_stddev=1e-3),
         SpeedFilterTuning(blind_offset_walk=1e-4, gain_stddev=0.02),
         None,
         0.0,
@@ -262,7 +262,7 @@ def onset(time: float) -> float:
 def late_filter(late: float, delay: float, stddev: float, *, seen: bool) -> tuple[SpeedFilter, float]:
     """Brake with readings that are `late` [s]; return the filter, which sees the speed until then or always, and it."""
     f = SpeedFilter(
-        AccelerometerParameters(stddev=1e-3, offset_stddev=1e-3), SpeedFilterTuning(gain_stddev=0.0), 0.0, delay, stddev
+        AccelerometerParameters(stddev=1e-3, bias_stddev=1e-3), SpeedFilterTuning(gain_stddev=0.0), 0.0, delay, stddev
     )
     speed = 30.0
     f.predict(MS, onset(-late))
@@ -305,7 +305,7 @@ def test_brakes_that_are_cycled_do_not_hide_what_an_age_has_done(late: float) ->
         return -8.0 * (1.0 + np.sin(2.0 * np.pi * time / 0.15)) if time > 0.0 else 0.0
 
     f = SpeedFilter(
-        AccelerometerParameters(stddev=1e-3, offset_stddev=1e-3), SpeedFilterTuning(gain_stddev=0.0), 0.0, 0.0, late
+        AccelerometerParameters(stddev=1e-3, bias_stddev=1e-3), SpeedFilterTuning(gain_stddev=0.0), 0.0, 0.0, late
     )
     speed, z = 30.0, []
     f.predict(MS, 0.0)

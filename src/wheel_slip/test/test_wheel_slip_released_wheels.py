@@ -88,7 +88,7 @@ def test_reset_forgets_that_a_brake_was_closed() -> None:
 
 def sliding(seconds: float, reading: float) -> SpeedFilter:
     """A filter that has integrated through a slide from 25 m/s."""
-    f = SpeedFilter(AccelerometerParameters(offset_stddev=0.01), SpeedFilterTuning(gain_stddev=0.0), 0.0, 0.0, 0.0)
+    f = SpeedFilter(AccelerometerParameters(bias_stddev=0.01), SpeedFilterTuning(gain_stddev=0.0), 0.0, 0.0, 0.0)
     f.predict(5 * MS, reading)
     f.start(25.0, 1e-4)
     for k in range(round(seconds / DT)):

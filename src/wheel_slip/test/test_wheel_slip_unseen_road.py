@@ -55,7 +55,7 @@ def test_a_speed_that_is_known_better_makes_the_slopes_that_led_to_it_less_likel
 
 @pytest.mark.parametrize("slope", [-0.04, 0.04])
 def test_a_step_of_the_slope_a_second_into_a_slide_is_within_two_deviations(slope: float) -> None:
-    f = SpeedFilter(AccelerometerParameters(offset_stddev=1e-3), SpeedFilterTuning(gain_stddev=0.0), 0.0, 0.0, 0.0)
+    f = SpeedFilter(AccelerometerParameters(bias_stddev=1e-3), SpeedFilterTuning(gain_stddev=0.0), 0.0, 0.0, 0.0)
     f.predict(5 * MS, -9.0)
     f.start(22.0, 1e-4)
     speed = 22.0

@@ -30,14 +30,16 @@ class EstimatorParameters:
 
     minimum_speed: float = minimum_speed_parameter(1.0)
     max_gap: float = max_gap_parameter(0.1)
-    max_slip_stddev: float = parameter(0.2, "no slip where its standard deviation is larger", minimum=1e-3, maximum=1.0)
+    max_slip_stddev: float = parameter(
+        0.2, "slip is UNCERTAIN above this standard deviation", minimum=1e-3, maximum=1.0
+    )
     learn_radii: bool = parameter(
         False, "calibrate the radii against vehicle_velocity while the car coasts, and use them"
     )
     wheel_filter: WheelFilterParameters = group(WheelFilterParameters())
     accelerometer: AccelerometerParameters = group(AccelerometerParameters())
     speed_timeout: float = parameter(
-        0.5, "silence of vehicle_velocity after which the wheels take over", unit="s", minimum=0.01, maximum=10.0
+        0.5, "silence of vehicle_velocity after which it is no longer used", unit="s", minimum=0.01, maximum=10.0
     )
     tuning: Tuning = constants(Tuning())
 

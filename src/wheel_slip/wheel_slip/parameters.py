@@ -33,7 +33,7 @@ class WheelSlipParameters:
     """Parameters of the node."""
 
     vehicle_file: str = vehicle_file_parameter()
-    use_imu: bool = parameter(True, "take imu/data and wait for it")
+    use_imu: bool = parameter(True, "use imu/data and wait for it")
     deadline: float = deadline_parameter()
     speed_sensor: SpeedSensorParameters = group(SpeedSensorParameters())
     estimator: EstimatorParameters = group(EstimatorParameters())

@@ -52,8 +52,8 @@ class AccelerometerParameters:
     """Errors of the accelerometer."""
 
     stddev: float = parameter(0.1, "noise of an accelerometer sample", unit="m/s^2", minimum=1e-3, maximum=10.0)
-    offset_stddev: float = parameter(
-        0.4, "offset (bias and road slope) to expect before it is learned", unit="m/s^2", minimum=1e-3, maximum=10.0
+    bias_stddev: float = parameter(
+        0.4, "bias (road grade included) to expect before it is learned", unit="m/s^2", minimum=1e-3, maximum=10.0
     )
 
 
@@ -102,7 +102,7 @@ class SpeedFilter:
         self.by_wheels = 1.0
         """Share of an error that all radii have in common which the speed has: 1 from wheels alone, 0 from a sensor."""
         self._p = _diagonal(
-            _FIRST_SPEED_VARIANCE, self._accelerometer.offset_stddev**2, self._gain_variance, p.compliance_stddev**2
+            _FIRST_SPEED_VARIANCE, self._accelerometer.bias_stddev**2, self._gain_variance, p.compliance_stddev**2
         )
         self._by_age = [0.0] * len(_ALL)
         """Errors of the state by an e of 1 s."""
@@ -114,7 +114,7 @@ class SpeedFilter:
         """Mean of the last readings [m/s^2]: an e makes the integral wrong by as much of them as it lasts."""
         self._travelled = 0.0
         self._history: deque[tuple[int, float, float]] = deque()
-        self._kept = (0.0, self._accelerometer.offset_stddev**2)
+        self._kept = (0.0, self._accelerometer.bias_stddev**2)
 
     @property
     def speed_variance(self) -> float:

@@ -58,7 +58,7 @@ class VehicleSpeed:
         """
         self._p = tuning
         accelerometer = _of_car(accelerometer, vehicle)
-        self._offset_stddev = accelerometer.offset_stddev
+        self._offset_stddev = accelerometer.bias_stddev
         self._largest_radius = max(vehicle.radii)
         self._rim_speed_variance = (wheel_speed_stddev * self._largest_radius) ** 2
         mounting = vehicle.accelerometer
@@ -414,7 +414,7 @@ class VehicleSpeed:
 def _of_car(parameters: AccelerometerParameters, vehicle: Vehicle) -> AccelerometerParameters:
     """Return the parameters with the deviation of the offset that the vehicle file states, if it is a larger one."""
     stated = deviation_of(vehicle.accelerometer.deviations, "bias", 0.0)
-    return replace(parameters, offset_stddev=max(parameters.offset_stddev, stated))
+    return replace(parameters, bias_stddev=max(parameters.bias_stddev, stated))
 
 
 def _gain_stddev(vehicle: Vehicle) -> float | None:

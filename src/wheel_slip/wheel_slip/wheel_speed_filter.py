@@ -53,7 +53,7 @@ class WheelFilterParameters:
     speed_stddev: float = parameter(0.07, "noise of a wheel speed", unit="rad/s", minimum=1e-4, maximum=10.0)
     jerk_density: float = parameter(
         3e3,
-        "how fast a quiet wheel changes its acceleration, q_0 (bandwidth of the filter)",
+        "jerk density q_0 of a steady wheel (bandwidth of the filter)",
         unit="rad^2/s^5",
         minimum=1.0,
         maximum=1e9,
@@ -64,7 +64,7 @@ class WheelFilterParameters:
     )
     missing_teeth: int = parameter(
         0,
-        "teeth in a row that each ring lacks and the sender does not make up for (60-2: 2 of 60 encoder_teeth)",
+        "missing teeth in a row of each ring, not corrected by the sender (60-2: 2 of 60 encoder_teeth)",
         minimum=0,
         maximum=4,
     )

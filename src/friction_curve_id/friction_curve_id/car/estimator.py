@@ -176,7 +176,7 @@ class CarEstimator:
         complete = self._samples.count == 0 or self._gathered_time >= _INTERVAL
         if complete:
             mean = speed
-            if self._p.counted and self._gathered_time > 0.0:
+            if self._p.wheel_speed_is_interval_mean and self._gathered_time > 0.0:
                 mean = self._gathered_turn / self._gathered_time
             self._keep(sample.time, mean, torque, acceleration)
             self._gathered_time, self._gained = 0.0, 0.0
@@ -282,7 +282,8 @@ class CarEstimator:
         self._samples.drop_oldest(number)
 
     def _nodes(self) -> Nodes:
-        nodes = node_signals(self._car, self._samples, self._start, self._rolling_noise, self._p.counted)
+        is_mean = self._p.wheel_speed_is_interval_mean
+        nodes = node_signals(self._car, self._samples, self._start, self._rolling_noise, is_mean)
         if not (nodes.time[0] < self._silent_until).any():
             return nodes
         return replace(nodes, turning=nodes.turning & (nodes.time >= self._silent_until))

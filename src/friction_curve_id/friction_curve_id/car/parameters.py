@@ -15,10 +15,12 @@ class CarEstimatorParameters:
 
     family: str = parameter(
         ANY,
-        "formula of the tyres: any weighs Burckhardt's and Pacejka's by the evidence",
+        "tyre model; any: Burckhardt and Pacejka, weighted by evidence",
         choices=(ANY, Family.BURCKHARDT.value),
     )
-    counted: bool = parameter(True, "wheel speeds are counted from teeth between stamps, not measured at the stamp")
+    wheel_speed_is_interval_mean: bool = parameter(
+        True, "wheel speeds are means over the interval between two stamps (encoder edges), not values at the stamp"
+    )
     slope_stddev: float = parameter(
         0.023, "standard deviation of the slope of the road; 0: level", minimum=0.0, maximum=0.3
     )
