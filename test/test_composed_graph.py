@@ -296,7 +296,10 @@ def test_signal_ends_the_process_with_code_0(client: DdsClient, how: signal.Sign
         (["-p", "friction_slope:deadline:=-1"], "'deadline' = -1.0 s"),
         (["-p", "friction_slope:metod:=slip"], "node /friction_slope: unknown parameter 'metod'"),
         (["-p", "noise:=1"], "node /wheel_slip: unknown parameter 'noise'"),
-        (["-r", "__node:=mine"], "wheel_slip, friction_slope, smart_tyre_forces, friction_curve_id are given one name"),
+        (
+            ["-r", "__node:=mine"],
+            "wheel_slip, friction_slope, smart_tyre_forces, friction_state, friction_curve_id are given one name",
+        ),
         (["-p", "smart_tyre_forces:calibration_file:=/no/such/file"], "/no/such/file"),
         (["-p", "vehicle_file:=no_such_car"], "no_such_car"),
     ],

@@ -20,6 +20,7 @@ ALGORITHMS = (
     "friction_curve_id",
     "abs_supervisor",
     "smart_tyre_forces",
+    "friction_state",
 )
 """Packages that consist of an algorithm and the code around it."""
 WITHOUT_ROS = """

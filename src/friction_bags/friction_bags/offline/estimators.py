@@ -12,13 +12,16 @@ from friction_runtime.processor import Processor, Report, silent
 from friction_runtime.shipped_files import shipped_parameters
 from vehicle_models.vehicle import Vehicle
 
-ESTIMATORS = ("wheel_slip", "friction_slope", "friction_curve_id", "abs_supervisor", "smart_tyre_forces")
+ESTIMATORS = (
+    *("wheel_slip", "friction_slope", "friction_curve_id", "abs_supervisor"),
+    *("smart_tyre_forces", "friction_state"),
+)
 """Estimators in the order of the data flow. Package, node and parameter file have the same name; `SHIPPED` of the
 module `parameters` holds the shipped values, `build` of the module `processor` makes the processors. Only the selected
 ones are imported: all of them take a second."""
-SMART_TYRE = "smart_tyre_forces"
-WHEEL_ESTIMATORS = tuple(name for name in ESTIMATORS if name != SMART_TYRE)
-"""Estimators that need wheel_states."""
+SMART_TYRE, STATE = "smart_tyre_forces", "friction_state"
+WHEEL_ESTIMATORS = tuple(name for name in ESTIMATORS if name not in (SMART_TYRE, STATE))
+"""Estimators that need wheel_states, without the one that only collects their answers."""
 
 
 def read_parameters(

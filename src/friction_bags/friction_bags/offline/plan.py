@@ -18,6 +18,7 @@ from friction_bags.bag_vehicle import vehicle_for
 from friction_bags.mapped_bag import MappedBag
 from friction_bags.offline.estimators import (
     SMART_TYRE,
+    STATE,
     WHEEL_ESTIMATORS,
     make_processors,
     read_parameters,
@@ -40,10 +41,12 @@ def graph_stages(processors: Sequence[Processor], most: int) -> list[Stage]:
     """Divide processors into at most `most` stages that take about the same time.
 
     Processors for several wheels (wheel_slip) are in the first stage, which also reads the bag and so has fewer of the
-    others. The others stay with those whose topics they take.
+    others. The others stay with those whose topics they take. A processor that collects the answers of several wheels
+    (friction_state) is in the last stage.
     """
     shared = [processor for processor in processors if len(_wheels(processor)) > 1]
-    groups = _connected([processor for processor in processors if processor not in shared])
+    collecting = [processor for processor in processors if _collects(processor, processors)]
+    groups = _connected([processor for processor in processors if processor not in (*shared, *collecting)])
     count = min(most, len(groups))
     alone = [processor for group in groups for processor in group]
     if count < 2 or _made(alone) & _needed(shared):
@@ -51,6 +54,7 @@ def graph_stages(processors: Sequence[Processor], most: int) -> list[Stage]:
     inner = [max(stage, (len(groups) + 1) * stage // count - 1) for stage in range(1, count)]
     shares = [groups[begin:end] for begin, end in pairwise([0, *inner, len(groups)])]
     stages = [tuple(processor for group in share for processor in group) for share in shares]
+    stages[-1] += tuple(collecting)
     return [(*shared, *stages[0]), *stages[1:]]
 
 
@@ -63,6 +67,12 @@ def _connected(processors: Sequence[Processor]) -> list[list[Processor]]:
         groups = [group for group in groups if group not in joined]
         groups.append([*(member for group in joined for member in group), processor])
     return groups
+
+
+def _collects(processor: Processor, processors: Sequence[Processor]) -> bool:
+    """Return whether a processor takes what is made for several wheels, and makes what nobody takes."""
+    taken = _needed([processor]) & _made(processors)
+    return len({topic.rpartition("/")[0] for topic in taken}) > 1 and not _made([processor]) & _needed(processors)
 
 
 def _made(processors: Iterable[Processor]) -> set[str]:
@@ -184,7 +194,8 @@ def plan_for(reader: BagReader, options: ProcessOptions, report: Report) -> tupl
     estimators = options.estimators
     if not estimators:
         has_tyres = any(name.endswith(_TYRE_SIGNALS) for name in names)
-        estimators = (*(WHEEL_ESTIMATORS if _WHEEL_STATES in names else ()), *((SMART_TYRE,) if has_tyres else ()))
+        of_wheels, collecting = (WHEEL_ESTIMATORS, (STATE,)) if _WHEEL_STATES in names else ((), ())
+        estimators = (*of_wheels, *((SMART_TYRE,) if has_tyres else ()), *collecting)
     parameters = read_parameters(estimators, options.parameter_files, report, options.namespace)
     note = vehicle_for(reader, options.vehicle, vehicle_of(parameters), report)
     vehicle = load_vehicle(note)

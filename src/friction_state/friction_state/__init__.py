@@ -1,0 +1,1 @@
+"""Estimates of all wheels in one message for each stamp."""
