@@ -9,6 +9,7 @@ from collections import deque
 from math import nan
 from typing import Final
 
+from friction_runtime.filters import Debounce, SlidingWindow
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
 
@@ -50,13 +51,13 @@ class PressureCheck:
         """Forget everything."""
         self._line: deque[tuple[int, float, Command]] = deque()
         self._order: tuple[float, Command] = (0.0, Command.NONE)
-        self._band: deque[tuple[int, float]] = deque()
+        self._band: SlidingWindow[float] = SlidingWindow(_LATE * NANOSECONDS)
         self._model = nan
         self._last: int | None = None
         self._dt = 0.0
-        self._wrong_since: int | None = None
+        self._wrong = Debounce(_LASTS * NANOSECONDS)
         self._named: int | None = None
-        self._settled_since: int | None = None
+        self._at_demand = Debounce(_SETTLED * NANOSECONDS)
         self._mean, self._averaged = 0.0, 0
         self.text = ""
         """What is wrong, empty where nothing is."""
@@ -64,9 +65,7 @@ class PressureCheck:
     def update(self, stamp: int, torque: float, demand: float) -> str:
         """Compare the measured torque [N m] at a stamp [ns] with the demand [N m]; both are finite."""
         self._advance(stamp, torque)
-        self._band.append((stamp, self._model))
-        while self._band[0][0] < stamp - _LATE * NANOSECONDS:
-            self._band.popleft()
+        self._band.append(stamp, self._model)
         low, high = min(each for _, each in self._band), max(each for _, each in self._band)
         allowed = _LEAST + _SHARE * max(high, 0.0)
         below, above = torque < low - allowed, torque > high + allowed
@@ -74,11 +73,8 @@ class PressureCheck:
             self._named = stamp
             self.text = f"{high + self._mean:.0f} N m for {_SETTLED} s, where the demand gives {high:.0f} N m"
         if not (below or above):
-            self._wrong_since = None
             self._model += (torque - self._model) * min(self._dt / _FORGETS, 1.0)
-        elif self._wrong_since is None:
-            self._wrong_since = stamp
-        if self._wrong_since is not None and stamp - self._wrong_since >= _LASTS * NANOSECONDS:
+        if self._wrong.update(stamp, below or above):
             self._named = stamp
             self.text = f"{torque:.0f} N m, where demand and commands give {low:.0f} to {high:.0f} N m"
         elif self._named is not None and stamp - self._named > _CLEAN * NANOSECONDS:
@@ -88,13 +84,13 @@ class PressureCheck:
     def _settled(self, stamp: int, torque: float, low: float, high: float) -> bool:
         """Average the deviation while the model stays at the demand; return whether it did for long enough."""
         if self._order[1] in (Command.HOLD, Command.DECREASE) or low < max(high - _STILL, _JUDGED):
-            self._settled_since = None
+            self._at_demand.reset()
             return False
-        if self._settled_since is None:
-            self._settled_since, self._averaged = stamp, 0
+        if self._at_demand.since is None:
+            self._averaged = 0
         self._averaged = min(self._averaged + 1, _MEMORY)
         self._mean += (torque - self._model - self._mean) / self._averaged
-        return stamp - self._settled_since >= _SETTLED * NANOSECONDS
+        return self._at_demand.update(stamp, True)
 
     def commanded(self, stamp: int, demand: float, command: Command) -> None:
         """Take the command that was given for a stamp [ns], and the demand [N m] it came with. Comes after `update`."""
@@ -105,7 +101,7 @@ class PressureCheck:
             self._model = max(torque, 0.0)
             self._line.clear()
             self._band.clear()
-            self._settled_since = None
+            self._at_demand.reset()
             self._last, self._dt = stamp, 0.0
             return
         dt = self._dt = (stamp - self._last) / NANOSECONDS

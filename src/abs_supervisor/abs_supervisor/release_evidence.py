@@ -8,6 +8,7 @@ from abs_supervisor.own_fall import OwnFall
 from abs_supervisor.rolling_scatter import RollingScatter
 from abs_supervisor.tuning import EvidenceTuning
 from abs_supervisor.wheel_motion import ORDINARY_STDDEV, WheelMotion
+from friction_runtime.filters import Debounce
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HARDEST_BRAKING, SlowestCar
@@ -99,7 +100,9 @@ class ReleaseEvidence:
     def __init__(self, radius: float, parameters: EvidenceTuning) -> None:
         """Choose a wheel of effective radius `radius` [m]."""
         self._radius, self._p = radius, parameters
-        self._time_ns = round(parameters.evidence_time * NANOSECONDS)
+        lasts = round(parameters.evidence_time * NANOSECONDS)
+        self._slip_lasts, self._dive_lasts = Debounce(lasts), Debounce(lasts)
+        self._steady = Debounce(_STEADY_TIME)
         self._motion = WheelMotion()
         self._scatter = RollingScatter()
         self._slowest = SlowestCar()
@@ -113,9 +116,8 @@ class ReleaseEvidence:
         self._slowest.reset()
         self._own.reset()
         self._slip = nan
-        self._slip_since: int | None = None
-        self._steady_since: int | None = None
-        self._dive_since: int | None = None
+        for each in (self._slip_lasts, self._dive_lasts, self._steady):
+            each.reset()
         self._dived = self._away = False
         self._largest_gain = 0.0
         self._slides = True
@@ -195,8 +197,7 @@ class ReleaseEvidence:
         self.may_slip = not known or max(slip, 0.0) + p.sigmas * doubt > min(base, _HOLD_SLIP)
         self.grips = slip > base
         follows = isfinite(wheel.car_deceleration) and abs(self.deceleration - own) < _STEADY + error
-        self._steady_since = _since(self._steady_since, stamp, follows)
-        steady = self._steady_since is not None and stamp - self._steady_since >= _STEADY_TIME
+        steady = self._steady.update(stamp, follows)
         if steady:
             base *= _STEADY_FACTOR
         self.release_slip = base + p.sigmas * doubt
@@ -207,16 +208,15 @@ class ReleaseEvidence:
             self._slides = False
         # Wheels that keep together, and none faster than a car can brake: it is the speed of the car that is wrong.
         slip_shows = slip > self.release_slip and self._slides
-        self._slip_since = _since(self._slip_since, stamp, slip_shows)
+        slip_lasts = self._slip_lasts.update(stamp, slip_shows)
         # A deceleration alone proves no lock: brakes are applied with several g of the wheel, at small slips.
         slips = slip > base + doubt if known else lag > p.least_slip + p.sigmas * self._scatter.slip
         hard = self.deceleration > self.release_deceleration
         self.dives = hard and slip > _SUSPICIOUS * base
-        dives = slips and hard
-        self._dive_since = _since(self._dive_since, stamp, dives)
+        dive_lasts = self._dive_lasts.update(stamp, slips and hard)
         gain, least_gain = -self.deceleration, _RECOVERING + error
         unseen = not known and self.verdict is Release.BY_SLIP and gain < least_gain
-        if unseen or self._lasts(self._dive_since, stamp):
+        if unseen or dive_lasts:
             # A wheel that slips does so until it is seen to come back, also where its slip is not known any more.
             self._dived, self._largest_gain = True, 0.0
         elif known:
@@ -229,7 +229,7 @@ class ReleaseEvidence:
             comes = gain > least_gain and lost < max(_PAST_PEAK * self._largest_gain, error)
             self._dived = self._dived and (comes or (self._largest_gain <= least_gain and lag > p.least_slip))
         self._away = self._dived and not known
-        if self._lasts(self._slip_since, stamp):
+        if slip_lasts:
             self.verdict = Release.BY_SLIP
         else:
             self.verdict = Release.BY_DECELERATION if self._dived else Release.REFUSED
@@ -266,16 +266,6 @@ class ReleaseEvidence:
         if noise < _NOISY * ORDINARY_STDDEV:
             return 0.0
         return min(sqrt(noise * noise - ORDINARY_STDDEV * ORDINARY_STDDEV) / max(wheel_speed, noise), 1.0)
-
-    def _lasts(self, since: int | None, stamp: int) -> bool:
-        return since is not None and stamp - since >= self._time_ns
-
-
-def _since(since: int | None, stamp: int, holds: bool) -> int | None:
-    """Return since when something holds."""
-    if not holds:
-        return None
-    return stamp if since is None else since
 
 
 def _root_of_squares(one: float, other: float) -> float:

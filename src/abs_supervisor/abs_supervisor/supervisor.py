@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import isfinite, nan
 
 from abs_supervisor.fsm import Cause, Inputs, State, Thresholds, transition
+from friction_runtime.filters import Debounce
 from vehicle_models.nanoseconds import NANOSECOND
 
 
@@ -49,7 +50,7 @@ class Supervisor:
             tolerance: inputs that are not usable for longer [s] bring the fail-safe; until then the state is kept.
         """
         self._thresholds = thresholds
-        self._tolerance_ns = round(tolerance / NANOSECOND)
+        self._unusable = Debounce(round(tolerance / NANOSECOND))
         self.reset()
 
     def reset(self) -> None:
@@ -61,11 +62,11 @@ class Supervisor:
         self.counts = Counts()
         self.transition_stamp = 0
         """Stamp of the last transition [ns]; 0 before the first."""
-        self._unusable_since: int | None = None
+        self._unusable.reset()
 
     def restart(self, stamp: int) -> bool:
         """Go to S0 and keep the counts, as after a jump back in time; return whether that was a transition."""
-        self._unusable_since = None
+        self._unusable.reset()
         return self._enter(State.S0, Cause.RESET, stamp)
 
     def fail(self, stamp: int) -> bool:
@@ -74,11 +75,7 @@ class Supervisor:
 
     def update(self, stamp: int, evidence: Evidence) -> bool:
         """Take what is known at a stamp [ns], later than the last; return whether there was a transition."""
-        if evidence.usable:
-            self._unusable_since = None
-        elif self._unusable_since is None:
-            self._unusable_since = stamp
-        failed = self._unusable_since is not None and stamp - self._unusable_since >= self._tolerance_ns
+        failed = self._unusable.update(stamp, not evidence.usable)
         if not evidence.usable and not failed:
             return False
         measured = isfinite(evidence.indicator) and evidence.indicator != 0.0

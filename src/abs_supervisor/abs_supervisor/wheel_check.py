@@ -10,6 +10,7 @@ from typing import Final
 
 from abs_supervisor.coming_back import ComingBack
 from abs_supervisor.sudden_stop import SuddenStop
+from friction_runtime.filters import Debounce, SlidingMaximum
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION, LOWEST_APPARENT_FRICTION
 from vehicle_models.vehicle import CornerParameters
@@ -93,12 +94,14 @@ class WheelCheck:
         self._good: tuple[int, float] | None = None
         self._away_since: int | None = None
         self._spikes: deque[int] = deque()
-        self._torques: deque[tuple[int, float]] = deque()
+        self._torques = SlidingMaximum(_TORQUE_MEMORY * NANOSECONDS)
         self._dead = False
         self._sudden.reset()
         self._back.reset()
         self._same: tuple[int, float] | None = None
-        self._since: dict[str, int] = {}
+        self._standing = Debounce(_RELEASED_FOR * NANOSECONDS)
+        self._faster = Debounce(_FASTER_FOR * NANOSECONDS)
+        self._apart = Debounce()
         self._braked: int | None = None
         self._contradicted: int | None = None
         self._last: int | None = None
@@ -109,7 +112,8 @@ class WheelCheck:
         """Take the wheel speed [rad/s] at a stamp [ns]; return why it must not be used, or nothing."""
         if self._last is not None and stamp - self._last > _GAP * NANOSECONDS:
             self._same = self._good = self._away_since = None
-            self._since.clear()
+            for each in (self._standing, self._faster, self._apart):
+                each.reset()
             self._sudden.reset()
             self._back.reset()
         self._last = stamp
@@ -125,15 +129,7 @@ class WheelCheck:
 
     def _torque(self, stamp: int, torque: float) -> float:
         """Return the largest torque that may have acted of late [N m], inf where it is unknown."""
-        torques = self._torques
-        if not isfinite(torque):
-            torque = inf
-        while torques and torques[-1][1] <= torque:
-            torques.pop()
-        torques.append((stamp, torque))
-        while torques[0][0] < stamp - _TORQUE_MEMORY * NANOSECONDS:
-            torques.popleft()
-        return max(torques[0][1], 0.0)
+        return max(self._torques.update(stamp, torque if isfinite(torque) else inf), 0.0)
 
     def _jump(self, stamp: int, speed: float, torque: float) -> str:
         stands = abs(speed) * self._radius < _STANDS
@@ -174,11 +170,7 @@ class WheelCheck:
         # Another wheel that turns shows that the car moves: its own speed may come from this wheel.
         moves = around.car_is_measured or any(each > _MOVES for each in around.others)
         stands = abs(speed) * self._radius < _STANDS and torque < self._open and moves and around.car_speed > _MOVES
-        return (
-            "stands, although its brake is released: dead"
-            if self._lasts(stamp, "stands", stands, _RELEASED_FOR)
-            else ""
-        )
+        return "stands, although its brake is released: dead" if self._standing.update(stamp, stands) else ""
 
     def _stuck(self, stamp: int, speed: float, torque: float) -> str:
         # Only a braked wheel must change: one that rolls freely over a simulated road without noise does not.
@@ -201,19 +193,14 @@ class WheelCheck:
         # Wheels that agree with this one against the car speak for a wrong speed of the car.
         backed = any(each > (1.0 - _FASTER) * rim for each in others)
         faster = braked and supported and not backed and rim > (1.0 + _FASTER) * car + _STANDS
-        if self._lasts(stamp, "faster", faster, _FASTER_FOR):
+        if self._faster.update(stamp, faster):
             return f"turns with {rim:.1f} m/s, braked, where the car has {car:.1f} m/s"
         against = max(others) if others else car if around.car_is_measured else nan
         apart = free and against > _MOVES and abs(rim - against) > _APART * against
         apart = apart and not any(abs(rim - each) < _APART * rim for each in others)
         comes_back = self._back.update(apart, rim, against)
         apart = apart and not comes_back
-        if self._lasts(stamp, "apart", apart, _APART_FOR if abs(rim) > _STANDS else _FASTER_FOR):
+        self._apart.duration = (_APART_FOR if abs(rim) > _STANDS else _FASTER_FOR) * NANOSECONDS
+        if self._apart.update(stamp, apart):
             return f"turns with {rim:.1f} m/s, rolling freely, where the car has {against:.1f} m/s"
         return ""
-
-    def _lasts(self, stamp: int, what: str, holds: bool, time: float) -> bool:
-        if not holds:
-            self._since.pop(what, None)
-            return False
-        return stamp - self._since.setdefault(what, stamp) >= time * NANOSECONDS

@@ -5,8 +5,9 @@
 The peak of the friction is passed when s passes lambda_max, L / v later than the slip lambda of the wheel.
 """
 
-from math import exp, isnan, nan
+from math import isnan, nan
 
+from friction_runtime.filters import first_order_gain
 from vehicle_models.nanoseconds import NANOSECOND
 
 
@@ -37,6 +38,6 @@ class TyreRelaxation:
             self._slip = slip
         else:
             rolled = max(speed, 0.0) * (stamp - self._stamp) * NANOSECOND
-            self._slip += (slip - self._slip) * (1.0 - exp(-rolled / self._length))
+            self._slip += first_order_gain(rolled, self._length) * (slip - self._slip)
         self._stamp = stamp
         return self._slip

@@ -13,8 +13,9 @@ speed has become too low confirms nothing. On another road a wheel slips by some
 which feels no slope, reads another deceleration than then, and goes on to, c counts anew. What has drifted stays.
 """
 
-from collections import deque
 from typing import Final
+
+from friction_runtime.filters import SlidingMaximum
 
 _BEGUN: Final = 0.5
 """Of T [-]: time in which the wheel has left the speed."""
@@ -44,7 +45,7 @@ class CloseWheel:
 
     def reset(self) -> None:
         """Forget everything before the next slide."""
-        self._slips: deque[tuple[float, float]] = deque()
+        self._slips = SlidingMaximum(self._spring_back)
         self.lasted = 0.0
         """Time that the slide has lasted [s]."""
         self.drift = 0.0
@@ -69,19 +70,15 @@ class CloseWheel:
         Returns:
             Standard deviation of the speed, as a share of it, that the wheel leaves; None where it is not close.
         """
-        slips, begun = self._slips, _BEGUN * self._comes_again
+        begun = _BEGUN * self._comes_again
         self.lasted += dt
         self._on_road += dt
         averaged = min(self._on_road, _AVERAGED * self._comes_again)
         self._deceleration += dt / averaged * (deceleration - self._deceleration)
-        while slips and slips[-1][1] <= slip:
-            slips.pop()
-        slips.append((self.lasted, slip))
-        while slips[0][0] < self.lasted - self._spring_back:
-            slips.popleft()
+        largest = self._slips.update(self.lasted, slip)
         if self.lasted < self._spring_back:
             return None
-        stays = max(slips[0][1], 0.0)
+        stays = max(largest, 0.0)
         if stays < self._closest or self._on_road < begun:
             self._closest = stays
         else:

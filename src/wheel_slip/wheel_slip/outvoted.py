@@ -4,9 +4,10 @@ The sensor differs from the integrated speed and does not from wheels that turn 
 little; the mean over `_TIME` says what is left of its noise, and what does not average out: radii, and its age.
 """
 
-from math import exp, sqrt
+from math import sqrt
 from typing import Final
 
+from friction_runtime.filters import Debounce, first_order_gain
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _TIME: Final = 0.5
@@ -35,7 +36,7 @@ class Outvoted:
 
     def _start_again(self) -> None:
         self._last: int | None = None
-        self._since: int | None = None
+        self._differs = Debounce(_LASTS * NANOSECONDS)
         self._from_speed = self._from_wheels = self._weight = 0.0
 
     def holds(self, stamp: int) -> bool:
@@ -59,17 +60,14 @@ class Outvoted:
             return
         dt = _TIME if self._last is None else (stamp - self._last) / NANOSECONDS
         self._last = stamp
-        gain = 1.0 - exp(-dt / _TIME)
+        gain = first_order_gain(dt, _TIME)
         self._from_speed += gain * (from_speed[0] - self._from_speed)
         self._from_wheels += gain * (from_wheels[0] - self._from_wheels)
         # Sum of the squared weights of the samples in the mean.
         self._weight = (1.0 - gain) ** 2 * self._weight + gain**2
         left = noise * max(self._weight, gain / (2.0 - gain))
         differs = abs(self._from_speed) > _SURE * sqrt(left + from_speed[1])
-        if not differs or abs(self._from_wheels) > _ALIKE * sqrt(left + from_wheels[1]):
-            self._since = None
-        elif self._since is None:
-            self._since = stamp
-        elif stamp - self._since >= _LASTS * NANOSECONDS:
+        agrees = not abs(self._from_wheels) > _ALIKE * sqrt(left + from_wheels[1])
+        if self._differs.update(stamp, differs and agrees):
             self._until = stamp + _FOR
             self._start_again()

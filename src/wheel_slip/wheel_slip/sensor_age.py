@@ -14,6 +14,7 @@ from collections import deque
 from math import sqrt
 from typing import Final, NamedTuple
 
+from friction_runtime.filters import Debounce
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _STEP: Final = NANOSECONDS // 10
@@ -58,7 +59,7 @@ class SensorAge:
         self._taken: int | None = None
         self._acceleration = 0.0
         self._is_wrong = False
-        self._gentle_since: int | None = None
+        self._gentle = Debounce()
         self._is_first = True
 
     @property
@@ -90,11 +91,8 @@ class SensorAge:
         self._is_first = False
         self._acceleration = a = (rim_speed - kept[0].rim_speed) / (stamp - kept[0].stamp) * NANOSECONDS
         middle = kept[_KEPT // 2]
-        if abs(a) >= _GENTLE:
-            self._gentle_since = None
-        elif self._gentle_since is None:
-            self._gentle_since = stamp
-        elif stamp - self._gentle_since > _OLDEST:
+        self._gentle.update(stamp, not abs(a) >= _GENTLE)
+        if self._gentle.elapsed(stamp) > _OLDEST:
             self._is_wrong = abs(middle.difference) > _UNLIKE * middle.rim_speed
         if _GENTLE < a < _STRONGEST and not self._is_wrong:
             self._correct(middle, a)

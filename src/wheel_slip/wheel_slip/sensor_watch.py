@@ -12,6 +12,7 @@ is an old one and says nothing.
 from math import hypot
 from typing import Final
 
+from friction_runtime.filters import Debounce
 from vehicle_models.nanoseconds import NANOSECONDS
 from wheel_slip.sensor_age import SensorAge
 from wheel_slip.sensor_skew import SensorSkew
@@ -51,7 +52,7 @@ class SensorWatch:
         self._travelled = 0.0
         self._first = 0
         self._is_old = False
-        self._off_since: int | None = None
+        self._off = Debounce(self._p.time * NANOSECONDS)
 
     @property
     def left_out(self) -> bool:
@@ -132,9 +133,5 @@ class SensorWatch:
         """
         if self.contradicted:
             return False
-        if abs(innovation) <= self._p.sure * deviation:
-            self._off_since = None
-            return True
-        if self._off_since is None:
-            self._off_since = stamp
-        return stamp - self._off_since >= self._p.time * NANOSECONDS
+        off = not abs(innovation) <= self._p.sure * deviation
+        return self._off.update(stamp, off) or not off

@@ -10,10 +10,11 @@ a slide on snow, where the car hardly decelerates, and does not use the integrat
 
 from collections import deque
 from collections.abc import Sequence
-from math import exp, isfinite, nan
+from math import isfinite, nan
 from statistics import median
 from typing import Final
 
+from friction_runtime.filters import Debounce, first_order_gain
 from vehicle_models.nanoseconds import NANOSECONDS
 from wheel_slip.mode import Evidence
 from wheel_slip.slope_watch import SlopeWatch
@@ -42,6 +43,8 @@ class SlideDetector:
         self._all = list(range(len(driven)))
         self._road = slope
         self.slope = SlopeWatch(slope)
+        settled = parameters.settle_time * NANOSECONDS
+        self._rolls, self._keeps, self._calms = Debounce(), Debounce(settled), Debounce(settled)
         self.reset()
 
     def reset(self) -> None:
@@ -63,7 +66,7 @@ class SlideDetector:
         self.begin_slide()
         self._travelled = self._force = 0.0
         self._calm = False
-        self._calm_since: int | None = None
+        self._calms.reset()
 
     def update(
         self,
@@ -136,7 +139,7 @@ class SlideDetector:
             self.acceleration, self._force = acceleration, specific_force
             return
         dt = (stamp - self._history[-1][0]) / NANOSECONDS
-        share = 1.0 - exp(-dt / _LAG)
+        share = first_order_gain(dt, _LAG)
         self.acceleration = before + share * (acceleration - before)
         self._force += share * (specific_force - self._force)
         self._travelled += 0.5 * dt * (before + self.acceleration)
@@ -179,8 +182,8 @@ class SlideDetector:
 
     def begin_slide(self) -> None:
         """Count the times of rolling from the next sample on."""
-        self._rolled_since: int | None = None
-        self._kept_since: int | None = None
+        self._rolls.reset()
+        self._keeps.reset()
         self._steady_from: tuple[int, float] | None = None
 
     def evidence(self, sensor: bool, speed_at_wheels: bool) -> Evidence:
@@ -214,17 +217,10 @@ class SlideDetector:
         allowed = 1 if len(judged) >= 3 else 0
         self._wheels_roll = bool(judged) and len([index for index in judged if not self.rolling[index]]) <= allowed
         # What a wheel that creeps from its peak has made of the slope must not make the same wheel one that rolls.
-        if len([index for index in judged if not kept[index]]) > allowed:
-            self._kept_since = None
-        elif self._kept_since is None:
-            self._kept_since = stamp
-        lasts = self._kept_since is not None and stamp - self._kept_since >= self._p.settle_time * NANOSECONDS
+        lasts = self._keeps.update(stamp, len([index for index in judged if not kept[index]]) <= allowed)
         self._agree = integrated is None or (lasts and self._agrees(middle, *integrated))
-        if not self._wheels_roll or not (self._pulled or abs(a) <= self._p.roll_below):
-            self._rolled_since = None
-        elif self._rolled_since is None:
-            self._rolled_since = stamp
-        self._rolled = _NOT if self._rolled_since is None else (stamp - self._rolled_since) / NANOSECONDS
+        self._rolls.update(stamp, self._wheels_roll and (self._pulled or abs(a) <= self._p.roll_below))
+        self._rolled = _NOT if self._rolls.since is None else self._rolls.elapsed(stamp) / NANOSECONDS
         self._watch_steadiness(stamp, judged, rim_speeds, middle)
         self._steady = _NOT if self._steady_from is None else (stamp - self._steady_from[0]) / NANOSECONDS
 
@@ -234,12 +230,7 @@ class SlideDetector:
         Downhill tyres have more force than the car slows, and a moment without some of it makes no wheel roll.
         """
         force = 0.0 if self.acceleration is None else abs(self._force) - self._p.most_offset
-        if max(abs(self.acceleration or 0.0), force) >= self._p.calm_below:
-            self._calm_since = None
-        elif self._calm_since is None:
-            self._calm_since = stamp
-        since = self._calm_since
-        self._calm = since is not None and stamp - since >= self._p.settle_time * NANOSECONDS
+        self._calm = self._calms.update(stamp, not max(abs(self.acceleration or 0.0), force) >= self._p.calm_below)
 
     def _agrees(self, middle: float, speed: float, stddev: float) -> bool:
         """Whether wheels at a rim speed [m/s] agree with a speed of a standard deviation [m/s].

@@ -9,6 +9,7 @@ the slip is at present. A slope that makes them lose less than the car makes tha
 
 from collections.abc import Sequence
 
+from friction_runtime.filters import Debounce
 from vehicle_models.nanoseconds import NANOSECONDS
 from wheel_slip.tuning import SlopeTuning
 
@@ -19,6 +20,7 @@ class SlopeWatch:
     def __init__(self, parameters: SlopeTuning) -> None:
         """Start without samples."""
         self._p = parameters
+        self._lasting = Debounce(parameters.lasting * NANOSECONDS)
         self.reset()
 
     def reset(self) -> None:
@@ -26,7 +28,7 @@ class SlopeWatch:
         self.mismatch = 0.0
         """Acceleration of the wheels minus that of the car [m/s^2] where a slope may be the reason, else 0."""
         self._unlike: int | None = None
-        self._since: int | None = None
+        self._lasting.reset()
 
     def update(self, stamp: int, alike: bool, differences: Sequence[float], acceleration: float, slip: float) -> None:
         """Take one sample.
@@ -42,16 +44,14 @@ class SlopeWatch:
         if not alike:
             self._unlike = stamp
         if not differences or (self._unlike is not None and stamp - self._unlike < self._p.alike * NANOSECONDS):
-            self._since = None
+            self._lasting.reset()
             return
         difference = sorted(differences)[len(differences) // 2]
         may_stay, by_slip = self._p.steady_slip * abs(acceleration), slip * -acceleration
         if difference > 0.0 and by_slip > may_stay:
             may_stay = by_slip
         if not self._p.least + may_stay < abs(difference) < self._p.steepest:
-            self._since = None
+            self._lasting.reset()
             return
-        if self._since is None:
-            self._since = stamp
-        if stamp - self._since >= self._p.lasting * NANOSECONDS:
+        if self._lasting.update(stamp, True):
             self.mismatch = difference

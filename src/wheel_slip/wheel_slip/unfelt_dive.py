@@ -8,9 +8,10 @@ reading that is not that of now. On ice that bears no more than such a force thi
 
 from collections import deque
 from collections.abc import Sequence
-from math import exp, isfinite
+from math import inf, isfinite
 from typing import Final, NamedTuple
 
+from friction_runtime.filters import Debounce, FirstOrderFilter
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _WINDOW: Final = NANOSECONDS // 2
@@ -49,9 +50,9 @@ class UnfeltDive:
 
     def _start_again(self) -> None:
         self._kept: deque[_Sample] = deque()
-        self._force = 0.0
+        self._force = FirstOrderFilter(_LAG)
         self._last: int | None = None
-        self._since: int | None = None
+        self._all_lose = Debounce()
 
     def holds(self, stamp: int) -> bool:
         """Whether the accelerometer is left out at a stamp [ns]."""
@@ -70,11 +71,10 @@ class UnfeltDive:
             self._start_again()
         dt = 0.0 if self._last is None else (stamp - self._last) / NANOSECONDS
         self._last = stamp
-        self._force += (1.0 - exp(-dt / _LAG)) * (acceleration - self._force)
         kept = self._kept
-        if abs(self._force) >= _FORCELESS:
+        if abs(self._force.update(dt, acceleration)) >= _FORCELESS:
             kept.clear()
-            self._since = None
+            self._all_lose.reset()
             return
         if kept:
             travelled = kept[-1].travelled + dt * acceleration
@@ -92,11 +92,9 @@ class UnfeltDive:
         speed = max([each for each in before if isfinite(each)], default=0.0)
         # One of several may have failed; in a curve some wheels lose what others gain.
         all_lose = len(losses) > 1 and losses[1] > _SLIP * speed + _NOISE
-        if speed < _SLOWEST or not all_lose:
-            self._since = None
-        elif self._since is None:
-            self._since = stamp
-        elif stamp - self._since >= (self._build_up + _LENGTH / speed) * NANOSECONDS:
+        fast = speed >= _SLOWEST
+        self._all_lose.duration = (self._build_up + _LENGTH / speed) * NANOSECONDS if fast else inf
+        if self._all_lose.update(stamp, fast and all_lose):
             self._until = stamp + _FOR
             self._start_again()
 

@@ -8,9 +8,10 @@ over a step L of time are noise, of a variance R in each of n wheels:
 
 from collections import deque
 from collections.abc import Sequence
-from math import exp, isfinite
+from math import isfinite
 from typing import Final
 
+from friction_runtime.filters import first_order_gain
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _STEP: Final = NANOSECONDS // 20
@@ -66,6 +67,6 @@ class WheelNoise:
         found = sum(squares) / (6.0 * (count - 1.0))
         self._count += 1
         seconds = (kept[2][0] - kept[1][0]) / NANOSECONDS
-        self._seen += max(1.0 - exp(-seconds / _MEMORY), 1.0 / (self._count + 1.0)) * (found - self._seen)
+        self._seen += max(first_order_gain(seconds, _MEMORY), 1.0 / (self._count + 1.0)) * (found - self._seen)
         if self._count >= _FIRST:
             self.variance = self._seen if self._seen > _MORE * self._stated else self._stated

@@ -5,6 +5,7 @@ A method that fits one curve to all wheels has a wrong one for each of them wher
 
 from typing import Final
 
+from friction_runtime.filters import Debounce
 from vehicle_models.nanoseconds import NANOSECONDS
 
 LITTLE: Final = 0.35
@@ -20,20 +21,18 @@ class Explained:
 
     def __init__(self) -> None:
         """Start with a curve that does."""
+        self._contrary = Debounce(_TIME)
         self.reset()
 
     def reset(self) -> None:
         """Begin again, with a curve that explains its wheel."""
         self.holds = True
         """Whether it does; it changes when the contrary was so for 0.6 s."""
-        self._since: int | None = None
+        self._contrary.reset()
 
     def update(self, stamp: int, share: float) -> None:
         """Take the size of the disturbance torque over that of the peak [-] at a stamp [ns], later than the last."""
         contrary = share > _MUCH if self.holds else share < LITTLE
-        if not contrary:
-            self._since = None
-        elif self._since is None:
-            self._since = stamp
-        elif stamp - self._since >= _TIME:
-            self.holds, self._since = not self.holds, None
+        if self._contrary.update(stamp, contrary):
+            self.holds = not self.holds
+            self._contrary.reset()

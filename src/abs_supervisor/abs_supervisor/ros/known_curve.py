@@ -6,6 +6,7 @@ from typing import Final
 from friction_msgs.msg import FrictionCurve
 
 from abs_supervisor.curve_queue import CurveQueue
+from friction_runtime.filters import Debounce
 from friction_runtime.stamps import to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
@@ -69,7 +70,7 @@ class KnownCurve:
         self._ahead = False
         self._driven = 0.0
         self._stamp: int | None = None
-        self._told_since: int | None = None
+        self._told = Debounce(_SETTLED)
 
     def take(self, message: FrictionCurve) -> int:
         """Take a curve, in whichever order they come; return from which stamp on it counts [ns].
@@ -105,15 +106,13 @@ class KnownCurve:
     def _follow(self, curve: _Curve) -> None:
         peak, known = curve.peak, self._known
         if peak is None or curve.reason == _AHEAD:
-            self._told_since = None
+            self._told.reset()
             if peak is not None and known is not None and not self._ahead:
                 self._compare(peak, known)
             if peak is not None and self._foresees and (self._known is None or self._ahead):
                 self._foresee(peak)
             return
-        if self._told_since is None:
-            self._told_since = curve.stamp
-        if curve.reason == _UNCERTAIN and curve.stamp - self._told_since < _SETTLED:
+        if not self._told.update(curve.stamp, True) and curve.reason == _UNCERTAIN:
             return
         # What was seen needs as much to be given up as by a guess.
         beyond = _CONTRADICTS if curve.reason == _UNCERTAIN and not self._uncertain else 1.0
