@@ -2,9 +2,7 @@
 
 rclpy's own serialization does not initialise the padding between fields, and appends padding to a message that ends
 with an empty sequence of doubles; rosbags pads with zeros and appends nothing, so that equal messages give equal bytes.
-Its decoding takes half the time of rclpy's, which is kept for messages with that padding: rosbags refuses them. A
-message with the same lengths as an earlier one is read and written by its layout, with the same bytes and values as by
-rosbags in a fraction of the time.
+Its decoding takes half the time of rclpy's, which is kept for messages with that padding: rosbags refuses them.
 """
 
 import json
@@ -13,7 +11,7 @@ from array import array
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
@@ -22,7 +20,6 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from friction_bags.bag_io.bag_format import Topic
-from friction_runtime.cdr_codec import LayoutCodec
 from friction_runtime.message_type import TYPE_NAME, UnknownTypeError
 
 _SEPARATOR = "=" * 80
@@ -89,7 +86,9 @@ def encode(message: Any) -> bytes:
     Raises:
         UnknownTypeError: the definition of the message is not installed.
     """
-    return _codec_of(type(message)).encode(message)
+    kind: Any = type(message)
+    name = type_name(kind)
+    return bytes(_store_of(name).serialize_cdr(_Numpy(message), name))
 
 
 def decode(data: bytes, kind: Any) -> Any:
@@ -98,39 +97,23 @@ def decode(data: bytes, kind: Any) -> Any:
     Raises:
         ValueError: the data is not a message of this class.
     """
-    return _codec_of(kind).decode(data)
+    name = type_name(kind)
+    try:
+        return _store_of(name).deserialize_cdr(data, name)
+    except SerdeError:
+        pass
+    try:
+        return deserialize_message(data, kind)
+    except Exception as error:  # rclpy has no common class for errors of its middleware
+        raise ValueError(f"not a {name}: {error}") from error
 
 
-class _Codec:
-    """Messages of one class to CDR and back: by a layout that fits, else by rosbags."""
-
-    def __init__(self, kind: Any) -> None:
-        self._kind = kind
-        self._name = type_name(kind)
-        self._store: Any = get_typestore(Stores.EMPTY)
-        self._store.register(get_types_from_msg(message_definition(self._name).text, self._name))
-        self._layouts = LayoutCodec(kind, lambda each: self._store.types[type_name(each)])
-
-    def encode(self, message: Any) -> bytes:
-        written = self._layouts.write(message)
-        return bytes(self._store.serialize_cdr(_Numpy(message), self._name)) if written is None else written
-
-    def decode(self, data: bytes) -> Any:
-        message = self._layouts.read(data)
-        if message is not None:
-            return message
-        try:
-            message = self._store.deserialize_cdr(data, self._name)
-        except SerdeError:
-            return self._decode_padded(data)
-        self._layouts.learn(data, message)
-        return message
-
-    def _decode_padded(self, data: bytes) -> Any:
-        try:
-            return deserialize_message(data, self._kind)
-        except Exception as error:  # rclpy has no common class for errors of its middleware
-            raise ValueError(f"not a {self._name}: {error}") from error
+@cache
+def _store_of(type_name: str) -> Any:
+    """Return the types of rosbags with which a message of an installed type is read and written."""
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(message_definition(type_name).text, type_name))
+    return store
 
 
 class _Numpy:
@@ -142,16 +125,6 @@ class _Numpy:
     def __getattr__(self, name: str) -> Any:
         value = getattr(self._message, name)
         return np.array(value, dtype=value.typecode) if isinstance(value, array) else value
-
-
-_codecs: Final[dict[Any, _Codec]] = {}
-
-
-def _codec_of(kind: Any) -> _Codec:
-    codec = _codecs.get(kind)
-    if codec is None:
-        codec = _codecs[kind] = _Codec(kind)
-    return codec
 
 
 def _references(owner: str, text: str) -> list[str]:
