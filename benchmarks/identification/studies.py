@@ -14,8 +14,8 @@ from benchmarks.identification.runs import Batch, alarm_row, coverage, kept_from
 from benchmarks.protocol import CORNER, DT, SPEED, Truth, braking
 from benchmarks.rows import Row
 from friction_curve_id.chapter.friction_samples import FrictionSource
-from friction_curve_id.default.curve_prior import CurvePrior
-from friction_curve_id.methods import DEFAULT
+from friction_curve_id.exact_vehicle.curve_prior import CurvePrior
+from friction_curve_id.methods import EXACT_VEHICLE
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import SURFACES, TABLE_8_1
 from vehicle_models.vehicle import CornerParameters
@@ -74,7 +74,7 @@ def methods(options: argparse.Namespace) -> list[Row]:
 
 
 def random_curves(options: argparse.Namespace) -> list[Row]:
-    """The default on curves drawn uniformly in mu_max and lambda_max, one noise seed each, beside its bound.
+    """Method exact_vehicle on curves drawn uniformly in mu_max and lambda_max, one noise seed each, beside its bound.
 
     The row `family` draws th3 / th1 from the range of the published roads, the row `wide` from a normal of its
     logarithm with standard deviation 0.3, wider than the prior: what the prior costs where it does not hold.
@@ -85,7 +85,7 @@ def random_curves(options: argparse.Namespace) -> list[Row]:
         truth = braking(options.manoeuvre, draw_curves(options.seeds, case))
         lambda_max = burckhardt.peak(truth.theta)[0]
         runs = [(k, (_FIRST_SEED, 10, k)) for k in range(options.seeds)]
-        found = make([Batch(case, DEFAULT, truth, runs)], f"random curves, {case}", options.processes)[case]
+        found = make([Batch(case, EXACT_VEHICLE, truth, runs)], f"random curves, {case}", options.processes)[case]
         for samples in SAMPLES:
             bound = _bounds(truth, prior)[samples]
             estimate, stddev = found["lambda_max"][:, samples - 1], found["lambda_max_stddev"][:, samples - 1]
@@ -126,7 +126,7 @@ def alarms(options: argparse.Namespace) -> list[Row]:
     truth = on_roads(options.manoeuvre)
     lambda_max = burckhardt.peak(truth.theta)[0]
     count = options.seeds
-    batches = [Batch(name, DEFAULT, truth, seeds_of(k, count)) for k, name in enumerate(TABLE_8_1)]
+    batches = [Batch(name, EXACT_VEHICLE, truth, seeds_of(k, count)) for k, name in enumerate(TABLE_8_1)]
     traces = make(batches, "alarms", options.processes)
     rows: list[Row] = []
     for k, name in enumerate(TABLE_8_1):
@@ -151,7 +151,7 @@ def model_error(options: argparse.Namespace) -> list[Row]:
     changes += [(f"speed bias {bias:+.1f} m/s", CORNER, bias, 1.0) for bias in (0.5, -0.5)]
     seeds = {name: seeds_of(k, options.seeds) for k, name in enumerate(TABLE_8_1)}
     batches = [
-        Batch(f"{surface} {text}", DEFAULT, truth, runs, wheel=wheel, speed_bias=bias, torque_gain=gain)
+        Batch(f"{surface} {text}", EXACT_VEHICLE, truth, runs, wheel=wheel, speed_bias=bias, torque_gain=gain)
         for surface, runs in seeds.items()
         for text, wheel, bias, gain in changes
     ]
@@ -179,10 +179,12 @@ def outliers(options: argparse.Namespace) -> list[Row]:
     batches = []
     for k, surface in enumerate(TABLE_8_1):
         runs = seeds_of(k, options.seeds)
-        batches.append(Batch(surface, DEFAULT, truth, runs))
+        batches.append(Batch(surface, EXACT_VEHICLE, truth, runs))
         for signals in ("w", "v", "T", "wvT"):
             batches += [
-                Batch(f"{surface} {signals} {first} {sign}", DEFAULT, truth, runs, outliers=(first, sign, signals))
+                Batch(
+                    f"{surface} {signals} {first} {sign}", EXACT_VEHICLE, truth, runs, outliers=(first, sign, signals)
+                )
                 for first in firsts
                 for sign in (1, -1)
             ]

@@ -11,7 +11,7 @@ from benchmarks.protocol import CORNER, DT, SAMPLES, SPEED, brake_torque, hold_t
 from benchmarks.rows import Row
 from corner_sim.corner import SingleCorner
 from friction_curve_id.interface import CurveEstimate, RestartCause, Sample
-from friction_curve_id.methods import DEFAULT, exact_wheel_estimator
+from friction_curve_id.methods import EXACT_VEHICLE, exact_wheel_estimator
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
 
@@ -98,7 +98,7 @@ def _follow(change: Change, after: Array, seed: int) -> tuple[float, int, float,
     """Delay of the restart [ms], restarts before the change, errors of lambda_max and mu_max at the end [stddev]."""
     generator = np.random.default_rng([_FIRST_SEED, 20, seed])
     omega, speed, torque = noisy((change.wheel_speed, change.speed, change.torque), generator)
-    estimator = exact_wheel_estimator(DEFAULT, CORNER)
+    estimator = exact_wheel_estimator(EXACT_VEHICLE, CORNER)
     delay, false, last = np.inf, 0, CurveEstimate(0, 0.0)
     for k in range(len(torque)):
         answer = estimator.update(Sample(k * DT, float(omega[k]), float(speed[k]), float(torque[k])))

@@ -1,4 +1,4 @@
-"""One corner with exactly known parameters: the estimator `car` beside the default one, and the cost of a message.
+"""One corner with exactly known parameters: the estimator `car` beside exact_vehicle, and the cost of a message.
 
 Manoeuvre B of the identification protocol with its noise, after LEAD of free rolling: `car` takes the speed from the
 wheels before the brakes act. Without accelerometer and speed sensor; all deviations are zero and the formula of the
@@ -24,7 +24,7 @@ from corner_sim.car.recording import record
 from corner_sim.sensors import CHAPTER_NOISE
 from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
 from friction_curve_id.interface import CurveEstimate, Refusal, Sample
-from friction_curve_id.methods import DEFAULT, exact_wheel_estimator
+from friction_curve_id.methods import EXACT_VEHICLE, exact_wheel_estimator
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import SURFACES, TABLE_8_1
 from vehicle_models.vehicle import Deviation, SharedBy, Vehicle
@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 LEAD = 40
 """Samples of free rolling before the brakes act."""
 RMSE = {"dry": 0.78, "wet": 1.29, "cobblestone": 0.43, "snow": 3.4}
-"""Of lambda_max by the default after 100 samples [%]; at most 1.1 times as much is asked for."""
+"""Of lambda_max by exact_vehicle after 100 samples [%]; at most 1.1 times as much is asked for."""
 _TIMES = 1.1
 _COVERAGE = 90.0
 _MEDIAN_DELAY, _LATE_DELAY = 10.0, 20.0
@@ -92,8 +92,8 @@ def make_known(job: Known) -> Array:
 
 def _updater(method: str) -> Callable[[float, float, float], CurveEstimate | Refusal]:
     """Return what takes a sample: time [s], wheel speed [rad/s] and brake torque [N m]."""
-    if method == DEFAULT:
-        wheel = exact_wheel_estimator(DEFAULT, CORNER)
+    if method == EXACT_VEHICLE:
+        wheel = exact_wheel_estimator(EXACT_VEHICLE, CORNER)
         return lambda time, omega, torque: wheel.update(Sample(time, omega, None, torque))
     parameters = CarEstimatorParameters(
         family="burckhardt",
@@ -119,7 +119,7 @@ def known_rows(method: str, parts: Sequence[tuple[str, Array]]) -> list[Row]:
         ("median", float(np.median(delay)), _MEDIAN_DELAY),
         ("95th percentile", float(np.quantile(delay, 0.95, method="higher")), _LATE_DELAY),
     ):
-        judged = not_judged(value) if method == DEFAULT else at_most(value, limit)
+        judged = not_judged(value) if method == EXACT_VEHICLE else at_most(value, limit)
         rows.append(start | {"quantity": f"delay of the alarm, {what} [ms]"} | judged)
     early = 100.0 * float(np.mean(delay < _EARLY))
     rows.append(start | {"quantity": "early alarms [%]"} | not_judged(early))
@@ -132,12 +132,12 @@ def _errors(method: str, road: str, found: Array) -> list[Row]:
     error = 100.0 * (last["lambda_max"] / lambda_max - 1.0)
     start: Row = {"case": f"known exactly, {method}", "road": road, "stops": len(found)}
     rmse = float(np.sqrt(np.mean(error**2)))
-    judged = not_judged(rmse) if method == DEFAULT else at_most(rmse, _TIMES * RMSE[road])
+    judged = not_judged(rmse) if method == EXACT_VEHICLE else at_most(rmse, _TIMES * RMSE[road])
     quantity = "RMSE of lambda_max after 100 samples [%]"
     rows = [start | {"quantity": quantity} | judged | {"bias_pct": float(np.mean(error))}]
     for name, truth in (("lambda_max", lambda_max), ("mu_max", mu_max)):
         inside = 100.0 * float(np.mean(np.abs(last[name] - truth) <= 1.96 * last[f"{name}_stddev"]))
-        judged = not_judged(inside) if method == DEFAULT else at_least(inside, _COVERAGE)
+        judged = not_judged(inside) if method == EXACT_VEHICLE else at_least(inside, _COVERAGE)
         rows.append(start | {"quantity": f"coverage of {name} [%]"} | judged)
     return rows
 
@@ -153,7 +153,7 @@ def _delays(road: str, found: Array) -> Array:
 
 Times = NDArray[np.float64]
 _DEARER, _SLOWEST = 2.5, 1.5
-"""Largest median in medians of the default, and largest 99th percentile [ms a wheel]."""
+"""Largest median in medians of exact_vehicle, and largest 99th percentile [ms a wheel]."""
 
 
 def timed(stop: Bound) -> Mapping[str, Times]:
@@ -174,15 +174,15 @@ def timed(stop: Bound) -> Mapping[str, Times]:
 
 
 def cost_rows(stops: Sequence[Mapping[str, Times]]) -> list[Row]:
-    """Rows of the methods; those beside the default are judged."""
+    """Rows of the methods; those of car are judged."""
     times = {name: np.concatenate([stop[name] for stop in stops]) for name in METHODS}
-    reference = float(np.median(times[DEFAULT]))
+    reference = float(np.median(times[EXACT_VEHICLE]))
     rows: list[Row] = []
     for name, found in times.items():
         median, slowest = float(np.median(found)), float(np.percentile(found, 99))
         start: Row = {"case": f"cost, {name}", "road": "all", "stops": len(stops)}
-        relative = not_judged(1.0) if name == DEFAULT else at_most(median / reference, _DEARER)
-        rows.append(start | {"quantity": "median CPU time of a sample [of the default]"} | relative)
-        judged = not_judged(slowest) if name == DEFAULT else at_most(slowest, _SLOWEST)
+        relative = not_judged(1.0) if name == EXACT_VEHICLE else at_most(median / reference, _DEARER)
+        rows.append(start | {"quantity": "median CPU time of a sample [of exact_vehicle]"} | relative)
+        judged = not_judged(slowest) if name == EXACT_VEHICLE else at_most(slowest, _SLOWEST)
         rows.append(start | {"quantity": "99th percentile [ms a wheel]"} | judged | {"median_ms": median})
     return rows

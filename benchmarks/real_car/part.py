@@ -1,6 +1,6 @@
 """Friction curves of cars with uncertain parameters, on the independent plant corner_sim.car, with limits.
 
-Study `perturbations`: each perturbation alone on a nominal car. The default estimator assumes a car without
+Study `perturbations`: each perturbation alone on a nominal car. Method exact_vehicle assumes a car without
 load transfer, relaxation and delays; `car` assumes the values of the vehicle file.
 """
 
@@ -40,14 +40,14 @@ from corner_sim.car.car_parameters import CarParameters, SensorParameters
 from corner_sim.car.driving import Cycling
 from corner_sim.car.random_car import random_car
 from corner_sim.car.tyres import BRUSH_TYRES, TYRES, Scaled
-from friction_curve_id.methods import DEFAULT
+from friction_curve_id.methods import EXACT_VEHICLE
 from friction_parameters.command_line import count, positive
 from vehicle_models.surfaces import TABLE_8_1
 
 ROADS = tuple(TYRES["burckhardt"])
 NOMINAL_CARS: Mapping[str, CarParameters] = MappingProxyType(
     {
-        DEFAULT: CarParameters(height=0.0),
+        EXACT_VEHICLE: CarParameters(height=0.0),
         "car": CarParameters(
             relaxation_length=(0.3,) * 4,
             damper_share=0.5,
@@ -117,7 +117,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seeds", type=count, default=50, help="seeds a perturbation and road; random cars a road")
     parser.add_argument("--hours", type=positive, default=0.2, help="hours of ordinary driving")
     parser.add_argument("--first-drive", type=count, default=1, help="number of the first drive: long ones in parts")
-    parser.add_argument("--method", choices=METHODS, default=DEFAULT, help="the estimator that is judged")
+    parser.add_argument("--method", choices=METHODS, default=EXACT_VEHICLE, help="the estimator that is judged")
     parser.add_argument("--studies", nargs="+", choices=_STUDIES, default=list(_STUDIES), help="what to study")
     parser.add_argument(
         "--perturbations", nargs="+", choices=PERTURBATIONS, default=list(PERTURBATIONS), help="for 'perturbations'"

@@ -14,7 +14,7 @@ from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
 from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.interface import CurveEstimate, Refusal, Sample
-from friction_curve_id.methods import DEFAULT, exact_wheel_estimator
+from friction_curve_id.methods import EXACT_VEHICLE, exact_wheel_estimator
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -34,9 +34,9 @@ class WheelByWheel:
     """One estimator for each wheel, with its share of the nominal car; the acceleration is not used."""
 
     def __init__(self, vehicle: Vehicle) -> None:
-        """Make them of method `default` with their shipped parameters."""
+        """Make them of method `exact_vehicle` with their shipped parameters."""
         self._gains = [wheel.brake_gain for wheel in vehicle.wheels]
-        self._estimators = [exact_wheel_estimator(DEFAULT, vehicle.corner(name)) for name in vehicle.wheel_names]
+        self._estimators = [exact_wheel_estimator(EXACT_VEHICLE, vehicle.corner(name)) for name in vehicle.wheel_names]
 
     def update(
         self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float
@@ -64,7 +64,7 @@ class WholeCar:
         return self._estimator.update(CarSample(time, wheel_speed, brake_pressure, acceleration))
 
 
-METHODS: dict[str, Callable[[Vehicle], CarMethod]] = {DEFAULT: WheelByWheel, "car": WholeCar}
+METHODS: dict[str, Callable[[Vehicle], CarMethod]] = {EXACT_VEHICLE: WheelByWheel, "car": WholeCar}
 """What may be judged."""
 
 

@@ -87,9 +87,9 @@ def test_random_curves_have_their_peaks_where_they_were_drawn(case: str) -> None
 def test_the_same_seed_gives_the_same_noise_and_every_method_the_same_samples() -> None:
     truth = braking("B", roads()[:1])
     number, seed = seeds_of(0, 1)[0]
-    first, second = (list(measured(Batch("", method, truth, []), number, seed)) for method in ("default", "ls"))
+    first, second = (list(measured(Batch("", method, truth, []), number, seed)) for method in ("exact_vehicle", "ls"))
     assert first == second
-    bad = list(measured(Batch("", "default", truth, [], outliers=(50, -1, "wT")), number, seed))
+    bad = list(measured(Batch("", "exact_vehicle", truth, [], outliers=(50, -1, "wT")), number, seed))
     changed = [k for k in range(SAMPLES) if bad[k] != first[k]]
     assert changed == [50, 51, 52, 53, 54]
     assert bad[50].vehicle_speed == first[50].vehicle_speed
@@ -105,7 +105,7 @@ def test_after_the_change_of_road_the_wheel_locks_unless_the_torque_is_controlle
 def test_the_table_has_the_promised_columns() -> None:
     parser = argparse.ArgumentParser()
     identification.add_arguments(parser)
-    rows = identification.run(parser.parse_args(["--seeds", "2", "--methods", "default", "--processes", "1"]))
+    rows = identification.run(parser.parse_args(["--seeds", "2", "--methods", "exact_vehicle", "--processes", "1"]))
     promised = """surface method samples runs bias_pct rmse_pct median_pct p95_pct failures coverage_95 crlb_pct
                update_ms_median update_ms_p99""".split()
     assert len(rows) == 4 * 3

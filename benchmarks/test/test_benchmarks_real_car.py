@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 @pytest.fixture(scope="module")
 def run() -> Recording:
-    parameters, cycling = perturbed_car("none", "dry", "default")
+    parameters, cycling = perturbed_car("none", "dry", "exact_vehicle")
     return record(parameters, SlipCycle(parameters, cycling), 1)
 
 
@@ -179,7 +179,7 @@ def test_the_load_of_the_bound_has_the_correlation_of_the_road() -> None:
 
 
 def test_torques_and_forces_of_the_bound_are_those_of_the_plant() -> None:
-    car, _ = perturbed_car("relaxation 0.3 m", "dry", "default")
+    car, _ = perturbed_car("relaxation 0.3 m", "dry", "exact_vehicle")
     car = replace(car, sensors=replace(car.sensors, sample_rate=1000))
     run = record(car, SlipCycle(car, Cycling()), 1)
     n = int(np.searchsorted(run.time, first_passing(run) + 0.4))
@@ -218,7 +218,7 @@ def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None
     assert {row["case"] for row in rows} == {
         *("48 teeth at 100 Hz", "random cars", "ordinary driving"),
         *("before the peak, burckhardt", "before the peak, pacejka"),
-        *("known exactly, default", "known exactly, car", "cost, default", "cost, car"),
+        *("known exactly, exact_vehicle", "known exactly, car", "cost, exact_vehicle", "cost, car"),
         *("road change", "ordinary driving, friction_slope slip", "ordinary driving, friction_slope no_slip"),
     }
     assert {row["road"] for row in rows} == {"wet", "all", "dry to wet", *TABLE_8_1}

@@ -19,7 +19,7 @@ def test_manoeuvre_takes_the_chapters_samples_from_init_to_activation(road: Road
 
 def test_tables_with_estimated_speed_are_as_good_as_with_measured_speed() -> None:
     rows = tables(range(1), shipped())
-    default = [row for row in rows if row["method"] == "default" and row["instant"] == "end"]
+    default = [row for row in rows if row["method"] == "exact_vehicle" and row["instant"] == "end"]
     assert {row["speed"] for row in default} == {"measured", "estimated"}
     assert all(abs(row["bias_percent"]) < 6.0 and row["failures"] == 0 for row in default)
 

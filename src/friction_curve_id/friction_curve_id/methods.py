@@ -11,7 +11,7 @@ from friction_curve_id.chapter.maximum_likelihood import MaximumLikelihood
 from friction_curve_id.chapter.recursive_ls import RecursiveLS
 from friction_curve_id.chapter.recursive_ml import RecursiveML, RecursiveMLWithBatch
 from friction_curve_id.chapter.start_parameters import StartParameters
-from friction_curve_id.default.estimator import DefaultEstimator, DefaultParameters
+from friction_curve_id.exact_vehicle.estimator import ExactVehicleEstimator, ExactVehicleParameters
 from friction_curve_id.interface import CurveEstimator
 from friction_curve_id.known_car import InexactVehicle, not_known
 from friction_curve_id.measurement_noise import MeasurementNoise
@@ -31,8 +31,8 @@ CHAPTER_METHODS: Mapping[str, Callable[[], CurveFit]] = MappingProxyType(
 """Methods of section 8.3 on friction samples."""
 
 
-DEFAULT = "default"
-METHODS: tuple[str, ...] = (DEFAULT, *CHAPTER_METHODS)
+EXACT_VEHICLE = "exact_vehicle"
+METHODS: tuple[str, ...] = (EXACT_VEHICLE, *CHAPTER_METHODS)
 """All methods that take wheel speed, brake torque and vehicle speed."""
 
 
@@ -67,7 +67,7 @@ def make_estimator(
         wheel: name of the wheel.
         gate: which samples are admitted.
         noise: noise of the sensors.
-        source: how a method of the chapter makes its friction samples; the default method uses none.
+        source: how a method of the chapter makes its friction samples; exact_vehicle uses none.
         start: when the fit of a method of the chapter begins.
 
     Raises:
@@ -87,8 +87,8 @@ def exact_wheel_estimator(
     start: StartParameters = _START,
 ) -> CurveEstimator:
     """Make the estimator of a wheel that is known exactly, as in a simulation; arguments as for make_estimator."""
-    if name == DEFAULT:
-        return DefaultEstimator(wheel, DefaultParameters(gate=gate, noise=noise))
+    if name == EXACT_VEHICLE:
+        return ExactVehicleEstimator(wheel, ExactVehicleParameters(gate=gate, noise=noise))
     if name not in CHAPTER_METHODS:
         raise ValueError(f"unknown method '{name}': one of {', '.join(METHODS)}")
     return WheelFitting(FrictionSamples(wheel, source, gate, noise), CHAPTER_METHODS[name](), start)

@@ -9,7 +9,7 @@ from friction_curve_id.chapter.tyre_force import TyreForceParameters
 from friction_curve_id.interface import CurveEstimator
 from friction_curve_id.known_car import not_known
 from friction_curve_id.measurement_noise import MeasurementNoise
-from friction_curve_id.methods import CHAPTER_METHODS, DEFAULT, METHODS, ChapterParameters, make_estimator
+from friction_curve_id.methods import CHAPTER_METHODS, EXACT_VEHICLE, METHODS, ChapterParameters, make_estimator
 from friction_curve_id.sample_gate import GateParameters
 from friction_curve_id.vehicle.vehicle_samples import WholeVehicleParameters
 from friction_parameters.generated import ShippedFile
@@ -29,7 +29,7 @@ class FrictionCurveParameters:
     vehicle_file: str = vehicle_file_parameter()
     method: str = parameter(
         AUTO,
-        "identification method; auto: car, or default where the vehicle file is exact",
+        "identification method; auto: car, or exact_vehicle where the vehicle file is exact",
         choices=(AUTO, *METHODS, CAR, VEHICLE, TYRE_FORCE),
     )
     speed_source: str = parameter(
@@ -58,7 +58,7 @@ class FrictionCurveParameters:
         """Return the parameters with the method that AUTO stands for on this car."""
         if self.method != AUTO:
             return self
-        return replace(self, method=CAR if not_known(vehicle) else DEFAULT)
+        return replace(self, method=CAR if not_known(vehicle) else EXACT_VEHICLE)
 
     def estimator(self, vehicle: Vehicle, wheel: str) -> CurveEstimator:
         """Make the estimator of one wheel by the method, one of METHODS."""

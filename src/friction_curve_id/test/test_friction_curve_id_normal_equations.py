@@ -1,21 +1,21 @@
-"""The normal equations of the default estimator against independent residuals and their finite differences."""
+"""The normal equations of method exact_vehicle against independent residuals and their finite differences."""
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
-from friction_curve_id.default.banded_normal_equations import (
+from friction_curve_id.exact_vehicle.banded_normal_equations import (
     NormalEquations,
     OutlierThresholds,
     assemble,
     fold,
     solve,
 )
-from friction_curve_id.default.braking_window import BrakingWindow
-from friction_curve_id.default.curve_prior import CurvePrior
-from friction_curve_id.default.past_evidence import PastEvidence, momentum_evidence, no_evidence
-from friction_curve_id.default.robust_weights import robust_cost, robust_weights
+from friction_curve_id.exact_vehicle.braking_window import BrakingWindow
+from friction_curve_id.exact_vehicle.curve_prior import CurvePrior
+from friction_curve_id.exact_vehicle.past_evidence import PastEvidence, momentum_evidence, no_evidence
+from friction_curve_id.exact_vehicle.robust_weights import robust_cost, robust_weights
 from friction_curve_id.measurement_noise import MeasurementNoise
 from vehicle_models import burckhardt, burckhardt_log
 from vehicle_models.surfaces import SURFACES

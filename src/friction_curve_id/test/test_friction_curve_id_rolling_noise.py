@@ -5,8 +5,8 @@ import pytest
 
 from corner_sim.corner import SingleCorner
 from corner_sim.sensors import CHAPTER_NOISE
-from friction_curve_id.default.estimator import DefaultEstimator
-from friction_curve_id.default.rolling_noise import RollingNoise
+from friction_curve_id.exact_vehicle.estimator import ExactVehicleEstimator
+from friction_curve_id.exact_vehicle.rolling_noise import RollingNoise
 from friction_curve_id.interface import CurveEstimate, Sample
 from vehicle_models import burckhardt
 from vehicle_models.reason import Reason
@@ -51,7 +51,11 @@ def test_three_times_the_noise_makes_no_peak_where_there_is_none(name: str) -> N
     lambda_max, mu_max = (float(value) for value in burckhardt.peak(theta))
     held = 0.9 * mu_max * CORNER.radius * CORNER.vertical_load
     for seed in range(12):
-        corner, random, estimator = SingleCorner(CORNER, [30.0]), np.random.default_rng(seed), DefaultEstimator(CORNER)
+        corner, random, estimator = (
+            SingleCorner(CORNER, [30.0]),
+            np.random.default_rng(seed),
+            ExactVehicleEstimator(CORNER),
+        )
         for k in range(300):
             torque, following = (held * min(max((n - 200) / 20, 0.0), 1.0) for n in (k, k + 1))
             sample = Sample(

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dpttrf, dpttrs
 
-from friction_curve_id.default.braking_window import BrakingWindow
-from friction_curve_id.default.past_evidence import PastEvidence
-from friction_curve_id.default.robust_weights import huber_cost, huber_weights, robust_cost, robust_weights
+from friction_curve_id.exact_vehicle.braking_window import BrakingWindow
+from friction_curve_id.exact_vehicle.past_evidence import PastEvidence
+from friction_curve_id.exact_vehicle.robust_weights import huber_cost, huber_weights, robust_cost, robust_weights
 from friction_curve_id.measurement_noise import MeasurementNoise
 from vehicle_models import burckhardt_log
 from vehicle_models.vehicle import CornerParameters

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.default.banded_normal_equations import (
+from friction_curve_id.exact_vehicle.banded_normal_equations import (
     NormalEquations,
     OutlierThresholds,
     Solution,
@@ -17,10 +17,10 @@ from friction_curve_id.default.banded_normal_equations import (
     fold,
     solve,
 )
-from friction_curve_id.default.braking_window import BrakingWindow
-from friction_curve_id.default.curve_prior import CurvePrior
-from friction_curve_id.default.past_evidence import MOMENTUM, WHEEL_SPEED, momentum_evidence, no_evidence
-from friction_curve_id.default.prediction import Prediction, predict
+from friction_curve_id.exact_vehicle.braking_window import BrakingWindow
+from friction_curve_id.exact_vehicle.curve_prior import CurvePrior
+from friction_curve_id.exact_vehicle.past_evidence import MOMENTUM, WHEEL_SPEED, momentum_evidence, no_evidence
+from friction_curve_id.exact_vehicle.prediction import Prediction, predict
 from friction_curve_id.measurement_noise import MeasurementNoise
 from vehicle_models import burckhardt_log
 from vehicle_models.vehicle import CornerParameters

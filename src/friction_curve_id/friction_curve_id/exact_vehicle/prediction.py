@@ -6,7 +6,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.default.braking_window import BrakingWindow
+from friction_curve_id.exact_vehicle.braking_window import BrakingWindow
 from friction_curve_id.measurement_noise import MeasurementNoise
 from vehicle_models import burckhardt_log
 from vehicle_models.vehicle import CornerParameters

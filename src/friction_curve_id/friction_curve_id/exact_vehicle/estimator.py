@@ -1,4 +1,4 @@
-"""The default estimator: when samples enter the full-information fit, which are set aside, when the fit restarts.
+"""Method `exact_vehicle`: when samples enter the full-information fit, which are set aside, when the fit restarts.
 
 Samples wait until the brake moves (`excitation`); then every sample updates the fit (`map_fit`). Surprising wheel
 speeds and suspect torques are set aside (`torque_watch`), many surprises mean a new road (`surface_change`).
@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.curve.validity import ValidityLimits
-from friction_curve_id.default.braking_window import SET_ASIDE
-from friction_curve_id.default.curve_uncertainty import describe
-from friction_curve_id.default.excitation import is_driven, is_excited, is_released, wheel_trend
-from friction_curve_id.default.map_fit import FitParameters, MapFit
-from friction_curve_id.default.rolling_noise import RollingNoise
-from friction_curve_id.default.surface_change import LONGEST_OUTLIER, SurfaceChangeMonitor
-from friction_curve_id.default.torque_watch import TorqueWatch
+from friction_curve_id.exact_vehicle.braking_window import SET_ASIDE
+from friction_curve_id.exact_vehicle.curve_uncertainty import describe
+from friction_curve_id.exact_vehicle.excitation import is_driven, is_excited, is_released, wheel_trend
+from friction_curve_id.exact_vehicle.map_fit import FitParameters, MapFit
+from friction_curve_id.exact_vehicle.rolling_noise import RollingNoise
+from friction_curve_id.exact_vehicle.surface_change import LONGEST_OUTLIER, SurfaceChangeMonitor
+from friction_curve_id.exact_vehicle.torque_watch import TorqueWatch
 from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause, Sample
 from friction_curve_id.sample_gate import GateParameters, SampleGate
 from friction_curve_id.stamp_order import Admission
@@ -47,17 +47,17 @@ _MOST_TORQUE = 1.2
 
 
 @dataclass(frozen=True)
-class DefaultParameters(FitParameters):
-    """Noise and prior of the default estimator, and its limits for samples and valid estimates."""
+class ExactVehicleParameters(FitParameters):
+    """Noise and prior of the estimator, and its limits for samples and valid estimates."""
 
     gate: GateParameters = field(default_factory=GateParameters)
     limits: ValidityLimits = ValidityLimits(min_samples=20)
 
 
-class DefaultEstimator:
+class ExactVehicleEstimator:
     """CurveEstimator of one wheel."""
 
-    def __init__(self, wheel: CornerParameters, parameters: DefaultParameters = DefaultParameters()) -> None:
+    def __init__(self, wheel: CornerParameters, parameters: ExactVehicleParameters = ExactVehicleParameters()) -> None:
         """Start from the prior."""
         self._radius, self._inertia = wheel.radius, wheel.inertia
         self._p = parameters

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from friction_curve_id.curve.fitted_curve import probability_negative
 from friction_curve_id.curve.validity import ValidityLimits
-from friction_curve_id.default.braking_window import NewestSlip
+from friction_curve_id.exact_vehicle.braking_window import NewestSlip
 from friction_curve_id.interface import CurveEstimate, RestartCause
 from vehicle_models import burckhardt_log
 from vehicle_models.reason import Reason

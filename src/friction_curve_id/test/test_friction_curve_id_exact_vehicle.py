@@ -1,4 +1,4 @@
-"""The default estimator: at the bound, calibrated, honest before the peak, unmoved by outliers, alive after hours."""
+"""Method exact_vehicle: at the bound, calibrated, honest before the peak, unmoved by outliers, alive after hours."""
 
 import copy
 import pickle
@@ -13,7 +13,7 @@ from scipy.stats import chi2
 
 from corner_sim.corner import SingleCorner
 from corner_sim.sensors import CHAPTER_NOISE
-from friction_curve_id.default.estimator import DefaultEstimator, DefaultParameters
+from friction_curve_id.exact_vehicle.estimator import ExactVehicleEstimator, ExactVehicleParameters
 from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause, Sample
 from vehicle_models import burckhardt
 from vehicle_models.reason import Reason
@@ -31,9 +31,9 @@ BOUND = {"dry": 0.00889, "wet": 0.0156, "cobblestone": 0.00428}
 SEEDS = 20
 
 
-def final(samples: list[Sample], estimator: DefaultEstimator | None = None) -> CurveEstimate:
+def final(samples: list[Sample], estimator: ExactVehicleEstimator | None = None) -> CurveEstimate:
     """Feed all samples; the last answer must be an estimate."""
-    estimator = DefaultEstimator(CORNER) if estimator is None else estimator
+    estimator = ExactVehicleEstimator(CORNER) if estimator is None else estimator
     answer: CurveEstimate | Refusal | None = None
     for sample in samples:
         answer = estimator.update(sample)
@@ -78,7 +78,7 @@ def test_beyond_the_peak_the_probability_says_so_within_thirty_milliseconds(nois
     for name in TABLE_8_1:
         braking = noisy(name, 2)
         crossing = int(np.argmax(braking.slip > peak_of(name)[0]))
-        estimator = DefaultEstimator(CORNER)
+        estimator = ExactVehicleEstimator(CORNER)
         answers = [estimator.update(sample) for sample in braking.samples]
         likely = [isinstance(a, CurveEstimate) and a.probability_beyond_peak > 0.9 for a in answers]
         assert -5 <= likely.index(True) - crossing <= 6
@@ -111,7 +111,7 @@ def test_a_speed_sensor_is_not_needed(noisy: Brake) -> None:
 )
 def test_bad_input_is_refused_and_changes_nothing(noisy: Brake, change: dict[str, float], reason: Reason) -> None:
     samples = list(noisy("wet", 3).samples)
-    estimator = DefaultEstimator(CORNER)
+    estimator = ExactVehicleEstimator(CORNER)
     for sample in samples[:60]:
         estimator.update(sample)
     other = copy.deepcopy(estimator)
@@ -124,7 +124,7 @@ def test_bad_input_is_refused_and_changes_nothing(noisy: Brake, change: dict[str
 
 
 def test_constant_slip_is_refused_and_what_is_known_stays(noisy: Brake) -> None:
-    estimator = DefaultEstimator(CORNER)
+    estimator = ExactVehicleEstimator(CORNER)
     known = final(list(noisy("dry", 4).samples), estimator)
     # Past the peak the brake is released and the wheel rolls: no torque, no slip, for two seconds.
     last = noisy("dry", 4).samples[-1]
@@ -138,7 +138,7 @@ def test_constant_slip_is_refused_and_what_is_known_stays(noisy: Brake) -> None:
 
 
 def test_a_stream_without_braking_never_gives_an_estimate() -> None:
-    estimator, generator = DefaultEstimator(CORNER), np.random.default_rng(5)
+    estimator, generator = ExactVehicleEstimator(CORNER), np.random.default_rng(5)
     for k in range(600):
         omega = 100.0 - 0.02 * k + generator.normal(0.0, 0.07)
         answer = estimator.update(Sample(0.005 * k, omega, None, generator.normal(0.0, 3.0)))
@@ -149,7 +149,7 @@ def test_a_weak_brake_on_a_slippery_road_is_seen_all_the_same() -> None:
     """Ice with a flat curve: the wheel slows by its slip more than by the brake alone."""
     theta = np.array([0.1187, 14.46, 0.0463])
     plant, generator, noise = SingleCorner(CORNER, [30.0]), np.random.default_rng(9), CHAPTER_NOISE
-    estimator, given = DefaultEstimator(CORNER), 0
+    estimator, given = ExactVehicleEstimator(CORNER), 0
     for k in range(100):
         torque, following = (159.0 * min(t / 0.25, 1.0) for t in (0.005 * k, 0.005 * (k + 1)))
         sample = Sample(
@@ -165,7 +165,7 @@ def test_a_weak_brake_on_a_slippery_road_is_seen_all_the_same() -> None:
 
 def test_after_a_gap_the_fit_begins_again_and_says_so(noisy: Brake) -> None:
     samples = list(noisy("wet", 6).samples)
-    estimator = DefaultEstimator(CORNER)
+    estimator = ExactVehicleEstimator(CORNER)
     for sample in samples[:80]:
         estimator.update(sample)
     later = [sample._replace(time=sample.time + 30.0) for sample in samples]
@@ -179,7 +179,7 @@ def test_after_a_gap_the_fit_begins_again_and_says_so(noisy: Brake) -> None:
 
 def test_reset_begins_again_on_request(noisy: Brake) -> None:
     samples = list(noisy("dry", 7).samples)
-    used, fresh = DefaultEstimator(CORNER), DefaultEstimator(CORNER)
+    used, fresh = ExactVehicleEstimator(CORNER), ExactVehicleEstimator(CORNER)
     final(samples, used)
     used.reset()
     answers = [(used.update(sample), fresh.update(sample)) for sample in samples]
@@ -209,7 +209,7 @@ def test_five_samples_off_by_ten_times_the_noise_move_lambda_max_by_at_most_a_de
     for seed in range(4):
         samples = list(noisy(name, seed).samples)
         for first in (60, 85):
-            estimator = DefaultEstimator(CORNER)
+            estimator = ExactVehicleEstimator(CORNER)
             before = final(samples[:first], estimator)
             for sample in samples[first : first + 5]:
                 after = estimator.update(disturbed(sample, signals))
@@ -253,7 +253,7 @@ def drive_over_a_change(before: str, after: str, seed: int) -> list[Sample]:
 def test_from_dry_to_snow_beyond_the_peak_it_restarts_and_finds_the_new_curve() -> None:
     inside = []
     for seed in range(12):
-        estimator = DefaultEstimator(CORNER)
+        estimator = ExactVehicleEstimator(CORNER)
         answers = [estimator.update(sample) for sample in drive_over_a_change("dry", "snow", seed)]
         estimates = [answer for answer in answers if isinstance(answer, CurveEstimate)]
         restarts = [k for k, a in enumerate(answers) if isinstance(a, CurveEstimate) and a.restarted]
@@ -297,7 +297,7 @@ def test_what_the_brake_of_a_wheel_that_stands_could_do_is_not_taken_for_frictio
     for seed in range(12):
         samples = lock_and_come_back(seed)
         assert sum(abs(sample.wheel_speed) < 0.3 for sample in samples) > 10
-        estimator = DefaultEstimator(CORNER)
+        estimator = ExactVehicleEstimator(CORNER)
         found = [(sample.time, estimator.update(sample)) for sample in samples]
         valid = [each for time, each in found if time > 0.8 and isinstance(each, CurveEstimate) and each.valid]
         errors += [
@@ -313,7 +313,7 @@ def test_what_the_brake_of_a_wheel_that_stands_could_do_is_not_taken_for_frictio
 def test_a_fit_that_began_beyond_the_peak_is_valid_once_it_was_passed_from_the_stable_side() -> None:
     """It was valid on the way back, from the bend of a curve that is flat there: off by half, for 5 s of a stop."""
     samples = lock_and_come_back(0)
-    estimator = DefaultEstimator(CORNER)
+    estimator = ExactVehicleEstimator(CORNER)
     lowest, restarted = 1.0, False
     for sample in samples:
         answer = estimator.update(sample)
@@ -331,7 +331,7 @@ def test_a_wheel_that_stands_is_no_gap(stands: float) -> None:
     """An encoder reads zero then, sample by sample; what is known of the road stays."""
     samples = lock_and_come_back(1)
     locked = next(k for k, sample in enumerate(samples) if sample.wheel_speed < 0.3)
-    estimator = DefaultEstimator(CORNER)
+    estimator = ExactVehicleEstimator(CORNER)
     before = final(samples[:locked], estimator)
     time = samples[locked - 1].time
     standing = samples[locked - 1]._replace(wheel_speed=0.0)
@@ -346,14 +346,14 @@ def test_a_wheel_that_stands_is_no_gap(stands: float) -> None:
 def test_the_road_changes_only_where_it_does(noisy: Brake) -> None:
     for name in TABLE_8_1:
         for seed in range(5):
-            estimator = DefaultEstimator(CORNER)
+            estimator = ExactVehicleEstimator(CORNER)
             answers = [estimator.update(sample) for sample in noisy(name, seed).samples]
             assert not any(isinstance(a, CurveEstimate) and a.restarted for a in answers)
 
 
 def test_it_runs_for_long_in_bounded_memory_and_still_knows_the_road() -> None:
     plant, generator = SingleCorner(CORNER, [30.0]), np.random.default_rng(8)
-    estimator, dt, noise = DefaultEstimator(CORNER), 0.005, CHAPTER_NOISE
+    estimator, dt, noise = ExactVehicleEstimator(CORNER), 0.005, CHAPTER_NOISE
     theta, lambda_max = surface("wet"), peak_of("wet")[0]
     torque, sizes, errors = 0.0, [], []
     for k in range(4_800):
@@ -385,4 +385,4 @@ def test_it_runs_for_long_in_bounded_memory_and_still_knows_the_road() -> None:
 def test_parameters_that_make_no_estimator_are_refused() -> None:
     for wrong in ({"window": 10}, {"memory": 0.0}, {"acceleration_error": -1.0}):
         with pytest.raises(ValueError):
-            DefaultParameters(**wrong)
+            ExactVehicleParameters(**wrong)

@@ -1,1 +1,0 @@
-"""The default estimator: a full-information maximum a posteriori fit to the signals of one wheel."""
