@@ -25,7 +25,7 @@ from book.chapter_numbers import SLIP_AT_DETECTION, compared, spread
 from book.driver_stop import ROADS, StopRun, stop_run
 from book.page import Picture, Section, Table
 from corner_sim.sensors import CHAPTER_NOISE
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
 from friction_slope.estimate import SlopeSample
 from friction_slope.signals import SignalWindow
 from wheel_slip.parameters import WheelSlipParameters

@@ -13,7 +13,7 @@ from friction_msgs.msg import BrakeCommand
 from sensor_msgs.msg import JointState
 
 from friction_runtime import qos
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
 
 WHEEL = "front_left"
 VALID_FOR = 0.9

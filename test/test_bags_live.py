@@ -27,7 +27,7 @@ from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import encode, installed_topic
 from friction_bags.bag_io.reindex import reindex
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from friction_test_support.dds_client import PATIENCE, own_domain
 
 SECOND = 10**9

@@ -23,8 +23,7 @@ from friction_bags.importers.table import Table
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
-from friction_runtime.message_type import message_class
-from friction_runtime.shipped_files import shipped_file
+from friction_runtime.installed import message_class, shipped_file
 from friction_test_support.dds_client import PATIENCE, own_domain
 
 CAR = Path(__file__).parents[1] / "src" / "friction_bags" / "test" / "two_corners.yaml"

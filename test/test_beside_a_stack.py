@@ -18,7 +18,7 @@ from friction_bringup import graph
 from friction_bringup.node_start import WATCHING, node_starts
 from friction_bringup.security_policies import policies
 from friction_runtime import qos
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.messages import from_nanoseconds
 from friction_test_support.dds_client import DdsClient, dds_client
 
 PERIOD = 5_000_000

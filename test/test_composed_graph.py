@@ -26,8 +26,8 @@ from friction_bags.offline.estimators import make_processors, read_parameters
 from friction_bringup import graph
 from friction_parameters.parameter import from_mapping
 from friction_runtime import qos
+from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import Output, silent
-from friction_runtime.stamps import to_nanoseconds
 from friction_test_support.dds_client import DdsClient, dds_client, output_of, stop
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -22,8 +22,8 @@ from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import write_bag
 from friction_bringup.__main__ import main
 from friction_report.recorded_run import RecordedRun, read_run
-from friction_runtime.shipped_files import shipped_file
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.installed import shipped_file
+from friction_runtime.messages import from_nanoseconds
 from friction_test_support.dds_client import PATIENCE
 
 SHORT = {"initial_speed": 20.0, "end_speed": 5.0, "real_time_factor": 0.0}

@@ -20,9 +20,9 @@ from sensor_msgs.msg import FluidPressure, JointState
 from campaigns.live.part import LOOP
 from friction_bringup import graph
 from friction_runtime import qos
+from friction_runtime.installed import shipped_file
 from friction_runtime.machine_load import slowdown
-from friction_runtime.shipped_files import shipped_file
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
 from friction_test_support.dds_client import DdsClient, dds_client
 from vehicle_models.nanoseconds import NANOSECONDS
 

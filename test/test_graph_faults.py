@@ -20,8 +20,8 @@ from campaigns.live.part import LOOP
 from friction_bags.bag_io.cdr import encode
 from friction_bringup import graph
 from friction_runtime import qos
-from friction_runtime.shipped_files import shipped_file
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_runtime.installed import shipped_file
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from friction_test_support.dds_client import DdsClient, dds_client
 from vehicle_models.reason import Reason
 

@@ -8,7 +8,7 @@ from std_msgs.msg import Header
 
 from campaigns.live.graph import Observation
 from campaigns.live.part import real_time_row
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.messages import from_nanoseconds
 
 START = 1_000_000_000
 PERIOD = 5_000_000

@@ -24,8 +24,8 @@ from friction_bringup.node_start import (
 )
 from friction_parameters.parameter import ParameterError
 from friction_parameters.parameter_file import NodeName, file_values
+from friction_runtime.installed import shipped_file
 from friction_runtime.processor import silent
-from friction_runtime.shipped_files import shipped_file
 from vehicle_models.vehicle_file import load_vehicle, shipped_vehicles
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -13,8 +13,8 @@ from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import decode
 from friction_bags.experiments.tutorial import PRESSURE_AGE, SMALL_WHEEL, drive
-from friction_runtime.message_type import message_class
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.installed import message_class
+from friction_runtime.messages import to_nanoseconds
 from vehicle_doctor.__main__ import main as doctor
 from vehicle_models.vehicle_file import load_vehicle
 

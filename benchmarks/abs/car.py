@@ -28,8 +28,7 @@ from corner_sim.road import Road
 from corner_sim.ros.simulation import Simulation
 from corner_sim.two_axle import peak_torque
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
-from friction_runtime.processor import Processor, silent
-from friction_runtime.processor_graph import ProcessorGraph
+from friction_runtime.processor import Processor, ProcessorGraph, silent
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.surfaces import surface
 from vehicle_models.vehicle import Vehicle

@@ -20,8 +20,7 @@ from corner_sim.ros import messages
 from corner_sim.sensors import Measurement, SensorNoise
 from friction_curve_id.parameters import SHIPPED as SHIPPED_CURVE
 from friction_curve_id.ros.processor import build as curve_processors
-from friction_runtime.processor import Health, Output, Processor
-from friction_runtime.processor_graph import ProcessorGraph
+from friction_runtime.processor import Health, Output, Processor, ProcessorGraph
 from friction_slope.parameters import SHIPPED as SHIPPED_SLOPE
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.ros.processor import WheelProcessor as SlopeProcessor

@@ -23,9 +23,8 @@ from corner_sim.ros.simulation import Simulation
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, closed_loop_parameters, make_processors
 from friction_bringup.demo_drive import plant_of_demo
 from friction_bringup.graph import PLANT, plant_calibration
-from friction_runtime.processor import silent
-from friction_runtime.processor_graph import ProcessorGraph
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
+from friction_runtime.processor import ProcessorGraph, silent
 from vehicle_models.nanoseconds import NANOSECONDS
 
 Array = NDArray[np.float64]

@@ -13,8 +13,8 @@ from benchmarks.slope.detection import METHODS, shipped_settings
 from corner_sim.car.driving import OrdinaryDriver
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
+from friction_runtime.messages import header_at
 from friction_runtime.processor import Output
-from friction_runtime.stamps import header_at
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle

@@ -25,7 +25,7 @@ from corner_sim.sensors import CHAPTER_NOISE
 from corner_sim.two_axle import TwoAxleCar, peak_torque, split_torque
 from friction_adapter.map_file import load_map
 from friction_bags.importers.table import Table
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
 from friction_slope.detector import SlopeDetector
 from friction_slope.estimate import Method, SlopeSample
 from vehicle_models import burckhardt

@@ -26,7 +26,7 @@ from corner_sim.car.driving import Surroundings
 from corner_sim.car.recording import Recording, record
 from corner_sim.smart_tyre.drives import CAR
 from corner_sim.smart_tyre.tyre_signal import TyreSignalSource
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.ros.processor import TyreProcessor

@@ -7,7 +7,7 @@ from std_msgs.msg import Header
 from benchmarks.bags import _write
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode, encode, installed_topic
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 
 
 def test_a_long_bag_repeats_the_minute_with_stamps_that_go_on(tmp_path: Path) -> None:

@@ -36,9 +36,9 @@ from friction_bringup.discovery import local_discovery
 from friction_bringup.processes import ProcessGroup
 from friction_runtime import qos
 from friction_runtime.domain import free_domain_id
+from friction_runtime.messages import header_at, to_nanoseconds
 from friction_runtime.processor import Output
-from friction_runtime.stamps import header_at, to_nanoseconds
-from friction_runtime.wheel_speeds import WHEEL_STATES
+from friction_runtime.wheel_inputs import WHEEL_STATES
 from vehicle_models.nanoseconds import NANOSECOND
 
 _PARAMETERS = SimParameters(

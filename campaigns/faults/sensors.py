@@ -7,7 +7,7 @@ from typing import Any
 from benchmarks.protocol import DT
 from campaigns.faults.fault import Arrival, Fault, Site, at_once, changed, silent
 from corner_sim.sensors import CHAPTER_NOISE
-from friction_runtime.wheel_speeds import WHEEL_STATES
+from friction_runtime.wheel_inputs import WHEEL_STATES
 
 _FLICKER_SHARE = 0.1
 """Share of the samples that read 0."""

@@ -17,8 +17,7 @@ from corner_sim.ros.simulation import Simulation
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, closed_loop_parameters, make_processors
 from friction_bringup.graph import plant_calibration
 from friction_parameters.parameter import from_mapping
-from friction_runtime.processor import silent
-from friction_runtime.processor_graph import ProcessorGraph
+from friction_runtime.processor import ProcessorGraph, silent
 from vehicle_models.physical_bounds import HIGHEST_SPEED, HIGHEST_WHEEL_SPEED
 from vehicle_models.vehicle import Vehicle
 

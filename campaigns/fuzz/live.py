@@ -34,11 +34,10 @@ from friction_bringup.discovery import local_discovery
 from friction_bringup.processes import ProcessGroup
 from friction_runtime import qos
 from friction_runtime.domain import free_domain_id
+from friction_runtime.installed import shipped_file, shipped_parameters
 from friction_runtime.machine_load import slowdown
-from friction_runtime.processor import silent
-from friction_runtime.processor_graph import ProcessorGraph
-from friction_runtime.shipped_files import shipped_file, shipped_parameters
-from friction_runtime.stamps import header_at, to_nanoseconds
+from friction_runtime.messages import header_at, to_nanoseconds
+from friction_runtime.processor import ProcessorGraph, silent
 from vehicle_models.vehicle_file import load_vehicle
 
 VEHICLE = "chapter_corner"

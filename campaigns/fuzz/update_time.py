@@ -22,9 +22,8 @@ from corner_sim.smart_tyre.tyre_ring import TyreRing
 from corner_sim.smart_tyre.tyre_signal import AccelerometerParameters, EncoderParameters, TyreSignalSource
 from friction_bags.offline.estimators import SMART_TYRE, closed_loop_parameters, make_processors
 from friction_parameters.parameter import from_mapping
-from friction_runtime.processor import silent
-from friction_runtime.processor_graph import ProcessorGraph
-from friction_runtime.stamps import header_at
+from friction_runtime.messages import header_at
+from friction_runtime.processor import ProcessorGraph, silent
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle

@@ -23,9 +23,8 @@ from friction_bringup.discovery import local_discovery
 from friction_bringup.processes import ProcessGroup
 from friction_runtime.domain import free_domain_id
 from friction_runtime.machine_load import slowdown
-from friction_runtime.processor import Processor
-from friction_runtime.processor_graph import ProcessorGraph
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
+from friction_runtime.processor import Processor, ProcessorGraph
 
 Overrides = Mapping[str, Mapping[str, graph.ParameterValue]]
 _TAKE_PERIOD = 0.02

@@ -20,7 +20,7 @@ from campaigns.faults.fault import Arrival, Fault, Site, frozen, lagging, silent
 from campaigns.faults.loop import Loop, Record
 from campaigns.faults.measures import Measures, Reference, limits, measure, samples_without_abs, without_abs
 from corner_sim.plant import SAMPLE_TIME_NS
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
 

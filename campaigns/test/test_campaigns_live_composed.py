@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 from campaigns.live.composed import judged_rows, over_relays, run_row
 from campaigns.live.recorded_run import Answers, Measured
 from campaigns.live.relay import Relay
-from friction_runtime.stamps import header_at
+from friction_runtime.messages import header_at
 
 MILLISECOND = 1_000_000
 

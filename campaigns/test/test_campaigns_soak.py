@@ -16,7 +16,7 @@ from campaigns.dds import ProcessUse, use_of
 from campaigns.soak.graph import Answers, Seen, SoakGraph, answers, together
 from campaigns.soak.part import Lap, lost_rows, use_rows
 from friction_bags.record_replay.flow_control import header_stamp
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.messages import from_nanoseconds
 
 MILLISECOND = 1_000_000
 USE = ProcessUse(rss=100_000_000, threads=12, descriptors=14)

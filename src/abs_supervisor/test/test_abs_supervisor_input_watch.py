@@ -22,8 +22,8 @@ from std_msgs.msg import Header
 from abs_supervisor.fsm import Thresholds
 from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.ros.processor import WheelProcessor
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from friction_runtime.processor import Level
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -8,7 +8,7 @@ from friction_msgs.msg import FrictionCurve, Validity
 from std_msgs.msg import Header
 
 from abs_supervisor.ros.known_curve import KnownCurve
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.messages import from_nanoseconds
 from vehicle_models.reason import Reason
 
 MS = 1_000_000

@@ -23,7 +23,7 @@ from abs_supervisor.law.wheel_observer import WheelObserver, WheelState
 from abs_supervisor.law.wheel_step import slip_of, wheel_step
 from abs_supervisor.ros.curve_report import curve_report
 from corner_sim.corner import SingleCorner
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.messages import from_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator, Command
 from vehicle_models.reason import Reason

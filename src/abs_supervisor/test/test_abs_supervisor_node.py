@@ -11,7 +11,7 @@ from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
 from friction_runtime import qos
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.messages import from_nanoseconds
 from friction_test_support.dds_client import DdsClient, dds_client, output_of, stop
 from vehicle_models.vehicle_file import shipped_vehicles
 

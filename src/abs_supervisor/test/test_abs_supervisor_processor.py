@@ -29,9 +29,8 @@ from abs_supervisor.parameters import SHIPPED, SupervisorParameters
 from abs_supervisor.ros.processor import WheelProcessor, build
 from friction_parameters.parameter import ParameterError, changed, from_mapping, ignored
 from friction_parameters.parameter_file import load
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds, validity
 from friction_runtime.processor import Level
-from friction_runtime.reason_text import validity
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from friction_slope.parameters import FrictionSlopeParameters
 from vehicle_models.brake_actuator import BrakeActuator
 from vehicle_models.reason import Reason

@@ -7,8 +7,8 @@ from friction_msgs.msg import SlopeVote, Validity, WheelSlip
 
 from abs_supervisor.ros.wheel_inputs import WheelInputs
 from friction_runtime.aligner import AlignedSample
+from friction_runtime.messages import header_at
 from friction_runtime.processor import silent
-from friction_runtime.stamps import header_at
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 

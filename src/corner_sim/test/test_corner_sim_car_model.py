@@ -14,7 +14,7 @@ from corner_sim.car_plant import CarModelParameters
 from corner_sim.parameters import SimParameters
 from corner_sim.ros import messages
 from corner_sim.ros.simulation import Simulation
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.messages import from_nanoseconds
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -20,7 +20,7 @@ from corner_sim.parameters import SimParameters
 from corner_sim.ros import messages
 from corner_sim.ros.simulation import Simulation
 from friction_runtime import qos
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
 from friction_test_support.dds_client import DdsClient, dds_client, stop
 from vehicle_models.vehicle_file import load_vehicle
 

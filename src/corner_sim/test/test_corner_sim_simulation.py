@@ -12,7 +12,7 @@ from std_msgs.msg import Header
 from corner_sim.parameters import SimParameters
 from corner_sim.ros import messages
 from corner_sim.ros.simulation import Simulation
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.reason import Reason
 from vehicle_models.surfaces import surface

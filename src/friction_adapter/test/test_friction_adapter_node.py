@@ -10,8 +10,8 @@ from sensor_msgs.msg import Imu, JointState
 from friction_adapter.map_file import load_map
 from friction_adapter.ros.processor import AdapterProcessor, installed_fields
 from friction_runtime import qos
+from friction_runtime.messages import from_nanoseconds
 from friction_runtime.processor import silent
-from friction_runtime.stamps import from_nanoseconds
 from friction_test_support.dds_client import dds_client, output_of, stop
 
 CAR = Path(__file__).parent / "four_wheels.yaml"

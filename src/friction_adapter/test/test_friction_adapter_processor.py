@@ -14,8 +14,8 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 from friction_adapter.map_file import load_map
 from friction_adapter.ros.processor import AdapterProcessor, installed_fields
 from friction_parameters.parameter import ParameterError
-from friction_runtime.message_type import message_class
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_runtime.installed import message_class
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle
 
 CAR = Path(__file__).parent / "four_wheels.yaml"

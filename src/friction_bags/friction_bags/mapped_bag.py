@@ -17,7 +17,7 @@ from friction_bags.bag_io.bag_reader import BagReader, Message
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import decode, encode, installed_topic, message_definition
 from friction_bags.bag_vehicle import VEHICLE_NOTE
-from friction_runtime.message_type import UnknownTypeError, message_class
+from friction_runtime.installed import UnknownTypeError, message_class
 from friction_runtime.processor import Output, Report
 
 _PADDING = 4

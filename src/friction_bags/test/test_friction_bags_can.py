@@ -14,7 +14,7 @@ from friction_bags.bag_io.bag_format import Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import decode, message_definition
-from friction_runtime.message_type import message_class
+from friction_runtime.installed import message_class
 
 can = pytest.importorskip("can", reason="python-can is absent: python3 -m pip install python-can cantools")
 cantools = pytest.importorskip("cantools")

@@ -29,7 +29,7 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import String
 
 from friction_bags.bag_io.cdr import decode, encode, message_definition, type_name
-from friction_runtime.message_type import message_class
+from friction_runtime.installed import message_class
 
 KINDS: list[Any] = [
     *(BrakeCommand, BrakeDemand, ContactPatch, FrictionCurve, FrictionSlope, SlopeVote, SupervisorState),

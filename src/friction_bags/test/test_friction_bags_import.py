@@ -10,7 +10,7 @@ from rclpy.serialization import deserialize_message
 
 from friction_bags.__main__ import main
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_runtime.message_type import message_class
+from friction_runtime.installed import message_class
 from vehicle_models.vehicle_file import load_vehicle
 
 DATA = Path(os.environ.get("FRICTION_DATA", Path(__file__).parents[4] / "shared" / "data"))

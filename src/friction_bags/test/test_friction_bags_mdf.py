@@ -14,7 +14,7 @@ from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode
 from friction_bags.importers.mdf_log import MdfLog
 from friction_parameters.parameter import ParameterError
-from friction_runtime.message_type import message_class
+from friction_runtime.installed import message_class
 
 MAP = """vehicle: compact_car
 signals:

@@ -23,9 +23,9 @@ from friction_bags.bag_io.cdr import encode, installed_topic
 from friction_bags.offline.plan import ProcessOptions, graph_stages
 from friction_bags.offline.run import process_bag
 from friction_parameters.parameter import ParameterError, from_mapping
-from friction_runtime.message_type import message_class
-from friction_runtime.processor_graph import ProcessorGraph
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.installed import message_class
+from friction_runtime.messages import from_nanoseconds
+from friction_runtime.processor import ProcessorGraph
 from vehicle_models.vehicle_file import load_vehicle
 
 CAR = Path(__file__).parent / "two_corners.yaml"

@@ -12,7 +12,7 @@ from rosbags.typesys import Stores, get_typestore
 from friction_bags.__main__ import main
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode
-from friction_runtime.message_type import message_class
+from friction_runtime.installed import message_class
 
 STATES = "sensor_msgs/msg/JointState"
 MAP = f"""vehicle: compact_car

@@ -19,7 +19,7 @@ from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import message_definition
-from friction_runtime.message_type import UnknownTypeError, message_class
+from friction_runtime.installed import UnknownTypeError, message_class
 
 FOREVER = QosTime(9223372036, 854775807)
 QOS = Qos(

@@ -16,7 +16,7 @@ from friction_bags.bag_io.bag_format import Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import decode, encode, installed_topic, message_definition
-from friction_runtime.message_type import message_class
+from friction_runtime.installed import message_class
 from vehicle_models.vehicle_file import load_vehicle
 
 FIELDS = {

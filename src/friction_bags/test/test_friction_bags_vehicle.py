@@ -16,8 +16,8 @@ from friction_bags.offline.estimators import WHEEL_ESTIMATORS
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_parameters.parameter import ParameterError
-from friction_runtime.message_type import message_class
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.installed import message_class
+from friction_runtime.messages import from_nanoseconds
 from vehicle_models.vehicle_file import shipped_vehicles
 
 RADII = {"small": 0.25, "medium": 0.3, "large": 0.35}

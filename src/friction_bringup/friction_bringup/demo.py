@@ -34,9 +34,9 @@ from friction_report.page import write_page
 from friction_report.picture import write_picture
 from friction_report.recorded_run import read_run, require_samples
 from friction_report.summary import print_summary
+from friction_runtime.installed import shipped_file
 from friction_runtime.machine_load import slowdown
 from friction_runtime.processor import silent
-from friction_runtime.shipped_files import shipped_file
 from friction_runtime.spin import stop_on_signals, take_down
 from vehicle_models.vehicle_file import add_vehicle_argument
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from ament_index_python.packages import get_package_share_directory
 
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE
-from friction_runtime.shipped_files import shipped_file, shipped_parameters
+from friction_runtime.installed import shipped_file, shipped_parameters
 
 PLANT = "corner_sim"
 SUPERVISOR = "abs_supervisor"

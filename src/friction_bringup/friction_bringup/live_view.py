@@ -19,7 +19,7 @@ from sensor_msgs.msg import FluidPressure, JointState
 
 from friction_bringup.graph import VEHICLE
 from friction_runtime import qos
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 
 TOPICS: dict[str, type] = {

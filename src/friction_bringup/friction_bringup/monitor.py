@@ -22,7 +22,7 @@ from rich.table import Table
 from rich.text import Text
 
 from friction_bringup.live_view import LiveView, WheelView
-from friction_runtime.reason_text import plain_reason
+from friction_runtime.reports import plain_reason
 from friction_runtime.spin import stop_on_signals, take_down
 
 _PERIOD = 0.1

@@ -22,7 +22,7 @@ from friction_bringup.launching import (
     uses_sim_time,
 )
 from friction_bringup.node_start import commanding, left_to_file
-from friction_runtime.shipped_files import shipped_file
+from friction_runtime.installed import shipped_file
 
 
 def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:

@@ -18,9 +18,8 @@ from friction_bringup.demo_drive import CARS, ROADS, plant_of_demo
 from friction_bringup.graph import PLANT
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_report.braking_metrics import right_signs
-from friction_runtime.processor import silent
-from friction_runtime.processor_graph import ProcessorGraph
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
+from friction_runtime.processor import ProcessorGraph, silent
 from vehicle_models.vehicle_file import load_vehicle
 
 

@@ -16,8 +16,8 @@ from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.ros.car_processor import VEHICLE_FIT, CarProcessor
 from friction_curve_id.ros.processor import build
 from friction_parameters.parameter import from_mapping
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from friction_runtime.processor import Level
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle

@@ -22,8 +22,8 @@ from friction_curve_id.ros.processor import CurveProcessor, build
 from friction_curve_id.sample_gate import GateParameters
 from friction_parameters.parameter import ParameterError, from_mapping, ignored
 from friction_parameters.parameter_file import load
+from friction_runtime.messages import from_nanoseconds
 from friction_runtime.processor import Level, Report, silent
-from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Accelerometer, Deviation, SharedBy, Vehicle

@@ -10,7 +10,7 @@ from friction_msgs.msg import BrakeCommand, SupervisorState
 from numpy.typing import NDArray
 
 from friction_report.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
-from friction_runtime.reason_text import plain_reason
+from friction_runtime.reports import plain_reason
 
 _DEVIATIONS = 2.0
 """Half width of a band in standard deviations."""

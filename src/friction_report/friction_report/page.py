@@ -30,8 +30,7 @@ from friction_report.drive_series import (
 )
 from friction_report.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
 from friction_report.thinning import bucket_edges, decimate, last_of_buckets
-from friction_runtime.reason_text import plain_reason
-from friction_runtime.report_kind import report_kind
+from friction_runtime.reports import plain_reason, report_kind
 
 _COARSE, _FINE = 2000, 6000
 """Buckets over the whole drive, and in its brakings: with both, an hour of four wheels stays below 20 MB."""

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode
-from friction_runtime.message_type import message_class
-from friction_runtime.report_kind import report_kind
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.installed import message_class
+from friction_runtime.messages import to_nanoseconds
+from friction_runtime.reports import report_kind
 from vehicle_models.nanoseconds import NANOSECONDS
 
 Array = NDArray[np.float64]

@@ -19,7 +19,7 @@ from friction_report.braking_metrics import (
 from friction_report.brakings import hardest_braking
 from friction_report.drive_series import vehicle_speed
 from friction_report.recorded_run import VEHICLE, CrossingEvent, RecordedRun
-from friction_runtime.reason_text import plain_reason
+from friction_runtime.reports import plain_reason
 
 _SHOWN_CROSSINGS = 16
 _SHOWN_REASONS = 3

@@ -21,7 +21,7 @@ from friction_bags.bag_io.bag_writer import write_bag
 from friction_report.__main__ import main
 from friction_report.page import PANELS, html_page, page_data
 from friction_report.recorded_run import WHY, RecordedRun, Series, read_run
-from friction_runtime.stamps import header_at
+from friction_runtime.messages import header_at
 
 BAGS = Path(__file__).parents[3] / "bags"
 WEB = files("friction_report").joinpath("web")

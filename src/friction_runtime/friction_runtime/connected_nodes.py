@@ -13,8 +13,7 @@ from typing import Any
 
 from rclpy.executors import Executor
 
-from friction_runtime.processor import Output
-from friction_runtime.processor_graph import ProcessorGraph
+from friction_runtime.processor import Output, ProcessorGraph
 from friction_runtime.processor_node import Connect, ProcessorNode
 
 _MOST_WAITING = 1000

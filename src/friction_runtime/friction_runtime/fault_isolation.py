@@ -5,8 +5,8 @@ from pathlib import Path
 from traceback import extract_tb
 from typing import Any
 
+from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import CommandingProcessor, Health, Level, Output, Processor, Report
-from friction_runtime.stamps import to_nanoseconds
 
 
 class FaultIsolatedProcessor:

@@ -15,7 +15,7 @@ Report = Callable[[Severity, str], None]
 """Log function of a processor: takes the severity and one line that names topic, wheel or parameter.
 
 Strings that come from a message stand in double quotes, so that lines that differ only in these and in numbers count as
-one kind (report_kind.py).
+one kind (reports.py).
 """
 
 
@@ -113,3 +113,45 @@ class CommandingProcessor(Processor, Protocol):
 
     def hand_over(self) -> Sequence[Output]:
         """Return the commands that give the brake back to the driver, whatever state the processor is in."""
+
+
+class ProcessorGraph:
+    """Passes messages to those that take them, and their outputs to those after them.
+
+    Whoever takes a message takes it before any output that it causes: all of a sample's slips are made before the first
+    of them is handed on.
+    """
+
+    def __init__(self, readers: Sequence[Reader]) -> None:
+        """Connect processors, or nodes around them, by their topics.
+
+        Args:
+            readers: all that take part; those that take the same topic are given it in this order.
+        """
+        self.inputs: dict[str, type] = {}
+        self._readers: dict[str, list[Reader]] = {}
+        for reader in readers:
+            for topics in (reader.sensors, reader.estimates):
+                self._connect(reader, topics)
+
+    def feed(self, topic: str, message: Any) -> list[Output]:
+        """Take one message; return the resulting outputs of all, in order."""
+        given: list[Output] = []
+        self._hand_on(topic, message, given)
+        # What is appended on the way is handed on in its turn.
+        for name, each in given:
+            self._hand_on(name, each, given)
+        return given
+
+    def _hand_on(self, topic: str, message: Any, given: list[Output]) -> None:
+        readers = self._readers.get(topic)
+        if readers is not None:
+            for reader in readers:
+                given.extend(reader.process(topic, message))
+
+    def _connect(self, reader: Reader, topics: Mapping[str, type]) -> None:
+        for topic, kind in topics.items():
+            self.inputs[topic] = kind
+            readers = self._readers.setdefault(topic, [])
+            if reader not in readers:
+                readers.append(reader)

@@ -20,9 +20,9 @@ from std_srvs.srv import Trigger
 from friction_parameters.parameter import ParameterError, ignored
 from friction_runtime import qos
 from friction_runtime.fault_isolation import FaultIsolatedProcessor
-from friction_runtime.node_parameters import declare
+from friction_runtime.parameters import declare
 from friction_runtime.processor import CommandingProcessor, Health, Level, Output, Processor, Report, Severity
-from friction_runtime.report_kind import ReportLimit
+from friction_runtime.reports import ReportLimit
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 

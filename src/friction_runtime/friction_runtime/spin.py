@@ -5,8 +5,10 @@ import gc
 import signal
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from tempfile import TemporaryDirectory
 from typing import Protocol, TypeVar
 
@@ -22,8 +24,39 @@ from rclpy.task import Future
 
 from friction_parameters.parameter import ParameterError
 from friction_runtime.machine_load import slowdown
-from friction_runtime.parameter_arguments import with_checked_parameters
-from friction_runtime.stop_flag import StopFlag
+from friction_runtime.parameters import with_checked_parameters
+
+
+class StopFlag:
+    """Asks a loop to end.
+
+    Not a threading.Event: its lock is not reentrant, so that a handler which runs while `wait` holds it waits forever.
+    """
+
+    def __init__(self) -> None:
+        """Begin with the flag not set."""
+        self._is_set = False
+        self._wake: SimpleQueue[None] = SimpleQueue()
+
+    def set(self) -> None:
+        """Set the flag; may be called anywhere, also in a signal handler."""
+        self._is_set = True
+        self._wake.put(None)
+
+    def is_set(self) -> bool:
+        """Whether the flag is set."""
+        return self._is_set
+
+    def wait(self, timeout: float) -> bool:
+        """Return at once when the flag is or becomes set, else after `timeout` [s], >= 0; return whether it is set.
+
+        One thread may wait at a time.
+        """
+        if not self._is_set:
+            with suppress(Empty):
+                self._wake.get(timeout=timeout)
+        return self._is_set
+
 
 _LONGEST_WAIT = 0.2
 """Time between two looks at whether a signal has come [s]: the executor does not return on one by itself."""

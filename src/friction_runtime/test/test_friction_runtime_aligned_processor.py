@@ -15,11 +15,11 @@ from friction_msgs.msg import (
 from std_msgs.msg import Header
 
 import friction_runtime
+from friction_runtime.aligned_processor import Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.primary import Primary
+from friction_runtime.messages import to_nanoseconds, validity
 from friction_runtime.processor import Level, Output, Severity, level_of
-from friction_runtime.reason_text import of_topic, of_wheel, validity, without_wheel
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.reports import of_topic, of_wheel, without_wheel
 from vehicle_models.physical_bounds import NEW_RUN
 from vehicle_models.reason import Reason
 

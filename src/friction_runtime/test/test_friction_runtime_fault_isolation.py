@@ -5,8 +5,8 @@ from friction_msgs.msg import BrakeDemand
 from std_msgs.msg import Header
 
 from friction_runtime.fault_isolation import FaultIsolatedProcessor
+from friction_runtime.messages import from_nanoseconds
 from friction_runtime.processor import CommandingProcessor, Health, Level, Output
-from friction_runtime.stamps import from_nanoseconds
 
 TOPIC = "brake_demand"
 

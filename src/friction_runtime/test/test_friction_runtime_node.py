@@ -19,7 +19,7 @@ from rclpy.parameter import Parameter, parameter_value_to_python
 from std_srvs.srv import Trigger
 
 from friction_runtime import qos
-from friction_runtime.report_kind import REPEAT_AFTER
+from friction_runtime.reports import REPEAT_AFTER
 from friction_test_support.dds_client import DdsClient, dds_client, output_of, stop
 
 SCRIPT = str(Path(__file__).with_name("friction_runtime_echo_node.py"))

@@ -13,7 +13,7 @@ from std_msgs.msg import Header
 from friction_parameters.parameter import changed
 from friction_parameters.parameter_file import load
 from friction_runtime import qos
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.messages import from_nanoseconds
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.ros.processor import WheelProcessor
 from friction_test_support.dds_client import dds_client, output_of, stop

@@ -18,8 +18,8 @@ from std_msgs.msg import Header
 
 from friction_parameters.parameter import ParameterError, changed, from_mapping, ignored
 from friction_parameters.parameter_file import load
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from friction_runtime.processor import Level, Output
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from friction_slope.detector import DetectorParameters, NoSlipParameters
 from friction_slope.parameters import SHIPPED, FrictionSlopeParameters
 from friction_slope.ros.processor import WheelProcessor, build

@@ -4,7 +4,7 @@ from friction_msgs.msg import FrictionState, Validity, WheelSlip
 from sensor_msgs.msg import JointState
 
 from friction_runtime import qos
-from friction_runtime.stamps import header_at
+from friction_runtime.messages import header_at
 from friction_test_support.dds_client import dds_client, stop
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -20,8 +20,8 @@ from sensor_msgs.msg import JointState
 
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import load
+from friction_runtime.messages import header_at, to_nanoseconds
 from friction_runtime.processor import Level
-from friction_runtime.stamps import header_at, to_nanoseconds
 from friction_state.parameters import SHIPPED, FrictionStateParameters
 from friction_state.ros.processor import FRICTION_STATE, StateProcessor, build
 from vehicle_models.vehicle_file import load_vehicle

@@ -20,7 +20,7 @@ from std_msgs.msg import Header
 from corner_sim.smart_tyre.drives import Drive, dynamic_drive, quasi_static_drives
 from corner_sim.smart_tyre.tyre_ring import TyreRing
 from corner_sim.smart_tyre.tyre_signal import TyreSignalSource
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.messages import from_nanoseconds
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.ros.calibration_tool import main

@@ -11,8 +11,8 @@ from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
 from friction_runtime import qos
+from friction_runtime.messages import from_nanoseconds
 from friction_runtime.processor import Level
-from friction_runtime.stamps import from_nanoseconds
 from friction_test_support.dds_client import dds_client, output_of, stop
 from vehicle_models.reason import Reason
 

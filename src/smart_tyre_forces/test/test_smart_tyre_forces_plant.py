@@ -11,7 +11,7 @@ import pytest
 from corner_sim.parameters import SimParameters
 from corner_sim.ros.simulation import Simulation
 from corner_sim.smart_tyre.tyre_ring import TyreRing
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
 from smart_tyre_forces.correction import ZeroParameters
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.ros.processor import build

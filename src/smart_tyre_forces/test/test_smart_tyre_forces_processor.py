@@ -15,8 +15,8 @@ from corner_sim.smart_tyre.tyre_signal import TyreBlock
 from friction_parameters.generated import parameter_file
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import load
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from friction_runtime.processor import Level
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces.calibration import Calibration, TyreCalibration, WheelCalibration
 from smart_tyre_forces.force_map import ForceMap
 from smart_tyre_forces.parameters import SHIPPED, SmartTyreParameters

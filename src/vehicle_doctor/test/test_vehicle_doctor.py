@@ -14,7 +14,7 @@ from sensor_msgs.msg import Imu, JointState
 
 from friction_bags.bag_io.bag_writer import write_bag
 from friction_runtime import qos
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.messages import from_nanoseconds
 from friction_test_support.dds_client import dds_client, stop
 from vehicle_doctor.__main__ import main
 from vehicle_doctor.learned_vehicle import with_values

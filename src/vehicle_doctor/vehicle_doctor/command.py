@@ -16,8 +16,8 @@ from friction_bags.importers.import_log import is_bag, open_log
 from friction_bags.offline.plan import SayOnce, open_bag
 from friction_parameters.command_line import split_ros_arguments
 from friction_parameters.parameter import ParameterError
+from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import silent
-from friction_runtime.stamps import to_nanoseconds
 from vehicle_doctor.checks.accelerometer import ROADS, UNKNOWN
 from vehicle_doctor.drive import Drive, collect, kinds
 from vehicle_doctor.examine import examine, exit_code

@@ -9,7 +9,7 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from numpy.typing import NDArray
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 

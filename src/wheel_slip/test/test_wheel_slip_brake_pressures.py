@@ -5,7 +5,7 @@ from math import isnan, nan
 import pytest
 from sensor_msgs.msg import FluidPressure
 
-from friction_runtime.stamps import header_at
+from friction_runtime.messages import header_at
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.ros.brake_pressures import BrakePressures
 

@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 
 from friction_parameters.parameter_file import load
 from friction_runtime import qos
-from friction_runtime.stamps import from_nanoseconds
+from friction_runtime.messages import from_nanoseconds
 from friction_test_support.dds_client import dds_client, output_of, stop
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.parameters import WheelSlipParameters

@@ -16,7 +16,7 @@ from sensor_msgs.msg import Imu, JointState
 from friction_parameters.generated import parameter_file
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import load
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.parameters import SHIPPED, SpeedSensorParameters, WheelSlipParameters

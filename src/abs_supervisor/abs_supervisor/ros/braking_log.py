@@ -3,7 +3,7 @@
 from abs_supervisor.fsm import Cause, State
 from abs_supervisor.supervisor import Supervisor
 from friction_runtime.processor import Report
-from friction_runtime.reason_text import of_wheel
+from friction_runtime.reports import of_wheel
 from vehicle_models.nanoseconds import NANOSECONDS
 
 

@@ -6,7 +6,7 @@ from friction_msgs.msg import FrictionCurve
 
 from abs_supervisor.law.road_curve import RoadCurve, curve_through
 from abs_supervisor.law.usable_curve import CurveReport, Estimate
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
 from vehicle_models.reason import Reason
 
 _ESTIMATES: dict[int, Estimate] = {

@@ -9,7 +9,7 @@ from math import inf
 from typing import Final
 
 from friction_runtime.stamp_progress import LAG, StampProgress
-from friction_runtime.wheel_speeds import WHEEL_STATES
+from friction_runtime.wheel_inputs import WHEEL_STATES
 from vehicle_models.reason import Reason
 
 _HEARTBEAT: Final = 0.009

@@ -7,7 +7,7 @@ from friction_msgs.msg import FrictionCurve
 
 from abs_supervisor.curve_queue import CurveQueue
 from friction_runtime.filters import Debounce
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 

@@ -20,13 +20,12 @@ from abs_supervisor.ros.input_watch import InputWatch, Loss
 from abs_supervisor.ros.wheel_inputs import WheelInputs
 from abs_supervisor.supervisor import Evidence, Supervisor
 from abs_supervisor.wheel_pair import WheelPair, wheel_pairs
-from friction_runtime.aligned_processor import AlignedProcessor
+from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.primary import Primary
+from friction_runtime.messages import from_nanoseconds, header_at, to_nanoseconds, validity
 from friction_runtime.processor import Level, Output, Report, level_of, silent
-from friction_runtime.reason_text import of_topic, validity, without_wheel
-from friction_runtime.stamps import from_nanoseconds, header_at, to_nanoseconds
-from friction_runtime.wheel_speeds import WHEEL_STATES
+from friction_runtime.reports import of_topic, without_wheel
+from friction_runtime.wheel_inputs import WHEEL_STATES
 from vehicle_models.brake_actuator import Command
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason

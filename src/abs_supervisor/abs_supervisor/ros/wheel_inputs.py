@@ -11,12 +11,10 @@ from sensor_msgs.msg import FluidPressure, JointState
 from abs_supervisor.guard import Seen
 from abs_supervisor.ros.known_curve import KnownCurve
 from friction_runtime.aligner import AlignedSample
-from friction_runtime.brake_torque import BrakeTorque
+from friction_runtime.messages import speed_is_known, to_nanoseconds
 from friction_runtime.processor import Report, silent
-from friction_runtime.reason_text import of_topic
-from friction_runtime.slip_fault import speed_is_known
-from friction_runtime.stamps import to_nanoseconds
-from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from friction_runtime.reports import of_topic
+from friction_runtime.wheel_inputs import WHEEL_STATES, BrakeTorque, WheelSpeeds
 from vehicle_models.physical_bounds import HIGHEST_SLIP
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle

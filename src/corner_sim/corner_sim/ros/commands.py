@@ -8,7 +8,7 @@ import numpy as np
 from friction_msgs.msg import BrakeCommand, BrakeDemand
 from numpy.typing import NDArray
 
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
 from vehicle_models.brake_actuator import Command
 from vehicle_models.nanoseconds import NANOSECONDS
 

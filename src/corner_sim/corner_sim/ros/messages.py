@@ -14,9 +14,8 @@ from std_msgs.msg import Header
 
 from corner_sim.plant import SLIP_MIN_SPEED, PlantSample, SlopeCrossings
 from corner_sim.sensors import Measurement, SensorNoise
+from friction_runtime.messages import from_nanoseconds, validity
 from friction_runtime.processor import Output
-from friction_runtime.reason_text import validity
-from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 

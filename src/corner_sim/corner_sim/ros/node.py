@@ -23,10 +23,10 @@ from corner_sim.ros.command_watch import CommandWatch
 from corner_sim.ros.simulation import Simulation
 from friction_parameters.parameter import ParameterError
 from friction_runtime import qos
-from friction_runtime.node_parameters import declare
+from friction_runtime.messages import from_nanoseconds
+from friction_runtime.parameters import declare
 from friction_runtime.processor import Level
 from friction_runtime.spin import run
-from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.vehicle_file import load_vehicle
 
 _MAX_LAG = 0.5

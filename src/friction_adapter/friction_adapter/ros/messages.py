@@ -20,8 +20,8 @@ from friction_adapter.signal_map import (
     SignalMap,
 )
 from friction_adapter.sources import Sources
+from friction_runtime.messages import header_at
 from friction_runtime.processor import Output
-from friction_runtime.stamps import header_at
 from vehicle_models.vehicle import Vehicle
 
 Maker = Callable[[int, Sequence[float]], Any]

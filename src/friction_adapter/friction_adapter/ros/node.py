@@ -7,7 +7,7 @@ from friction_adapter.map_file import load_map
 from friction_adapter.parameters import FrictionAdapterParameters
 from friction_adapter.ros.processor import AdapterProcessor, installed_fields
 from friction_parameters.parameter import ParameterError
-from friction_runtime.message_type import UnknownTypeError, message_class
+from friction_runtime.installed import UnknownTypeError, message_class
 from friction_runtime.processor import Processor, Report
 from friction_runtime.processor_node import Connect, ProcessorNode, subscribe_to_all
 from friction_runtime.spin import run

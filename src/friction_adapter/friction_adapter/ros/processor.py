@@ -9,9 +9,9 @@ from friction_adapter.ros.messages import RecordMapper
 from friction_adapter.signal_map import Kind, SignalMap
 from friction_adapter.sources import CanFrames, Fields, Sources
 from friction_parameters.parameter import ParameterError
-from friction_runtime.message_type import UnknownTypeError, message_class
+from friction_runtime.installed import UnknownTypeError, message_class
+from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import Health, Level, Output, Report
-from friction_runtime.stamps import to_nanoseconds
 
 _SEQUENCE = re.compile(r"sequence<(.+?)(?:, \d+)?>|(.+)\[\d+\]")
 CAN_FRAME = "can_msgs/msg/Frame"

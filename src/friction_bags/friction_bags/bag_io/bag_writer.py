@@ -12,7 +12,7 @@ from rosbags.rosbag2.metadata import dump_qos_v9
 
 from friction_bags.bag_io.bag_format import BagError, Contents, Topic, write_metadata
 from friction_bags.bag_io.cdr import encode, installed_topic
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
 
 Compression = Literal["zstd", "lz4", "none"]
 _COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}

@@ -20,7 +20,7 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from friction_bags.bag_io.bag_format import Topic
-from friction_runtime.message_type import TYPE_NAME, UnknownTypeError
+from friction_runtime.installed import TYPE_NAME, UnknownTypeError
 
 _SEPARATOR = "=" * 80
 _FIELD_TYPE = re.compile(r"^\s*((?:[A-Za-z]\w*/)*[A-Za-z]\w*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]\w*")

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from friction_bags.bag_io.bag_format import Topic
 from friction_bags.bag_io.bag_reader import BagReader
-from friction_runtime.message_type import UnknownTypeError, message_class
+from friction_runtime.installed import UnknownTypeError, message_class
 
 _NANOSECONDS = 1_000_000_000
 """Nanoseconds in a second; repeated here, as reading bags imports nothing of the graph."""

@@ -18,8 +18,7 @@ from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.experiments import stops, tyre_runs
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
 from friction_parameters.parameter import from_mapping
-from friction_runtime.processor import Output, silent
-from friction_runtime.processor_graph import ProcessorGraph
+from friction_runtime.processor import Output, ProcessorGraph, silent
 from vehicle_models.vehicle_file import load_vehicle
 
 START_STAMP = 1_000_000_000_000

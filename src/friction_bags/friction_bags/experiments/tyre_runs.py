@@ -13,8 +13,8 @@ from std_msgs.msg import Header
 from corner_sim.smart_tyre.drives import Drive, dynamic_drive, quasi_static_drives
 from corner_sim.smart_tyre.tyre_ring import TyreRing
 from corner_sim.smart_tyre.tyre_signal import AccelerometerParameters, EncoderParameters, TyreSignalSource
+from friction_runtime.messages import from_nanoseconds
 from friction_runtime.processor import Output
-from friction_runtime.stamps import from_nanoseconds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from friction_parameters.parameter import ParameterError, changed, ignored
 from friction_parameters.parameter_file import NodeName, file_values, is_ros_own
+from friction_runtime.installed import shipped_parameters
 from friction_runtime.processor import Processor, Report, silent
-from friction_runtime.shipped_files import shipped_parameters
 from vehicle_models.vehicle import Vehicle
 
 ESTIMATORS = (

@@ -25,9 +25,9 @@ from friction_bags.offline.estimators import (
     vehicle_of,
 )
 from friction_parameters.parameter import from_mapping, values_of
+from friction_runtime.installed import shipped_parameters
 from friction_runtime.processor import Processor, Report, Severity
-from friction_runtime.report_kind import report_kind
-from friction_runtime.shipped_files import shipped_parameters
+from friction_runtime.reports import report_kind
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 

@@ -28,7 +28,7 @@ from friction_bags.offline.plan import (
     output_numbers,
     plan_for,
 )
-from friction_runtime.processor_graph import ProcessorGraph
+from friction_runtime.processor import ProcessorGraph
 from vehicle_models.nanoseconds import NANOSECOND
 
 Outputs = list[tuple[int, bytes]]

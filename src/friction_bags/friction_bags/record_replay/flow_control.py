@@ -9,9 +9,9 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 
 from friction_bags.record_replay.topics import TopicSelection, matching
+from friction_runtime.installed import UnknownTypeError, message_class
 from friction_runtime.machine_load import slowdown
-from friction_runtime.message_type import UnknownTypeError, message_class
-from friction_runtime.stop_flag import StopFlag
+from friction_runtime.spin import StopFlag
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _POLL_PERIOD = 0.0002

@@ -21,10 +21,9 @@ from friction_bags.record_replay.flow_control import FlowControl, has_header, he
 from friction_bags.record_replay.topics import TopicSelection, add_selection_arguments, replayed, selection_of
 from friction_parameters.command_line import count, not_negative, positive
 from friction_parameters.parameter import ParameterError
+from friction_runtime.installed import UnknownTypeError, message_class
 from friction_runtime.machine_load import slowdown
-from friction_runtime.message_type import UnknownTypeError, message_class
-from friction_runtime.spin import made, start_middleware, stop_on_signals, take_down
-from friction_runtime.stop_flag import StopFlag
+from friction_runtime.spin import StopFlag, made, start_middleware, stop_on_signals, take_down
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _POLL_PERIOD = 0.005

@@ -25,9 +25,8 @@ from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.record_replay.topics import TopicSelection, add_selection_arguments, matching, selection_of, stored
 from friction_parameters.command_line import positive
 from friction_parameters.parameter import ParameterError
-from friction_runtime.message_type import UnknownTypeError, message_class
-from friction_runtime.spin import made, start_middleware, stop_on_signals, take_down
-from friction_runtime.stop_flag import StopFlag
+from friction_runtime.installed import UnknownTypeError, message_class
+from friction_runtime.spin import StopFlag, made, start_middleware, stop_on_signals, take_down
 from vehicle_models.vehicle_file import add_vehicle_argument, load_vehicle, vehicle_reference
 
 _TAKE_PERIOD = 0.02

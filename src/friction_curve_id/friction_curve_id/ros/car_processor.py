@@ -14,14 +14,11 @@ from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.ros.curve_messages import CurveMessages, health_of
 from friction_curve_id.ros.inputs import IMU
-from friction_runtime.aligned_processor import AlignedProcessor
+from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.pressure_watch import PressureWatch
-from friction_runtime.primary import Primary
+from friction_runtime.messages import header_at, to_nanoseconds, validity
 from friction_runtime.processor import Level, Output, Report, silent
-from friction_runtime.reason_text import validity
-from friction_runtime.stamps import header_at, to_nanoseconds
-from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from friction_runtime.wheel_inputs import WHEEL_STATES, PressureWatch, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_PRESSURE
 from vehicle_models.reason import Reason

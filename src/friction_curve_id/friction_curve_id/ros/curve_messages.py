@@ -8,9 +8,8 @@ from friction_msgs.msg import FrictionCurve, FrictionCurveDebug
 
 from friction_curve_id.activation import ActivationMark
 from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
+from friction_runtime.messages import header_at, validity
 from friction_runtime.processor import Level, Output, level_of
-from friction_runtime.reason_text import validity
-from friction_runtime.stamps import header_at
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 

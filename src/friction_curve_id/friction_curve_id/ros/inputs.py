@@ -8,8 +8,7 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 
 from friction_curve_id.interface import CurveEstimate, Refusal
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.slip_fault import slip_is_known, speed_is_known
-from friction_runtime.stamps import to_nanoseconds
+from friction_runtime.messages import slip_is_known, speed_is_known, to_nanoseconds
 from vehicle_models.physical_bounds import HIGHEST_SPEED
 
 VEHICLE_VELOCITY: Final = "vehicle_velocity"

@@ -13,12 +13,11 @@ from friction_curve_id.ros.inputs import CurveInputs
 from friction_curve_id.ros.tyre_force_inputs import TyreForceInputs
 from friction_curve_id.ros.vehicle_inputs import VehicleInputs
 from friction_curve_id.ros.wheel_inputs import WheelInputs
-from friction_runtime.aligned_processor import AlignedProcessor
+from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedSample
-from friction_runtime.primary import Primary
+from friction_runtime.messages import slip_fault
 from friction_runtime.processor import Level, Output, Report, silent
-from friction_runtime.reason_text import without_wheel
-from friction_runtime.slip_fault import slip_fault
+from friction_runtime.reports import without_wheel
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 

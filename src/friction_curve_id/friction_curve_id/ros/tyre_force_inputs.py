@@ -11,7 +11,7 @@ from friction_curve_id.interface import CurveEstimate, Refusal
 from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.ros.inputs import Reading, wheel_slip
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.reason_text import of_topic
+from friction_runtime.reports import of_topic
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 

@@ -22,9 +22,9 @@ from friction_curve_id.ros.inputs import (
 from friction_curve_id.vehicle.vehicle_samples import VehicleSample
 from friction_curve_id.vehicle.whole_vehicle import WholeVehicle
 from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import Report
-from friction_runtime.stamps import to_nanoseconds
-from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from friction_runtime.wheel_inputs import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle

@@ -20,9 +20,8 @@ from friction_curve_id.ros.inputs import (
     wheel_slip,
 )
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.brake_torque import BrakeTorque
 from friction_runtime.processor import Report
-from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from friction_runtime.wheel_inputs import WHEEL_STATES, BrakeTorque, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle

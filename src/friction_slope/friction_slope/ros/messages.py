@@ -4,8 +4,7 @@ from typing import Any
 
 from friction_msgs.msg import FrictionSlope, SlopeVote
 
-from friction_runtime.reason_text import validity
-from friction_runtime.stamps import from_nanoseconds, header_at
+from friction_runtime.messages import from_nanoseconds, header_at, validity
 from friction_slope.estimate import SlopeEstimate
 
 

@@ -7,14 +7,11 @@ from typing import Any, Final
 from friction_msgs.msg import FrictionSlope, SlopeVote, WheelSlip
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
-from friction_runtime.aligned_processor import AlignedProcessor
+from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample, Aligner
-from friction_runtime.brake_torque import BrakeTorque
-from friction_runtime.primary import Primary
+from friction_runtime.messages import slip_fault, slip_is_known, speed_is_known, to_nanoseconds
 from friction_runtime.processor import Level, Output, Report, level_of, silent
-from friction_runtime.slip_fault import slip_fault, slip_is_known, speed_is_known
-from friction_runtime.stamps import to_nanoseconds
-from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from friction_runtime.wheel_inputs import WHEEL_STATES, BrakeTorque, WheelSpeeds
 from friction_slope.detector import SlopeDetector
 from friction_slope.doubt import doubt_of
 from friction_slope.estimate import Method, SlopeEstimate, SlopeSample

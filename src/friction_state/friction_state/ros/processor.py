@@ -15,12 +15,11 @@ from friction_msgs.msg import (
 )
 from sensor_msgs.msg import JointState
 
-from friction_runtime.aligned_processor import AlignedProcessor
+from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.primary import Primary
+from friction_runtime.messages import header_at, to_nanoseconds
 from friction_runtime.processor import Level, Output, Report, silent
-from friction_runtime.stamps import header_at, to_nanoseconds
-from friction_runtime.wheel_speeds import WHEEL_STATES
+from friction_runtime.wheel_inputs import WHEEL_STATES
 from friction_state.history import History
 from friction_state.parameters import FrictionStateParameters
 from vehicle_models.nanoseconds import NANOSECONDS

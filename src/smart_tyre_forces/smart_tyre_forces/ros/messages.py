@@ -6,7 +6,7 @@ from friction_msgs.msg import ContactPatch, TyreForce
 from geometry_msgs.msg import Vector3, Wrench, WrenchStamped
 from std_msgs.msg import Header
 
-from friction_runtime.reason_text import validity
+from friction_runtime.messages import validity
 from smart_tyre_forces.calibration import TyreCalibration
 from smart_tyre_forces.correction import Patch
 from smart_tyre_forces.forces import Forces, length_stddev, shift_stddev

@@ -12,9 +12,9 @@ from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Header
 
-from friction_runtime.primary import Primary
+from friction_runtime.aligned_processor import Primary
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from friction_runtime.processor import Health, Level, Output, Report, level_of, silent
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.car_reference import Reference
 from smart_tyre_forces.correction import Patch, PatchCorrection

@@ -6,7 +6,7 @@ from typing import Final
 
 from sensor_msgs.msg import FluidPressure
 
-from friction_runtime.brake_torque import BrakeTorque
+from friction_runtime.wheel_inputs import BrakeTorque
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.speed_queue import SpeedQueue

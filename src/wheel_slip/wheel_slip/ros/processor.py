@@ -8,13 +8,11 @@ from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
-from friction_runtime.aligned_processor import AlignedProcessor
+from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.primary import Primary
+from friction_runtime.messages import header_at, to_nanoseconds, validity
 from friction_runtime.processor import Level, Output, Report, silent
-from friction_runtime.reason_text import validity
-from friction_runtime.stamps import header_at, to_nanoseconds
-from friction_runtime.wheel_speeds import WHEEL_STATES, WheelSpeeds
+from friction_runtime.wheel_inputs import WHEEL_STATES, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_ACCELERATION, HIGHEST_SPEED
 from vehicle_models.reason import Reason

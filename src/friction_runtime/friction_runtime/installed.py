@@ -1,9 +1,10 @@
-"""Message types by their names."""
+"""Installed message types by their names, and the parameter files that packages ship."""
 
 import re
 from functools import cache
 from importlib import import_module
-from typing import Final
+from pathlib import Path
+from typing import Any, Final
 
 from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
 
@@ -32,3 +33,17 @@ def message_class(type_name: str) -> type:
         return getattr(import_module(f"{package}.msg"), name.removeprefix("msg/"))
     except (ImportError, AttributeError, PackageNotFoundError, ValueError) as error:
         raise UnknownTypeError(f"type {type_name} is not installed: install or build package {package}") from error
+
+
+def shipped_file(package: str, name: str = "") -> Path:
+    """Return the path of a package's parameter file: `name`, or the one named like the package.
+
+    Raises:
+        PackageNotFoundError: the package is not installed.
+    """
+    return Path(get_package_share_directory(package), "config", f"{name or package}.yaml")
+
+
+def shipped_parameters(node: str) -> Any:
+    """Return the values of the parameter file named like the node's package: an instance of the node's dataclass."""
+    return import_module(f"{node}.parameters").SHIPPED[node].parameters

@@ -2,7 +2,7 @@
 
 import pytest
 
-from friction_runtime.report_kind import ReportLimit, report_kind
+from friction_runtime.reports import ReportLimit, report_kind
 
 
 @pytest.mark.parametrize("value", [5.0, -3.25e-7, 1e300, float("nan"), float("inf"), float("-inf"), 17, 0.1 + 0.2])

@@ -4,7 +4,7 @@ from builtin_interfaces.msg import Time
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_runtime.stamps import from_nanoseconds, to_nanoseconds
+from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 
 
 @given(st.integers(0, 2**31 - 1), st.integers(0, 999_999_999))

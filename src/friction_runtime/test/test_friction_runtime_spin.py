@@ -5,13 +5,13 @@ import sys
 from threading import Timer
 from time import monotonic
 
-from friction_runtime.stop_flag import StopFlag
+from friction_runtime.spin import StopFlag
 
 _PATIENCE = 300.0
 
 _STOPPED_OFTEN = """
 import random, signal
-from friction_runtime.stop_flag import StopFlag
+from friction_runtime.spin import StopFlag
 
 current = StopFlag()
 signal.signal(signal.SIGALRM, lambda *_: current.set())

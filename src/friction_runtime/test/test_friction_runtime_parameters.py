@@ -10,7 +10,7 @@ from rclpy.context import Context
 
 from friction_parameters.parameter import ParameterError, group, parameter
 from friction_parameters.parameter_file import NodeName, file_values
-from friction_runtime.parameter_arguments import node_name, with_checked_parameters
+from friction_runtime.parameters import node_name, with_checked_parameters
 from friction_test_support.dds_client import own_domain
 
 

@@ -1,7 +1,31 @@
-"""Kinds of reports: two reports are of one kind if they differ only in values from a message."""
+"""Texts of reports and reasons: the name of the wheel once, and reports of one kind at a limited rate."""
 
 import re
 from math import inf
+
+
+def of_wheel(wheel: str, text: str) -> str:
+    """Return a text that names the wheel; unchanged where it is empty or begins with the wheel or one of its topics."""
+    if not text or (text.startswith(wheel) and text.startswith((f"{wheel}: ", f"{wheel}/"))):
+        return text
+    return f"{wheel}: {text}"
+
+
+def without_wheel(wheel: str, text: str) -> str:
+    """Return a text without the name of the wheel, for a place that already names it."""
+    return text.removeprefix(f"{wheel}: ")
+
+
+def plain_reason(text: str, of: str) -> str:
+    """Return a reason without the name of the wheel that it speaks of."""
+    return text.removeprefix(f"{of}: ").removeprefix(f"{of}/")
+
+
+def of_topic(topic: str, text: str) -> str:
+    """Return a text received from another node on a topic of a wheel; the topic names the wheel."""
+    wheel, _, _ = topic.partition("/")
+    return f"{topic}: {without_wheel(wheel, text)}"
+
 
 _RAW = re.compile(
     r"""

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from friction_runtime.processor import Output
-from friction_runtime.processor_graph import ProcessorGraph
+from friction_runtime.processor import Output, ProcessorGraph
 
 
 class Told:
