@@ -79,31 +79,6 @@ def measure_braking(
     )
 
 
-def best_speed(time: Array, speed: Array, slip: Array, lambda_max: Array, mu_max: Array, onset: float) -> Array:
-    """Return the best speed that a brake of this rate allows: as driven until the slip reaches lambda_max, then mu_max.
-
-    A law that applies at the full rate until then, as both laws do, shows by it what the rate of the brake costs.
-
-    Args:
-        time: time of the samples [s], shape (n,), increasing.
-        speed: vehicle speed [m/s], shape (n,).
-        slip: true slip of the wheel [-], shape (n,).
-        lambda_max: true slip at the peak of the road [-], shape (n,).
-        mu_max: friction coefficient there [-], shape (n,).
-        onset: time of brake onset [s].
-
-    Returns:
-        Speed [m/s], shape (n,), not below 0; NaN before the slip reaches lambda_max.
-    """
-    reached = np.flatnonzero((time >= onset) & (slip >= lambda_max))
-    best = np.full(time.shape, np.nan)
-    if reached.size:
-        first = int(reached[0])
-        lost = GRAVITY * np.concatenate([[0.0], np.cumsum(mu_max[first:-1] * np.diff(time[first:]))])
-        best[first:] = np.maximum(speed[first] - lost, 0.0)
-    return best
-
-
 @dataclass(frozen=True)
 class JudgedCrossing:
     """An estimated crossing with the true one that it belongs to."""
