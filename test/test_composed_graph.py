@@ -49,7 +49,7 @@ def client() -> Iterator[DdsClient]:
 
 def braking() -> list[list[Output]]:
     """Sensor messages of a braking by sample, with those of the tyres."""
-    values = {"model": "two_axle", "tyre_signals": True, "demand_start": 0.1, "demand_level": 1.3, "demand_rise": 0.1}
+    values = {"model": "car", "tyre_signals": True, "demand_start": 0.1, "demand_level": 1.3, "demand_rise": 0.1}
     plant = Simulation(from_mapping(SimParameters, {"vehicle_file": CAR, **values}), VEHICLE, 1_000_000_000)
     samples = []
     for _ in range(SAMPLES):

@@ -1,7 +1,6 @@
 """Bounds of an emergency stop: full brake rate up to lambda_max, mu_max beyond it; and an ideal slip controller."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +8,7 @@ from numpy.typing import NDArray
 from abs_supervisor.law.curve_law import CurveLaw
 from abs_supervisor.law.road_curve import RoadCurve
 from abs_supervisor.law.usable_curve import CurveReport, Estimate
-from benchmarks.abs.car import MODELS, CarSetup
+from benchmarks.abs.car import CarSetup, car_parameters
 from benchmarks.abs.controllers import ROLLING
 from benchmarks.abs.panic_stop import (
     END_SPEED,
@@ -25,10 +24,6 @@ from benchmarks.abs.panic_stop import (
 from benchmarks.protocol import DT, SPEED, STEP
 from corner_sim.car.car import Car
 from corner_sim.car.tyres import TYRES
-from corner_sim.car_plant import CarModelParameters, SensorErrors, as_it_is
-from corner_sim.models import CAR
-from corner_sim.sensors import NO_NOISE
-from corner_sim.two_axle import TwoAxleCar
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import Command
 
@@ -75,51 +70,14 @@ _SLOW = 1.0
 """[m/s] from here on the car brakes as before."""
 
 
-class _Plant(Protocol):
-    """A car of four wheels; arrays have the shape (4,)."""
-
-    speed: float
-    wheel_speed: Array
-    slip: Array
-    tyre_slip: Array
-    load: Array
-    friction: Array
-    lambda_max: Array
-    mu_max: Array
-    distance: float
-
-    def step(self, torque: Array) -> None:
-        """Advance by _STEP."""
-
-
-class _TwoAxle:
-    def __init__(self, setup: CarSetup) -> None:
-        self._road, self._behind = setup.road, _behind(setup)
-        self._car = TwoAxleCar(setup.vehicle, [SPEED])
-        self._read()
-
-    def _read(self) -> None:
-        car = self._car
-        self.speed, self.distance = float(car.speed[0]), float(car.distance[0])
-        self._theta = self._road.theta(self.distance - self._behind)
-        self.wheel_speed, self.slip = car.wheel_speed[0], car.slip[0]
-        self.tyre_slip = self.slip
-        self.load = car.wheel_loads(self._theta[np.newaxis])[0]
-        self.friction = car.friction(self._theta[np.newaxis])[0]
-        self.lambda_max, self.mu_max = burckhardt.peak(self._theta)
-
-    def step(self, torque: Array) -> None:
-        self._car.step(torque, torque, self._theta[np.newaxis], _STEP)
-        self._read()
-
-
 class _Car:
+    """The car on its road, read as arrays of shape (4,)."""
+
     def __init__(self, setup: CarSetup) -> None:
         self._road, self._behind = setup.road, _behind(setup)
-        errors = SensorErrors(NO_NOISE, 0.0, 0.0, 0)
         self._tyres = [TYRES["burckhardt"][name] for name in self._road.names]
         self._told = setup.parameters.car
-        self._car = Car(as_it_is(setup.vehicle, self._tyres[0], CarModelParameters(), errors), SPEED, 0)
+        self._car = Car(car_parameters(setup.vehicle, self._road.names[0]), SPEED, 0)
         self._read()
 
     def _read(self) -> None:
@@ -145,7 +103,7 @@ def car_bound(setup: CarSetup) -> ActuatorBound:
 
     Where it changes to one with less grip the brake comes down with its full rate from there on, not before.
     """
-    plant: _Plant = _Car(setup) if MODELS[setup.car] == CAR else _TwoAxle(setup)
+    plant = _Car(setup)
     for _ in range(round(ROLLING * DT / _STEP)):
         plant.step(np.zeros(4))
     car, actuator = setup.vehicle, setup.perturbation.actuator

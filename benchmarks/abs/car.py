@@ -1,4 +1,4 @@
-"""Emergency stops of cars with four wheels on the shipped graph, with nominal or perturbed parameters."""
+"""Emergency stops of a car with four wheels on the shipped graph, with nominal or perturbed parameters."""
 
 from dataclasses import dataclass, fields, replace
 
@@ -20,22 +20,21 @@ from benchmarks.abs.panic_stop import (
     panic_road,
 )
 from benchmarks.protocol import ACCELERATION_STDDEV, DT, SPEED
-from corner_sim.car_plant import SAME, CarModelParameters
-from corner_sim.models import CAR, in_order
+from corner_sim.car.car_parameters import CarParameters
+from corner_sim.car.driving import peak_pressures
+from corner_sim.car.tyres import TYRES
+from corner_sim.car_plant import CAR, SAME, CarModelParameters, SensorErrors, as_it_is, in_order
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME
 from corner_sim.road import Road
 from corner_sim.ros.simulation import Simulation
-from corner_sim.two_axle import peak_torque
+from corner_sim.sensors import NO_NOISE
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
 from friction_runtime.processor import Processor, ProcessorGraph, silent
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.surfaces import surface
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
-MODELS = {"four_wheels": "two_axle", "car": CAR}
-"""Models of corner_sim by the names of the rows."""
 SHIPPED_CAR = "compact_car"
 _ROLLED = SPEED * ROLLING * DT
 """[m] before the onset; less what the drag takes."""
@@ -49,13 +48,11 @@ _START = 10_000 * NANOSECONDS
 class CarSetup:
     """A car on one road, without speed sensor, braked with the full demand after ROLLING samples."""
 
-    car: str
-    """Of MODELS."""
     surface: str
     """Name of a road, which panic_road knows."""
     perturbation: Perturbation = NONE
     right_surface: str = SAME
-    """Of the right wheels; only with the car whose model is CAR."""
+    """Of the right wheels."""
     select_low: str = NO_AXLE
     """Axle whose wheels get the same pressure."""
     yaw_moment_rate: float = 0.0
@@ -65,7 +62,7 @@ class CarSetup:
     def nominal(self) -> Vehicle:
         """The car as the graph knows it, wheels in the order of the plant."""
         car = replace(load_vehicle(SHIPPED_CAR), front_yaw_moment_rate=self.yaw_moment_rate)
-        return in_order(MODELS[self.car], car)
+        return in_order(car)
 
     @property
     def vehicle(self) -> Vehicle:
@@ -84,16 +81,14 @@ class CarSetup:
 
         On the surface of the way where that is highest.
         """
-        car = self.vehicle
-        gains = np.array([wheel.brake_gain for wheel in car.wheels])
-        torques = [peak_torque(car, surface(name)) for name in self.road.names]
-        return DEMAND_RATIO * float(np.max(torques / gains))
+        roads = [car_parameters(self.vehicle, name) for name in self.road.names]
+        return DEMAND_RATIO * max(max(peak_pressures(each)) for each in roads)
 
     @property
     def parameters(self) -> SimParameters:
         """Those of the plant."""
         return SimParameters(
-            model=MODELS[self.car],
+            model=CAR,
             initial_speed=SPEED,
             surfaces=self.road.names,
             surface_distances=self.road.distances,
@@ -110,6 +105,11 @@ class CarSetup:
     def simulation(self, seed: int) -> Simulation:
         """Return the plant at its first sample."""
         return Simulation(replace(self.parameters, seed=seed), self.vehicle, _START)
+
+
+def car_parameters(vehicle: Vehicle, road: str) -> CarParameters:
+    """The car of a vehicle file on a road, undisturbed."""
+    return as_it_is(vehicle, TYRES["burckhardt"][road], CarModelParameters(), SensorErrors(NO_NOISE, 0.0, 0.0, 0))
 
 
 def car_stops(setup: CarSetup, seeds: range, law: str) -> PanicStops:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from abs_supervisor.wheel_pair import NO_AXLE
 from benchmarks.abs.bounds import ActuatorBound, actuator_bound, car_bound, ideal_controller
-from benchmarks.abs.car import MODELS, CarSetup, car_stop, car_stops
+from benchmarks.abs.car import CarSetup, car_stop, car_stops
 from benchmarks.abs.controllers import law_stops
 from benchmarks.abs.panic_stop import (
     CAR_PERTURBATIONS,
@@ -23,7 +23,6 @@ from benchmarks.abs.panic_stop import (
 from benchmarks.abs.tyre_force_crosscheck import SMART_TYRES, opinion_row
 from benchmarks.protocol import CORNER, DT, SPEED
 from benchmarks.rows import Row
-from corner_sim.models import CAR
 from corner_sim.plant import SAMPLE_TIME
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
@@ -69,9 +68,8 @@ def chosen_splits(surfaces: Sequence[str], cases: Sequence[str]) -> list[tuple[s
 def split_setup(road: str, coupling: Coupling) -> CarSetup:
     """Return the car on a road of SPLITS."""
     left, right = road.split(_BETWEEN)
-    (car,) = (name for name, model in MODELS.items() if model == CAR)
     return replace(
-        CarSetup(car, left),
+        CarSetup(left),
         right_surface=right,
         select_low=coupling.select_low,
         yaw_moment_rate=coupling.yaw_moment_rate,
@@ -110,8 +108,8 @@ def split_row(law: str, seeds: range, road: str, coupling: Coupling) -> Row:
 
 
 CORNER_ALONE, WHOLE_CAR = "corner", "car"
-_USUAL = (CORNER_ALONE, *MODELS, SPLIT)
-"""The single corner without speed sensor, the cars with four wheels, and the one with other roads left and right."""
+_USUAL = (CORNER_ALONE, WHOLE_CAR, SPLIT)
+"""The single corner without speed sensor, a car with four wheels, and one with other roads left and right."""
 CARS = (*_USUAL, SMART_TYRES)
 """And the one whose tyres are asked beside the loop, where it is named: a stop takes a minute."""
 FIRST_SEED = 30_000
@@ -218,7 +216,7 @@ def _made(car: str, law: str, seeds: int, road: str, case: Perturbation, judged:
             "distance_over_ideal": float(found.distance.mean()) / _ideal(road, case),
         }
     else:
-        setup = CarSetup(car, road, case)
+        setup = CarSetup(road, case)
         found, bound = car_stops(setup, drawn, law), car_bound(setup)
         limit = bound.utilisation - (_CAR_BELOW_BOUND if case is NONE else _BELOW_BOUND).get(road, 0.01)
         failures = _failures(found, limit, max(LOCK_TIME, bound.longest_lock + _NOTICED))

@@ -13,12 +13,11 @@ import numpy as np
 from friction_msgs.msg import BrakeCommand, FrictionCurve, TyreForce
 from numpy.typing import NDArray
 
-from benchmarks.abs.car import MODELS, SHIPPED_CAR, CarSetup
+from benchmarks.abs.car import SHIPPED_CAR, CarSetup
 from benchmarks.abs.panic_stop import LONGEST
 from benchmarks.rows import Row
 from corner_sim.car.tyres import TYRES
 from corner_sim.car_plant import CarModelParameters
-from corner_sim.models import CAR
 from corner_sim.ros.simulation import Simulation
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, closed_loop_parameters, make_processors
 from friction_bringup.demo_drive import plant_of_demo
@@ -79,8 +78,7 @@ class Heard:
 
 def heard(road: str, seed: int, law: str) -> tuple[Mapping[str, Heard], int]:
     """Brake once; return what was heard of each wheel, and the onset [ns]."""
-    (car,) = (name for name, model in MODELS.items() if model == CAR)
-    setup = CarSetup(car, road)
+    setup = CarSetup(road)
     drive: Mapping[str, Any] = plant_of_demo(road, SHIPPED_CAR)[PLANT]
     onset = drive["demand_start"]
     plant = replace(

@@ -14,15 +14,15 @@ from benchmarks.slip.consistency import consistency_rows, laps_rows
 from benchmarks.slip.stops import (
     Array,
     Followed,
-    cruise_torque,
     follow,
     follow_bmw,
     shipped,
     stops,
 )
+from corner_sim.car_plant import in_order
 from friction_parameters.command_line import count
 from friction_parameters.parameter import ParameterError
-from vehicle_models.vehicle import Vehicle, four_wheels
+from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
 ROADS = ("dry", "wet", "snow")
@@ -71,8 +71,7 @@ def run(options: argparse.Namespace) -> list[Row]:
 def _car_of_stops(name: str) -> Vehicle:
     vehicle = load_vehicle(name)
     try:
-        four_wheels(vehicle)
-        cruise_torque(vehicle, np.zeros(1))
+        in_order(vehicle)
     except ValueError as error:
         raise ParameterError(f"--vehicle {name}: {error}") from error
     return vehicle

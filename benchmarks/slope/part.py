@@ -24,12 +24,12 @@ from benchmarks.slope.detection import (
     through_the_peak,
 )
 from benchmarks.slope.driver_stops import driver_stops, number_of_runs
+from corner_sim.car_plant import CarModelParameters, CarPlant, SensorErrors, in_order
 from corner_sim.driver import DriverProfile
-from corner_sim.models import build_model, in_order
-from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant
+from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS
 from corner_sim.road import Road
 from corner_sim.ros import messages
-from corner_sim.sensors import CHAPTER_NOISE, NO_NOISE, Sensors
+from corner_sim.sensors import CHAPTER_NOISE, NO_NOISE
 from friction_parameters.command_line import count
 from friction_runtime.processor import Output
 from vehicle_models.brake_actuator import ActuatorParameters, Command
@@ -43,8 +43,7 @@ DECELERATIONS = (0.1, 0.3, 0.5)
 RISES = (0.1, 0.5)
 """Times in which the pressure rises [s]."""
 WHEELS = ("front_left", "rear_left")
-_MODEL = "two_axle"
-_CAR = in_order(_MODEL, load_vehicle("compact_car"))
+_CAR = in_order(load_vehicle("compact_car"))
 _SPEED = 25.0
 _DURATION = 2.5
 
@@ -88,11 +87,11 @@ def sensor_messages(deceleration: float, rise: float, seed: int) -> Iterator[lis
     """
     gains = sum(wheel.brake_gain / wheel.radius for wheel in _CAR.wheels)
     driver = DriverProfile(deceleration * GRAVITY * _CAR.mass / gains, start=0.6, rise=rise, hold=1.0, release=0.2)
-    plant = Plant(build_model(_MODEL, _CAR, _SPEED), Road((ROAD,), (0.0,)), ActuatorParameters(), _CAR)
     variance = ACCELERATION_STDDEV**2
-    sensors = Sensors(CHAPTER_NOISE, variance, 0.0, _CAR, seed)
+    errors = SensorErrors(CHAPTER_NOISE, variance, 0.0, seed)
+    plant = CarPlant(_CAR, Road((ROAD,), (0.0,)), CarModelParameters(), ActuatorParameters(), errors, _SPEED)
     for index in range(round(_DURATION / SAMPLE_TIME)):
-        measured = sensors.measure(plant.sample())
+        measured = plant.measure(plant.sample())
         yield messages.sensors((index + 1) * SAMPLE_TIME_NS, _CAR, measured, CHAPTER_NOISE, variance)
         plant.advance(driver.demand(index * SAMPLE_TIME), Command.NONE)
 

@@ -8,14 +8,14 @@ import pytest
 
 from benchmarks.abs import law_rows
 from benchmarks.abs.bounds import actuator_bound, car_bound, ideal_controller
-from benchmarks.abs.car import CarSetup, car_stop
+from benchmarks.abs.car import CarSetup, car_parameters, car_stop
 from benchmarks.abs.controllers import Parameters, law_stops, shipped
 from benchmarks.abs.law_rows import COUPLINGS, SPLITS, largest_growth, split_setup
 from benchmarks.abs.panic_stop import CAR_PERTURBATIONS, END_SPEED, NONE, PanicPlant, Perturbation
 from benchmarks.abs.part import stops
 from benchmarks.command import load_part
 from benchmarks.protocol import CAR, CORNER, SPEED, VEHICLE
-from corner_sim.two_axle import peak_torque
+from corner_sim.car.driving import peak_pressures
 from friction_parameters.parameter import changed
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
@@ -130,10 +130,9 @@ def test_the_ideal_controller_is_near_the_bound() -> None:
         assert ideal_controller(name, NONE).utilisation[0] > actuator_bound(name, NONE).utilisation - 0.005
 
 
-@pytest.mark.parametrize("car", ["four_wheels", "car"])
-def test_the_bound_of_a_car_is_that_of_its_rate_and_below_one(car: str) -> None:
-    bound = car_bound(CarSetup(car, "dry"))
-    slow = car_bound(CarSetup(car, "dry", Perturbation("slow", apply_rate=0.7)))
+def test_the_bound_of_a_car_is_that_of_its_rate_and_below_one() -> None:
+    bound = car_bound(CarSetup("dry"))
+    slow = car_bound(CarSetup("dry", Perturbation("slow", apply_rate=0.7)))
     assert 0.9 < bound.utilisation < bound.utilisation_to_rest < 1.0
     assert slow.utilisation < bound.utilisation - 0.01
     assert slow.distance > bound.distance
@@ -142,10 +141,9 @@ def test_the_bound_of_a_car_is_that_of_its_rate_and_below_one(car: str) -> None:
 def test_the_demand_of_a_car_is_more_than_every_wheel_can_use() -> None:
     """On snow little load moves to the front, and the rear brakes are the weaker ones."""
     for name in TABLE_8_1:
-        setup = CarSetup("four_wheels", name)
-        gains = [wheel.brake_gain for wheel in setup.vehicle.wheels]
-        torques = peak_torque(setup.vehicle, surface(name))
-        assert np.min(setup.demand * np.array(gains) / torques) == pytest.approx(1.5)
+        setup = CarSetup(name)
+        pressures = peak_pressures(car_parameters(setup.vehicle, name))
+        assert setup.demand / max(pressures) == pytest.approx(1.5)
 
 
 def test_the_law_brings_a_car_of_four_wheels_near_its_bound_without_a_lock() -> None:
@@ -202,11 +200,11 @@ def test_a_lock_where_the_road_changes_fails_its_row(lock: float, holds: bool, m
 
 
 def test_under_a_car_the_road_changes_after_the_onset_and_the_bound_locks_while_its_brakes_come_down() -> None:
-    setup = CarSetup("car", "dry to snow")
+    setup = CarSetup("dry to snow")
     assert setup.parameters.surfaces == ("dry", "snow")
     assert setup.parameters.surface_distances == (0.0, 120.0)  # 3 s of rolling, and 30 m
-    assert setup.demand == CarSetup("car", "dry").demand
-    bound, dry = car_bound(setup), car_bound(CarSetup("car", "dry"))
+    assert setup.demand == CarSetup("dry").demand
+    bound, dry = car_bound(setup), car_bound(CarSetup("dry"))
     assert dry.longest_lock == 0.0
     # 1900 N m at 5 kN m/s, less what turns a wheel on snow
     assert 0.25 < bound.longest_lock < 0.4
@@ -232,7 +230,7 @@ def test_the_growth_of_a_moment_is_that_of_its_size_over_half_a_second() -> None
 def test_a_hill_that_begins_within_a_stop_on_snow_locks_no_wheel_and_leaves_the_brakes_on(name: str) -> None:
     """Without a reference all wheels lock for ten seconds downhill, and lose 9 % of the brake uphill."""
     hill = next(each for each in CAR_PERTURBATIONS if each.name == name)
-    found, _ = car_stop(CarSetup("car", "snow", hill), 30_000, "curve")
+    found, _ = car_stop(CarSetup("snow", hill), 30_000, "curve")
     assert found.stopped.all()
     assert found.longest_lock[0] < 0.05
     assert found.utilisation[0] > 0.95

@@ -85,7 +85,7 @@ def test_the_order_of_the_wheels_in_the_vehicle_file_does_not_matter() -> None:
     acceleration = np.where(np.arange(600) < 400, 0.0, -4.0)
     speed = 30.0 + DT * np.cumsum(acceleration)
     measured = speed[:, np.newaxis] / np.array(car.radii)
-    stop = Stop(400, measured, acceleration, np.zeros((600, 4)), speed, np.zeros((600, 4)))
+    stop = Stop(400, measured, acceleration, speed, np.zeros((600, 4)))
     turned = replace(car, wheels=car.wheels[::-1])
     found = follow(stop, turned)
     np.testing.assert_array_equal(found.slip, follow(stop, car).slip)

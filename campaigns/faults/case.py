@@ -1,15 +1,14 @@
 """Manoeuvres and cases of the fault campaign: car, surface, demand; fault, time and limits."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from math import inf
 
 from benchmarks.protocol import ACCELERATION_STDDEV, SPEED
 from campaigns.faults.fault import Fault, Site
-from corner_sim.models import in_order
+from corner_sim.car_plant import CAR, in_order
 from corner_sim.parameters import SimParameters
-from corner_sim.plant import PlantSample
 from corner_sim.ros.simulation import Simulation
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
@@ -19,7 +18,7 @@ ONSET = 1.0
 """The driver brakes after so long of free rolling [s]: by then every node knows that its inputs can be relied upon."""
 CORNER, FOUR_WHEELS = "corner", "four_wheels"
 _VEHICLES = {CORNER: "chapter_corner", FOUR_WHEELS: "compact_car"}
-_MODELS = {CORNER: "single_corner", FOUR_WHEELS: "two_axle"}
+_MODELS = {CORNER: "single_corner", FOUR_WHEELS: CAR}
 _START = 10_000 * NANOSECONDS
 """Stamp of the first sample: late enough for stamps an hour older."""
 
@@ -37,10 +36,11 @@ class Manoeuvre:
     @property
     def vehicle(self) -> Vehicle:
         """The car, its wheels in the order of wheel_states."""
-        return in_order(_MODELS[self.car], load_vehicle(_VEHICLES[self.car]))
+        vehicle = load_vehicle(_VEHICLES[self.car])
+        return in_order(vehicle) if self.car == FOUR_WHEELS else vehicle
 
-    def simulation(self, seed: int, recorded: Sequence[PlantSample] = ()) -> Simulation:
-        """Return the plant at its first sample; `recorded` are the samples of this stop without commands."""
+    def simulation(self, seed: int) -> Simulation:
+        """Return the plant at its first sample."""
         parameters = SimParameters(
             model=_MODELS[self.car],
             initial_speed=SPEED,
@@ -51,7 +51,7 @@ class Manoeuvre:
             seed=seed,
             vehicle_velocity=self.car == CORNER,
         )
-        return Simulation(parameters, self.vehicle, _START, recorded)
+        return Simulation(parameters, self.vehicle, _START)
 
 
 class Hit(Enum):

@@ -134,7 +134,6 @@ class Loop:
         case: Case,
         seed: int,
         law: str = SLOPE_SIGN,
-        recorded: Sequence[PlantSample] = (),
     ) -> None:
         """Put the car at the start of the road.
 
@@ -143,11 +142,10 @@ class Loop:
             case: the fault.
             seed: of sensor noise and fault.
             law: that of abs_supervisor.
-            recorded: samples of the stop without ABS, which need not be computed again until a command changes it.
         """
         vehicle = manoeuvre.vehicle
         self._case = case
-        self._simulation = manoeuvre.simulation(seed, recorded)
+        self._simulation = manoeuvre.simulation(seed)
         self._fault = case.make(Site(vehicle, np.random.default_rng([seed, 13])))
         self._now = 0.0
         self._acting: Fault = at_once

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
-from functools import cache, lru_cache
+from functools import cache
 from math import inf
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ from benchmarks.rows import run_lengths
 from campaigns.faults.case import CORNER, ONSET, Case, Hit, Manoeuvre
 from campaigns.faults.catalogue import LOCKED_START, NO_FAULT
 from campaigns.faults.loop import Record
-from corner_sim.plant import SAMPLE_TIME, PlantSample
+from corner_sim.plant import SAMPLE_TIME
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
 
@@ -41,21 +41,14 @@ class Reference:
     """Of the wheel that is braked least [N m]."""
 
 
-@lru_cache(maxsize=1)  # a gentle stop on snow has 30,000 samples
-def samples_without_abs(manoeuvre: Manoeuvre) -> Sequence[PlantSample]:
-    """Brake without commands. Without them no sensor reaches the plant, so it is the same for every seed and fault."""
+@cache
+def without_abs(manoeuvre: Manoeuvre) -> Reference:
+    """Return the numbers of the stop without ABS, the same for every seed and fault."""
     simulation = manoeuvre.simulation(0)
     samples = [simulation.sample]
     while simulation.end is None and simulation.time < _LONGEST:
         simulation.advance()
         samples.append(simulation.sample)
-    return samples
-
-
-@cache
-def without_abs(manoeuvre: Manoeuvre) -> Reference:
-    """Return the numbers of the stop without ABS."""
-    samples = samples_without_abs(manoeuvre)
     return Reference(
         duration=samples[-1].index * SAMPLE_TIME - ONSET,
         distance=samples[-1].distance - samples[round(ONSET / SAMPLE_TIME)].distance,

@@ -14,7 +14,7 @@ from benchmarks.rows import Row
 from campaigns.faults.case import Case, Manoeuvre
 from campaigns.faults.catalogue import CASES, NO_FAULT, Plan, quick, whole
 from campaigns.faults.loop import Loop
-from campaigns.faults.measures import Measures, limits, measure, samples_without_abs, without_abs, worst
+from campaigns.faults.measures import Measures, limits, measure, without_abs, worst
 from friction_parameters.command_line import count, positive
 
 _FIRST_SEED = 40_000
@@ -43,7 +43,7 @@ def make_stop(stop: Stop) -> tuple[Measures, str]:
     """Return the numbers of a stop, and what diagnostics said first."""
     manoeuvre, case = stop.manoeuvre, CASES[stop.fault]
     reference = without_abs(manoeuvre)
-    loop = Loop(manoeuvre, case, stop.seed, stop.law, samples_without_abs(manoeuvre))
+    loop = Loop(manoeuvre, case, stop.seed, stop.law)
     record = loop.run(1.3 * reference.duration + 2.0)
     return measure(record, case, manoeuvre, reference), record.said
 

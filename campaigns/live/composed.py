@@ -30,11 +30,11 @@ from friction_bringup import graph
 
 ROUNDS = 3
 """How often the forms take turns."""
-FOUR_WHEELS = Drive("smart_tyre_car", ("/car",), "two_axle", tyres=True)
+FOUR_WHEELS = Drive("smart_tyre_car", ("/car",), "car", tyres=True)
 GROWTH = {
     1: Drive(VEHICLE, ("/car",), "single_corner", tyres=False),
-    4: Drive("compact_car", ("/car",), "two_axle", tyres=False),
-    8: Drive("compact_car", ("/first", "/second"), "two_axle", tyres=False),
+    4: Drive("compact_car", ("/car",), "car", tyres=False),
+    8: Drive("compact_car", ("/first", "/second"), "car", tyres=False),
 }
 """By the number of wheels; eight are those of two cars, each with processes of its own."""
 RATES = (100.0, 200.0, 500.0)

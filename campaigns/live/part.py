@@ -36,7 +36,7 @@ from friction_runtime.machine_load import slowdown
 from friction_runtime.processor import silent
 from vehicle_models.surfaces import TABLE_8_1
 
-_DRIVE = Drive("compact_car", ("/car",), "two_axle", tyres=False)
+_DRIVE = Drive("compact_car", ("/car",), "car", tyres=False)
 _ROUNDS = 3
 _MOST = 1.5
 _ADAPTER, _RELAY = "friction_adapter", "bare relay"

@@ -2,7 +2,7 @@
 
 from argparse import Namespace
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -18,7 +18,7 @@ from campaigns.faults.case import BEFORE_BRAKING, CORNER, FOUR_WHEELS, ONSET, Ca
 from campaigns.faults.catalogue import FAULTS, LOCKED_START, NO_FAULT, quick, whole
 from campaigns.faults.fault import Arrival, Fault, Site, frozen, lagging, silent
 from campaigns.faults.loop import Loop, Record
-from campaigns.faults.measures import Measures, Reference, limits, measure, samples_without_abs, without_abs
+from campaigns.faults.measures import Measures, Reference, limits, measure, without_abs
 from corner_sim.plant import SAMPLE_TIME_NS
 from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from vehicle_models import burckhardt
@@ -150,22 +150,6 @@ def test_the_stop_without_abs_is_that_of_the_momentum() -> None:
     mu_max = float(burckhardt.peak(surface("dry"))[1])
     assert found.duration == pytest.approx(SPEED / (0.3 * mu_max * 9.81), rel=0.03)
     assert found.distance == pytest.approx(0.5 * SPEED * found.duration, rel=0.03)
-
-
-@pytest.mark.parametrize(
-    ("car", "demand", "releases"), [(CORNER, 0.6, False), (CORNER, 1.5, True), (FOUR_WHEELS, 1.5, True)]
-)
-def test_a_stop_that_shares_its_plant_with_other_seeds_is_the_same_as_one_with_a_plant_of_its_own(
-    car: str, demand: float, releases: bool
-) -> None:
-    manoeuvre = Manoeuvre(car, "dry", demand)
-    own, shared = (
-        Loop(manoeuvre, NO_FAULT, 40_003, recorded=recorded).run(0.6)
-        for recorded in ((), samples_without_abs(manoeuvre))
-    )
-    assert (BrakeCommand.DECREASE in own.command) == releases
-    for each in fields(Record):
-        np.testing.assert_array_equal(getattr(shared, each.name), getattr(own, each.name), each.name)
 
 
 def test_a_demand_at_which_a_wheel_locks_without_abs_is_no_ordinary_braking() -> None:

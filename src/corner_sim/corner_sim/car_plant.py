@@ -1,6 +1,6 @@
 """The car of corner_sim.car as the plant of the node: vehicle file and parameters in, samples of the truth out."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,10 +17,12 @@ from corner_sim.sensors import Measurement, SensorNoise
 from friction_parameters.parameter import constant, parameter
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
 from vehicle_models.surfaces import SURFACES
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import Vehicle, four_wheels
 
 Array = NDArray[np.float64]
 
+CAR = "car"
+"""Value of the parameter `model`."""
 SAME = "same"
 """The right wheels are on the surfaces of the left ones."""
 
@@ -71,6 +73,18 @@ class SensorErrors:
     acceleration_bias: float
     """On top of that of the vehicle file [m/s^2]."""
     seed: int
+
+
+def in_order(vehicle: Vehicle) -> Vehicle:
+    """Return the vehicle with its wheels front left, front right, rear left, rear right.
+
+    Raises:
+        ValueError: the vehicle does not have these four.
+    """
+    try:
+        return replace(vehicle, wheels=four_wheels(vehicle))
+    except ValueError as error:
+        raise ValueError(f"parameter 'model' = '{CAR}': {error}") from error
 
 
 class CarPlant:

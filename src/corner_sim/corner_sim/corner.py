@@ -207,3 +207,75 @@ class SingleCorner:
         standing = speed < REST_SPEED
         self.speed = np.where(standing, 0.0, speed)
         self.wheel_speed = np.where(standing, 0.0, np.maximum(wheel_speed, 0.0))
+
+
+class JoinedCorners:
+    """Corners, (2.15), that carry one body: they share its speed and do not shift load.
+
+    The corners are integrated each on its own over a sample; then the body takes the mean of their speeds, weighted by
+    their masses, which conserves momentum. One corner alone is exactly the single-corner model.
+    """
+
+    def __init__(self, parameters: Sequence[CornerParameters], speed: float) -> None:
+        """Start free rolling at `speed` [m/s]; `parameters` holds those of each corner."""
+        self._parameters = tuple(parameters)
+        self._corners = SingleCorner(self._parameters, np.full(len(self._parameters), speed))
+        # relative to the first: of equal corners the weighted mean is the plain one, to the last bit
+        self._weights = np.array([each.mass for each in self._parameters]) / self._parameters[0].mass
+
+    @property
+    def speed(self) -> float:
+        """Speed of the body [m/s]."""
+        return float(self._corners.speed[0])
+
+    @property
+    def distance(self) -> Array:
+        """Distance covered [m], shape (n,)."""
+        return self._corners.distance
+
+    @property
+    def wheel_speed(self) -> Array:
+        """Wheel speeds [rad/s], shape (n,)."""
+        return self._corners.wheel_speed
+
+    @property
+    def slip(self) -> Array:
+        """Slips [-], shape (n,)."""
+        return self._corners.slip
+
+    @property
+    def radius(self) -> Array:
+        """Radii [m], shape (n,)."""
+        return np.array([each.radius for each in self._parameters])
+
+    @property
+    def inertia(self) -> Array:
+        """Wheel inertias [kg m^2], shape (n,)."""
+        return np.array([each.inertia for each in self._parameters])
+
+    def peak_torque(self, theta: Array) -> float:
+        """Brake torque [N m] that holds the first wheel at the peak of the road theta, shape (3,)."""
+        return float(self._parameters[0].peak_torque(theta))
+
+    def vertical_load(self, theta: Array) -> Array:
+        """Loads [N], shape (n,)."""
+        return np.array([each.vertical_load for each in self._parameters])
+
+    def acceleration(self, theta: Array) -> float:
+        """Acceleration of the body [m/s^2]."""
+        return self._of_body(self._corners.acceleration(theta))
+
+    def wheel_acceleration(self, theta: Array, brake_torque: Array) -> Array:
+        """Wheel accelerations [rad/s^2], shape (n,)."""
+        return self._corners.wheel_acceleration(theta, brake_torque)
+
+    def step(self, torque_begin: Array, torque_end: Array, theta: Array, dt: float) -> None:
+        """Advance all corners by dt [s] and join them again."""
+        corners = self._corners
+        corners.step(torque_begin, torque_end, theta, dt)
+        if corners.speed.size > 1:
+            corners.speed = np.full_like(corners.speed, self._of_body(corners.speed))
+            corners.distance = np.full_like(corners.distance, self._of_body(corners.distance))
+
+    def _of_body(self, of_corners: Array) -> float:
+        return float((self._weights * of_corners).sum() / self._weights.sum())

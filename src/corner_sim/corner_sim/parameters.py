@@ -18,9 +18,8 @@ class SimParameters:
     vehicle_file: str = vehicle_file_parameter("chapter_corner")
     model: str = parameter(
         "single_corner",
-        "vehicle model: corners that share one body, a car whose load moves between its axles, or one with the "
-        "perturbations of a real car",
-        choices=("single_corner", "two_axle", "car"),
+        "vehicle model: corners that share one body, or a car with load transfer, pitch and tyre relaxation",
+        choices=("single_corner", "car"),
         read_only=True,
     )
     initial_speed: float = parameter(30.0, "speed at the start, rolling freely", unit="m/s", minimum=0.0, maximum=150.0)

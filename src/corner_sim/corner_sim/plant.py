@@ -3,12 +3,12 @@
 from collections import deque
 from dataclasses import dataclass
 from math import nan
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from corner_sim.road import Road
-from corner_sim.vehicle_model import VehicleModel
 from vehicle_models import burckhardt
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
 from vehicle_models.nanoseconds import NANOSECOND
@@ -22,6 +22,49 @@ SAMPLE_TIME = SAMPLE_TIME_NS * NANOSECOND
 """The same [s]."""
 SLIP_MIN_SPEED = 0.1
 """Below this speed [m/s] slip and its rate are not defined."""
+
+
+class VehicleModel(Protocol):
+    """A vehicle with n braked wheels; arrays have shape (n,), theta has shape (n, 3)."""
+
+    @property
+    def speed(self) -> float:
+        """Vehicle speed v [m/s], >= 0."""
+
+    @property
+    def distance(self) -> Array:
+        """Distance covered by each wheel [m]."""
+
+    @property
+    def wheel_speed(self) -> Array:
+        """Wheel speed omega [rad/s], >= 0."""
+
+    @property
+    def slip(self) -> Array:
+        """Slip lambda [-], braking positive."""
+
+    @property
+    def radius(self) -> Array:
+        """Effective rolling radius r [m]."""
+
+    @property
+    def inertia(self) -> Array:
+        """Wheel inertia J [kg m^2]."""
+
+    def peak_torque(self, theta: Array) -> float:
+        """Brake torque [N m] that holds the first wheel at the peak of the road theta, shape (3,)."""
+
+    def vertical_load(self, theta: Array) -> Array:
+        """Load Fz of each wheel [N]."""
+
+    def acceleration(self, theta: Array) -> float:
+        """Vehicle acceleration [m/s^2], negative in braking."""
+
+    def wheel_acceleration(self, theta: Array, brake_torque: Array) -> Array:
+        """Wheel acceleration [rad/s^2]."""
+
+    def step(self, torque_begin: Array, torque_end: Array, theta: Array, dt: float) -> None:
+        """Advance by dt [s] under brake torques [N m] that change linearly."""
 
 
 @dataclass(frozen=True)

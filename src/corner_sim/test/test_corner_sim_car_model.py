@@ -49,7 +49,7 @@ def release(simulation: Simulation, wheel: str, command: int) -> None:
 
 def test_the_topics_are_those_of_the_other_models_and_the_yaw_moment() -> None:
     found = set(run(QUIET, 3))
-    assert found == {*run(replace(QUIET, model="two_axle"), 3), "truth/yaw_moment"}
+    assert found == {*run(replace(QUIET, model="single_corner"), 3), "truth/yaw_moment"}
     told = messages.topics(COMPACT.wheel_names, True, True, False, yaw_moment=True)
     assert found == set(told)
 
@@ -94,11 +94,11 @@ def test_the_true_curve_is_that_of_the_tyre_of_the_family_on_the_road(family: st
     assert curve.probability_beyond_peak == 1.0
 
 
-def test_without_its_perturbations_it_moves_as_the_two_axle_car_does() -> None:
+def test_without_load_transfer_and_relaxation_it_moves_as_the_corners_do() -> None:
     wheels = tuple(replace(wheel, relaxation_length=1e-3) for wheel in COMPACT.wheels)
-    plain = replace(COMPACT, wheels=wheels, centre_of_gravity_height=0.0, rolling_resistance=0.0)
+    plain = replace(COMPACT, wheels=wheels, centre_of_gravity_height=0.0, rolling_resistance=0.0, drag_area=0.0)
     parameters = replace(QUIET, demand_rise=0.3, demand_level=0.9)
-    ours, theirs = (run(replace(parameters, model=model), 300, plain) for model in ("car", "two_axle"))
+    ours, theirs = (run(replace(parameters, model=model), 300, plain) for model in ("car", "single_corner"))
     for wheel in COMPACT.wheel_names:
         slips = [np.array([message.slip for message in found[f"truth/{wheel}/slip"]]) for found in (ours, theirs)]
         np.testing.assert_allclose(slips[0], slips[1], atol=2e-3)

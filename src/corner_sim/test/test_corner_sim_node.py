@@ -235,7 +235,7 @@ def test_a_bad_value_is_refused_live_by_name_and_the_plant_goes_on(client: DdsCl
         {"surface_distances": "[0.0, 1.0]"},
         {"real_time_factor": 0.0},
         {"mass": 300.0},
-        {"model": "two_axle"},
+        {"model": "car"},
     ],
 )
 def test_a_bad_value_at_start_ends_the_process_with_the_name(client: DdsClient, given: dict[str, object]) -> None:

@@ -23,7 +23,6 @@ def test_the_shipped_file_holds_every_parameter_at_its_default() -> None:
     ("name", "value"),
     [
         ("model", "bicycle"),
-        ("model", "two_axle"),
         ("initial_speed", float("inf")),
         ("surfaces", ["ice"]),
         ("surface_distances", [-1.0]),

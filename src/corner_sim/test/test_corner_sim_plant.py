@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from corner_sim.models import build_model
+from corner_sim.corner import JoinedCorners
 from corner_sim.plant import SAMPLE_TIME, Plant
 from corner_sim.road import Road
-from corner_sim.vehicle_model import JoinedCorners
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.surfaces import SURFACES, surface
 from vehicle_models.vehicle import Vehicle
@@ -38,9 +37,9 @@ def plant_of(
     speed: float = 30.0,
     road: Road | None = None,
     actuator: ActuatorParameters = IMMEDIATE,
-    model: str = "single_corner",
 ) -> Plant:
-    return Plant(build_model(model, vehicle, speed), road or Road(["dry"], [0.0]), actuator, vehicle)
+    model = JoinedCorners([vehicle.corner(name) for name in vehicle.wheel_names], speed)
+    return Plant(model, road or Road(["dry"], [0.0]), actuator, vehicle)
 
 
 def test_a_vehicle_that_nobody_brakes_keeps_its_speed() -> None:
@@ -207,12 +206,11 @@ def test_corners_that_differ_share_one_speed_and_conserve_momentum() -> None:
     assert after.acceleration == pytest.approx(-(after.vertical_load * after.friction).sum() / 900.0)
 
 
-@pytest.mark.parametrize("model", ["single_corner", "two_axle"])
-def test_the_drag_of_the_engine_slows_the_driven_wheels_like_a_brake_that_no_pressure_shows(model: str) -> None:
+def test_the_drag_of_the_engine_slows_the_driven_wheels_like_a_brake_that_no_pressure_shows() -> None:
     wheels = tuple(replace(wheel, driven=wheel.axle == "rear") for wheel in FOUR_CORNERS.wheels)
     still = replace(FOUR_CORNERS, wheels=wheels, drag_area=0.0, rolling_resistance=0.0)
-    sut = plant_of(replace(still, engine_drag_torque=60.0), model=model)
-    braked = plant_of(still, model=model)
+    sut = plant_of(replace(still, engine_drag_torque=60.0))
+    braked = plant_of(still)
     first = sut.sample()
     np.testing.assert_allclose(first.slip_rate, np.array([0.0, 0.0, 1.0, 1.0]) * 0.3 * 60.0 / 30.0)
     braked.advance([0.0, 0.0, 60.0 / GAIN, 60.0 / GAIN], Command.NONE)  # its torque rises within this sample

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from corner_sim.models import build_model
+from corner_sim.corner import JoinedCorners
 from corner_sim.plant import Plant, PlantSample
 from corner_sim.road import Road
 from corner_sim.sensors import CHAPTER_NOISE, NO_NOISE, Measurement, SensorNoise, Sensors
@@ -25,7 +25,7 @@ COUNT = 40_000
 
 
 def still_sample() -> PlantSample:
-    model = build_model("single_corner", CAR, 30.0)
+    model = JoinedCorners([CAR.corner(name) for name in CAR.wheel_names], 30.0)
     return Plant(model, Road(["dry"], [0.0]), ActuatorParameters(), CAR).sample()
 
 

@@ -209,54 +209,11 @@ def test_a_run_without_an_end_goes_on_at_standstill() -> None:
 
 
 CAR = with_gains(FOUR_CORNERS, 1.6e-4, 1.6e-4, 0.8e-4, 0.8e-4)
-BRAKING = SimParameters(model="two_axle", noise="none", demand_start=0.0, demand_level=0.6)
-
-
-def test_a_car_carries_its_weight_and_moves_it_to_the_front_in_braking() -> None:
-    found = run(BRAKING, 100, vehicle=CAR)
-    first, last = (np.array([found[f"truth/{wheel}/tyre_force"][k].fz for wheel in CAR.wheel_names]) for k in (0, -1))
-    assert first.sum() == last.sum() == pytest.approx(4.0 * 225.0 * 9.81)
-    deceleration = -found["imu/data"][-1].linear_acceleration.x
-    assert deceleration > 3.0
-    moved = 4.0 * 225.0 * deceleration * 0.5 / 2.7  # m a h / L
-    assert last[0] + last[1] - last[2] - last[3] == pytest.approx(2.0 * moved)
-
-
-def test_tyres_and_air_slow_the_car_by_their_sum() -> None:
-    found = run(BRAKING, 100, vehicle=CAR)
-    fx = sum(found[f"truth/{wheel}/tyre_force"][-1].fx for wheel in CAR.wheel_names)
-    speed = found["truth/vehicle_velocity"][-1].twist.twist.linear.x
-    drag = 0.5 * 1.2 * 0.65 * speed**2
-    assert 900.0 * found["imu/data"][-1].linear_acceleration.x == pytest.approx(fx - drag)
-
-
-def test_each_brake_line_of_a_car_obeys_its_own_command() -> None:
-    simulation = Simulation(BRAKING, CAR, START)
-    for k in range(40):
-        header = Header(stamp=from_nanoseconds(simulation.stamp))
-        order = BrakeCommand(header=header, wheel="rear_left", command=BrakeCommand.DECREASE, counter=k, valid_for=0.1)
-        assert simulation.take_command("rear_left", order) is None
-        simulation.advance()
-    found = dict(simulation.messages())
-    pressures = {wheel: found[f"{wheel}/brake_pressure"].fluid_pressure for wheel in CAR.wheel_names}
-    assert pressures["rear_left"] == 0.0
-    assert pressures["front_left"] == pytest.approx(pressures["front_right"])
-    assert pressures["rear_right"] > 1e6
-
-
-def test_the_rear_axle_meets_a_new_surface_one_wheelbase_later() -> None:
-    rolling = replace(BRAKING, demand_level=0.0, surfaces=("dry", "snow"), surface_distances=(0.0, 2.95))
-    found = run(rolling, 60, vehicle=CAR)
-    changed = {
-        wheel: next(k for k, curve in enumerate(found[f"truth/{wheel}/friction_curve"]) if curve.restarts)
-        for wheel in CAR.wheel_names
-    }
-    # 2.95 m and 5.65 m at 0.15 m a sample
-    assert changed == {"front_left": 20, "front_right": 20, "rear_left": 38, "rear_right": 38}
+BRAKING = SimParameters(model="car", noise="none", demand_start=0.0, demand_level=0.6)
 
 
 def test_a_car_without_four_wheels_is_refused_with_those_it_has() -> None:
-    with pytest.raises(ValueError, match=r"'model' = 'two_axle': .*'chapter corner' are front_left \(front left\)"):
+    with pytest.raises(ValueError, match=r"'model' = 'car': .*'chapter corner' are front_left \(front left\)"):
         Simulation(BRAKING, CORNER, START)
 
 
@@ -292,7 +249,9 @@ def test_the_imu_message_is_read_back_by_the_mounting_of_the_car() -> None:
 
 def test_the_pressure_of_a_late_sensor_is_that_of_its_delay_earlier() -> None:
     late, now = (
-        run(BRAKING, 60, cycling, replace(CAR, brake_pressure_delay=delay))["rear_left/brake_pressure"]
+        run(replace(BRAKING, model="single_corner"), 60, cycling, replace(CAR, brake_pressure_delay=delay))[
+            "rear_left/brake_pressure"
+        ]
         for delay in (0.0075, 0.0)
     )
     pressure = [message.fluid_pressure for message in now]

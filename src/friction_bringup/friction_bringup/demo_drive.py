@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from corner_sim.car_plant import SAME
-from corner_sim.models import CAR, in_order
+from corner_sim.car_plant import CAR, SAME, in_order
 from friction_bags.offline.estimators import SMART_TYRE
 from friction_bringup.graph import PLANT, ParameterValue, plant_calibration
 from friction_parameters.parameter import ParameterError
@@ -78,7 +77,7 @@ def plant_of_demo(road: str, vehicle_file: str) -> Mapping[str, Mapping[str, Par
 
 def _has_four_wheels(vehicle: Vehicle) -> bool:
     try:
-        in_order(CAR, vehicle)
+        in_order(vehicle)
     except ValueError:
         return False
     return True

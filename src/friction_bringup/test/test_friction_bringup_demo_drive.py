@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from friction_msgs.msg import BrakeCommand, FrictionSlope
 
-from corner_sim.models import CAR, in_order
+from corner_sim.car_plant import in_order
 from corner_sim.parameters import SimParameters
 from corner_sim.ros.simulation import Simulation
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
@@ -30,7 +30,7 @@ def plant(road: str, car: str = "car") -> Mapping[str, Any]:
 @pytest.mark.parametrize("road", ["dry", "snow"])
 def test_car_rolls_for_its_zero_then_drives_up_with_at_most_half_of_the_grip(road: str) -> None:
     given = replace(from_mapping(SimParameters, plant(road)), tyre_signals=False)
-    simulation = Simulation(given, in_order(CAR, load_vehicle(CARS["car"])), 10**12)
+    simulation = Simulation(given, in_order(load_vehicle(CARS["car"])), 10**12)
     speeds, used = [], []
     while simulation.time < given.demand_start:
         sample = simulation.sample
@@ -46,12 +46,12 @@ def test_car_rolls_for_its_zero_then_drives_up_with_at_most_half_of_the_grip(roa
 
 @pytest.mark.parametrize("road", ROADS)
 def test_every_road_makes_a_plant(road: str) -> None:
-    Simulation(from_mapping(SimParameters, plant(road)), in_order(CAR, load_vehicle(CARS["car"])), 10**12)
+    Simulation(from_mapping(SimParameters, plant(road)), in_order(load_vehicle(CARS["car"])), 10**12)
 
 
 def test_second_road_begins_while_the_car_brakes() -> None:
     given = replace(from_mapping(SimParameters, plant("dry snow")), tyre_signals=False)
-    simulation = Simulation(given, in_order(CAR, load_vehicle(CARS["car"])), 10**12)
+    simulation = Simulation(given, in_order(load_vehicle(CARS["car"])), 10**12)
     while simulation.time < given.demand_start:
         simulation.advance()
     assert 5.0 < given.surface_distances[1] - simulation.distance < 20.0
@@ -62,7 +62,7 @@ def test_valid_slope_signs_of_the_sign_law_are_the_true_ones() -> None:
     onset = 1.0
     given = dict(plant("dry")) | {"initial_speed": 22.0, "tyre_signals": False, "demand_start": onset}
     given |= {"car.drive_times": [0.0], "car.drive_speeds": [22.0], "lock_step": True}
-    vehicle = in_order(CAR, load_vehicle(CARS["car"]))
+    vehicle = in_order(load_vehicle(CARS["car"]))
     simulation = Simulation(from_mapping(SimParameters, given), vehicle, 10**12)
     processors = make_processors(closed_loop_parameters(WHEEL_ESTIMATORS, "slope_sign", 4), vehicle, silent)
     graph = ProcessorGraph(processors)

@@ -27,7 +27,7 @@ SHIPPED = Path(__file__).parents[1] / "calibration" / "plant_tyres.yaml"
 @cache
 def blocks_and_truth(plant: SimParameters) -> tuple[list[Any], np.ndarray]:
     """Tyre blocks of the first wheel, and stamp [ns], fx, fz of the truth."""
-    simulation = Simulation(plant, CAR if plant.model == "two_axle" else CORNER, START)
+    simulation = Simulation(plant, CAR if plant.model == "car" else CORNER, START)
     blocks: list[Any] = []
     truth: list[tuple[float, float, float]] = []
     while simulation.end is None:
@@ -58,7 +58,7 @@ def stamps(messages: list[Any]) -> np.ndarray:
 @pytest.mark.parametrize("method", ["crossing", "template"])
 def test_shipped_calibration_gives_the_forces_and_the_friction_of_the_plant(method: str) -> None:
     plant = SimParameters(
-        model="two_axle",
+        model="car",
         tyre_signals=True,
         initial_speed=18.0,
         demand_start=6.0,

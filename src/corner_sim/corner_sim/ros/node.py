@@ -15,7 +15,7 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock as ClockMessage
 from std_srvs.srv import Trigger
 
-from corner_sim.models import CAR
+from corner_sim.car_plant import CAR
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME
 from corner_sim.ros import messages

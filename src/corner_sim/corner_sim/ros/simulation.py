@@ -5,12 +5,11 @@ from typing import TYPE_CHECKING
 
 from friction_msgs.msg import BrakeCommand, BrakeDemand
 
-from corner_sim.car_plant import CarPlant, SensorErrors
+from corner_sim.car_plant import CAR, CarPlant, SensorErrors, in_order
+from corner_sim.corner import JoinedCorners
 from corner_sim.driver import DriverProfile
-from corner_sim.models import CAR, build_model, in_order
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, Plant, PlantSample, SlopeCrossings
-from corner_sim.recorded_plant import RecordedPlant
 from corner_sim.road import Road
 from corner_sim.ros import messages
 from corner_sim.ros.commands import CommandInbox, DemandInbox
@@ -25,26 +24,23 @@ if TYPE_CHECKING:
 class Simulation:
     """A run from the first sample on. `messages` returns the present sample, `advance` goes to the next."""
 
-    def __init__(
-        self, parameters: SimParameters, vehicle: Vehicle, start_stamp: int, recorded: Sequence[PlantSample] = ()
-    ) -> None:
+    def __init__(self, parameters: SimParameters, vehicle: Vehicle, start_stamp: int) -> None:
         """Build the run.
 
         Args:
             parameters: parameters of the run.
-            vehicle: the car; two_axle and car take its wheels front left, front right, rear left, rear right.
+            vehicle: the car; model 'car' takes its wheels front left, front right, rear left, rear right.
             start_stamp: stamp of the first sample [ns], > 0.
-            recorded: samples of the same run without commands, which need not be computed again; not of model 'car'.
 
         Raises:
             ValueError: parameters and vehicle do not fit each other; the message names them.
         """
         self._parameters = parameters
         self._start_stamp = start_stamp
-        self._vehicle = vehicle = in_order(parameters.model, vehicle)
+        self._vehicle = vehicle = in_order(vehicle) if parameters.model == CAR else vehicle
         wheels = vehicle.wheel_names
         self._noise = CHAPTER_NOISE if parameters.noise == "chapter" else NO_NOISE
-        self._plant: Plant | RecordedPlant | CarPlant
+        self._plant: Plant | CarPlant
         self._sensors: Sensors | CarPlant
         road = Road(parameters.surfaces, parameters.surface_distances)
         p, speed = parameters, parameters.initial_speed
@@ -53,9 +49,8 @@ class Simulation:
             self._plant = self._sensors = car = CarPlant(vehicle, road, p.car, p.actuator, errors, speed)
             peak_torque = car.peak_torque
         else:
-            model = build_model(p.model, vehicle, speed)
-            plant = Plant(model, road, p.actuator, vehicle)
-            self._plant = RecordedPlant(plant, recorded) if recorded else plant
+            model = JoinedCorners([vehicle.corner(name) for name in wheels], speed)
+            self._plant = Plant(model, road, p.actuator, vehicle)
             self._sensors = Sensors(self._noise, p.acceleration_variance, p.acceleration_bias, vehicle, p.seed)
             peak_torque = model.peak_torque(road.theta(0.0))
         level = parameters.demand_level

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from corner_sim.sprung_car import SprungCar
+from friction_bags.experiments.stops import SprungCar
 from vehicle_models import burckhardt
 from vehicle_models.constants import GRAVITY
 from vehicle_models.surfaces import SURFACES, surface
