@@ -11,6 +11,7 @@ from PIL import Image
 import docs
 from book import state_machine_figure
 from friction_bringup import graph
+from friction_parameters.parameter import declared
 from friction_parameters.parameter_file import load
 
 
@@ -24,6 +25,13 @@ def test_every_node_package_is_listed_and_ships_no_parameter_file_of_its_own_bes
     assert packages == set(docs.NODES)
     written = {file for file, _ in docs.generated_texts() if file.suffix == ".yaml"}
     assert written == {file for node in docs.NODES for file in (docs.ROOT / "src" / node / "config").glob("*.yaml")}
+
+
+@pytest.mark.parametrize("node", docs.NODES)
+def test_a_node_has_as_many_parameters_as_a_user_sets(node: str) -> None:
+    """The plant has those of a run, too."""
+    shipped = import_module(f"{node}.parameters").SHIPPED[node].parameters
+    assert len(declared(type(shipped))) <= (36 if node == graph.PLANT else 20)
 
 
 @pytest.mark.parametrize("node", graph.NODES)

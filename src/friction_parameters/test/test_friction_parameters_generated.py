@@ -4,13 +4,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from friction_parameters.generated import ShippedFile, parameter_file, parameter_table
-from friction_parameters.parameter import group, parameter
+from friction_parameters.parameter import constant, constants, group, parameter
 from friction_parameters.parameter_file import load
 
 
 @dataclass(frozen=True)
 class FilterParameters:
     density: float = parameter(3000.0, "bandwidth |q|", unit="rad^2/s^5", minimum=1.0)
+    slowest: float = constant(1e-3, "speed of a wheel that stands", unit="rad/s")
+
+
+@dataclass(frozen=True)
+class Tuning:
+    memory: float = constant(15.0, "way for which a release is remembered", unit="m")
 
 
 @dataclass(frozen=True)
@@ -29,6 +35,7 @@ class SlopeParameters:
     method: str = parameter("slip", "method", choices=("slip", "no_slip"), read_only=True)
     detector: DetectorParameters = group(DetectorParameters())
     no_slip: NoSlipParameters = group(NoSlipParameters(), selector="method", methods=("no_slip",))
+    tuning: Tuning = constants(Tuning())
     car: str = parameter("", "the car")
     distances: tuple[float, ...] = parameter((0.0, 1e-7), "distances", unit="m", minimum=0.0)
 

@@ -1,7 +1,7 @@
 """Parameters: typed, ranged, nested, refused by name."""
 
 from array import array
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,8 @@ import pytest
 from friction_parameters.parameter import (
     ParameterError,
     changed,
+    constant,
+    constants,
     declared,
     flattened,
     from_mapping,
@@ -43,6 +45,18 @@ class NoSlipParameters:
 
 
 @dataclass(frozen=True)
+class Tuning:
+    memory: float = constant(15.0, "way for which a release is remembered", unit="m")
+
+
+@dataclass(frozen=True)
+class TunedParameters:
+    wait: float = parameter(0.1, "wait", minimum=0.0)
+    longest: float = constant(0.3, "longest release", unit="s")
+    tuning: Tuning = constants(Tuning())
+
+
+@dataclass(frozen=True)
 class ExampleParameters:
     surfaces: tuple[str, ...] = parameter(("dry",), "names", choices=("dry", "wet", "snow"))
     radius: tuple[float, ...] = parameter((0.3,), "radius", unit="m", minimum=0.05, maximum=2.0)
@@ -55,6 +69,15 @@ class ExampleParameters:
     def __post_init__(self) -> None:
         if len(self.surfaces) > len(self.radius):
             raise ValueError("more 'surfaces' than values of 'radius'")
+
+
+def test_constants_are_no_parameters_and_stay_when_parameters_change() -> None:
+    assert values_of(TunedParameters()) == {"wait": 0.1}
+    tuned = replace(TunedParameters(), longest=0.2, tuning=Tuning(memory=10.0))
+    assert changed(tuned, {"wait": 0.4}) == TunedParameters(0.4, 0.2, Tuning(10.0))
+    for name in ("longest", "tuning.memory", "tuning"):
+        with pytest.raises(ParameterError, match=f"^unknown parameter '{name}': known are wait$"):
+            from_mapping(TunedParameters, {name: 1.0})
 
 
 def test_names_of_nested_parameters_are_dotted_and_defaults_are_those_of_the_group() -> None:
