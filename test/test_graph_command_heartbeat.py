@@ -21,9 +21,9 @@ from campaigns.live.part import LOOP
 from friction_bringup import graph
 from friction_runtime import qos
 from friction_runtime.installed import shipped_file
-from friction_runtime.machine_load import slowdown
 from friction_runtime.messages import to_nanoseconds
 from friction_test_support.dds_client import DdsClient, dds_client
+from friction_test_support.machine_load import slowdown
 from vehicle_models.nanoseconds import NANOSECONDS
 
 WHEEL = "front_left"

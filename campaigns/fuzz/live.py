@@ -35,9 +35,9 @@ from friction_bringup.processes import ProcessGroup
 from friction_runtime import qos
 from friction_runtime.domain import free_domain_id
 from friction_runtime.installed import shipped_file, shipped_parameters
-from friction_runtime.machine_load import slowdown
 from friction_runtime.messages import header_at, to_nanoseconds
 from friction_runtime.processor import ProcessorGraph, silent
+from friction_test_support.machine_load import slowdown
 from vehicle_models.vehicle_file import load_vehicle
 
 VEHICLE = "chapter_corner"

@@ -22,9 +22,9 @@ from friction_bringup import graph
 from friction_bringup.discovery import local_discovery
 from friction_bringup.processes import ProcessGroup
 from friction_runtime.domain import free_domain_id
-from friction_runtime.machine_load import slowdown
 from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import Processor, ProcessorGraph
+from friction_test_support.machine_load import slowdown
 
 Overrides = Mapping[str, Mapping[str, graph.ParameterValue]]
 _TAKE_PERIOD = 0.02

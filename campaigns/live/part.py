@@ -32,8 +32,8 @@ from friction_bringup.processes import ProcessGroup
 from friction_parameters.command_line import positive
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_runtime.domain import free_domain_id
-from friction_runtime.machine_load import slowdown
 from friction_runtime.processor import silent
+from friction_test_support.machine_load import slowdown
 from vehicle_models.surfaces import TABLE_8_1
 
 _DRIVE = Drive("compact_car", ("/car",), "car", tyres=False)

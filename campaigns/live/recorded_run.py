@@ -29,8 +29,8 @@ from friction_bringup.discovery import local_discovery
 from friction_bringup.processes import ProcessGroup
 from friction_parameters.parameter import from_mapping
 from friction_runtime.domain import free_domain_id
-from friction_runtime.machine_load import slowdown
 from friction_runtime.processor import Output
+from friction_test_support.machine_load import slowdown
 from vehicle_models.vehicle_file import load_vehicle
 
 SEPARATE, SEPARATE_RELAYS = "separate", "separate relays"

@@ -34,7 +34,7 @@ from friction_bringup.discovery import local_discovery
 from friction_bringup.node_start import commanding, node_starts
 from friction_bringup.processes import ProcessGroup
 from friction_runtime.domain import free_domain_id
-from friction_runtime.machine_load import slowdown
+from friction_test_support.machine_load import slowdown
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 

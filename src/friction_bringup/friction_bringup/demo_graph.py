@@ -19,7 +19,6 @@ from friction_bringup.node_start import WATCHING, Decided, commanding, composed_
 from friction_bringup.processes import ProcessGroup
 from friction_report.recorded_run import has_wheel_states
 from friction_runtime.domain import free_domain_id
-from friction_runtime.machine_load import slowdown
 from vehicle_models.vehicle_file import load_vehicle
 
 _RECORDER = "recorder"
@@ -28,7 +27,7 @@ _LISTENERS = 2
 """Subscribers of wheel_states beside the graph: recorder and live view."""
 _LAST_ANSWERS = ("/abs_supervisor", "/friction_curve")
 """The estimates that no other node waits for: when they are there, a sample is done."""
-_DISCOVERY_LIMIT = 10.0
+_DISCOVERY_LIMIT = 30.0
 """Wall time [s] the player waits for its subscribers, and again for its publishers, on an idle machine."""
 
 
@@ -121,7 +120,7 @@ class DemoGraph:
         heard = {name: observer.count_subscribers(name) for name, _ in observer.get_topic_names_and_types()}
         last = [name for name in heard if name.endswith(_LAST_ANSWERS) and "/truth/" not in name]
         play = ["friction_bags", "play", str(self._options.bag), "--topics", *graph.INPUTS]
-        play += ["--wait", f"{_DISCOVERY_LIMIT * slowdown():.0f}", "--settle", "1"]
+        play += ["--wait", f"{_DISCOVERY_LIMIT:.0f}", "--settle", "1"]
         play += ["--subscribers", "1", *(f"{name}={count + 1}" for name, count in heard.items())]
         with BagReader(self._options.bag) as reader:
             if has_wheel_states(reader):  # without, there is no answer to every stamp

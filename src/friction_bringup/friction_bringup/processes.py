@@ -10,10 +10,8 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from friction_runtime.machine_load import slowdown
-
-AT_ONCE = 1.2
-"""Time [s] between SIGINT and SIGKILL with which every process is gone within 2 s; a busy machine gets more."""
+AT_ONCE = 3.0
+"""Time [s] between SIGINT and SIGKILL; an idle machine ends every process within 1 s."""
 
 
 class ProcessGroup:
@@ -77,12 +75,12 @@ class ProcessGroup:
         """Interrupt the processes that still run, kill those that do not end in time, return the names of those killed.
 
         Args:
-            grace: time to end [s] on an idle machine; longer on a busy one.
+            grace: time to end [s].
         """
         running = {name: process for name, process in self._processes.items() if process.poll() is None}
         for process in running.values():
             process.send_signal(signal.SIGINT)
-        deadline = time.monotonic() + grace * slowdown()
+        deadline = time.monotonic() + grace
         killed = []
         for name, process in running.items():
             try:

@@ -23,7 +23,6 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from friction_parameters.parameter import ParameterError
-from friction_runtime.machine_load import slowdown
 from friction_runtime.parameters import with_checked_parameters
 
 
@@ -60,8 +59,8 @@ class StopFlag:
 
 _LONGEST_WAIT = 0.2
 """Time between two looks at whether a signal has come [s]: the executor does not return on one by itself."""
-_TAKE_DOWN_LIMIT = 0.8
-"""Longest time for taking a node down on an idle machine [s]."""
+_TAKE_DOWN_LIMIT = 3.0
+"""Longest time for taking a node down [s]."""
 _STDERR = 2
 Made = TypeVar("Made")
 _REFUSALS = (
@@ -182,7 +181,7 @@ def take_down(node: Node | None, executor: Executor | None = None) -> None:
 
 def _take_down(nodes: Sequence[Node], executor: Executor | None) -> None:
     sys.stdout.flush()
-    faulthandler.dump_traceback_later(_TAKE_DOWN_LIMIT * slowdown(), exit=True, file=_STDERR)
+    faulthandler.dump_traceback_later(_TAKE_DOWN_LIMIT, exit=True, file=_STDERR)
     try:
         if executor is not None:
             executor.shutdown()  # it would keep the node's participant until it is gone itself

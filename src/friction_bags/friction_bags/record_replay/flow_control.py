@@ -10,14 +10,13 @@ from rclpy.subscription import Subscription
 
 from friction_bags.record_replay.topics import TopicSelection, matching
 from friction_runtime.installed import UnknownTypeError, message_class
-from friction_runtime.machine_load import slowdown
 from friction_runtime.spin import StopFlag
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _POLL_PERIOD = 0.0002
-_PATIENCE = 1.0
-"""Silence after which more stamps are let through [s], on an idle machine: some answers need a later sample."""
-_LONGEST_STALL = 10.0
+_PATIENCE = 2.0
+"""Silence after which more stamps are let through [s]: some answers need a later sample."""
+_LONGEST_STALL = 20.0
 """The same for a topic that has answered with as many stamps under way as are allowed now: its node is held up [s]."""
 _MOST_AHEAD = 40
 """Stamps under way: best-effort samples of more overflow the queues of a node that stands still."""
@@ -89,8 +88,7 @@ class FlowControl:
             silence = monotonic() - since
             for name in late:
                 patience = _LONGEST_STALL if name in self._answered else _PATIENCE
-                # How busy the machine is, is a file to read: not at every look.
-                if silence > patience and silence > patience * slowdown():
+                if silence > patience:
                     self._let_more(name)
                     since = monotonic()
             stop.wait(_POLL_PERIOD)

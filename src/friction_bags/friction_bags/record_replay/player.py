@@ -22,12 +22,11 @@ from friction_bags.record_replay.topics import TopicSelection, add_selection_arg
 from friction_parameters.command_line import count, not_negative, positive
 from friction_parameters.parameter import ParameterError
 from friction_runtime.installed import UnknownTypeError, message_class
-from friction_runtime.machine_load import slowdown
 from friction_runtime.spin import StopFlag, made, start_middleware, stop_on_signals, take_down
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _POLL_PERIOD = 0.005
-_ACKNOWLEDGE_TIMEOUT = 5.0
+_ACKNOWLEDGE_TIMEOUT = 20.0
 """[s] on an idle machine."""
 _ACKNOWLEDGE_EVERY = 50
 """Messages after which a replay as fast as possible without flow control waits for reliable subscribers."""
@@ -289,7 +288,7 @@ class Player:
 
     def wait_for_delivery(self) -> bool:
         """Wait until reliable subscribers have acknowledged everything; return whether they have."""
-        end = monotonic() + _ACKNOWLEDGE_TIMEOUT * slowdown()
+        end = monotonic() + _ACKNOWLEDGE_TIMEOUT
         return all(
             publisher.wait_for_all_acked(Duration(seconds=max(end - monotonic(), 0.0)))
             for publisher in self._publishers.values()
