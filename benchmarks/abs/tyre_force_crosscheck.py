@@ -146,7 +146,7 @@ def opinion_row(law: str, seeds: range, road: str) -> Row:
         "passed": None,
         "mu_max": mu_max,
         "bias": float(np.mean(errors)),
-        "stated_stddev": float(np.median(stddevs)),
+        "reported_stddev": float(np.median(stddevs)),
         "says_something": len(errors) / len(every),
         "largest_said": float(max(each.mu for each in every if not isnan(each.mu))),
         "age_s": float(np.median(ages)),

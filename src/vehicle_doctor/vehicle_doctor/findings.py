@@ -49,21 +49,21 @@ def failure(check: str, subject: str, sentence: str, remedy: str) -> Finding:
     return Finding(check, subject, Verdict.FAIL, sentence, remedy=remedy)
 
 
-def against_file(value: float, stddev: float, stated: float, stated_stddev: float | None, least: float) -> Verdict:
+def against_file(value: float, stddev: float, in_file: float, file_stddev: float | None, least: float) -> Verdict:
     """Compare a learned value with that of the vehicle file.
 
     Args:
         value: learned.
         stddev: its deviation.
-        stated: in the file.
-        stated_stddev: the deviation that the file states; None: none.
+        in_file: in the file.
+        file_stddev: the deviation that the file states; None: none.
         least: difference that does no harm, in the unit of the value.
 
     Returns:
         WARN where they differ by more than three deviations and by more than `least`.
     """
-    doubt = (stddev**2 + (stated_stddev or 0.0) ** 2) ** 0.5
-    return Verdict.WARN if abs(value - stated) > max(3.0 * doubt, least) else Verdict.OK
+    uncertainty = (stddev**2 + (file_stddev or 0.0) ** 2) ** 0.5
+    return Verdict.WARN if abs(value - in_file) > max(3.0 * uncertainty, least) else Verdict.OK
 
 
 _STYLES = {Verdict.OK: "green", Verdict.NOTE: "dim", Verdict.WARN: "yellow", Verdict.FAIL: "bold red"}
@@ -112,5 +112,5 @@ def _known(value: float) -> float | None:
 def _number(finding: Finding) -> str:
     if not isfinite(finding.value):
         return ""
-    doubt = f" ± {finding.stddev:.2g}" if isfinite(finding.stddev) else ""
-    return f"{finding.value:.4g}{doubt} {finding.unit}".rstrip()
+    uncertainty = f" ± {finding.stddev:.2g}" if isfinite(finding.stddev) else ""
+    return f"{finding.value:.4g}{uncertainty} {finding.unit}".rstrip()

@@ -29,13 +29,13 @@ def learned_values(findings: Sequence[Finding], vehicle: Vehicle) -> dict[str, t
     for key, pairs in by_key.items():
         values, deviations = np.array(pairs).T
         pair = float(values.mean()), float(np.hypot(deviations.max(), values.std()))
-        stated = stated_stddev(vehicle, key)
-        if key in contradicted or stated is None or pair[1] < stated:
+        specified = stddev_in_file(vehicle, key)
+        if key in contradicted or specified is None or pair[1] < specified:
             found[key] = pair
     return found
 
 
-def stated_stddev(vehicle: Vehicle, key: str) -> float | None:
+def stddev_in_file(vehicle: Vehicle, key: str) -> float | None:
     """Return the deviation that the file states for a dotted key; None where it states none."""
     *path, name = key.split(".")
     part = vehicle.wheel(path[1]) if path[:1] == ["wheels"] else vehicle.accelerometer if path else vehicle

@@ -119,13 +119,13 @@ def _mounting(drive: Drive, motion: Motion) -> list[Finding]:
     named = "xyz".index(drive.vehicle.accelerometer.axis)
     gains = []
     for axis in range(3):
-        gain, doubt = ratio(motion, motion.axes[:, axis], motion.rate, motion.moving)
-        gains.append((gain, doubt))
-    own, own_doubt = gains[named]
-    if not np.isfinite(own) or own_doubt > 0.2:
+        gain, stddev = ratio(motion, motion.axes[:, axis], motion.rate, motion.moving)
+        gains.append((gain, stddev))
+    own, own_uncertainty = gains[named]
+    if not np.isfinite(own) or own_uncertainty > 0.2:
         return []
-    for axis, (gain, doubt) in enumerate(gains):
-        if axis != named and np.isfinite(gain) and abs(gain) > max(0.15, 5.0 * doubt):
+    for axis, (gain, stddev) in enumerate(gains):
+        if axis != named and np.isfinite(gain) and abs(gain) > max(0.15, 5.0 * stddev):
             angle = float(np.degrees(np.arctan2(abs(gain), abs(own))))
             text = f"is turned: {'xyz'[axis]} has {gain:.2f} and {'xyz'[named]} {own:.2f} of the car's acceleration"
             far = abs(own) < 0.5
@@ -138,20 +138,24 @@ def _mounting(drive: Drive, motion: Motion) -> list[Finding]:
 
 def _age_and_scale(drive: Drive, compared: Shift, of_wheels: float) -> list[Finding]:
     accelerometer = drive.vehicle.accelerometer
-    stated = accelerometer.deviations
-    age, doubt = compared.late, hypot(compared.late_stddev, AGE_FLOOR)
-    verdict = against_file(age, hypot(doubt, of_wheels), accelerometer.delay, specified_stddev(stated, "delay"), 4e-3)
+    specified = accelerometer.deviations
+    age, stddev = compared.late, hypot(compared.late_stddev, AGE_FLOOR)
+    verdict = against_file(
+        age, hypot(stddev, of_wheels), accelerometer.delay, specified_stddev(specified, "delay"), 4e-3
+    )
     text = f"{1e3 * age:+.1f} ms later than the wheels, {1e3 * accelerometer.delay:.1f} ms in the file"
-    learned = {"accelerometer.delay": (max(age, 0.0), doubt)} if age < 0.1 else {}
+    learned = {"accelerometer.delay": (max(age, 0.0), stddev)} if age < 0.1 else {}
     remedy = "--write, or 'latency' in the signal map" if verdict is Verdict.WARN else ""
-    findings = [Finding("skew", IMU, verdict, text, 1e3 * age, 1e3 * doubt, "ms", remedy, learned)]
-    scale, doubt = compared.gain, hypot(compared.gain_stddev, _SCALE_FLOOR)
-    of_pitch = GRAVITY * deviation_of(stated, "pitch_gain", 0.0)
-    verdict = against_file(scale, hypot(doubt, of_pitch), accelerometer.scale, specified_stddev(stated, "scale"), 0.02)
+    findings = [Finding("skew", IMU, verdict, text, 1e3 * age, 1e3 * stddev, "ms", remedy, learned)]
+    scale, stddev = compared.gain, hypot(compared.gain_stddev, _SCALE_FLOOR)
+    of_pitch = GRAVITY * deviation_of(specified, "pitch_gain", 0.0)
+    verdict = against_file(
+        scale, hypot(stddev, of_pitch), accelerometer.scale, specified_stddev(specified, "scale"), 0.02
+    )
     text = f"reads {scale:.3f} of the wheels' acceleration, without pitch ({accelerometer.scale:.3f})"
-    learned = {"accelerometer.scale": (scale, hypot(doubt, of_pitch))}
+    learned = {"accelerometer.scale": (scale, hypot(stddev, of_pitch))}
     remedy = "--write, or 'scale' in the signal map" if verdict is Verdict.WARN else ""
-    findings.append(Finding("scale", IMU, verdict, text, scale, hypot(doubt, of_pitch), "", remedy, learned))
+    findings.append(Finding("scale", IMU, verdict, text, scale, hypot(stddev, of_pitch), "", remedy, learned))
     return findings
 
 
@@ -165,12 +169,12 @@ def _bias(drive: Drive, motion: Motion, gain: float, road: str) -> Finding:
     if use.sum() * motion.step < 5.0:
         return Finding("bias", IMU, Verdict.NOTE, "not determined: the car hardly moves")
     weight = motion.speed[use] if road == CIRCUIT else np.ones(int(use.sum()))
-    bias, doubt = _mean(rest[use], weight)
+    bias, stddev = _mean(rest[use], weight)
     accelerometer = drive.vehicle.accelerometer
-    verdict = against_file(bias, doubt, accelerometer.bias, specified_stddev(accelerometer.deviations, "bias"), 0.05)
+    verdict = against_file(bias, stddev, accelerometer.bias, specified_stddev(accelerometer.deviations, "bias"), 0.05)
     text = f"reads {bias:+.3f} m/s^2 on a level road, {accelerometer.bias:+.3f} in the file"
     remedy = "take the value into the vehicle file (--write)" if verdict is Verdict.WARN else ""
-    return Finding("bias", IMU, verdict, text, bias, doubt, "m/s^2", remedy, {"accelerometer.bias": (bias, doubt)})
+    return Finding("bias", IMU, verdict, text, bias, stddev, "m/s^2", remedy, {"accelerometer.bias": (bias, stddev)})
 
 
 def _mean(values: Array, weight: Array) -> tuple[float, float]:

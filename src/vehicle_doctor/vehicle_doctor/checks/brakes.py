@@ -116,7 +116,7 @@ def _correlation(x: Array, y: Array, use: NDArrayBool) -> float:
 
 def _ages(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], where: list[slice]) -> list[Finding]:
     vehicle = drive.vehicle
-    stated = specified_stddev(vehicle.deviations, "brake_pressure_delay")
+    specified = specified_stddev(vehicle.deviations, "brake_pressure_delay")
     found = []
     of_wheels, lag = age_of_teeth(drive, motion), wheel_lag(drive, motion)
     for i in sound:
@@ -128,13 +128,13 @@ def _ages(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
             found.append(Finding("skew", topic, Verdict.NOTE, text, remedy="brake more often, with a quick foot"))
             continue
         age = accelerometer.late - (compared.late - lag)
-        doubt = hypot(hypot(accelerometer.late_stddev, compared.late_stddev), AGE_FLOOR)
+        uncertainty = hypot(hypot(accelerometer.late_stddev, compared.late_stddev), AGE_FLOOR)
         delay = vehicle.brake_pressure_delay
-        verdict = against_file(age, hypot(doubt, of_wheels), delay, stated, 6e-3)
+        verdict = against_file(age, hypot(uncertainty, of_wheels), delay, specified, 6e-3)
         text = f"{1e3 * age:+.1f} ms later than the wheels, {1e3 * delay:.1f} ms in the file"
         remedy = "--write, or 'latency' in the signal map" if verdict is Verdict.WARN else ""
-        learned = {"brake_pressure_delay": (age, doubt)} if 0.0 <= age < 0.5 else {}
-        found.append(Finding("skew", topic, verdict, text, 1e3 * age, 1e3 * doubt, "ms", remedy, learned))
+        learned = {"brake_pressure_delay": (age, uncertainty)} if 0.0 <= age < 0.5 else {}
+        found.append(Finding("skew", topic, verdict, text, 1e3 * age, 1e3 * uncertainty, "ms", remedy, learned))
     return found
 
 
@@ -149,19 +149,19 @@ def _gain(drive: Drive, motion: Motion, accelerometer: Shift, sound: list[int], 
         return [Finding("gain", "brakes", Verdict.NOTE, f"not determined by {len(where)} brakings")]
     rotating = sum(each.inertia / each.radius**2 for each in wheels) / vehicle.mass  # the brakes stop the wheels, too
     ratio = -compared.gain / accelerometer.gain * (1.0 + rotating)
-    doubt = abs(ratio) * hypot(
+    uncertainty = abs(ratio) * hypot(
         hypot(compared.gain_stddev / compared.gain, accelerometer.gain_stddev / accelerometer.gain), _GAIN_FLOOR
     )
     mass_stddev = deviation_of(vehicle.deviations, "mass", 0.0)
-    stated = max(deviation_of(w.deviations, "brake_gain", 0.0) / w.brake_gain for w in wheels)
-    doubt_of_file = hypot(stated, mass_stddev / vehicle.mass)
-    verdict = against_file(ratio, doubt, 1.0, doubt_of_file, 0.05)
+    specified = max(deviation_of(w.deviations, "brake_gain", 0.0) / w.brake_gain for w in wheels)
+    uncertainty_of_file = hypot(specified, mass_stddev / vehicle.mass)
+    verdict = against_file(ratio, uncertainty, 1.0, uncertainty_of_file, 0.05)
     text = f"{ratio:.3f} times the gains of the file, at its mass of {vehicle.mass:.0f} kg"
     remedy = "take the gains into the vehicle file (--write), or correct its mass" if verdict is Verdict.WARN else ""
     # gain over mass is what was measured: with another mass the gain is another
-    of_gain = hypot(doubt, ratio * mass_stddev / vehicle.mass)
+    of_gain = hypot(uncertainty, ratio * mass_stddev / vehicle.mass)
     learned = {f"wheels.{w.name}.brake_gain": (ratio * w.brake_gain, of_gain * w.brake_gain) for w in wheels}
-    found = [Finding("gain", "brakes", verdict, text, ratio, doubt, "", remedy, learned)]
+    found = [Finding("gain", "brakes", verdict, text, ratio, uncertainty, "", remedy, learned)]
     return found + _fade(motion, expected, compared, where)
 
 
@@ -193,9 +193,9 @@ def _fade(motion: Motion, expected: Array, whole: Shift, where: list[slice]) -> 
     end = min(_FADE_ENDS, key=lambda each: lost(each, every)[1])
     share, _ = lost(end, every)
     without = [lost(end, np.arange(at.size) != k)[0] for k in range(at.size)]
-    doubt = float(np.sqrt((at.size - 1) * np.var(without)))
-    faded = share > max(_FADED, 3.0 * doubt)
+    uncertainty = float(np.sqrt((at.size - 1) * np.var(without)))
+    faded = share > max(_FADED, 3.0 * uncertainty)
     text = f"loses {100.0 * share:.0f} % of the gain as the brakes get hot"
     remedy = "drive with cool brakes, or take the mean gain with a wider deviation" if faded else ""
     verdict = Verdict.WARN if faded else Verdict.OK
-    return [Finding("fade", "brakes", verdict, text, 100.0 * share, 100.0 * doubt, "%", remedy)]
+    return [Finding("fade", "brakes", verdict, text, 100.0 * share, 100.0 * uncertainty, "%", remedy)]

@@ -113,21 +113,21 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
     for i, wheel in enumerate(vehicle.wheels):
         radius = wheel.radius * float(factors[i])
         relative = float(np.hypot(stddev[i], _FLOOR * (2.0 if driven[i] else 1.0)))
-        doubt = radius * float(np.hypot(relative, common / wheel.radius))
-        stated = specified_stddevs[i]
+        uncertainty = radius * float(np.hypot(relative, common / wheel.radius))
+        specified = specified_stddevs[i]
         against = "the speed sensor" if has_sensor else "the other wheels"
         change = 100.0 * (factors[i] - 1.0)
-        verdict = against_file(radius, radius * relative, wheel.radius, stated, 0.004 * wheel.radius)
-        of_one = stated if _is_own(wheel.deviations) else None  # what all wheels share explains no single one
+        verdict = against_file(radius, radius * relative, wheel.radius, specified, 0.004 * wheel.radius)
+        of_one = specified if _is_own(wheel.deviations) else None  # what all wheels share explains no single one
         one = against_file(float(factors[i]) / usual, relative, 1.0, (of_one or 0.0) / wheel.radius, _UNEQUAL)
         verdict = one if one is Verdict.WARN else verdict
         text = f"{change:+.2f} % against the file, by {against}"
         if not has_sensor:
             text += "; their common scale is not determined without a speed sensor"
         found.append(
-            Finding("radius", wheel.name, verdict, text, radius, doubt, "m",
+            Finding("radius", wheel.name, verdict, text, radius, uncertainty, "m",
                     "take the value into the vehicle file (--write)" if verdict is Verdict.WARN else "",
-                    {f"wheels.{wheel.name}.radius": (radius, doubt)})
+                    {f"wheels.{wheel.name}.radius": (radius, uncertainty)})
         )  # fmt: skip
     return found, motion.with_wheel_factors(factors)
 

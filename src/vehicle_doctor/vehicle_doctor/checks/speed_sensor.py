@@ -59,9 +59,9 @@ def check(drive: Drive, motion: Motion) -> list[Finding]:
     compared = shift(motion, rims, motion.measured, stretches(motion, rolls, 2.0, 8.0))
     if compared is None or compared.late_stddev > 0.05:
         return [Finding("skew", SPEED, Verdict.NOTE, "age not determined: too little rolling at changing speed")]
-    age, doubt = compared.late + wheel_lag(drive, motion), hypot(compared.late_stddev, _FLOOR)
-    late = abs(age) > max(_LATE, 3.0 * doubt)
+    age, uncertainty = compared.late + wheel_lag(drive, motion), hypot(compared.late_stddev, _FLOOR)
+    late = abs(age) > max(_LATE, 3.0 * uncertainty)
     text = f"{1e3 * abs(age):.1f} ms {'later' if age > 0.0 else 'earlier'} than the wheels"
     remedy = "'latency' in the signal map, or speed_sensor.latency of wheel_slip" if late else ""
     verdict = Verdict.WARN if late else Verdict.OK
-    return [Finding("skew", SPEED, verdict, text, 1e3 * age, 1e3 * doubt, "ms", remedy)]
+    return [Finding("skew", SPEED, verdict, text, 1e3 * age, 1e3 * uncertainty, "ms", remedy)]
