@@ -251,11 +251,12 @@ def test_a_change_of_method_connects_what_the_new_one_takes(client: DdsClient) -
 def test_remapping_connects_the_nodes_as_the_middleware_does(
     client: DdsClient, statuses: dict[str, DiagnosticStatus]
 ) -> None:
-    """The slip of one wheel has another name for both nodes, that of another wheel for the one that makes it."""
-    both = ("-r", "wheel_slip:front_left/slip:=my_slip", "-r", "friction_slope:front_left/slip:=my_slip")
+    """The slip of one wheel has another name for all nodes, that of another wheel for the one that makes it."""
+    nodes = ("wheel_slip", "friction_slope", "friction_state")
+    all_of_them = [word for name in nodes for word in ("-r", f"{name}:front_left/slip:=my_slip")]
     one = ("-r", "wheel_slip:front_right/slip:=elsewhere")
     renamed = ("-r", "smart_tyre_forces:__node:=tyres")
-    client.start(*COMPOSED, "--ros-args", *both, *one, *renamed, "-p", f"vehicle_file:={CAR}")
+    client.start(*COMPOSED, "--ros-args", *all_of_them, *one, *renamed, "-p", f"vehicle_file:={CAR}")
     node = client.node
     client.until(lambda: node.count_publishers("/my_slip") == node.count_publishers("/elsewhere") == 1)
     client.until(lambda: subscribed(node, "/front_right/slip") == ["friction_slope"])
