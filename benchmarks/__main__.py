@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from benchmarks.command import main_of
+from benchmarks.runner import main_of
 
 PARTS = {
     "slope": "delay, false alarms and slip at detection of the slope sign, both methods, all surfaces",

@@ -14,7 +14,7 @@ from pathlib import Path
 from rich.progress import track
 from rosbags.highlevel import AnyReader
 
-from benchmarks.rows import Row, at_most, not_judged
+from benchmarks.runner import Row, at_most, not_judged
 from corner_sim.parameters import SimParameters
 from corner_sim.ros.simulation import Simulation
 from friction_bags.bag_io.bag_format import Topic

@@ -14,8 +14,7 @@ from typing import Any
 
 import yaml
 
-from benchmarks.command import rows_of
-from benchmarks.rows import Row, at_most
+from benchmarks.runner import Row, at_most, rows_of
 
 FILE = Path(__file__).with_name("headlines.yaml")
 

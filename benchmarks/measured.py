@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.progress import track
 
-from benchmarks.rows import Row, at_most
+from benchmarks.runner import Row, at_most
 from friction_curve_id.car import CarEstimator, CarEstimatorParameters, CarSample
 from friction_curve_id.chapter.maximum_likelihood import fit, initial_theta
 from friction_curve_id.curve.burckhardt_curve import BurckhardtCurve

@@ -7,7 +7,7 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks.rows import Row, as_text, failures
+from benchmarks.runner import Row, as_text, failures
 
 _LONGEST = 150
 """Lines of the page."""

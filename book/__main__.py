@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from benchmarks.command import load_part, run_part
+from benchmarks.runner import load_part, run_part
 from friction_parameters.command_line import command
 
 _TITLE = "Numbers of the chapter beside ours"

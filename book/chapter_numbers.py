@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from benchmarks.rows import Row
+from benchmarks.runner import Row
 
 NAN = float("nan")
 

@@ -17,7 +17,7 @@ from friction_msgs.msg import FrictionSlope, WheelSlip
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from benchmarks.rows import Row, as_text
+from benchmarks.runner import Row, as_text
 from benchmarks.slope.detection import METHODS, shipped_settings
 from benchmarks.slope.driver_stops import StopTruth, true_stop
 from book.page import Picture, Table

@@ -12,15 +12,13 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from rich.progress import Progress
 
-from benchmarks.command import rows_of
-from benchmarks.identification.fits import begun, completed, friction_points
+from benchmarks.identification.part import on_roads, seeds_of
 from benchmarks.identification.runs import Batch, measured
-from benchmarks.identification.studies import on_roads, seeds_of
 from benchmarks.protocol import CORNER, SAMPLES
-from benchmarks.rows import Row, as_text
+from benchmarks.runner import Row, as_text, rows_of
 from book.chapter_numbers import NAN, SAMPLES_WITHIN, Spread, compared, spread_of
 from book.page import Picture, Section, Table
-from book.tables import READINGS, chapter_tables, readings
+from book.tables import READINGS, begun, chapter_tables, completed, friction_points, readings
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.curve.fitted_curve import FittedCurve
 from friction_curve_id.interface import CurveEstimate, Refusal

@@ -9,7 +9,7 @@ from html import escape
 from itertools import groupby
 from pathlib import Path
 
-from benchmarks.rows import Row, as_text, columns
+from benchmarks.runner import Row, as_text, columns
 
 SYMBOLS = {
     "slip, lambda": "1 - omega r / v: 0 for a rolling wheel, 1 for a locked one [-]",

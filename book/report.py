@@ -12,7 +12,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from benchmarks.rows import Row, plain
+from benchmarks.runner import Row, plain
 from book import identification, slope, smart_tyre, speed
 from book.page import SYMBOLS, Section, page
 from friction_parameters.command_line import positive

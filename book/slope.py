@@ -16,9 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from benchmarks.command import rows_of
 from benchmarks.protocol import ACCELERATION_STDDEV, BRAKE_GAIN, CAR, CORNER
-from benchmarks.rows import Row
+from benchmarks.runner import Row, rows_of
 from benchmarks.slope.detection import METHODS, Run, detect, sensor_messages, shipped_settings, through_the_peak
 from book import state_machine_figure
 from book.chapter_numbers import SLIP_AT_DETECTION, compared, spread

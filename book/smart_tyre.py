@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.command import rows_of
-from benchmarks.rows import Row
+from benchmarks.runner import Row, rows_of
 from benchmarks.smart_tyre.runs import NOISY, STEADY, calibration_runs
 from book.chapter_numbers import LENGTH_OF_PATCH, Spread, compared
 from book.page import Picture, Section, Table

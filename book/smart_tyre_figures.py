@@ -15,7 +15,7 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from benchmarks.rows import Row, not_judged
+from benchmarks.runner import Row, not_judged
 from benchmarks.smart_tyre.runs import (
     LOW,
     NOMINAL,

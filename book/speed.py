@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from benchmarks.rows import Row
+from benchmarks.runner import Row
 from benchmarks.slip.stops import shipped
 from book.chapter_numbers import ERRORS_ON_ROADS, compared, spread_of
 from book.driver_stop import ROADS, StopRun, figure_8_9, stop_run

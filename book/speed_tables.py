@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from benchmarks.protocol import ACCELERATION_STDDEV, CAR, CORNER, DT, SPEED, STEP, WHEEL
-from benchmarks.rows import Row
+from benchmarks.runner import Row
 from benchmarks.slip.stops import ACCELERATION_OFFSET, GRADE
 from book.chapter_numbers import ERRORS_ON_ROADS
 from corner_sim.corner import SingleCorner

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from benchmarks.command import main_of
+from benchmarks.runner import main_of
 
 PARTS = {
     "faults": "faults in closed loop: what each does to the stop, and whether the limits hold",

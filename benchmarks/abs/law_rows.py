@@ -22,7 +22,7 @@ from benchmarks.abs.panic_stop import (
 )
 from benchmarks.abs.tyre_force_crosscheck import SMART_TYRES, opinion_row
 from benchmarks.protocol import CORNER, DT, SPEED
-from benchmarks.rows import Row
+from benchmarks.runner import Row
 from corner_sim.plant import SAMPLE_TIME
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface

@@ -14,7 +14,7 @@ from benchmarks.abs.controllers import THRESHOLDS, BrakedCorners, Parameters, pr
 from benchmarks.abs.law_rows import CARS, CORNER_ALONE, chosen, law_rows
 from benchmarks.abs.panic_stop import END_SPEED, LOCK_TIME, LONGEST, LongestLock
 from benchmarks.protocol import CAR, DT, SPEED, VEHICLE
-from benchmarks.rows import Row, at_least, at_most
+from benchmarks.runner import Row, at_least, at_most
 from friction_parameters.command_line import count
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface

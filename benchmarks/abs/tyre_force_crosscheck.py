@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from benchmarks.abs.car import SHIPPED_CAR, CarSetup
 from benchmarks.abs.panic_stop import LONGEST
-from benchmarks.rows import Row
+from benchmarks.runner import Row
 from corner_sim.car.tyres import TYRES
 from corner_sim.car_plant import CarModelParameters
 from corner_sim.ros.simulation import Simulation

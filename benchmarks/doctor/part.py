@@ -11,7 +11,7 @@ import numpy as np
 from rich.progress import track
 
 from benchmarks.doctor.drives import FAULTS, PAIRS, Driven, InjectedFault, driven
-from benchmarks.rows import Row, at_most, not_judged
+from benchmarks.runner import Row, at_most, not_judged
 from friction_parameters.command_line import count
 from vehicle_doctor.checks.accelerometer import FLAT, UNKNOWN
 from vehicle_doctor.checks.brakes import expected_gain

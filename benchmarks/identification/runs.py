@@ -8,9 +8,8 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.pool import in_processes
 from benchmarks.protocol import CORNER, Truth
-from benchmarks.rows import Row
+from benchmarks.runner import Row, in_processes
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.interface import CurveEstimate, CurveEstimator, Refusal, Sample
 from friction_curve_id.methods import exact_wheel_estimator

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rich.progress import Progress
 
 from benchmarks.protocol import CORNER, DT, SAMPLES, SPEED, brake_torque, hold_torque, noisy
-from benchmarks.rows import Row
+from benchmarks.runner import Row
 from corner_sim.corner import SingleCorner
 from friction_curve_id.interface import CurveEstimate, RestartCause, Sample
 from friction_curve_id.methods import EXACT_VEHICLE, exact_wheel_estimator

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.real_car.stops import JUDGED
-from benchmarks.rows import Row, not_judged
+from benchmarks.runner import Row, not_judged
 from corner_sim.car.car import BAND
 from corner_sim.car.car_parameters import WHEELS
 from corner_sim.car.driving import SlipCycle

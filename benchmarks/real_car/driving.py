@@ -8,7 +8,7 @@ from friction_msgs.msg import FrictionSlope
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from benchmarks.real_car.stops import ALARM, VEHICLE, follow
-from benchmarks.rows import Row, at_most, not_judged, run_lengths
+from benchmarks.runner import Row, at_most, not_judged, run_lengths
 from benchmarks.slope.detection import METHODS, shipped_settings
 from corner_sim.car.driving import OrdinaryDriver
 from corner_sim.car.random_car import random_car

@@ -17,7 +17,7 @@ from benchmarks.identification.runs import STATED, stated
 from benchmarks.protocol import CAR, CORNER, DT, SAMPLES, SPEED, braking, noisy
 from benchmarks.real_car.bound import Bound
 from benchmarks.real_car.stops import FOLLOWED, METHODS, VEHICLE
-from benchmarks.rows import Row, at_least, at_most, not_judged
+from benchmarks.runner import Row, at_least, at_most, not_judged
 from corner_sim.car.driving import SlipCycle
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import record

@@ -10,7 +10,6 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
-from benchmarks.pool import in_processes
 from benchmarks.real_car.bound import Bound, bound, bound_rows
 from benchmarks.real_car.driving import (
     DRIVE,
@@ -35,7 +34,7 @@ from benchmarks.real_car.road_change import (
     two_roads_rows,
 )
 from benchmarks.real_car.stops import METHODS, Stop, make_stop, stop_rows
-from benchmarks.rows import Row
+from benchmarks.runner import Row, in_processes
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
 from corner_sim.car.driving import Cycling
 from corner_sim.car.random_car import random_car

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from benchmarks.real_car.stops import follow
-from benchmarks.rows import Row, at_least, at_most, not_judged
+from benchmarks.runner import Row, at_least, at_most, not_judged
 from corner_sim.car.car import Car
 from corner_sim.car.driving import SlipCycle, Surroundings
 from corner_sim.car.random_car import random_car

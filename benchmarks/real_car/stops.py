@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from benchmarks.identification.runs import STATED, stated
-from benchmarks.rows import Row, at_least, at_most, not_judged
+from benchmarks.runner import Row, at_least, at_most, not_judged
 from corner_sim.car.car_parameters import CarParameters
 from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record

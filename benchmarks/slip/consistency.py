@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rich.progress import track
 
 from benchmarks.measured import INDY_AV21
-from benchmarks.rows import Row, at_least, at_most, not_judged
+from benchmarks.runner import Row, at_least, at_most, not_judged
 from benchmarks.slip.car_drives import cases, drive, ordinary_drive
 from benchmarks.slip.stops import shipped
 from corner_sim.car.recording import Recording

@@ -9,7 +9,7 @@ import numpy as np
 from rich.progress import Progress
 
 from benchmarks.measured import BMW, IAC, data_directory
-from benchmarks.rows import Row, at_most
+from benchmarks.runner import Row, at_most
 from benchmarks.slip.consistency import consistency_rows, laps_rows
 from benchmarks.slip.stops import (
     Array,

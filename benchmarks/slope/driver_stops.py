@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.rows import Row, at_least, at_most, not_judged
+from benchmarks.runner import Row, at_least, at_most, not_judged
 from benchmarks.slope.detection import METHODS, Detection, Settings, detections
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, PlantSample
 from corner_sim.ros import messages

@@ -11,7 +11,7 @@ import numpy as np
 from rich.progress import Progress
 
 from benchmarks.protocol import ACCELERATION_STDDEV, DT
-from benchmarks.rows import Row, at_most
+from benchmarks.runner import Row, at_most
 from benchmarks.slope.detection import (
     METHODS,
     Detection,

@@ -18,7 +18,7 @@ from rich.progress import Progress
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Header
 
-from benchmarks.rows import Row, at_least, at_most
+from benchmarks.runner import Row, at_least, at_most
 from benchmarks.smart_tyre.runs import PLANT_WHEELS, RING, TRACKER, WHEEL
 from corner_sim.car.car import Car
 from corner_sim.car.car_parameters import CarParameters

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rich.progress import Progress
 from scipy import linalg, signal
 
-from benchmarks.rows import Row, at_most, not_judged
+from benchmarks.runner import Row, at_most, not_judged
 from benchmarks.smart_tyre import gains
 from benchmarks.smart_tyre.runs import (
     LOW,

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from benchmarks import __main__ as command_line
-from benchmarks import command
-from benchmarks.rows import Row, at_least, at_most, not_judged
+from benchmarks import runner
+from benchmarks.runner import Row, at_least, at_most, not_judged
 from campaigns import __main__ as campaigns
 
 
@@ -28,7 +28,7 @@ def test_rows_are_printed_and_written_as_strict_json(
         ]
 
     monkeypatch.setattr(
-        command, "load_part", lambda _program, _name: SimpleNamespace(add_arguments=add_arguments, run=run)
+        runner, "load_part", lambda _program, _name: SimpleNamespace(add_arguments=add_arguments, run=run)
     )
     file = tmp_path / "new" / "slope.json"
     assert command_line.main(["slope", "--seeds", "3", "--json", str(file)]) == 0
@@ -56,7 +56,7 @@ def test_a_row_that_does_not_hold_is_named_and_gives_exit_code_1(
         ]
 
     chosen = SimpleNamespace(add_arguments=lambda _parser: None, run=run)
-    monkeypatch.setattr(command, "load_part", lambda _program, _name: chosen)
+    monkeypatch.setattr(runner, "load_part", lambda _program, _name: chosen)
     assert command_line.main(["abs"]) == code
     assert ("failed: quantity" in capsys.readouterr().err) == bool(code)
 
@@ -89,7 +89,7 @@ def test_a_car_that_does_not_serve_is_refused_in_one_line(
     [("benchmarks", part) for part in command_line.PARTS] + [("campaigns", part) for part in campaigns.PARTS],
 )
 def test_every_part_has_the_shape_the_command_line_needs(program: str, part: str) -> None:
-    chosen = command.load_part(program, part)
+    chosen = runner.load_part(program, part)
     parser = argparse.ArgumentParser()
     chosen.add_arguments(parser)
     assert callable(chosen.run)

@@ -5,9 +5,8 @@ from pathlib import Path
 import pytest
 
 from benchmarks import headlines, results
-from benchmarks.command import rows_of
 from benchmarks.headlines import Headline, Number, compared, load
-from benchmarks.rows import failures
+from benchmarks.runner import failures, rows_of
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 ABS = Headline(

@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from benchmarks.identification import part as identification
+from benchmarks.identification.part import draw_curves, roads, seeds_of
 from benchmarks.identification.runs import SERIES, Batch, Traces, alarm_row, coverage, kept_from, measured, peak_row
-from benchmarks.identification.studies import draw_curves, roads, seeds_of
 from benchmarks.identification.surface_change import drive
 from benchmarks.protocol import SAMPLES, braking
 from vehicle_models import burckhardt

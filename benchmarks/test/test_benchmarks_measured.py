@@ -8,7 +8,7 @@ import pytest
 from benchmarks import measured
 from benchmarks import measured as measured_data
 from benchmarks.measured import tyre_rig_rows
-from benchmarks.rows import Row
+from benchmarks.runner import Row
 from benchmarks.slip.consistency import laps_rows
 from friction_parameters.parameter import ParameterError
 

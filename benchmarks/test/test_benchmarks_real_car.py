@@ -13,7 +13,7 @@ from benchmarks.real_car.driving import DriveResult, SlopeDrive, drive_rows, slo
 from benchmarks.real_car.part import NOMINAL_CARS, PERTURBATIONS, perturbed_car
 from benchmarks.real_car.road_change import TwoRoads, TwoRoadsResult, make_two_roads, rise_rows, two_roads_rows
 from benchmarks.real_car.stops import METHODS, VEHICLE, Answers, judge, stop_rows
-from benchmarks.rows import Row, run_lengths
+from benchmarks.runner import Row, run_lengths
 from corner_sim.car.car import load_variation
 from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.measured import BMW, data_directory
 from benchmarks.protocol import DT
-from benchmarks.rows import failures
+from benchmarks.runner import failures
 from benchmarks.slip import part as slip
 from benchmarks.slip.car_drives import cases, deviates, drive
 from benchmarks.slip.consistency import Judged, case_rows, judge

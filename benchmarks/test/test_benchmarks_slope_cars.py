@@ -6,7 +6,7 @@ from math import nan
 import numpy as np
 import pytest
 
-from benchmarks.rows import failures
+from benchmarks.runner import failures
 from benchmarks.slope import driver_stops as stops_module
 from benchmarks.slope.detection import Detection, shipped_settings
 from benchmarks.slope.driver_stops import LATEST, StopTruth, driver_stops, true_stop

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.rows import Row
+from benchmarks.runner import Row
 from book.identification import by_number, figures, kept_rows, numbers
 from book.tables import READINGS, chapter_tables, readings
 from vehicle_models.surfaces import TABLE_8_1

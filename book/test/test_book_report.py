@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from benchmarks.command import rows_of
-from benchmarks.rows import Row
+from benchmarks.runner import Row, rows_of
 from book import report, smart_tyre
 from book.chapter_numbers import Spread, compared
 from book.driver_stop import ROADS, abscissas, stop_run

@@ -5,8 +5,21 @@ from functools import partial
 
 from benchmarks.protocol import DT
 from campaigns.faults import sensors, transport
-from campaigns.faults.case import BEFORE_BRAKING, CORNER, FOUR_WHEELS, Case, Hit, Manoeuvre
-from campaigns.faults.fault import Site, at_once, constant, frozen, lagging, scaled, silent
+from campaigns.faults.case import (
+    BEFORE_BRAKING,
+    CORNER,
+    FOUR_WHEELS,
+    Case,
+    Hit,
+    Manoeuvre,
+    Site,
+    at_once,
+    constant,
+    frozen,
+    lagging,
+    scaled,
+    silent,
+)
 from friction_runtime.wheel_inputs import WHEEL_STATES
 from vehicle_models.surfaces import TABLE_8_1
 

@@ -21,11 +21,10 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from benchmarks.protocol import ACCELERATION_STDDEV, CAR, VEHICLE, WHEEL
-from benchmarks.rows import Row, at_most
+from benchmarks.runner import Row, at_most
 from campaigns.faults import sensors, transport
-from campaigns.faults.case import ONSET
+from campaigns.faults.case import ONSET, Fault, Site, at_once, constant, frozen, silent
 from campaigns.faults.catalogue import FAIL_SAFE
-from campaigns.faults.fault import Fault, Site, at_once, constant, frozen, silent
 from corner_sim.parameters import SimParameters
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS
 from corner_sim.ros.messages import topics

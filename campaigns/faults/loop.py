@@ -13,8 +13,7 @@ from friction_msgs.msg import BrakeCommand, SupervisorState
 from numpy.typing import NDArray
 
 from abs_supervisor.parameters import SLOPE_SIGN
-from campaigns.faults.case import ONSET, Case, Manoeuvre
-from campaigns.faults.fault import Arrival, Fault, Site, at_once
+from campaigns.faults.case import ONSET, Arrival, Case, Fault, Manoeuvre, Site, at_once
 from corner_sim.plant import SAMPLE_TIME, SLIP_MIN_SPEED, PlantSample
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
 from friction_runtime.processor import Level, Processor, silent

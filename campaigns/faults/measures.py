@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from abs_supervisor.parameters import SupervisorParameters
 from benchmarks.protocol import DT
-from benchmarks.rows import run_lengths
+from benchmarks.runner import run_lengths
 from campaigns.faults.case import CORNER, ONSET, Case, Hit, Manoeuvre
 from campaigns.faults.catalogue import LOCKED_START, NO_FAULT
 from campaigns.faults.loop import Record

@@ -9,8 +9,7 @@ from typing import Any
 from rich.progress import Progress
 
 from abs_supervisor.parameters import CURVE, SLOPE_SIGN
-from benchmarks.pool import in_processes
-from benchmarks.rows import Row
+from benchmarks.runner import Row, in_processes
 from campaigns.faults.case import Case, Manoeuvre
 from campaigns.faults.catalogue import CASES, NO_FAULT, Plan, quick, whole
 from campaigns.faults.loop import Loop

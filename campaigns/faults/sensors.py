@@ -5,7 +5,7 @@ from math import nan, sin, sqrt
 from typing import Any
 
 from benchmarks.protocol import DT
-from campaigns.faults.fault import Arrival, Fault, Site, at_once, changed, silent
+from campaigns.faults.case import Arrival, Fault, Site, at_once, changed, silent
 from corner_sim.sensors import CHAPTER_NOISE
 from friction_runtime.wheel_inputs import WHEEL_STATES
 

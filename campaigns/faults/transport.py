@@ -7,7 +7,7 @@ from typing import Any
 from friction_msgs.msg import Validity
 
 from benchmarks.protocol import DT
-from campaigns.faults.fault import Arrival, Fault, Site, at_once, changed, silent
+from campaigns.faults.case import Arrival, Fault, Site, at_once, changed, silent
 from friction_runtime.messages import from_nanoseconds, header_at, to_nanoseconds
 from friction_runtime.wheel_inputs import WHEEL_STATES
 from vehicle_models.nanoseconds import NANOSECONDS

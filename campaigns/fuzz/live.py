@@ -23,7 +23,7 @@ from numpy.random import Generator
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
-from benchmarks.rows import Row, at_least, at_most
+from benchmarks.runner import Row, at_least, at_most
 from campaigns.dds import arrived, tap, use_of
 from campaigns.fuzz.garbage import START, clean_run, fuzzed_parameters, garbage, impossible, raw_garbage
 from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.random import Generator
 from rich.progress import track
 
-from benchmarks.rows import Row, at_most
+from benchmarks.runner import Row, at_most
 from campaigns.dds import use_of
 from campaigns.fuzz.garbage import clean_run, fuzzed_parameters, garbage, impossible, inputs_of
 from campaigns.fuzz.live import live_rows

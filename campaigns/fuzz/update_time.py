@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rich.progress import track
 from sensor_msgs.msg import FluidPressure, Imu
 
-from benchmarks.rows import Row, at_least, at_most, not_judged
+from benchmarks.runner import Row, at_least, at_most, not_judged
 from campaigns.fuzz.garbage import START, inputs_of
 from corner_sim.parameters import SimParameters
 from corner_sim.ros.simulation import Simulation

@@ -14,7 +14,7 @@ import numpy as np
 from rich.progress import Progress
 
 from benchmarks.protocol import VEHICLE
-from benchmarks.rows import Row, at_most, not_judged
+from benchmarks.runner import Row, at_most, not_judged
 from campaigns.live.recorded_run import (
     ESTIMATES,
     FORMS,

@@ -17,7 +17,7 @@ from rich.progress import Progress, track
 from sensor_msgs.msg import JointState
 
 from benchmarks.protocol import CAR, VEHICLE, WHEEL
-from benchmarks.rows import Row, at_most, not_judged
+from benchmarks.runner import Row, at_most, not_judged
 from campaigns.live.composed import comparison_rows, growth_rows, latency_rows
 from campaigns.live.graph import Observation, run_graph, run_offline
 from campaigns.live.recorded_run import PLAYER, SOURCE, Drive, observe, record

@@ -13,7 +13,7 @@ from math import ceil
 import numpy as np
 from rich.progress import Progress
 
-from benchmarks.rows import Row, at_least, at_most, not_judged
+from benchmarks.runner import Row, at_least, at_most, not_judged
 from campaigns.dds import ProcessUse
 from campaigns.soak.graph import Answers, SoakError, SoakGraph, together
 from friction_parameters.command_line import positive

@@ -11,12 +11,25 @@ from friction_msgs.msg import BrakeCommand, BrakeDemand
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
-from benchmarks.command import load_part
 from benchmarks.protocol import DT, SPEED
+from benchmarks.runner import load_part
 from campaigns.faults import sensors, transport
-from campaigns.faults.case import BEFORE_BRAKING, CORNER, FOUR_WHEELS, ONSET, Case, Hit, Manoeuvre
+from campaigns.faults.case import (
+    BEFORE_BRAKING,
+    CORNER,
+    FOUR_WHEELS,
+    ONSET,
+    Arrival,
+    Case,
+    Fault,
+    Hit,
+    Manoeuvre,
+    Site,
+    frozen,
+    lagging,
+    silent,
+)
 from campaigns.faults.catalogue import FAULTS, LOCKED_START, NO_FAULT, quick, whole
-from campaigns.faults.fault import Arrival, Fault, Site, frozen, lagging, silent
 from campaigns.faults.loop import Loop, Record
 from campaigns.faults.measures import Measures, Reference, limits, measure, without_abs
 from corner_sim.plant import SAMPLE_TIME_NS

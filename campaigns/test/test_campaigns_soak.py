@@ -11,7 +11,7 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
-from benchmarks.rows import failures
+from benchmarks.runner import failures
 from campaigns.dds import ProcessUse, use_of
 from campaigns.soak.graph import Answers, Seen, SoakGraph, answers, together
 from campaigns.soak.part import Lap, lost_rows, use_rows
