@@ -10,7 +10,6 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from friction_curve_id.exact_vehicle.curve_prior import CurvePrior
 from numpy.typing import NDArray
 from scipy.special import lambertw
 
@@ -20,6 +19,7 @@ from benchmarks.identification.surface_change import surface_change
 from benchmarks.protocol import CORNER, DT, RAMP_TIMES, SPEED, Truth, braking
 from benchmarks.runner import Row
 from friction_curve_id.chapter.friction_samples import FrictionSource
+from friction_curve_id.exact_vehicle.curve_prior import CurvePrior
 from friction_curve_id.methods import EXACT_VEHICLE, METHODS
 from friction_parameters.command_line import count
 from vehicle_models import burckhardt
@@ -188,7 +188,9 @@ def outliers(options: argparse.Namespace) -> list[Row]:
         batches.append(Batch(surface, EXACT_VEHICLE, truth, runs))
         for signals in ("w", "v", "T", "wvT"):
             batches += [
-                Batch(f"{surface} {signals} {first} {sign}", EXACT_VEHICLE, truth, runs, outliers=(first, sign, signals))
+                Batch(
+                    f"{surface} {signals} {first} {sign}", EXACT_VEHICLE, truth, runs, outliers=(first, sign, signals)
+                )
                 for first in firsts
                 for sign in (1, -1)
             ]
