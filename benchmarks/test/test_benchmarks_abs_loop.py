@@ -14,8 +14,8 @@ from benchmarks.abs.law_rows import COUPLINGS, SPLITS, largest_growth, split_set
 from benchmarks.abs.panic_stop import CAR_PERTURBATIONS, END_SPEED, NONE, PanicPlant, Perturbation
 from benchmarks.abs.part import stops
 from benchmarks.protocol import CAR, CORNER, SPEED, VEHICLE
-from corner_sim.car.driving import peak_pressures
 from benchmarks.runner import load_part
+from corner_sim.car.driving import peak_pressures
 from friction_parameters.parameter import changed
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1, surface
