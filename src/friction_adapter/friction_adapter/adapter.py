@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import nan
 from typing import Any
 
-from friction_adapter.sampling import EdgeCounters, Instants, Values
+from friction_adapter.sampling import EdgeCounters, SampleGrouping, Values
 from friction_adapter.signal_map import ARRIVAL, BRAKE_PRESSURE, QUANTITIES, WHEEL_STATES, Kind, Signal, SignalMap
 from friction_adapter.sources import TABLE, Found, Read, Sources
 from friction_adapter.unit_table import UNITS, Conversion, conversion, is_rim_speed, unit_named
@@ -37,7 +37,7 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Made:
+class Output:
     """Values for one message."""
 
     target: int
@@ -75,7 +75,7 @@ class Adapter:
         self.targets = _targets(signal_map)
         self.stddevs: list[dict[str, float]] = [{} for _ in self.targets]
         """Standard deviation by part of each target [SI unit], where the map states it."""
-        self._instants: list[Instants] = []
+        self._groupings: list[SampleGrouping] = []
         self._takes: dict[str, list[_Take]] = {}
         for number, target in enumerate(self.targets):
             self._bind(number, target)
@@ -92,9 +92,9 @@ class Adapter:
     @property
     def incomplete(self) -> int:
         """Instants that ended without one of their sources."""
-        return sum(each.incomplete for each in self._instants)
+        return sum(each.incomplete for each in self._groupings)
 
-    def take(self, source: str, record: Any, arrival: int) -> list[Made]:
+    def take(self, source: str, record: Any, arrival: int) -> list[Output]:
         """Take a message, frame or row.
 
         Args:
@@ -105,7 +105,7 @@ class Adapter:
         Returns:
             What it completes, in the order of the targets. A source that is not needed gives nothing.
         """
-        made: list[Made] = []
+        made: list[Output] = []
         for take in self._takes.get(source, ()):
             try:
                 stamp = take.stamp(record, arrival)
@@ -120,17 +120,17 @@ class Adapter:
                 if counted is None:
                     continue
                 stamp, values = counted
-            for at, found in self._instants[take.target].add(source, stamp, values):
+            for at, found in self._groupings[take.target].add(source, stamp, values):
                 if any(found[place] == found[place] for place in self.targets[take.target].required):
-                    made.append(Made(take.target, at, found))
+                    made.append(Output(take.target, at, found))
         return made
 
     def reset(self) -> None:
         """Start again, as after construction."""
         self.unreadable.clear()
         self.refused = 0
-        for instants in self._instants:
-            instants.reset()
+        for grouping in self._groupings:
+            grouping.reset()
         for takes in self._takes.values():
             for take in takes:
                 if take.counters is not None:
@@ -163,7 +163,7 @@ class Adapter:
                 pitches.setdefault(source, {})[place] = convert.of_difference(1.0)
         for source, of_source in ranges.items():
             takes[source].counters = EdgeCounters(of_source, pitches[source])
-        self._instants.append(Instants(takes, len(target.parts), self._map.together))
+        self._groupings.append(SampleGrouping(takes, len(target.parts), self._map.together))
         for source, take in takes.items():
             self._takes.setdefault(source, []).append(take)
 

@@ -22,7 +22,7 @@ Values = Sequence[tuple[int, float]]
 """Place and value."""
 
 
-class Instants:
+class SampleGrouping:
     """Combines the values of several sources at one instant.
 
     An instant ends with the last of its sources. It ends without those that are missing, whose values are then NaN,

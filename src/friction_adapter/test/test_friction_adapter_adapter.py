@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from friction_adapter.adapter import Adapter, Made
+from friction_adapter.adapter import Adapter, Output
 from friction_adapter.map_file import load_map
 from friction_adapter.sources import TABLE, Fields, Sources
 from friction_parameters.parameter import ParameterError
@@ -33,7 +33,7 @@ def adapter(directory: Path, *signals: str, columns: Sequence[str] = (), top: st
     return Adapter(load_map(path), Sources(lambda _: Fields({}), Bus(), columns))
 
 
-def taken(made: Sequence[Made]) -> list[tuple[int, list[float]]]:
+def taken(made: Sequence[Output]) -> list[tuple[int, list[float]]]:
     return [(each.stamp, list(each.values)) for each in made]
 
 

@@ -22,8 +22,8 @@ from rich.live import Live
 from friction_adapter.map_file import add_map_argument, load_map
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_vehicle import vehicle_for
-from friction_bags.mapped_bag import MappedBag, write_mapped
 from friction_bags.offline.plan import SayOnce
+from friction_bags.remapped_bag import RemappedBag, write_remapped
 from friction_bringup import graph
 from friction_bringup.demo_drive import CARS, ROADS
 from friction_bringup.demo_graph import DemoError, DemoGraph, DemoOptions
@@ -99,8 +99,8 @@ def _mapped(options: Namespace) -> Iterator[Namespace]:
     signal_map = load_map(options.map, options.vehicle)
     with TemporaryDirectory(prefix="friction_demo_") as directory:
         native = Path(directory, options.bag.resolve().stem)
-        with MappedBag(options.bag, signal_map, SayOnce()) as bag:
-            write_mapped(bag, native, signal_map.notes)
+        with RemappedBag(options.bag, signal_map, SayOnce()) as bag:
+            write_remapped(bag, native, signal_map.notes)
         yield Namespace(**{**vars(options), "bag": native})
 
 

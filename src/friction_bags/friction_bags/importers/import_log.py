@@ -16,8 +16,8 @@ from friction_bags.importers.can_log import CanLog, is_can_log
 from friction_bags.importers.mdf_log import MdfLog
 from friction_bags.importers.ros1_log import Ros1Log
 from friction_bags.importers.table import ParquetTable, Table
-from friction_bags.mapped_bag import MappedBag, write_mapped
 from friction_bags.progress_bars import bars
+from friction_bags.remapped_bag import RemappedBag, write_remapped
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output, Severity
 from vehicle_models.vehicle_file import add_vehicle_argument
@@ -115,9 +115,9 @@ def _import_bag(path: Path, signal_map: SignalMap, out: Path) -> int:
             warnings.append(text)
             _warn(severity, text)
 
-    with MappedBag(path, signal_map, report) as bag, bars([path.name]) as show:
+    with RemappedBag(path, signal_map, report) as bag, bars([path.name]) as show:
         known = len(warnings)  # what the map lacks is no problem of this bag
-        count = write_mapped(bag, out, signal_map.notes, partial(show, 0))
+        count = write_remapped(bag, out, signal_map.notes, partial(show, 0))
         problems = list(bag.problems)
     for problem in problems:
         _warn("damaged", problem)

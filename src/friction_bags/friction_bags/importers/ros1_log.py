@@ -10,7 +10,7 @@ from friction_adapter.ros.messages import RecordMapper
 from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import Fields, Sources
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.mapped_bag import fields_in
+from friction_bags.remapped_bag import fields_in
 from friction_runtime.processor import Output
 
 SUFFIX = ".bag"

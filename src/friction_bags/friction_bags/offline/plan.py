@@ -15,7 +15,6 @@ from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode, type_name
 from friction_bags.bag_vehicle import vehicle_for
-from friction_bags.mapped_bag import MappedBag
 from friction_bags.offline.estimators import (
     SMART_TYRE,
     STATE,
@@ -24,6 +23,7 @@ from friction_bags.offline.estimators import (
     read_parameters,
     vehicle_of,
 )
+from friction_bags.remapped_bag import RemappedBag
 from friction_parameters.parameter import from_mapping, values_of
 from friction_runtime.installed import shipped_parameters
 from friction_runtime.processor import Processor, Report, Severity
@@ -179,7 +179,7 @@ def open_bag(bag: Path, map_file: str, vehicle: str, prefix: str, report: Report
     """
     if not map_file:
         return BagReader(bag)
-    return MappedBag(bag, load_map(map_file, vehicle), report, prefix)
+    return RemappedBag(bag, load_map(map_file, vehicle), report, prefix)
 
 
 def plan_for(reader: BagReader, options: ProcessOptions, report: Report) -> tuple[OfflinePlan, list[Processor]]:

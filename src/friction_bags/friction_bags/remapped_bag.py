@@ -84,7 +84,7 @@ def _fields(store: Any, description: Any) -> Fields:
     return fields_in(store, details) if kind == Nodetype.NAME else Fields({})
 
 
-class MappedBag(BagReader):
+class RemappedBag(BagReader):
     """The topics of a bag, and after each message what a signal map makes of it, recorded at the same time.
 
     A topic of the bag that the map makes is replaced.
@@ -173,8 +173,8 @@ class MappedBag(BagReader):
         return self._processor.process(topic.name, message)
 
 
-def write_mapped(
-    bag: MappedBag, out: Path, notes: Mapping[str, str], progress: Callable[[float], None] = lambda _: None
+def write_remapped(
+    bag: RemappedBag, out: Path, notes: Mapping[str, str], progress: Callable[[float], None] = lambda _: None
 ) -> int:
     """Write what the map makes, recorded with the messages that completed it; return the number of messages.
 

@@ -1,12 +1,12 @@
 from math import isnan
 
-from friction_adapter.sampling import Instants
+from friction_adapter.sampling import SampleGrouping
 
 MS = 1_000_000
 
 
-def front_and_rear() -> Instants:
-    return Instants(("front", "rear"), 2, 5 * MS)
+def front_and_rear() -> SampleGrouping:
+    return SampleGrouping(("front", "rear"), 2, 5 * MS)
 
 
 def test_an_instant_is_sent_with_its_last_source_at_the_stamp_of_its_first() -> None:
@@ -17,7 +17,7 @@ def test_an_instant_is_sent_with_its_last_source_at_the_stamp_of_its_first() -> 
 
 
 def test_one_source_is_sent_at_once() -> None:
-    assert Instants(("all",), 1, 0).add("all", 5, [(0, 1.0)]) == [(5, [1.0])]
+    assert SampleGrouping(("all",), 1, 0).add("all", 5, [(0, 1.0)]) == [(5, [1.0])]
 
 
 def test_a_lost_source_leaves_its_values_out_and_never_those_of_another_instant() -> None:

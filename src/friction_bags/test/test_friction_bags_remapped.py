@@ -16,7 +16,7 @@ from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import decode, encode, installed_topic
-from friction_bags.mapped_bag import EmbeddedType
+from friction_bags.remapped_bag import EmbeddedType
 from friction_runtime.installed import message_class
 
 CAR = Path(__file__).parents[2] / "friction_adapter" / "test" / "four_wheels.yaml"
