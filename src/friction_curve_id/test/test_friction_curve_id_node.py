@@ -195,7 +195,7 @@ def test_method_and_speed_source_change_live_and_the_topics_with_them(client: Dd
     ("arguments", "named"),
     [
         (("vehicle_file:=chapter_corner", "method:=magic"), "method"),
-        (("vehicle_file:=chapter_corner", "radii:=[0.3]"), "it is 'radius' of the vehicle file"),
+        (("vehicle_file:=chapter_corner", "radii:=[0.3]"), "unknown parameter 'radii'"),
         (("method:=rls",), "chapter_corner"),
     ],
 )

@@ -72,10 +72,10 @@ def test_node_says_what_the_processor_says_and_ends_cleanly() -> None:
     ("given", "said"),
     [
         (("vehicle_file:=chapter_corner", "deadline:=0.0"), "deadline"),
-        (("vehicle_file:=chapter_corner", "radii:=[0.3]"), "'radius' of the vehicle file"),
+        (("vehicle_file:=chapter_corner", "radii:=[0.3]"), "unknown parameter 'radii'"),
         (("use_imu:=true",), "chapter_corner"),
     ],
-    ids=["bad value", "old name", "no car"],
+    ids=["bad value", "unknown name", "no car"],
 )
 def test_node_refuses_bad_parameters_at_start(given: tuple[str, ...], said: str) -> None:
     with dds_client() as client:
