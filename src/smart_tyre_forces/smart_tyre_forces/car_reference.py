@@ -14,7 +14,7 @@ class Reference:
     """Reference of one wheel. Deviations are relative, and the same for all revolutions."""
 
     def __init__(self, car: Vehicle, wheel: Wheel) -> None:
-        """Take the vehicle file's values and deviations; what it does not state counts as in `vehicle_models.vehicle`."""
+        """Take the vehicle file's values and deviations, or the defaults for those that it does not state."""
         self._car, self._axle = car, wheel.axle
         self.static_load = car.corner(wheel.name).vertical_load
         """[N]"""
