@@ -331,16 +331,26 @@ def test_example_with_other_names_starts_the_estimators_with_every_input_remappe
 
 
 @needs_launch
-@pytest.mark.parametrize(("ends_with", "launch_ends_with"), [("exit 0", 0), ("exit 3", 1), ("kill -KILL $$", 1)])
-def test_process_that_ends_ends_its_launch_with_an_error_if_it_failed(ends_with: str, launch_ends_with: int) -> None:
+@pytest.mark.parametrize(
+    ("name", "ends_with", "launch_ends_with"),
+    [
+        ("corner_sim_node", "exit 0", 0),  # the run is over
+        ("corner_sim_node", "exit 3", 1),
+        ("wheel_slip_node", "exit 0", 1),
+        ("wheel_slip_node", "kill -KILL $$", 1),
+    ],
+)
+def test_process_that_ends_by_itself_ends_its_launch(name: str, ends_with: str, launch_ends_with: int) -> None:
     from launch import LaunchDescription, LaunchService
     from launch.actions import ExecuteProcess
 
     from friction_bringup.launching import end_launch
 
-    commands = (["sh", "-c", ends_with], ["sleep", "600"])
+    commands = {name: ["sh", "-c", ends_with], "other": ["sleep", "600"]}
     service = LaunchService(noninteractive=True)
     service.include_launch_description(
-        LaunchDescription([ExecuteProcess(cmd=command, on_exit=end_launch) for command in commands])
+        LaunchDescription(
+            [ExecuteProcess(name=name, cmd=command, on_exit=end_launch) for name, command in commands.items()]
+        )
     )
     assert service.run() == launch_ends_with

@@ -27,7 +27,7 @@ from friction_bags.remapped_bag import RemappedBag, write_remapped
 from friction_bringup import graph
 from friction_bringup.demo_drive import CARS, ROADS
 from friction_bringup.demo_graph import DemoError, DemoGraph, DemoOptions
-from friction_bringup.live_view import LiveView
+from friction_bringup.live_view import LiveView, wheels_view
 from friction_bringup.processes import AT_ONCE
 from friction_parameters.parameter import ParameterError
 from friction_report.page import write_page
@@ -192,8 +192,13 @@ def _watch(console: Console, demo: DemoGraph, view: LiveView, what: str, spin_un
     with console.status("starting the processes and waiting for them to find each other"):
         _bring_up(demo, view, spin_until)
     if console.is_terminal:
-        with Live(view.table(what), console=console, auto_refresh=False) as live:
-            _follow(demo, view, spin_until, _TABLE_PERIOD, lambda: live.update(view.table(what), refresh=True))
+        with Live(console=console, auto_refresh=False) as live:
+
+            def show() -> None:
+                shown = wheels_view(view.wheels, time.monotonic(), console.width, view.title(what))
+                live.update(shown, refresh=True)
+
+            _follow(demo, view, spin_until, _TABLE_PERIOD, show)
     else:
         print(view.header())
         _follow(demo, view, spin_until, _LINE_PERIOD, lambda: print(view.line(), flush=True))

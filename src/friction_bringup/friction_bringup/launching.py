@@ -142,13 +142,13 @@ def node_actions(
 
 
 def end_launch(event: ProcessExited, context: LaunchContext) -> list[LaunchDescriptionEntity]:
-    """End the launch when one of its processes has ended.
+    """End the launch when one of its processes has ended by itself.
 
     Raises:
-        RuntimeError: the process has failed; the launch prints the text and ends with exit code 1.
+        RuntimeError: it is not a plant whose run is over; the launch prints the text and ends with exit code 1.
     """
     if context.is_shutdown:
         return []
-    if event.returncode != 0:
+    if event.returncode != 0 or not event.process_name.startswith(graph.PLANT):
         raise RuntimeError(f"{event.process_name} ended with exit code {event.returncode}")
     return [Shutdown(reason=f"{event.process_name} has ended")]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from math import isfinite, nan
@@ -10,8 +11,7 @@ from typing import Any
 
 from friction_msgs.msg import BrakeCommand, FrictionCurve, FrictionSlope, SupervisorState, TyreForce, WheelSlip
 from rclpy.node import Node
-from rich.box import SIMPLE_HEAD
-from rich.console import JustifyMethod
+from rich.console import Group
 from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
@@ -20,6 +20,7 @@ from sensor_msgs.msg import FluidPressure, JointState
 from friction_bringup.graph import VEHICLE
 from friction_runtime import qos
 from friction_runtime.messages import to_nanoseconds
+from friction_runtime.reports import plain_reason
 from vehicle_models.nanoseconds import NANOSECONDS
 
 TOPICS: dict[str, type] = {
@@ -61,20 +62,10 @@ _CAPS = {
 }
 _DISCOVERY_PERIOD = 0.1
 """Period of looking for new topics [s]."""
-_BAR_CELLS = 10
-_BAR_FULL_SLIP = 0.4
 _LINE_CELL = 19
-_Columns = tuple[tuple[str, int, JustifyMethod], ...]
-_TABLE_COLUMNS: _Columns = (
-    ("wheel", 11, "left"),
-    ("slip", 5, "right"),
-    ("sign", 4, "center"),
-    ("state", 11, "left"),
-    ("command", 8, "left"),
-    ("p [bar]", 7, "right"),
-)
-_BAR_COLUMN: _Columns = (("", _BAR_CELLS, "left"),)
-_FORCE_COLUMNS: _Columns = (("Fx [kN]", 7, "right"), ("Fz [kN]", 7, "right"))
+_STALE = 0.5
+"""Age [s] from which a topic counts as silent."""
+_FORCE = "tyre_force"
 
 
 @dataclass
@@ -188,28 +179,9 @@ class LiveView(Node):
         if name == "tyre_force" and not self._wheels_turn:
             self._sample(max(to_nanoseconds(message.header.stamp), self._last_stamp))
 
-    def table(self, title: str) -> Table:
-        """Return the wheels as a table for a terminal of 80 columns."""
-        heading = f"{title}   t = {self.time:6.2f} s   v = {number(self.speed, '5.2f')} m/s"
-        table = Table(title=heading, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
-        forces = any("tyre_force" in view.messages for view in self._real_wheels.values())
-        for name, width, justify in (*_TABLE_COLUMNS, *(_FORCE_COLUMNS if forces else _BAR_COLUMN)):
-            table.add_column(escape(name), min_width=width, justify=justify, no_wrap=True)
-        for wheel, view in self._real_wheels.items():
-            sign = view.sign
-            table.add_row(
-                wheel,
-                view.number("slip", "slip", ".3f"),
-                sign,
-                view.state,
-                Text(view.command, style=_LIMITED if view.release.style == _LIMITED else ""),
-                view.number("brake_pressure", "fluid_pressure", ".1f", 1e-5),
-                *(_forces(view) if forces else [Text(_bar(view), style="green" if sign.plain != "−" else "bold red")]),
-            )
-        reasons = dict.fromkeys(reason for view in self.wheels.values() for reason in view.reasons)
-        table.caption = escape("\n".join(reasons)) or " "
-        table.caption_justify = "left"
-        return table
+    def title(self, name: str) -> str:
+        """Return a name with message time and vehicle speed."""
+        return f"{name}   t = {self.time:6.2f} s   v = {number(self.speed, '5.2f')} m/s"
 
     def header(self) -> str:
         """Return the header of the lines."""
@@ -241,8 +213,83 @@ def _forces(view: WheelView) -> list[str]:
     return [view.number("tyre_force", name, ".2f", 1e-3) for name in ("fx", "fz")]
 
 
-def _bar(view: WheelView) -> str:
-    slip = view.messages.get("slip")
-    if slip is None or not slip.validity.valid or not isfinite(slip.slip):
-        return ""
-    return "█" * round(_BAR_CELLS * min(max(slip.slip, 0.0), _BAR_FULL_SLIP) / _BAR_FULL_SLIP)
+@dataclass(frozen=True)
+class _Column:
+    """A column of the table."""
+
+    heading: str
+    cell: Callable[[WheelView], str | Text]
+    from_width: int = 0
+    """Width of the terminal [characters] from which it is shown."""
+    below_width: int = 1000
+    """Width from which a wider column stands in its place."""
+
+
+_COLUMNS = (
+    _Column("v [m/s]", lambda view: view.number("slip", "vehicle_speed", ".2f"), 100),
+    _Column("slip", lambda view: view.number("slip", "slip", ".3f")),
+    _Column("sign", lambda view: view.sign),
+    _Column("state", lambda view: view.state),
+    _Column("command", lambda view: _with_release(view)),
+    _Column("p [bar]", lambda view: view.number("brake_pressure", "fluid_pressure", ".1f", 1e-5), 100),
+    _Column("λ_max", lambda view: view.number("friction_curve", "lambda_max", ".3f"), 0, 130),
+    _Column("λ_max", lambda view: _with_deviation(view, "friction_curve", "lambda_max", ".3f"), 130),
+    _Column("µ_max", lambda view: view.number("friction_curve", "mu_max", ".2f"), 100, 130),
+    _Column("µ_max", lambda view: _with_deviation(view, "friction_curve", "mu_max", ".2f"), 130),
+)
+_FORCE_COLUMNS = (
+    _Column("Fx [kN]", lambda view: view.number(_FORCE, "fx", ".2f", 1e-3), 0, 130),
+    _Column("Fz [kN]", lambda view: view.number(_FORCE, "fz", ".2f", 1e-3), 0, 130),
+    _Column("Fx [kN]", lambda view: _with_deviation(view, _FORCE, "fx", ".2f", 1e-3), 130),
+    _Column("Fz [kN]", lambda view: _with_deviation(view, _FORCE, "fz", ".2f", 1e-3), 130),
+)
+
+
+def wheels_view(wheels: dict[str, WheelView], now: float, width: int, title: str) -> Group:
+    """Return a table of all wheels, and below it a line for whatever is not valid or silent.
+
+    Args:
+        wheels: views of the wheels by name.
+        now: present time of the steady clock [s], for the age of messages.
+        width: of the terminal [characters].
+        title: title of the table.
+    """
+    forces = any(_FORCE in view.messages for view in wheels.values())
+    chosen = (*_COLUMNS, *(_FORCE_COLUMNS if forces else ()))
+    columns = [each for each in chosen if each.from_width <= width < each.below_width]
+    table = Table(title=escape(title), title_justify="left", box=None, collapse_padding=True, pad_edge=False)
+    for heading in ("wheel", *(each.heading for each in columns), "age [s]"):
+        table.add_column(escape(heading), no_wrap=True)
+    said: list[Text] = []
+    for wheel, view in wheels.items():
+        ages = {topic: now - arrival for topic, arrival in view.arrivals.items()}
+        silent = [f"{topic} silent for {age:.1f} s" for topic, age in ages.items() if age > _STALE]
+        youngest = min(ages.values(), default=float("inf"))
+        table.add_row(
+            wheel,
+            *(each.cell(view) for each in columns),
+            Text(f"{youngest:.2f}", style="bold red" if youngest > _STALE else ""),
+            style="dim" if youngest > _STALE else "",
+        )
+        reasons = (plain_reason(reason, wheel) for reason in view.reasons)
+        said += [Text(f"{wheel}: {text}") for text in dict.fromkeys((*silent, *reasons, *_refused(view)))]
+    if not wheels:
+        table.caption = "no wheel yet: waiting for a topic such as front_left/slip on this ROS_DOMAIN_ID"
+    return Group(table, *said)
+
+
+def _with_release(view: WheelView) -> Text:
+    """Return the command, and below it the verdict of the envelope if the law requests a release."""
+    release = view.release
+    return Text(view.command) if release.plain == "–" else Text.assemble(view.command, "\n", release)
+
+
+def _refused(view: WheelView) -> list[str]:
+    supervisor = view.messages.get("abs_supervisor")
+    count = 0 if supervisor is None else supervisor.refused_releases
+    return [f"releases refused so far: {count}"] if count else []
+
+
+def _with_deviation(view: WheelView, topic: str, name: str, form: str, scale: float = 1.0) -> str:
+    value = view.number(topic, name, form, scale)
+    return value if value == "–" else f"{value} ± {view.number(topic, f'{name}_stddev', form, scale)}"

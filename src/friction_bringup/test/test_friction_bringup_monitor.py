@@ -16,15 +16,14 @@ from friction_msgs.msg import (
 )
 from rich.console import Console
 
-from friction_bringup.live_view import WheelView
-from friction_bringup.monitor import wheels_view
+from friction_bringup.live_view import WheelView, wheels_view
 
 
 def shown(view: WheelView, now: float, width: int = 160) -> str:
     """Return the monitor's table as plain text."""
     console = Console(width=width, color_system=None)
     with console.capture() as capture:
-        console.print(wheels_view({"rear_left": view}, now, width))
+        console.print(wheels_view({"rear_left": view}, now, width, "title"))
     return capture.get()
 
 
@@ -116,5 +115,5 @@ def test_invalid_estimate_is_no_number_but_a_reason(view: WheelView) -> None:
 def test_graph_without_wheels_says_what_is_waited_for() -> None:
     console = Console(width=120)
     with console.capture() as capture:
-        console.print(wheels_view({}, 0.0, 120))
+        console.print(wheels_view({}, 0.0, 120, "title"))
     assert "no wheel yet" in capture.get()
