@@ -16,7 +16,7 @@ setup(
         ("share/" + package_name, ["package.xml"]),
         ("share/" + package_name + "/config", glob("config/*.yaml")),
     ],
-    install_requires=["setuptools", "numpy"],
+    install_requires=["setuptools"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
     url="https://friction.example.org",
