@@ -1,6 +1,5 @@
 """Parts of messages: stamps in integer nanoseconds, headers, validity with its text, the usable part of a slip."""
 
-from typing import Any
 
 from builtin_interfaces.msg import Time
 from friction_msgs.msg import Validity, WheelSlip
@@ -29,7 +28,7 @@ def header_at(nanoseconds: int, frame_id: str) -> Header:
     return Header(stamp=from_nanoseconds(nanoseconds), frame_id=frame_id)
 
 
-def validity(wheel: str, reason: Reason, text: str) -> Any:
+def validity(wheel: str, reason: Reason, text: str) -> Validity:
     """Return a message Validity.
 
     Args:
@@ -37,11 +36,7 @@ def validity(wheel: str, reason: Reason, text: str) -> Any:
         reason: why it may not be used.
         text: the reason in words, empty where it is OK.
     """
-    message = Validity()
-    message.valid = reason == Reason.OK
-    message.reason = int(reason)
-    message.text = of_wheel(wheel, text)
-    return message
+    return Validity(valid=reason == Reason.OK, reason=int(reason), text=of_wheel(wheel, text))
 
 
 _ORDINARY = (Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED)
