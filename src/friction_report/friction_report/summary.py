@@ -16,8 +16,6 @@ from friction_report.braking_metrics import (
     release_times,
     right_signs,
 )
-from friction_report.brakings import hardest_braking
-from friction_report.drive_series import vehicle_speed
 from friction_report.recorded_run import VEHICLE, CrossingEvent, RecordedRun
 from friction_runtime.reports import plain_reason
 
@@ -43,9 +41,6 @@ def print_summary(console: Console, run: RecordedRun) -> None:
     else:
         console.print(f"Stopping distance and utilisation: {braking}.")
     console.print(release_table(run))
-    speed = vehicle_speed(run)
-    if len(run.wheels) > 1 and speed is not None and (span := hardest_braking(*speed)) is not None:
-        console.print(slip_table(run, span))
     console.print(validity_table(run))
 
 
@@ -160,28 +155,6 @@ def release_table(run: RecordedRun) -> Table:
         refused, capped = series["refused_releases"][-1], np.isin(series["cap"], _ENDING_CAPS)
         ended = np.count_nonzero(np.diff(capped, prepend=False) & capped)
         table.add_row(wheel, f"{np.sum(times):.2f}", f"{np.max(times, initial=0.0):.2f}", f"{refused:.0f}", str(ended))
-    return table
-
-
-def slip_table(run: RecordedRun, span: tuple[float, float]) -> Table:
-    """Return a table of the slip of all wheels during one braking.
-
-    Args:
-        run: the run.
-        span: begin and end of the braking [s].
-    """
-    table = Table(title=f"Slip from t = {span[0]:.2f} to {span[1]:.2f} s, the hardest braking", title_justify="left")
-    table.add_column("wheel")
-    for heading in ("median", "95 % below", "largest", "valid"):
-        table.add_column(heading, justify="right")
-    for wheel in run.wheels:
-        series = run.get(f"{wheel}/slip")
-        if series is None:
-            continue
-        inside = (series.time >= span[0]) & (series.time <= span[1])
-        valid = inside & (series["valid"] > 0.0)
-        figures = np.percentile(series["slip"][valid], [50.0, 95.0, 100.0]) if np.any(valid) else np.full(3, np.nan)
-        table.add_row(wheel, *(f"{figure:.3f}" for figure in figures), f"{np.sum(valid) / np.sum(inside):.0%}")
     return table
 
 
