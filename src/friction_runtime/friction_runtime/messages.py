@@ -1,6 +1,5 @@
 """Parts of messages: stamps in integer nanoseconds, headers, validity with its text, the usable part of a slip."""
 
-
 from builtin_interfaces.msg import Time
 from friction_msgs.msg import Validity, WheelSlip
 from std_msgs.msg import Header
