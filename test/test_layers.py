@@ -14,6 +14,7 @@ SOURCES = ROOT / "src"
 ALGORITHMS = (
     "friction_parameters",
     "vehicle_models",
+    "corner_sim",
     "friction_adapter",
     "wheel_slip",
     "friction_slope",
@@ -22,7 +23,7 @@ ALGORITHMS = (
     "smart_tyre_forces",
     "friction_state",
 )
-"""Packages that consist of an algorithm and the code around it."""
+"""Packages that consist of an algorithm, or the plant, and the code around it."""
 WITHOUT_ROS = """
 import sys
 from importlib import import_module

@@ -27,6 +27,9 @@ NO_NOISE = SensorNoise(0.0, 0.0, 0.0)
 
 Array = NDArray[np.float64]
 
+TYRE_SAMPLE_RATE = 1.0e4
+"""Sample rate of the smart tyres [Hz]."""
+
 
 @dataclass(frozen=True)
 class Measurement:

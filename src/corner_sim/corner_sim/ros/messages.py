@@ -13,7 +13,7 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 from std_msgs.msg import Header
 
 from corner_sim.plant import SLIP_MIN_SPEED, PlantSample, SlopeCrossings
-from corner_sim.sensors import Measurement, SensorNoise
+from corner_sim.sensors import TYRE_SAMPLE_RATE, Measurement, SensorNoise
 from friction_runtime.messages import from_nanoseconds, validity
 from friction_runtime.processor import Output
 from vehicle_models.reason import Reason
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from corner_sim.smart_tyre.tyre_signal import TyreBlock
 
 BASE_FRAME = "base_link"
-TYRE_SAMPLE_RATE = 1.0e4
-"""Sample rate of the smart tyres [Hz]."""
 _YAW_MOMENT = "truth/yaw_moment"
 _STANDING = f"slip is not defined at or below {SLIP_MIN_SPEED} m/s"
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import signal
 
 from corner_sim.plant import SAMPLE_TIME, PlantSample
-from corner_sim.ros.messages import TYRE_SAMPLE_RATE
+from corner_sim.sensors import TYRE_SAMPLE_RATE
 from corner_sim.smart_tyre.tyre_ring import TyreRing
 from vehicle_models.constants import GRAVITY
 from vehicle_models.vehicle import Vehicle, Wheel
