@@ -21,7 +21,8 @@ def test_generated_files_are_up_to_date() -> None:
 
 
 def test_every_node_package_is_listed_and_ships_no_parameter_file_of_its_own_beside() -> None:
-    packages = {file.parent.name for file in docs.ROOT.glob("src/*/*/parameters.py")}
+    modules = docs.ROOT.glob("src/*/*/parameters.py")
+    packages = {file.parent.name for file in modules if "SHIPPED" in file.read_text(encoding="utf-8")}
     assert packages == set(docs.NODES)
     written = {file for file, _ in docs.generated_texts() if file.suffix == ".yaml"}
     assert written == {file for node in docs.NODES for file in (docs.ROOT / "src" / node / "config").glob("*.yaml")}

@@ -243,7 +243,7 @@ def test_low_speed_of_a_wheel_that_may_be_locked_says_that_the_abs_is_lost() -> 
                         header=message.header, vehicle_speed=nan, validity=Validity(reason=Reason.BAD_INPUT)
                     )
                 bench.take(bench.processor.process(topic, message))
-        assert ("no ABS" in bench.state.validity.text) != known
+        assert ("ABS inactive" in bench.state.validity.text) != known
         assert bench.processor.health().level is (Level.OK if known else Level.WARN)
 
 
