@@ -14,12 +14,12 @@ from benchmarks.slip.consistency import consistency_rows, laps_rows
 from benchmarks.slip.stops import (
     Array,
     Followed,
+    cruising,
     follow,
     follow_bmw,
     shipped,
     stops,
 )
-from corner_sim.car_plant import in_order
 from friction_parameters.command_line import count
 from friction_parameters.parameter import ParameterError
 from vehicle_models.vehicle import Vehicle
@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> list[Row]:
 def _car_of_stops(name: str) -> Vehicle:
     vehicle = load_vehicle(name)
     try:
-        in_order(vehicle)
+        cruising(vehicle)
     except ValueError as error:
         raise ParameterError(f"--vehicle {name}: {error}") from error
     return vehicle

@@ -97,14 +97,24 @@ def stops(
     """
     found = []
     for seed in seeds:
-        found.append(_stop(name, seed, grade_step, in_order(vehicle)))
+        found.append(_stop(name, seed, grade_step, cruising(vehicle)))
         progress(1)
     return found
 
 
-def _stop(name: str, seed: int, grade_step: float, vehicle: Vehicle) -> Stop:
-    if not all(wheel.driven for wheel in vehicle.wheels[2:]):
+def cruising(vehicle: Vehicle) -> Vehicle:
+    """Return a car that can cruise, its wheels in the order of the plant.
+
+    Raises:
+        ValueError: the car has not four wheels, or its rear wheels are not driven.
+    """
+    ordered = in_order(vehicle)
+    if not all(wheel.driven for wheel in ordered.wheels[2:]):
         raise ValueError(f"the rear wheels of '{vehicle.name}' are not driven ('driven'): it cannot cruise")
+    return ordered
+
+
+def _stop(name: str, seed: int, grade_step: float, vehicle: Vehicle) -> Stop:
     vehicle = replace(
         vehicle,
         wheels=tuple(replace(wheel, relaxation_length=_NO_RELAXATION) for wheel in vehicle.wheels),
