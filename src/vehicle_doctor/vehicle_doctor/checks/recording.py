@@ -131,6 +131,7 @@ def check_estimator_inputs(drive: Drive) -> list[Finding]:
         "friction_curve_id": motion + speed + braked,
         "abs_supervisor": motion + speed + braked + demand,
         "smart_tyre_forces": tyres,
+        "friction_state": motion,
     }
     return [
         Finding("estimator", name, Verdict.NOTE if lacks else Verdict.OK,
