@@ -23,6 +23,7 @@ from benchmarks.protocol import ACCELERATION_STDDEV, DT, SPEED, STEP
 from corner_sim.car.driving import peak_pressures
 from corner_sim.car.tyres import TYRES
 from corner_sim.car_plant import CarModelParameters, CarPlant, SensorErrors, as_it_is, in_order
+from corner_sim.driver import FOLLOWING
 from corner_sim.road import Road
 from corner_sim.sensors import CHAPTER_NOISE
 from friction_adapter.map_file import load_map
@@ -35,6 +36,7 @@ from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle, four_wheels
 from vehicle_models.vehicle_file import load_vehicle
+from vehicle_models.wheel_forces import drag
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import SHIPPED, WheelSlipParameters
 from wheel_slip.ros.processor import VEHICLE_VELOCITY, CarProcessor
@@ -122,12 +124,13 @@ def _stop(name: str, seed: int, grade_step: float, vehicle: Vehicle) -> Stop:
     )
     tyre = TYRES["burckhardt"][name]
     slope = GRADE if seed % 2 == 0 else -GRADE
+    resistance = float(drag(vehicle, SPEED)) / vehicle.mass + GRAVITY * (slope + vehicle.rolling_resistance)
     parameters = CarModelParameters(
         slope=slope,
         hill=grade_step,
         hill_distance=SPEED * CRUISE + 0.375 * SPEED**2 / (GRAVITY * tyre.peak[1]),
         hill_length=0.1,
-        drive_speeds=(SPEED,),
+        drive_speeds=(SPEED + FOLLOWING * resistance,),
         drive_times=(0.0,),
         acceleration_delay=vehicle.accelerometer.delay,
     )
@@ -144,13 +147,13 @@ def _stop(name: str, seed: int, grade_step: float, vehicle: Vehicle) -> Stop:
     slip: list[Array] = []
     for k in range(_LONGEST):
         sample = plant.sample()
+        if sample.speed <= END_SPEED:
+            break
         measured = plant.measure(sample)
         wheel_speed.append(measured.wheel_speed)
         acceleration.append(measured.acceleration)
         speed.append(sample.speed)
         slip.append(sample.slip)
-        if sample.speed <= END_SPEED:
-            break
         commands = np.zeros(len(controllers), dtype=np.int64)
         if k >= onset - _WARM_UP:
             torque = measured.brake_pressure * gains

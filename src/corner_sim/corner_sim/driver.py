@@ -46,7 +46,7 @@ class DriverProfile:
         return 0.0
 
 
-_FOLLOWING = 0.3
+FOLLOWING = 0.3
 """Time constant [s] with which the driver comes to the speed he wants."""
 
 
@@ -70,7 +70,7 @@ class Throttle:
                 f"'car.drive_times' = {list(times)} must increase and be as many as 'car.drive_speeds' = {list(speeds)}"
             )
         self._times, self._speeds = np.array(times), np.array(speeds)
-        self._gain = 0.5 * mass * radius / _FOLLOWING
+        self._gain = 0.5 * mass * radius / FOLLOWING
 
     def torque(self, time: float, speed: float) -> float:
         """Return the torque at each of two driven wheels [N m], >= 0, at `time` [s] and `speed` [m/s]."""

@@ -236,7 +236,7 @@ def test_wheel_states_name_the_joints_and_topics_the_wheels() -> None:
 
 def test_the_imu_message_is_read_back_by_the_mounting_of_the_car() -> None:
     mounting = Accelerometer(axis="y", sign=-1.0, bias=0.3, scale=1.02, pitch_gain=0.004)
-    parameters = replace(BRAKING, acceleration_variance=0.0)
+    parameters = replace(BRAKING, model="single_corner", acceleration_variance=0.0)
     found = run(parameters, 60, vehicle=replace(CAR, accelerometer=mounting))["imu/data"]
     plain = run(parameters, 60, vehicle=CAR)["imu/data"]
     for message, truth in zip(found, plain, strict=True):
