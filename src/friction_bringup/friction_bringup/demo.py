@@ -214,7 +214,7 @@ def _bring_up(demo: DemoGraph, view: LiveView, spin_until: SpinUntil) -> None:
     if not demo.done and (missing := demo.missing(view)):
         raise DemoError(f"still not there: {', '.join(missing)}")
     spin_until(lambda: False, _SETTLE)
-    demo.begin(view)
+    demo.begin(view, lambda done: spin_until(lambda: demo.ended or done(), _STARTUP_LIMIT))
     spin_until(lambda: demo.ended or view.samples > 0, _STARTUP_LIMIT)
     if not demo.done and view.samples == 0:
         raise DemoError(f"no wheel_states in time from {demo.source}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -109,13 +110,19 @@ class DemoGraph:
             missing += [f"the recorder on {topic}" for topic in (unheard if estimates else [f"WHEEL/{suffix}"])]
         return missing
 
-    def begin(self, observer: Node) -> None:
+    def begin(self, observer: Node, wait_for: Callable[[Callable[[], bool]], None]) -> None:
         """Let the first sample come: start the plant's run, or the player.
 
         The player waits for the recorder and for everything that hears a topic now.
+
+        Args:
+            observer: a node of this process.
+            wait_for: spins the node until a condition holds, or for as long as a start may take.
         """
         if self._options.bag is None:
-            observer.create_client(Trigger, f"{graph.PLANT}/start").call_async(Trigger.Request())
+            client = observer.create_client(Trigger, f"{graph.PLANT}/start")
+            wait_for(client.service_is_ready)  # a request before is lost
+            wait_for(client.call_async(Trigger.Request()).done)
             return
         heard = {name: observer.count_subscribers(name) for name, _ in observer.get_topic_names_and_types()}
         last = [name for name in heard if name.endswith(_LAST_ANSWERS) and "/truth/" not in name]
