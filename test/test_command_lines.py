@@ -20,6 +20,7 @@ from friction_bags.bag_io.bag_format import Topic
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bringup.__main__ import main as bringup
 from friction_parameters.command_line import command
+from friction_report.__main__ import main as report
 from smart_tyre_forces.ros.calibration_tool import main as calibrate_smart_tyre
 from vehicle_doctor.__main__ import main as doctor
 
@@ -194,7 +195,7 @@ def test_a_bag_of_an_odd_type_is_described_and_refused_by_what_needs_it(
     assert bags(["info", bag]) == 0
     for main, line in (
         (bags, ["process", bag, "--out", str(tmp_path / "out"), "--vehicle", "compact_car"]),
-        (bags, ["report", bag, "--out", str(tmp_path / "page.html"), "--vehicle", "compact_car"]),
+        (report, [bag, "--out", str(tmp_path / "page.html"), "--vehicle", "compact_car"]),
         (doctor, [bag, "--vehicle", "compact_car"]),
         (bringup, ["demo", "--bag", bag, "--out", str(tmp_path / "demo")]),
     ):
@@ -207,7 +208,7 @@ def test_a_message_that_is_cut_off_is_one_line(tmp_path: Path, capsys: pytest.Ca
     bag = odd_bag(tmp_path, "short", "sensor_msgs/msg/JointState", b"\0\1\0\0\1\2")
     out = str(tmp_path / "out")
     assert bags(["process", bag, "--out", out, "--vehicle", "compact_car"]) in (1, 2)
-    assert bags(["report", bag, "--out", str(tmp_path / "page.html"), "--vehicle", "compact_car"]) in (1, 2)
+    assert report([bag, "--out", str(tmp_path / "page.html"), "--vehicle", "compact_car"]) in (1, 2)
     assert doctor([bag, "--vehicle", "compact_car"]) in (1, 2)
     assert "Traceback" not in capsys.readouterr().err
 

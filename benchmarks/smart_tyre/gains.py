@@ -131,8 +131,8 @@ def judge(recording: Recording, wheel: str, stiffness: float, known: Calibration
     processor = TyreProcessor(wheel, CAR, SmartTyreParameters(), known)
     found: list[tuple[float, TyreForce]] = []
     half = 0.0  # of the time that the last patch took [s]: its force is that of its middle
-    for message in _messages(recording, wheel, source, turning, truth, delay):
-        for topic, answer in processor.process("", message):
+    for source_topic, message in _messages(recording, wheel, source, turning, truth, delay):
+        for topic, answer in processor.process(source_topic, message):
             if topic.endswith("contact_patch") and answer.validity.valid:
                 half = 0.5 * answer.length_raw / answer.wheel_speed
             elif topic.endswith("tyre_force") and answer.validity.valid:
@@ -146,8 +146,8 @@ def judge(recording: Recording, wheel: str, stiffness: float, known: Calibration
 
 def _messages(
     recording: Recording, wheel: str, source: TyreSignalSource, turning: Array, truth: dict[str, Array], delay: int
-) -> Iterator[TyreSignals | Imu]:
-    """The blocks of a wheel, each after the accelerations up to its end."""
+) -> Iterator[tuple[str, TyreSignals | Imu]]:
+    """Yield topic and message: the blocks of a wheel, each after the accelerations up to its end."""
     rate = TRACKER.sample_rate
     sensed = 0
     late = np.zeros(delay)
@@ -156,12 +156,12 @@ def _messages(
         while recording.time[sensed] < time[-1]:
             stamp = from_nanoseconds(_START + round(recording.time[sensed] * NANOSECONDS))
             felt = Vector3(x=float(recording.acceleration[sensed]))
-            yield Imu(header=Header(stamp=stamp), linear_acceleration=felt)
+            yield "imu/data", Imu(header=Header(stamp=stamp), linear_acceleration=felt)
             sensed += 1
         block = source.advance(*(np.interp(time, recording.time, each) for each in (turning, truth["Fx"], truth["Fz"])))
         radial = np.concatenate([late, block.radial_acceleration])
         late = radial[_BLOCK:]
-        yield TyreSignals(
+        signals = TyreSignals(
             header=Header(stamp=from_nanoseconds(_START + round(first / rate * NANOSECONDS)), frame_id=wheel),
             wheel=wheel,
             sample_rate=rate,
@@ -169,6 +169,7 @@ def _messages(
             encoder_voltage=array("f", block.encoder_voltage.tobytes()),
             radial_acceleration=array("f", radial[:_BLOCK].astype(np.float32).tobytes()),
         )
+        yield f"{wheel}/tyre_signals", signals
 
 
 def rows(known: Calibration, seeds: range, progress: Progress) -> Iterator[Row]:

@@ -6,8 +6,8 @@ import pytest
 from friction_msgs.msg import FrictionCurve, TyreSignals, Validity, WheelSlip
 from sensor_msgs.msg import FluidPressure, JointState
 
-from benchmarks.__main__ import main
 from benchmarks.runner import failures
+from campaigns.__main__ import main
 from campaigns.fuzz import part
 from campaigns.fuzz.garbage import garbage, impossible, raw_garbage
 from campaigns.fuzz.live import live_rows

@@ -469,7 +469,7 @@ def test_an_offset_is_as_uncertain_as_the_vehicle_file_states_and_as_a_slope_mak
 ) -> None:
     file = tmp_path / "car.yaml"
     shipped = vehicle_path("compact_car").read_text()
-    assert "offset: {value: 0.0, stddev: 0.17}" in shipped
-    file.write_text(shipped.replace("offset: {value: 0.0, stddev: 0.17}", f"offset: {{value: 0.0, stddev: {stated}}}"))
+    assert "bias: {value: 0.0, stddev: 0.17}" in shipped
+    file.write_text(shipped.replace("bias: {value: 0.0, stddev: 0.17}", f"bias: {{value: 0.0, stddev: {stated}}}"))
     estimator = SlipEstimator(load_vehicle(file))
     assert estimator.vehicle.health_values(0)["accelerometer offset standard deviation [m/s^2]"] == expected
