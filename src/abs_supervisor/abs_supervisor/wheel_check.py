@@ -3,14 +3,13 @@
 A wheel that fell to zero through a deceleration that brake and road can give is locked; one that jumped there is dead.
 """
 
-from collections import deque
 from collections.abc import Sequence
 from math import inf, isfinite, nan
 from typing import Final
 
 from abs_supervisor.coming_back import ComingBack
 from abs_supervisor.sudden_stop import SuddenStop
-from friction_runtime.filters import Debounce, SlidingMaximum
+from friction_runtime.filters import Debounce, SlidingMaximum, SlidingWindow
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION, LOWEST_APPARENT_FRICTION
 from vehicle_models.vehicle import CornerParameters
@@ -93,7 +92,7 @@ class WheelCheck:
         """Forget everything."""
         self._good: tuple[int, float] | None = None
         self._away_since: int | None = None
-        self._spikes: deque[int] = deque()
+        self._spikes: SlidingWindow[None] = SlidingWindow(_EXCURSIONS * NANOSECONDS)
         self._torques = SlidingMaximum(_TORQUE_MEMORY * NANOSECONDS)
         self._dead = False
         self._sudden.reset()
@@ -152,9 +151,8 @@ class WheelCheck:
             return "reads 0 after a jump that no brake can cause: dead"
         if self._away_since is None:
             self._away_since = stamp
-            self._spikes.append(stamp)
-        while self._spikes and self._spikes[0] < stamp - _EXCURSIONS * NANOSECONDS:
-            self._spikes.popleft()
+            self._spikes.append(stamp, None)
+        self._spikes.drop_old(stamp)
         away = (stamp - self._away_since) / NANOSECONDS
         text = f"jumps from {good[1]:.1f} to {speed:.1f} rad/s"
         if stands and away >= _EXCURSION:

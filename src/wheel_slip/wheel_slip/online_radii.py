@@ -1,9 +1,9 @@
 """Radii learned while driving, and used once they are certain."""
 
-from collections import deque
 from collections.abc import Sequence
 from typing import Final
 
+from friction_runtime.filters import SlidingWindow
 from vehicle_models.nanoseconds import NANOSECONDS
 from wheel_slip.radius_calibration import CalibrationParameters, Radii, RadiusCalibration
 from wheel_slip.speed_sample import SpeedSample
@@ -25,14 +25,12 @@ class OnlineRadii:
         """Start with the nominal radii [m]."""
         self._calibration = RadiusCalibration(nominal, CalibrationParameters(needed=_NEEDED))
         self._radii: Radii | None = None
-        self._recent: deque[tuple[int, Sequence[float]]] = deque()
+        self._recent: SlidingWindow[Sequence[float]] = SlidingWindow(_MEMORY)
 
     def update(self, stamp: int, wheel_speeds: Sequence[float], measured: Sequence[SpeedSample]) -> Radii | None:
         """Take a sample as SlipEstimator.update does; return the radii to use, None until they are certain."""
         counted = False
-        self._recent.append((stamp, wheel_speeds))
-        while self._recent[0][0] < stamp - _MEMORY:
-            self._recent.popleft()
+        self._recent.append(stamp, wheel_speeds)
         for sample in measured:
             when, speeds = min(self._recent, key=lambda known: abs(known[0] - sample.stamp))
             if abs(when - sample.stamp) <= _NEAR:
