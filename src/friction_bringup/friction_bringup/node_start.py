@@ -12,6 +12,7 @@ from friction_bags.offline.estimators import needs_curve_of_car
 from friction_bringup import graph
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import NodeName, file_values, is_ros_own
+from friction_runtime.installed import shipped_file
 from vehicle_models.vehicle_file import load_vehicle, vehicle_reference
 
 Decided = Mapping[str, Mapping[str, graph.ParameterValue]]
@@ -115,7 +116,8 @@ def _checked(
     except ParameterError as error:
         raise ParameterError(f"{node}: {error}") from error
     load_vehicle(parameters.vehicle_file)
-    users = found[1] if params_file else {}
+    shipped = shipped_file("friction_bringup", "demo").parent
+    users = found[1] if params_file and params_file.parent != shipped else {}  # what is shipped is no user's choice
     return NodeStart(node, tuple(files), decided, tuple(_notes(node, decided, users, params_file)))
 
 
