@@ -7,7 +7,15 @@ OUT ?= out
 EFFORT ?= 1
 PARTS ?= slope abs identification real_car slip smart_tyre measured fuzz bags live
 CAMPAIGNS := faults fuzz live soak
-options_real_car ?= --method car --seeds 2 --hours 0.1
+options_slope ?= --seeds 100
+options_abs ?= --seeds 20
+options_identification ?= --seeds 200
+options_real_car ?= --method car --studies random --seeds 12
+options_slip ?= --seeds 2 --cars 4
+options_smart_tyre ?= --seeds 10
+options_fuzz ?= --messages 100000
+options_live ?= --seconds 10
+options_bags ?= --minutes 1 --processes 1
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
@@ -34,7 +42,7 @@ demo: build ## a car braking in the loop over DDS: SURFACE=dry|wet|cobblestone|s
 	@$(run) python -m friction_bringup demo $(if $(BAG),--bag "$(BAG)",--surface "$(SURFACE)" --car $(CAR)) --law $(LAW) \
 		$(if $(MAP),--map "$(MAP)") $(if $(VEHICLE),--vehicle "$(VEHICLE)") --out "$(OUT)/demo"
 
-bench: build ## every table of the evaluation as text and JSON, or PARTS="slope abs"
+bench: build ## every table of the evaluation as text and JSON (20 minutes), or PARTS="slope abs"
 	@failed=0; $(foreach part,$(PARTS),$(run) python -m $(if $(filter $(part),$(CAMPAIGNS)),campaigns,benchmarks) $(part) \
 		$(options_$(part)) --json "$(OUT)/bench/$(part).json" || failed=1;) exit $$failed
 
