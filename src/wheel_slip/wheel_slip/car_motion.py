@@ -1,0 +1,420 @@
+"""Estimates speed, yaw rate and slips of a car, by one Kalman filter for each hypothesis about the slope of the road.
+
+| state | | unit | model |
+|---|---|---|---|
+| v | speed of the middle of the rear axle, forward positive | m/s | v' = (a_m - b)(1 - k) + n_a |
+| b | offset of the accelerometer and slope of the road | m/s^2 | walks: with `offset_walk`, or as the slope does |
+| k | error of the accelerometer's gain: scale, pitch of the body | - | constant |
+| u | yaw rate, counter-clockwise positive | rad/s | u' = -u / T_u + n_u |
+| c_i | slip of tyre i over its force, a share of its load times g | s^2/m | constant while the force is |
+
+A wheel at (x_i, y_i) from the middle of the rear axle rolls on ground that passes at g_i = v - u y_i + (u x_i)^2 / 2v:
+
+    z_i + (sigma_i / v)(v' - r omega_i') = g_i (1 - c_i d_i) + n_i
+
+in which the left side is the rim speed, ahead of the tyre by the relaxation length sigma_i, and d_i is g times the
+force of the tyre over its load: of brake torque and wheel acceleration where the pressures are known, of the reading of
+the accelerometer where not, and none on an axle that only rolls. One equation thus serves a wheel that rolls, slides,
+is released or locked. A slip is constant at a constant force and vanishes with it, so a change that stays is a slope,
+and the moments of little force of a wheel whose brake cycles tell the speed.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import exp, hypot, isfinite, sqrt
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_parameters.parameter import constant
+from vehicle_models.constants import GRAVITY
+from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.vehicle import FRONT, Vehicle, deviation_of, specified_stddev
+
+Array = NDArray[np.float64]
+
+V, B, K, U, C = range(5)
+"""Indices of the states; those of c begin at C."""
+SLOPE_KEPT, SLOPE_CHANGED = range(2)
+"""The hypotheses: the road has the slope that was last seen, or has changed it since."""
+
+
+@dataclass(frozen=True)
+class MotionNoise:
+    """What the filter does not know, each as a deviation of one standard deviation."""
+
+    acceleration: float = constant(0.1, "noise of a sample of the accelerometer", unit="m/s^2")
+    offset: float = constant(0.4, "offset of the accelerometer and slope of the road at the start", unit="m/s^2")
+    offset_walk: float = constant(1e-3, "change of the offset in the square root of a second", unit="m/s^2")
+    gain: float = constant(0.02, "gain of the accelerometer, where the vehicle file states none, as a share")
+    slope: float = constant(0.4, "change of the road's slope times g", unit="m/s^2")
+    slope_length: float = constant(40.0, "way on which a slope changes", unit="m")
+    slope_every: float = constant(200.0, "way from one change of slope to the next", unit="m")
+    slope_known: float = constant(0.05, "deviation of a slope that is known again", unit="m/s^2")
+    lateral: float = constant(2.0, "lateral acceleration of ordinary driving", unit="m/s^2")
+    curve_time: float = constant(1.0, "time in which a curve comes and goes", unit="s")
+    gyroscope: float = constant(0.045, "noise and offset of a sample of the yaw rate", unit="rad/s")
+    compliance: float = constant(0.004, "slip over force to expect", unit="s^2/m")
+    compliance_stddev: float = constant(0.05, "its deviation", unit="s^2/m")
+    compliance_alike: float = constant(0.8, "correlation of it between the tyres")
+    unforced_time: float = constant(20.0, "time in which it changes where no torque tells the forces", unit="s")
+    steepest: float = constant(1.5, "change of a wheel against the car that is no dive", unit="m/s^2")
+    dive_time: float = constant(0.1, "time in which the slip of a diving wheel multiplies", unit="s")
+    force: float = constant(0.05, "force that torques tell, over the load, times g", unit="m/s^2")
+    blind_force: float = constant(0.3, "force that only the accelerometer tells, over the load, times g", unit="m/s^2")
+    unequal: float = constant(10.0, "share by which the force of one wheel differs from that of the car")
+    correlation: float = constant(0.1, "time for which the error of a force is one", unit="s")
+    pressure_delay: float = constant(0.012, "age of a pressure", unit="s")
+    pressure_lag: float = constant(0.02, "time after which a pressure has come", unit="s")
+    radius: float = constant(0.002, "radius of a wheel, and of all together, as a share")
+    bent: float = constant(0.4, "share by which a slip is not its force times c: the curve of a tyre bends")
+    unknown_acceleration: float = constant(5.0, "acceleration in the square root of a second, unseen", unit="m/s^2")
+
+
+class _Past(NamedTuple):
+    """What was measured at one stamp."""
+
+    stamp: int
+    rim_speeds: Array
+    integral: float
+    """Of the accelerometer's reading since the start [m/s]."""
+
+
+_JITTER: Final = 100_000
+"""By which stamps may be off their grid [ns]."""
+_LOCKED: Final = 0.6
+"""Rim speed [m/s] below which an encoder reads zero."""
+_SLOWEST: Final = 1.0
+"""Speed [m/s] that divides in place of a slower one."""
+_TELLING: Final = 0.5
+"""Force over load times g [m/s^2] from which on a tyre's slip has the sign of its force."""
+
+
+class CarMotion:
+    """Motion of one car; nothing is known before `started`."""
+
+    def __init__(self, vehicle: Vehicle, wheel_speed_stddev: float, noise: MotionNoise = MotionNoise()) -> None:
+        """Start without samples; `wheel_speed_stddev` is the noise of a wheel speed [rad/s]."""
+        self._noise = noise
+        wheels, mounting = vehicle.wheels, vehicle.accelerometer
+        self._count = len(wheels)
+        self._size = C + self._count
+        self._radii = np.array(vehicle.radii)
+        self.know_noise(wheel_speed_stddev**2)
+        scale = specified_stddev(mounting.deviations, "scale")
+        pitch = GRAVITY * deviation_of(mounting.deviations, "pitch_gain", 0.0)
+        self._gain = noise.gain if scale is None else hypot(scale / mounting.scale, pitch)
+        self._offset = max(noise.offset, deviation_of(mounting.deviations, "bias", 0.0))
+        self._delay = mounting.delay
+        self._load = vehicle.mass * GRAVITY * np.array(vehicle.load_shares)
+        self._transfer = vehicle.mass * np.array(vehicle.transfer_shares)
+        self._mass = vehicle.mass
+        self._inertia = np.array([wheel.inertia for wheel in wheels])
+        self._relaxation = np.array([wheel.relaxation_length for wheel in wheels])
+        driven = np.array([wheel.driven for wheel in wheels])
+        self._driven = driven if driven.any() and not driven.all() else None
+        self._left = np.array([0.5 * vehicle.track * (1.0 if wheel.side == "left" else -1.0) for wheel in wheels])
+        self._ahead = np.array([0.5 * vehicle.wheelbase**2 if wheel.axle == FRONT else 0.0 for wheel in wheels])
+        alike = noise.compliance_alike
+        self._compliance = noise.compliance_stddev**2 * (alike + (1.0 - alike) * np.eye(self._count))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        p = self._noise
+        prior = np.zeros((self._size, self._size))
+        prior[V, V], prior[B, B], prior[K, K], prior[U, U] = 1e6, self._offset**2, self._gain**2, 0.1**2
+        prior[C:, C:] = self._compliance
+        self._x = np.zeros((2, self._size))
+        self._x[:, C:] = p.compliance
+        self._p = np.repeat(prior[None], 2, axis=0)
+        self.probabilities = np.array([0.9, 0.1])
+        """Of the hypotheses, shape (2,)."""
+        self.started = False
+        """Whether there is a speed."""
+        self.force = np.zeros(self._count)
+        """Force of every tyre over its load, times g [m/s^2], braking positive, shape (wheels,)."""
+        self._past: deque[_Past] = deque(maxlen=400)
+        self._integral = 0.0
+        self._reading: float | None = None
+        self._last: int | None = None
+        self._told = False
+        self._unrest = np.zeros(self._count)
+        self._force_before: Array | None = None
+        self._collapse()
+
+    def know_noise(self, variance: float) -> None:
+        """Take the variance of a wheel speed [rad^2/s^2]."""
+        self._rim_variance = variance * float(self._radii.max()) ** 2
+
+    @property
+    def speed(self) -> float:
+        """Speed of the middle of the rear axle [m/s]."""
+        return float(self.mean[V])
+
+    @property
+    def offset(self) -> float:
+        """Offset of the accelerometer, slope of the road included [m/s^2]."""
+        return float(self.mean[B])
+
+    @property
+    def acceleration(self) -> float:
+        """Acceleration along the road [m/s^2]."""
+        return float(((self._reading or 0.0) - self.mean[B]) * (1.0 - self.mean[K]))
+
+    @property
+    def acceleration_variance(self) -> float:
+        """Variance of it [m^2/s^4]."""
+        by_gain = float(self.covariance[K, K]) * self.acceleration**2
+        return float(self.covariance[B, B]) + self._noise.acceleration**2 + by_gain
+
+    @property
+    def variance(self) -> float:
+        """Variance of the speed [m^2/s^2], with the radii and the bend of the tyres' curves."""
+        p, v = self._noise, self.mean[V]
+        least = max(float(np.min(self.mean[C:] * self.force)), 0.0)
+        return float(self.covariance[V, V] + (p.radius * v) ** 2 + (p.bent * least * v) ** 2)
+
+    def ground(self, wheel: int) -> tuple[float, float]:
+        """Speed of the ground at a wheel [m/s] and its variance [m^2/s^2]."""
+        v, u = float(self.mean[V]), float(self.mean[U])
+        slow = max(abs(v), _SLOWEST)
+        by_yaw = 2.0 * self._ahead[wheel] * u / slow - self._left[wheel]
+        of_yaw = by_yaw**2 * self.covariance[U, U] + 2.0 * by_yaw * self.covariance[V, U]
+        return v - self._left[wheel] * u + self._ahead[wheel] * u * u / slow, max(self.variance + float(of_yaw), 1e-8)
+
+    def update(
+        self,
+        stamp: int,
+        rim_speeds: Sequence[float],
+        reading: float | None,
+        torques: Sequence[float] = (),
+        yaw_rate: float | None = None,
+    ) -> None:
+        """Take one sample.
+
+        Args:
+            stamp: of the sample [ns], later than the last.
+            rim_speeds: r omega of each wheel as measured [m/s], NaN where missing.
+            reading: of the accelerometer, forward positive [m/s^2], None if there is none.
+            torques: of the brakes [N m], NaN where unknown; empty where no brake is known.
+            yaw_rate: [rad/s], counter-clockwise positive, None if there is none.
+        """
+        if self._last is not None and stamp - self._last > NANOSECONDS:
+            self.reset()
+        dt = 0.0 if self._last is None else (stamp - self._last) / NANOSECONDS
+        self._last = stamp
+        rims = np.array(rim_speeds)
+        if not self.started:
+            self._start(stamp, rims, reading)
+            return
+        self._mix(dt)
+        self._predict(dt, reading)
+        self._integral += dt * (reading or 0.0)
+        self._past.append(_Past(stamp, rims, self._integral))
+        self._correct_by_wheels(stamp, dt, torques)
+        if yaw_rate is not None:
+            self._correct_one(U, yaw_rate, self._noise.gyroscope**2)
+        self._collapse()
+
+    def take_speed(self, stamp: int, speed: float, variance: float) -> None:
+        """Correct by a speed [m/s] with its variance [m^2/s^2] that was measured at a stamp [ns]."""
+        then = next((each for each in reversed(self._past) if each.stamp <= stamp), None)
+        if then is None or self._last is None:
+            return
+        age = max((self._last - stamp) / NANOSECONDS, 0.0)
+        since = self._integral - then.integral - age * self._x[:, B]
+        innovation, spread = self._correct_one(V, speed + since, variance)
+        self._weigh(-0.5 * (innovation**2 / spread + np.log(spread)))
+        self._collapse()
+
+    def _start(self, stamp: int, rims: Array, reading: float | None) -> None:
+        """Begin at the wheels, with the slip that they may have, once there is a wheel and an accelerometer."""
+        p = self._noise
+        self._reading = reading
+        self._past.append(_Past(stamp, rims, 0.0))
+        known = rims[np.isfinite(rims)]
+        if not known.size or reading is None or stamp - self._past[0].stamp < 2.0 * p.pressure_lag * NANOSECONDS:
+            return
+        speed, force = float(np.median(known)), max(abs(reading) - p.blind_force, 0.0)
+        self._x[:, V] = speed * (1.0 - np.sign(reading) * p.compliance * force)
+        self._p[:, V, V] = self._rim_variance + (p.compliance_stddev * force * speed) ** 2
+        self.started = True
+        self._past.clear()
+        self._past.append(_Past(stamp, rims, 0.0))
+        self._collapse()
+
+    def _mix(self, dt: float) -> None:
+        """Let the hypotheses change into each other (interacting multiple models)."""
+        p, way = self._noise, dt * abs(float(self.mean[V]))
+        known = p.slope_known**2 / (p.slope_known**2 + float(self._p[SLOPE_CHANGED, B, B]))
+        out, back = min(way / p.slope_every, 0.5), min(way / p.slope_length * known, 0.5)
+        joint = np.array([[1.0 - out, out], [back, 1.0 - back]]) * self.probabilities[:, None]
+        self.probabilities = joint.sum(axis=0)
+        share = joint / np.maximum(self.probabilities, 1e-300)
+        apart = self._x[1] - self._x[0]
+        spread = np.outer(apart, apart)
+        self._x = share.T @ self._x
+        first, second = self._p
+        self._p = np.stack([s[0] * first + s[1] * second + s[0] * s[1] * spread for s in share.T])
+
+    def _predict(self, dt: float, reading: float | None) -> None:
+        p, x = self._noise, self._x
+        step = 0.0 if reading is None or self._reading is None else reading - self._reading
+        self._reading = reading
+        force = (reading or 0.0) - x[:, B]
+        turn = exp(-dt / p.curve_time)
+        stay = 1.0 if self._told else exp(-dt / p.unforced_time)
+        f = np.repeat(np.eye(self._size)[None], 2, axis=0)
+        f[:, V, B], f[:, V, K] = -dt * (1.0 - x[:, K]), -dt * force
+        f[:, U, U] = turn
+        wheels = np.arange(C, self._size)
+        f[:, wheels, wheels] = stay
+        x[:, V] += dt * force * (1.0 - x[:, K]) + self._delay * step
+        x[:, U] *= turn
+        x[:, C:] = p.compliance + stay * (x[:, C:] - p.compliance)
+        covariance = f @ self._p @ f.transpose(0, 2, 1)
+        speed = max(abs(float(self.mean[V])), _SLOWEST)
+        covariance[:, V, V] += (dt * p.acceleration) ** 2 + (dt * p.unknown_acceleration**2 if reading is None else 0.0)
+        covariance[SLOPE_KEPT, B, B] += dt * p.offset_walk**2
+        unknown = max(2.0 * p.slope**2 - float(covariance[SLOPE_CHANGED, B, B]), 0.0)
+        covariance[SLOPE_CHANGED, B, B] += dt * speed / p.slope_length * unknown
+        covariance[:, U, U] += (p.lateral / max(speed, 3.0)) ** 2 * (1.0 - turn**2)
+        covariance[:, C:, C:] += self._compliance * (1.0 - stay**2)
+        self._p = covariance
+
+    def _forces(self, reading: float, rim_rates: Array, torques: Sequence[float]) -> tuple[Array, Array]:
+        """Return the forces over load times g [m/s^2], and what their error grows to with them [m/s^2]."""
+        p, sign = self._noise, 1.0 if self.mean[V] >= 0.0 else -1.0
+        braking = -sign * reading
+        load = np.maximum(self._load + self._transfer * braking, 0.1 * self._load)
+        self._told = len(torques) == self._count and all(isfinite(torque) for torque in torques)
+        if braking < 0.0 and self._driven is not None:
+            force = self._mass * braking / self._driven.sum() / load * GRAVITY
+            return np.where(self._driven, force, 0.0), np.where(self._driven, p.blind_force, p.force)
+        unrest = np.sqrt(self._unrest)
+        if self._told:
+            at_rim = (np.array(torques) + self._inertia * sign * rim_rates / self._radii) / self._radii
+            told = at_rim / load * GRAVITY
+            return told, p.force + np.minimum(np.abs(told), unrest)
+        blind = np.full(self._count, np.sign(braking) * max(abs(braking) - p.blind_force, 0.0))
+        return blind, p.blind_force + p.unequal * np.minimum(np.abs(blind), unrest)
+
+    def _correct_by_wheels(self, stamp: int, dt: float, torques: Sequence[float]) -> None:
+        """Take the wheels at the stamp of the pressures that have come by now."""
+        p, past = self._noise, self._past
+        lag = round(p.pressure_lag * NANOSECONDS) - _JITTER
+        samples = next((n for n, each in enumerate(reversed(past)) if stamp - each.stamp >= lag), len(past))
+        if 2 * samples + 1 > len(past):
+            return
+        then, before = past[-1 - samples], past[-1 - 2 * samples]
+        span, age = (stamp - before.stamp) / NANOSECONDS, (stamp - then.stamp) / NANOSECONDS
+        if not 0.0 < span <= 0.5:
+            return
+        reading = (self._integral - before.integral) / span
+        rates = np.nan_to_num((past[-1].rim_speeds - before.rim_speeds) / span)
+        force, doubt = self._forces(reading, rates, torques)
+        speed = max(abs(float(self.mean[V])), _SLOWEST)
+        behind = self._relaxation / speed
+        unlike = reading - self.mean[B] - rates
+        z = then.rim_speeds + behind * unlike
+        once = self._rim_variance * (1.0 + 2.0 * (behind / span) ** 2)
+        late = self._let_slip(dt, force, unlike, behind, span)
+        compliance = np.maximum(self.mean[C:], p.compliance)
+        noise = (compliance * doubt * speed) ** 2 + late + (p.radius * speed) ** 2
+        use = np.isfinite(z) & (np.abs(z) > _LOCKED)
+        many = max(p.correlation / dt, 1.0)
+        self._apply(np.where(use, z, 0.0), use, once, noise, many, age, self._integral - then.integral)
+        self._keep_signs(np.sqrt(late))
+
+    def _let_slip(self, dt: float, force: Array, unlike: Array, behind: Array, span: float) -> Array:
+        """Let c change where forces do; return the variance of a rim that tyre and pressure follow late [m^2/s^2]."""
+        p, speed = self._noise, max(abs(float(self.mean[V])), _SLOWEST)
+        rest = np.maximum(np.abs(unlike) - 3.0 * sqrt(2.0 * self._rim_variance) / span, 0.0)
+        sudden = np.maximum(rest - (p.steepest if self._told else 0.0), 0.0)
+        weight = np.maximum(np.abs(force), _TELLING)
+        change = np.zeros(self._count) if self._force_before is None else force - self._force_before
+        change = change * min(dt / p.pressure_lag, 1.0)
+        self._force_before = force - change if self._force_before is None else self._force_before + change
+        self.force = force
+        grown = (sudden / (speed * weight)) ** 2 * p.dive_time * dt
+        compliance = np.maximum(self.mean[C:], p.compliance)
+        grown += (compliance * change / weight) ** 2 * max(p.correlation / dt, 1.0)
+        wheels = np.arange(C, self._size)
+        self._p[:, wheels, wheels] += grown
+        share = dt / (p.correlation + dt)
+        self._unrest = np.maximum(rest**2, self._unrest + share * (rest**2 - self._unrest))
+        return ((0.5 if self._told else 1.0) * behind + p.pressure_delay) ** 2 * self._unrest
+
+    def _apply(self, z: Array, use: Array, once: Array, noise: Array, many: float, age: float, integral: float) -> None:
+        """Correct both filters by all wheels at once.
+
+        Args:
+            z: rim speeds [m/s], shape (wheels,).
+            use: which of them count.
+            once: variance of what is drawn anew each sample [m^2/s^2].
+            noise: variance of what lasts for `many` samples [m^2/s^2].
+            many: see `noise`.
+            age: of z [s].
+            integral: of the accelerometer since [m/s].
+        """
+        x, covariance = self._x, self._p
+        then = x[:, V] - (integral - age * x[:, B]) * (1.0 - x[:, K])
+        slow = np.maximum(np.abs(then), 3.0)[:, None]
+        u = x[:, U, None]
+        roll = 1.0 - x[:, C:] * self.force
+        ground = then[:, None] - self._left * u + self._ahead * u**2 / slow
+        h = np.zeros((2, self._count, self._size))
+        h[:, :, V], h[:, :, B] = roll, age * roll
+        h[:, :, U] = roll * (2.0 * self._ahead * u / slow - self._left)
+        wheels = np.arange(self._count)
+        h[:, wheels, C + wheels] = -ground * self.force
+        h *= use[None, :, None]
+        innovation = np.where(use, z - ground * roll, 0.0)
+        ph = covariance @ h.transpose(0, 2, 1)
+        inner = h @ ph
+        every = np.where(use, once + noise * many, 1.0)
+        inverse = np.linalg.inv(inner + np.diag(every))
+        gain = ph @ inverse
+        # An error that lasts is one, not many: a sample has its share of it.
+        fresh = np.where(use, once + noise, 1.0)
+        independent = np.where(use, (once + noise) / every, 0.0)
+        own = np.diagonal(inner, axis1=1, axis2=2) + fresh
+        whitened = innovation**2 / own + np.log(own)
+        self._x = x + np.einsum("mai,mi->ma", gain, innovation)
+        lower = covariance - gain @ ph.transpose(0, 2, 1)
+        self._p = 0.5 * (lower + lower.transpose(0, 2, 1))
+        self._weigh(-0.5 * (whitened @ independent))
+
+    def _keep_signs(self, late: Array) -> None:
+        """Move a slip that is against its force to zero, with what goes with it; what is known stays as it is."""
+        x, covariance = self._x, self._p
+        reach = np.abs(x[:, V, None]) * np.abs(self.force)
+        for m, i in np.argwhere((np.abs(self.force) > _TELLING) & (x[:, C:] * reach < -late)):
+            least = -late[i] / max(reach[m, i], 1e-6)
+            if x[m, C + i] < least:
+                x[m] -= covariance[m, :, C + i] / covariance[m, C + i, C + i] * (x[m, C + i] - least)
+
+    def _correct_one(self, state: int, measured: float | Array, variance: float) -> tuple[Array, Array]:
+        """Correct one state by a measurement of it; return innovations and their variances, shape (2,)."""
+        innovation = measured - self._x[:, state]
+        spread = self._p[:, state, state] + variance
+        gain = self._p[:, :, state] / spread[:, None]
+        self._p = self._p - gain[:, :, None] * self._p[:, state, :][:, None, :]
+        self._x = self._x + gain * innovation[:, None]
+        return innovation, spread
+
+    def _weigh(self, log_likelihoods: Array) -> None:
+        weights = self.probabilities * np.exp(log_likelihoods - log_likelihoods.max())
+        self.probabilities = np.maximum(weights / weights.sum(), 1e-12)
+
+    def _collapse(self) -> None:
+        """Take both hypotheses together."""
+        first, second = self.probabilities
+        self.mean = first * self._x[0] + second * self._x[1]
+        """Mean of the states, shape (4 + wheels,)."""
+        apart = self._x[1] - self._x[0]
+        self.covariance = first * self._p[0] + second * self._p[1] + first * second * np.outer(apart, apart)
+        """Of them, shape (4 + wheels, 4 + wheels)."""
