@@ -59,12 +59,11 @@ class MotionNoise:
     compliance: float = constant(0.004, "slip over force to expect", unit="s^2/m")
     compliance_stddev: float = constant(0.05, "its deviation", unit="s^2/m")
     compliance_alike: float = constant(0.8, "correlation of it between the tyres")
-    unforced_time: float = constant(20.0, "time in which it changes where no torque tells the forces", unit="s")
     steepest: float = constant(1.5, "change of a wheel against the car that is no dive", unit="m/s^2")
     dive_time: float = constant(0.1, "time in which the slip of a diving wheel multiplies", unit="s")
     force: float = constant(0.05, "force that torques tell, over the load, times g", unit="m/s^2")
-    blind_force: float = constant(0.3, "force that only the accelerometer tells, over the load, times g", unit="m/s^2")
-    unequal: float = constant(10.0, "share by which the force of one wheel differs from that of the car")
+    blind_force: float = constant(0.6, "force that only the accelerometer tells, over the load, times g", unit="m/s^2")
+    unequal: float = constant(30.0, "share by which the force of one wheel differs from that of the car")
     correlation: float = constant(0.1, "time for which the error of a force is one", unit="s")
     pressure_delay: float = constant(0.012, "age of a pressure", unit="s")
     pressure_lag: float = constant(0.02, "time after which a pressure has come", unit="s")
@@ -266,15 +265,11 @@ class CarMotion:
         self._reading = reading
         force = (reading or 0.0) - x[:, B]
         turn = exp(-dt / p.curve_time)
-        stay = 1.0 if self._told else exp(-dt / p.unforced_time)
         f = np.repeat(np.eye(self._size)[None], 2, axis=0)
         f[:, V, B], f[:, V, K] = -dt * (1.0 - x[:, K]), -dt * force
         f[:, U, U] = turn
-        wheels = np.arange(C, self._size)
-        f[:, wheels, wheels] = stay
         x[:, V] += dt * force * (1.0 - x[:, K]) + self._delay * step
         x[:, U] *= turn
-        x[:, C:] = p.compliance + stay * (x[:, C:] - p.compliance)
         covariance = f @ self._p @ f.transpose(0, 2, 1)
         speed = max(abs(float(self.mean[V])), _SLOWEST)
         covariance[:, V, V] += (dt * p.acceleration) ** 2 + (dt * p.unknown_acceleration**2 if reading is None else 0.0)
@@ -282,7 +277,6 @@ class CarMotion:
         unknown = max(2.0 * p.slope**2 - float(covariance[SLOPE_CHANGED, B, B]), 0.0)
         covariance[SLOPE_CHANGED, B, B] += dt * speed / p.slope_length * unknown
         covariance[:, U, U] += (p.lateral / max(speed, 3.0)) ** 2 * (1.0 - turn**2)
-        covariance[:, C:, C:] += self._compliance * (1.0 - stay**2)
         self._p = covariance
 
     def _forces(self, reading: float, rim_rates: Array, torques: Sequence[float]) -> tuple[Array, Array]:
