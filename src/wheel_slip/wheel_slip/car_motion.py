@@ -32,6 +32,7 @@ from friction_parameters.parameter import constant
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import FRONT, Vehicle, deviation_of, specified_stddev
+from vehicle_models.wheel_forces import LEAST_SHARE
 
 Array = NDArray[np.float64]
 
@@ -87,6 +88,8 @@ _LOCKED: Final = 0.6
 """Rim speed [m/s] below which an encoder reads zero."""
 _SLOWEST: Final = 1.0
 """Speed [m/s] that divides in place of a slower one."""
+_SLOWEST_TURN: Final = 3.0
+"""The same where a curve is told by it: below, a car can turn on the spot."""
 _TELLING: Final = 0.5
 """Force over load times g [m/s^2] from which on a tyre's slip has the sign of its force."""
 
@@ -178,11 +181,15 @@ class CarMotion:
 
     def ground(self, wheel: int) -> tuple[float, float]:
         """Speed of the ground at a wheel [m/s] and its variance [m^2/s^2]."""
-        v, u = float(self.mean[V]), float(self.mean[U])
-        slow = max(abs(v), _SLOWEST)
-        by_yaw = 2.0 * self._ahead[wheel] * u / slow - self._left[wheel]
+        grounds, by_yaws = self._ground(self.mean[V], self.mean[U])
+        by_yaw = by_yaws[wheel]
         of_yaw = by_yaw**2 * self.covariance[U, U] + 2.0 * by_yaw * self.covariance[V, U]
-        return v - self._left[wheel] * u + self._ahead[wheel] * u * u / slow, max(self.variance + float(of_yaw), 1e-8)
+        return float(grounds[wheel]), max(self.variance + float(of_yaw), 1e-8)
+
+    def _ground(self, speed: Array, yaw_rate: Array) -> tuple[Array, Array]:
+        """Return the ground speed of every wheel [m/s] and its change with the yaw rate [m], in the last axis."""
+        bend = self._ahead * yaw_rate / np.maximum(np.abs(speed), _SLOWEST_TURN)
+        return speed + (bend - self._left) * yaw_rate, 2.0 * bend - self._left
 
     def update(
         self,
@@ -276,14 +283,14 @@ class CarMotion:
         covariance[SLOPE_KEPT, B, B] += dt * p.offset_walk**2
         unknown = max(2.0 * p.slope**2 - float(covariance[SLOPE_CHANGED, B, B]), 0.0)
         covariance[SLOPE_CHANGED, B, B] += dt * speed / p.slope_length * unknown
-        covariance[:, U, U] += (p.lateral / max(speed, 3.0)) ** 2 * (1.0 - turn**2)
+        covariance[:, U, U] += (p.lateral / max(speed, _SLOWEST_TURN)) ** 2 * (1.0 - turn**2)
         self._p = covariance
 
     def _forces(self, reading: float, rim_rates: Array, torques: Sequence[float]) -> tuple[Array, Array]:
         """Return the forces over load times g [m/s^2], and what their error grows to with them [m/s^2]."""
         p, sign = self._noise, 1.0 if self.mean[V] >= 0.0 else -1.0
         braking = -sign * reading
-        load = np.maximum(self._load + self._transfer * braking, 0.1 * self._load)
+        load = np.maximum(self._load + self._transfer * braking, LEAST_SHARE * self._load)
         self._told = len(torques) == self._count and all(isfinite(torque) for torque in torques)
         if braking < 0.0 and self._driven is not None:
             force = self._mass * braking / self._driven.sum() / load * GRAVITY
@@ -356,13 +363,11 @@ class CarMotion:
         """
         x, covariance = self._x, self._p
         then = x[:, V] - (integral - age * x[:, B]) * (1.0 - x[:, K])
-        slow = np.maximum(np.abs(then), 3.0)[:, None]
-        u = x[:, U, None]
         roll = 1.0 - x[:, C:] * self.force
-        ground = then[:, None] - self._left * u + self._ahead * u**2 / slow
+        ground, by_yaw = self._ground(then[:, None], x[:, U, None])
         h = np.zeros((2, self._count, self._size))
         h[:, :, V], h[:, :, B] = roll, age * roll
-        h[:, :, U] = roll * (2.0 * self._ahead * u / slow - self._left)
+        h[:, :, U] = roll * by_yaw
         wheels = np.arange(self._count)
         h[:, wheels, C + wheels] = -ground * self.force
         h *= use[None, :, None]
@@ -388,7 +393,7 @@ class CarMotion:
         reach = np.abs(x[:, V, None]) * np.abs(self.force)
         for m, i in np.argwhere((np.abs(self.force) > _TELLING) & (x[:, C:] * reach < -late)):
             least = -late[i] / max(reach[m, i], 1e-6)
-            if x[m, C + i] < least:
+            if x[m, C + i] < least:  # the move of a wheel before it has moved this one too
                 x[m] -= covariance[m, :, C + i] / covariance[m, C + i, C + i] * (x[m, C + i] - least)
 
     def _correct_one(self, state: int, measured: float | Array, variance: float) -> tuple[Array, Array]:
