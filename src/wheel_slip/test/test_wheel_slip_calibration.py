@@ -6,7 +6,7 @@ import pytest
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimator import EstimatorParameters, SlipEstimator
 from wheel_slip.radius_calibration import CalibrationParameters, Radii, RadiusCalibration
-from wheel_slip.speed_sample import SpeedSample
+from wheel_slip.estimate import SpeedSample
 
 STEP = 5_000_000
 TRUE = np.array([0.301, 0.299, 0.304, 0.3035])

@@ -8,7 +8,7 @@ from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.outvoted import Outvoted
-from wheel_slip.speed_sample import SpeedSample
+from wheel_slip.estimate import SpeedSample
 
 STEP = 5_000_000
 CAR = load_vehicle("compact_car")

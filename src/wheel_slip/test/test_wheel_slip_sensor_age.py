@@ -11,7 +11,7 @@ from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimate import SpeedSource, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
-from wheel_slip.speed_sample import SpeedSample
+from wheel_slip.estimate import SpeedSample
 
 STEP = 0.01
 DURATION = 40.0

@@ -9,7 +9,7 @@ from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimate import SpeedSource, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.sensor_skew import SensorSkew
-from wheel_slip.speed_sample import SpeedSample
+from wheel_slip.estimate import SpeedSample
 
 STEP = 5_000_000
 CAR = load_vehicle("compact_car")

@@ -14,7 +14,7 @@ from vehicle_models.vehicle_file import load_vehicle, vehicle_path
 from wheel_slip.estimate import SpeedSource, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.slide_detector import SlideDetector
-from wheel_slip.speed_sample import SpeedSample
+from wheel_slip.estimate import SpeedSample
 from wheel_slip.tuning import SlideTuning, SlopeTuning
 
 STEP = 5_000_000

@@ -7,10 +7,11 @@
 | k | error of the accelerometer's gain: scale, pitch of the body | - | constant |
 | u | yaw rate, counter-clockwise positive | rad/s | u' = -u / T_u + n_u |
 | c_i | slip of tyre i over its force, a share of its load times g | s^2/m | constant while the force is |
+| e_i | error of the radius of wheel i, as a share | - | constant: with `radius_walk` |
 
 A wheel at (x_i, y_i) from the middle of the rear axle rolls on ground that passes at g_i = v - u y_i + (u x_i)^2 / 2v:
 
-    z_i + (sigma_i / v)(v' - r omega_i') = g_i (1 - c_i d_i) + n_i
+    z_i + (sigma_i / v)(v' - r omega_i') = g_i (1 - c_i d_i)(1 - e_i) + n_i
 
 in which the left side is the rim speed, ahead of the tyre by the relaxation length sigma_i, and d_i is g times the
 force of the tyre over its load: of brake torque and wheel acceleration where the pressures are known, of the reading of
@@ -31,13 +32,13 @@ from numpy.typing import NDArray
 from friction_parameters.parameter import constant
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.vehicle import FRONT, Vehicle, deviation_of, specified_stddev
+from vehicle_models.vehicle import FRONT, STATED, Vehicle, deviation_of, specified_stddev
 from vehicle_models.wheel_forces import LEAST_SHARE
 
 Array = NDArray[np.float64]
 
 V, B, K, U, C = range(5)
-"""Indices of the states; those of c begin at C."""
+"""Indices of the states; those of c begin at C, those of e follow."""
 SLOPE_KEPT, SLOPE_CHANGED = range(2)
 """The hypotheses: the road has the slope that was last seen, or has changed it since."""
 
@@ -54,7 +55,7 @@ class MotionNoise:
     slope_length: float = constant(40.0, "way on which a slope changes", unit="m")
     slope_every: float = constant(200.0, "way from one change of slope to the next", unit="m")
     slope_known: float = constant(0.05, "deviation of a slope that is known again", unit="m/s^2")
-    lateral: float = constant(2.0, "lateral acceleration of ordinary driving", unit="m/s^2")
+    lateral: float = constant(1.0, "lateral acceleration of ordinary driving", unit="m/s^2")
     curve_time: float = constant(1.0, "time in which a curve comes and goes", unit="s")
     gyroscope: float = constant(0.045, "noise and offset of a sample of the yaw rate", unit="rad/s")
     compliance: float = constant(0.004, "slip over force to expect", unit="s^2/m")
@@ -68,9 +69,25 @@ class MotionNoise:
     correlation: float = constant(0.1, "time for which the error of a force is one", unit="s")
     pressure_delay: float = constant(0.012, "age of a pressure", unit="s")
     pressure_lag: float = constant(0.02, "time after which a pressure has come", unit="s")
-    radius: float = constant(0.002, "radius of a wheel, and of all together, as a share")
+    radius: float = constant(0.002, "what a wheel's speed is off by over its radius: bumps, as a share")
+    radius_walk: float = constant(1e-4, "change of a radius in the square root of a second, as a share")
     bent: float = constant(0.4, "share by which a slip is not its force times c: the curve of a tyre bends")
     unknown_acceleration: float = constant(5.0, "acceleration in the square root of a second, unseen", unit="m/s^2")
+
+
+class WheelMotion(NamedTuple):
+    """Where a wheel is, and how well that is known."""
+
+    ground: float
+    """Speed of the ground at it [m/s]."""
+    ground_variance: float
+    """[m^2/s^2]"""
+    radius: float
+    """[m]"""
+    radius_variance: float
+    """As a share [-]."""
+    covariance: float
+    """Of ground speed and radius error [m/s]."""
 
 
 class _Past(NamedTuple):
@@ -102,7 +119,8 @@ class CarMotion:
         self._noise = noise
         wheels, mounting = vehicle.wheels, vehicle.accelerometer
         self._count = len(wheels)
-        self._size = C + self._count
+        self._e = C + self._count
+        self._size = self._e + self._count
         self._radii = np.array(vehicle.radii)
         self.know_noise(wheel_speed_stddev**2)
         scale = specified_stddev(mounting.deviations, "scale")
@@ -119,7 +137,13 @@ class CarMotion:
         self._driven = driven if driven.any() and not driven.all() else None
         self._left = np.array([0.5 * vehicle.track * (1.0 if wheel.side == "left" else -1.0) for wheel in wheels])
         self._ahead = np.array([0.5 * vehicle.wheelbase**2 if wheel.axle == FRONT else 0.0 for wheel in wheels])
+        common = max(deviation_of(wheel.deviations, "radius", 0.0) / wheel.radius for wheel in wheels)
+        unstated = 0.5 * STATED["radius"]  # half is what all have in common
+        apart = [deviation_of(each.deviations, "radius", unstated * each.radius) / each.radius for each in wheels]
+        self._radius_errors = common**2 + np.diag(np.square(apart))
         alike = noise.compliance_alike
+        self._of_speed, self._of_yaw = np.zeros((2, 2, self._size))
+        self._of_speed[:, V], self._of_yaw[:, U] = 1.0, 1.0
         self._compliance = noise.compliance_stddev**2 * (alike + (1.0 - alike) * np.eye(self._count))
         self.reset()
 
@@ -127,10 +151,11 @@ class CarMotion:
         """Forget everything."""
         p = self._noise
         prior = np.zeros((self._size, self._size))
-        prior[V, V], prior[B, B], prior[K, K], prior[U, U] = 1e6, self._offset**2, self._gain**2, 0.1**2
-        prior[C:, C:] = self._compliance
+        prior[B, B], prior[K, K], prior[U, U] = self._offset**2, self._gain**2, 0.1**2
+        prior[C : self._e, C : self._e] = self._compliance
+        prior[self._e :, self._e :] = self._radius_errors
         self._x = np.zeros((2, self._size))
-        self._x[:, C:] = p.compliance
+        self._x[:, C : self._e] = p.compliance
         self._p = np.repeat(prior[None], 2, axis=0)
         self.probabilities = np.array([0.9, 0.1])
         """Of the hypotheses, shape (2,)."""
@@ -157,9 +182,24 @@ class CarMotion:
         return float(self.mean[V])
 
     @property
+    def yaw_rate(self) -> float:
+        """Yaw rate [rad/s], counter-clockwise positive."""
+        return float(self.mean[U])
+
+    @property
+    def yaw_variance(self) -> float:
+        """Variance of it [rad^2/s^2]."""
+        return float(self.covariance[U, U])
+
+    @property
     def offset(self) -> float:
         """Offset of the accelerometer, slope of the road included [m/s^2]."""
         return float(self.mean[B])
+
+    @property
+    def offset_variance(self) -> float:
+        """Variance of it [m^2/s^4]."""
+        return float(self.covariance[B, B])
 
     @property
     def acceleration(self) -> float:
@@ -176,15 +216,29 @@ class CarMotion:
     def variance(self) -> float:
         """Variance of the speed [m^2/s^2], with the radii and the bend of the tyres' curves."""
         p, v = self._noise, self.mean[V]
-        least = max(float(np.min(self.mean[C:] * self.force)), 0.0)
+        least = max(float(np.min(self.mean[C : self._e] * self.force)), 0.0)
         return float(self.covariance[V, V] + (p.radius * v) ** 2 + (p.bent * least * v) ** 2)
 
-    def ground(self, wheel: int) -> tuple[float, float]:
-        """Speed of the ground at a wheel [m/s] and its variance [m^2/s^2]."""
+    @property
+    def is_forceless(self) -> bool:
+        """Whether no tyre has a force to speak of."""
+        return abs(self._reading or 0.0) < _TELLING and bool(np.all(np.abs(self.force) < _TELLING))
+
+    @property
+    def radius_errors(self) -> tuple[Array, Array]:
+        """Errors of the radii as shares, and their standard deviations, shape (wheels,)."""
+        return self.mean[self._e :], np.sqrt(np.diagonal(self.covariance)[self._e :])
+
+    def wheel(self, index: int) -> WheelMotion:
+        """What a wheel's slip is made of."""
         grounds, by_yaws = self._ground(self.mean[V], self.mean[U])
-        by_yaw = by_yaws[wheel]
-        of_yaw = by_yaw**2 * self.covariance[U, U] + 2.0 * by_yaw * self.covariance[V, U]
-        return float(grounds[wheel]), max(self.variance + float(of_yaw), 1e-8)
+        ground, by_yaw, e = float(grounds[index]), by_yaws[index], self._e + index
+        p = self.covariance
+        beside = self.variance - p[V, V]
+        variance = p[V, V] + by_yaw**2 * p[U, U] + 2.0 * by_yaw * p[V, U] + beside
+        both = float(p[V, e] + by_yaw * p[U, e])
+        radius = float(self._radii[index] * (1.0 + self.mean[e]))
+        return WheelMotion(ground, max(float(variance), 1e-8), radius, float(p[e, e]), both)
 
     def _ground(self, speed: Array, yaw_rate: Array) -> tuple[Array, Array]:
         """Return the ground speed of every wheel [m/s] and its change with the yaw rate [m], in the last axis."""
@@ -222,19 +276,50 @@ class CarMotion:
         self._past.append(_Past(stamp, rims, self._integral))
         self._correct_by_wheels(stamp, dt, torques)
         if yaw_rate is not None:
-            self._correct_one(U, yaw_rate, self._noise.gyroscope**2)
+            self._correct_one(self._of_yaw, yaw_rate - self._x[:, U], self._noise.gyroscope**2)
         self._collapse()
 
+    def compare(self, stamp: int, speed: float) -> tuple[float, float] | None:
+        """Return by how much a measured speed [m/s] differs from that at a stamp [ns], and the variance of that.
+
+        None where nothing is known of that time. Up to the wheels' own error of some share, it is that of both.
+        """
+        seen = self._seen_at(stamp)
+        if seen is None:
+            return None
+        then, h = seen
+        share = self.probabilities
+        innovation = float(share @ (speed - then))
+        spread = share @ np.einsum("ma,mab,mb->m", h, self._p, h)
+        apart = float(share[0] * share[1] * (then[1] - then[0]) ** 2)
+        return innovation, float(spread) + apart + self.variance - float(self.covariance[V, V])
+
     def take_speed(self, stamp: int, speed: float, variance: float) -> None:
-        """Correct by a speed [m/s] with its variance [m^2/s^2] that was measured at a stamp [ns]."""
+        """Correct by a speed [m/s] with its variance [m^2/s^2] that was measured at a stamp [ns]; or start at it."""
+        if not self.started:
+            self._begin_at(speed, variance)
+            return
+        seen = self._seen_at(stamp)
+        if seen is not None:
+            then, h = seen
+            self._correct_one(h, speed - then, variance)
+            self._collapse()
+
+    def _seen_at(self, stamp: int) -> tuple[Array, Array] | None:
+        """Return the speed at a stamp [ns] by each hypothesis [m/s], and its derivatives by the states."""
         then = next((each for each in reversed(self._past) if each.stamp <= stamp), None)
         if then is None or self._last is None:
-            return
+            return None
         age = max((self._last - stamp) / NANOSECONDS, 0.0)
-        since = self._integral - then.integral - age * self._x[:, B]
-        innovation, spread = self._correct_one(V, speed + since, variance)
-        self._weigh(-0.5 * (innovation**2 / spread + np.log(spread)))
-        self._collapse()
+        return self._back(age, self._integral - then.integral)
+
+    def _back(self, age: float, integral: float) -> tuple[Array, Array]:
+        """Return the speed some time [s] ago, and its derivatives; `integral`: of the readings since [m/s]."""
+        x = self._x
+        since = integral - age * x[:, B]
+        h = np.zeros((2, self._size))
+        h[:, V], h[:, B], h[:, K] = 1.0, age * (1.0 - x[:, K]), since
+        return x[:, V] - since * (1.0 - x[:, K]), h
 
     def _start(self, stamp: int, rims: Array, reading: float | None) -> None:
         """Begin at the wheels, with the slip that they may have, once there is a wheel and an accelerometer."""
@@ -244,13 +329,21 @@ class CarMotion:
         known = rims[np.isfinite(rims)]
         if not known.size or reading is None or stamp - self._past[0].stamp < 2.0 * p.pressure_lag * NANOSECONDS:
             return
-        speed, force = float(np.median(known)), max(abs(reading) - p.blind_force, 0.0)
-        self._x[:, V] = speed * (1.0 - np.sign(reading) * p.compliance * force)
-        self._p[:, V, V] = self._rim_variance + (p.compliance_stddev * force * speed) ** 2
-        self.started = True
+        speed = float(np.median(known))
         self._past.clear()
         self._past.append(_Past(stamp, rims, 0.0))
+        locked = abs(speed) <= _LOCKED
+        self._begin_at(speed, self._of_standing(reading, 0.0) if locked else (0.5 * speed) ** 2)
+
+    def _begin_at(self, speed: float, variance: float) -> None:
+        self._x[:, V], self._p[:, V, V] = speed, variance
+        self.started = True
         self._collapse()
+
+    def _of_standing(self, reading: float, speed: float) -> float:
+        """Return the variance of a speed of zero by wheels that stand [m^2/s^2]: small, unless they are locked."""
+        surprise = (reading / self._offset) ** 2 + speed**2 / (float(self.covariance[V, V]) + _LOCKED**2)
+        return float((0.2 * _LOCKED) ** 2 * exp(min(0.5 * surprise, 100.0)))
 
     def _mix(self, dt: float) -> None:
         """Let the hypotheses change into each other (interacting multiple models)."""
@@ -323,9 +416,12 @@ class CarMotion:
         z = then.rim_speeds + behind * unlike
         once = self._rim_variance * (1.0 + 2.0 * (behind / span) ** 2)
         late = self._let_slip(dt, force, unlike, behind, span)
-        compliance = np.maximum(self.mean[C:], p.compliance)
+        compliance = np.maximum(self.mean[C : self._e], p.compliance)
         noise = (compliance * doubt * speed) ** 2 + late + (p.radius * speed) ** 2
         use = np.isfinite(z) & (np.abs(z) > _LOCKED)
+        if not use.any() and np.isfinite(z).any():
+            standing = self._of_standing(reading, float(self.mean[V]))
+            self._correct_one(self._of_speed, -self._x[:, V], standing)
         many = max(p.correlation / dt, 1.0)
         self._apply(np.where(use, z, 0.0), use, once, noise, many, age, self._integral - then.integral)
         self._keep_signs(np.sqrt(late))
@@ -341,10 +437,11 @@ class CarMotion:
         self._force_before = force - change if self._force_before is None else self._force_before + change
         self.force = force
         grown = (sudden / (speed * weight)) ** 2 * p.dive_time * dt
-        compliance = np.maximum(self.mean[C:], p.compliance)
+        compliance = np.maximum(self.mean[C : self._e], p.compliance)
         grown += (compliance * change / weight) ** 2 * max(p.correlation / dt, 1.0)
-        wheels = np.arange(C, self._size)
+        wheels = np.arange(C, self._e)
         self._p[:, wheels, wheels] += grown
+        self._p[:, self._e + wheels - C, self._e + wheels - C] += dt * p.radius_walk**2
         share = dt / (p.correlation + dt)
         self._unrest = np.maximum(rest**2, self._unrest + share * (rest**2 - self._unrest))
         return ((0.5 if self._told else 1.0) * behind + p.pressure_delay) ** 2 * self._unrest
@@ -363,13 +460,15 @@ class CarMotion:
         """
         x, covariance = self._x, self._p
         then = x[:, V] - (integral - age * x[:, B]) * (1.0 - x[:, K])
-        roll = 1.0 - x[:, C:] * self.force
+        of_radius = 1.0 - x[:, self._e :]
+        roll = (1.0 - x[:, C : self._e] * self.force) * of_radius
         ground, by_yaw = self._ground(then[:, None], x[:, U, None])
         h = np.zeros((2, self._count, self._size))
         h[:, :, V], h[:, :, B] = roll, age * roll
         h[:, :, U] = roll * by_yaw
         wheels = np.arange(self._count)
-        h[:, wheels, C + wheels] = -ground * self.force
+        h[:, wheels, C + wheels] = -ground * self.force * of_radius
+        h[:, wheels, self._e + wheels] = -ground * roll
         h *= use[None, :, None]
         innovation = np.where(use, z - ground * roll, 0.0)
         ph = covariance @ h.transpose(0, 2, 1)
@@ -391,19 +490,24 @@ class CarMotion:
         """Move a slip that is against its force to zero, with what goes with it; what is known stays as it is."""
         x, covariance = self._x, self._p
         reach = np.abs(x[:, V, None]) * np.abs(self.force)
-        for m, i in np.argwhere((np.abs(self.force) > _TELLING) & (x[:, C:] * reach < -late)):
+        for m, i in np.argwhere((np.abs(self.force) > _TELLING) & (x[:, C : self._e] * reach < -late)):
             least = -late[i] / max(reach[m, i], 1e-6)
             if x[m, C + i] < least:  # the move of a wheel before it has moved this one too
                 x[m] -= covariance[m, :, C + i] / covariance[m, C + i, C + i] * (x[m, C + i] - least)
 
-    def _correct_one(self, state: int, measured: float | Array, variance: float) -> tuple[Array, Array]:
-        """Correct one state by a measurement of it; return innovations and their variances, shape (2,)."""
-        innovation = measured - self._x[:, state]
-        spread = self._p[:, state, state] + variance
-        gain = self._p[:, :, state] / spread[:, None]
-        self._p = self._p - gain[:, :, None] * self._p[:, state, :][:, None, :]
-        self._x = self._x + gain * innovation[:, None]
-        return innovation, spread
+    def _correct_one(self, h: Array, innovation: Array, variance: float) -> None:
+        """Correct by one measurement.
+
+        Args:
+            h: its derivatives by the states, shape (2, states).
+            innovation: what it differs by from what is expected, shape (2,).
+            variance: of the measurement.
+        """
+        ph = np.einsum("mab,mb->ma", self._p, h)
+        spread = np.einsum("ma,ma->m", h, ph) + variance
+        self._x = self._x + ph * (innovation / spread)[:, None]
+        self._p = self._p - ph[:, :, None] * ph[:, None, :] / spread[:, None, None]
+        self._weigh(-0.5 * (innovation**2 / spread + np.log(spread)))
 
     def _weigh(self, log_likelihoods: Array) -> None:
         weights = self.probabilities * np.exp(log_likelihoods - log_likelihoods.max())
@@ -413,7 +517,7 @@ class CarMotion:
         """Take both hypotheses together."""
         first, second = self.probabilities
         self.mean = first * self._x[0] + second * self._x[1]
-        """Mean of the states, shape (4 + wheels,)."""
+        """Mean of the states, shape (4 + 2 wheels,)."""
         apart = self._x[1] - self._x[0]
         self.covariance = first * self._p[0] + second * self._p[1] + first * second * np.outer(apart, apart)
-        """Of them, shape (4 + wheels, 4 + wheels)."""
+        """Of them, shape (4 + 2 wheels, 4 + 2 wheels)."""
