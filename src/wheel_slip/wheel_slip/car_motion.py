@@ -2,10 +2,12 @@
 
 | state | | unit | model |
 |---|---|---|---|
-| v | speed of the middle of the rear axle, forward positive | m/s | v' = (a_m - b)(1 - k) + n_a |
+| v | speed of the middle of the rear axle, forward positive | m/s | v' = (a_m - b)(1 - k) + (t_0 + t) a_m' + n_a |
 | b | offset of the accelerometer and slope of the road | m/s^2 | walks: with `offset_walk`, or as the slope does |
 | k | error of the accelerometer's gain: scale, pitch of the body | - | constant |
 | u | yaw rate, counter-clockwise positive | rad/s | u' = -u / T_u + n_u |
+| t | age of the accelerometer beyond that of the vehicle file | s | constant |
+| f | error of the force of the engine over the mass: bias of the accelerometer, drag | m/s^2 | constant |
 | c_i | slip of tyre i over its force, a share of its load times g | s^2/m | constant while the force is |
 | e_i | error of the radius of wheel i, as a share | - | constant: with `radius_walk` |
 
@@ -17,7 +19,8 @@ in which the left side is the rim speed, ahead of the tyre by the relaxation len
 force of the tyre over its load: of brake torque and wheel acceleration where the pressures are known, of the reading of
 the accelerometer where not, and none on an axle that only rolls. One equation thus serves a wheel that rolls, slides,
 is released or locked. A slip is constant at a constant force and vanishes with it, so a change that stays is a slope,
-and the moments of little force of a wheel whose brake cycles tell the speed.
+and the moments of little force of a wheel whose brake cycles tell the speed. An age of the accelerometer looks like slip
+that grows with the force, so t is not estimated: what it may do to the other states is in their covariance (Schmidt).
 """
 
 from collections import deque
@@ -32,12 +35,12 @@ from numpy.typing import NDArray
 from friction_parameters.parameter import constant
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.vehicle import FRONT, STATED, Vehicle, deviation_of, specified_stddev
-from vehicle_models.wheel_forces import LEAST_SHARE
+from vehicle_models.vehicle import FRONT, STATED, Vehicle, absolute_deviation, deviation_of, specified_stddev
+from vehicle_models.wheel_forces import LEAST_SHARE, drag
 
 Array = NDArray[np.float64]
 
-V, B, K, U, C = range(5)
+V, B, K, U, T, F, C = range(7)
 """Indices of the states; those of c begin at C, those of e follow."""
 SLOPE_KEPT, SLOPE_CHANGED = range(2)
 """The hypotheses: the road has the slope that was last seen, or has changed it since."""
@@ -65,6 +68,10 @@ class MotionNoise:
     dive_time: float = constant(0.1, "time in which the slip of a diving wheel multiplies", unit="s")
     force: float = constant(0.05, "force that torques tell, over the load, times g", unit="m/s^2")
     blind_force: float = constant(0.6, "force that only the accelerometer tells, over the load, times g", unit="m/s^2")
+    pull: float = constant(0.2, "force of all tyres over the mass: bias of the accelerometer, drag", unit="m/s^2")
+    engine: float = constant(1.0, "force of the engine over the mass, driving or braking", unit="m/s^2")
+    engine_time: float = constant(10.0, "time for which that force may stay", unit="s")
+    brakes: float = constant(0.06, "share by which all brakes together differ from their torques: friction of the pads")
     unequal: float = constant(30.0, "share by which the force of one wheel differs from that of the car")
     correlation: float = constant(0.1, "time for which the error of a force is one", unit="s")
     pressure_delay: float = constant(0.012, "age of a pressure", unit="s")
@@ -103,6 +110,8 @@ _JITTER: Final = 100_000
 """By which stamps may be off their grid [ns]."""
 _LOCKED: Final = 0.6
 """Rim speed [m/s] below which an encoder reads zero."""
+_HARDEST: Final = 12.0
+"""Hardest braking of any car on a road [m/s^2]."""
 _SLOWEST: Final = 1.0
 """Speed [m/s] that divides in place of a slower one."""
 _SLOWEST_TURN: Final = 3.0
@@ -128,13 +137,15 @@ class CarMotion:
         self._gain = noise.gain if scale is None else hypot(scale / mounting.scale, pitch)
         self._offset = max(noise.offset, deviation_of(mounting.deviations, "bias", 0.0))
         self._delay = mounting.delay
+        self._delay_variance = absolute_deviation(mounting.deviations, "delay") ** 2
         self._load = vehicle.mass * GRAVITY * np.array(vehicle.load_shares)
         self._transfer = vehicle.mass * np.array(vehicle.transfer_shares)
         self._mass = vehicle.mass
         self._inertia = np.array([wheel.inertia for wheel in wheels])
         self._relaxation = np.array([wheel.relaxation_length for wheel in wheels])
-        driven = np.array([wheel.driven for wheel in wheels])
-        self._driven = driven if driven.any() and not driven.all() else None
+        driven = np.array([wheel.driven for wheel in wheels], dtype=np.float64)
+        self._driven = driven if driven.any() else np.ones(self._count)
+        self._vehicle = vehicle
         self._left = np.array([0.5 * vehicle.track * (1.0 if wheel.side == "left" else -1.0) for wheel in wheels])
         self._ahead = np.array([0.5 * vehicle.wheelbase**2 if wheel.axle == FRONT else 0.0 for wheel in wheels])
         common = max(deviation_of(wheel.deviations, "radius", 0.0) / wheel.radius for wheel in wheels)
@@ -152,6 +163,7 @@ class CarMotion:
         p = self._noise
         prior = np.zeros((self._size, self._size))
         prior[B, B], prior[K, K], prior[U, U] = self._offset**2, self._gain**2, 0.1**2
+        prior[T, T], prior[F, F] = self._delay_variance, p.pull**2
         prior[C : self._e, C : self._e] = self._compliance
         prior[self._e :, self._e :] = self._radius_errors
         self._x = np.zeros((2, self._size))
@@ -163,9 +175,11 @@ class CarMotion:
         """Whether there is a speed."""
         self.force = np.zeros(self._count)
         """Force of every tyre over its load, times g [m/s^2], braking positive, shape (wheels,)."""
+        self._by_engine = np.zeros(self._count)
         self._past: deque[_Past] = deque(maxlen=400)
         self._integral = 0.0
         self._reading: float | None = None
+        self._felt = 0.0
         self._last: int | None = None
         self._told = False
         self._unrest = np.zeros(self._count)
@@ -204,12 +218,16 @@ class CarMotion:
     @property
     def acceleration(self) -> float:
         """Acceleration along the road [m/s^2]."""
-        return float(((self._reading or 0.0) - self.mean[B]) * (1.0 - self.mean[K]))
+        if self._reading is None:
+            return self._felt
+        return float((self._reading - self.mean[B]) * (1.0 - self.mean[K]))
 
     @property
     def acceleration_variance(self) -> float:
         """Variance of it [m^2/s^4]."""
         by_gain = float(self.covariance[K, K]) * self.acceleration**2
+        if self._reading is None:
+            return self._noise.unknown_acceleration**2
         return float(self.covariance[B, B]) + self._noise.acceleration**2 + by_gain
 
     @property
@@ -272,7 +290,7 @@ class CarMotion:
             return
         self._mix(dt)
         self._predict(dt, reading)
-        self._integral += dt * (reading or 0.0)
+        self._integral += dt * self._felt
         self._past.append(_Past(stamp, rims, self._integral))
         self._correct_by_wheels(stamp, dt, torques)
         if yaw_rate is not None:
@@ -293,6 +311,10 @@ class CarMotion:
         spread = share @ np.einsum("ma,mab,mb->m", h, self._p, h)
         apart = float(share[0] * share[1] * (then[1] - then[0]) ** 2)
         return innovation, float(spread) + apart + self.variance - float(self.covariance[V, V])
+
+    def set_age_variance(self, variance: float) -> None:
+        """Take how far the accelerometer may be late beyond the vehicle file, as a variance [s^2]."""
+        self._p[:, T, T] = np.maximum(self._p[:, T, T], variance)
 
     def take_speed(self, stamp: int, speed: float, variance: float) -> None:
         """Correct by a speed [m/s] with its variance [m^2/s^2] that was measured at a stamp [ns]; or start at it."""
@@ -327,13 +349,13 @@ class CarMotion:
         self._reading = reading
         self._past.append(_Past(stamp, rims, 0.0))
         known = rims[np.isfinite(rims)]
-        if not known.size or reading is None or stamp - self._past[0].stamp < 2.0 * p.pressure_lag * NANOSECONDS:
+        if not known.size or stamp - self._past[0].stamp < 2.0 * p.pressure_lag * NANOSECONDS:
             return
         speed = float(np.median(known))
         self._past.clear()
         self._past.append(_Past(stamp, rims, 0.0))
         locked = abs(speed) <= _LOCKED
-        self._begin_at(speed, self._of_standing(reading, 0.0) if locked else (0.5 * speed) ** 2)
+        self._begin_at(speed, self._of_standing(reading or 0.0, 0.0) if locked else (0.5 * speed) ** 2)
 
     def _begin_at(self, speed: float, variance: float) -> None:
         self._x[:, V], self._p[:, V, V] = speed, variance
@@ -363,12 +385,15 @@ class CarMotion:
         p, x = self._noise, self._x
         step = 0.0 if reading is None or self._reading is None else reading - self._reading
         self._reading = reading
-        force = (reading or 0.0) - x[:, B]
+        if reading is not None:
+            self._felt = reading
+        force = self._felt - (x[:, B] if reading is not None else 0.0)
         turn = exp(-dt / p.curve_time)
         f = np.repeat(np.eye(self._size)[None], 2, axis=0)
-        f[:, V, B], f[:, V, K] = -dt * (1.0 - x[:, K]), -dt * force
+        if reading is not None:
+            f[:, V, B], f[:, V, K], f[:, V, T] = -dt * (1.0 - x[:, K]), -dt * force, step
         f[:, U, U] = turn
-        x[:, V] += dt * force * (1.0 - x[:, K]) + self._delay * step
+        x[:, V] += dt * force * (1.0 - x[:, K]) + (self._delay + x[:, T]) * step
         x[:, U] *= turn
         covariance = f @ self._p @ f.transpose(0, 2, 1)
         speed = max(abs(float(self.mean[V])), _SLOWEST)
@@ -380,21 +405,30 @@ class CarMotion:
         self._p = covariance
 
     def _forces(self, reading: float, rim_rates: Array, torques: Sequence[float]) -> tuple[Array, Array]:
-        """Return the forces over load times g [m/s^2], and what their error grows to with them [m/s^2]."""
+        """Return the forces over load times g [m/s^2], and what their error grows to with them [m/s^2].
+
+        What the accelerometer feels beside drag and brakes is the engine's: a force of the driven wheels.
+        """
         p, sign = self._noise, 1.0 if self.mean[V] >= 0.0 else -1.0
-        braking = -sign * reading
-        load = np.maximum(self._load + self._transfer * braking, LEAST_SHARE * self._load)
-        self._told = len(torques) == self._count and all(isfinite(torque) for torque in torques)
-        if braking < 0.0 and self._driven is not None:
-            force = self._mass * braking / self._driven.sum() / load * GRAVITY
-            return np.where(self._driven, force, 0.0), np.where(self._driven, p.blind_force, p.force)
+        load = np.maximum(self._load - self._transfer * sign * reading, LEAST_SHARE * self._load)
+        pull = -sign * reading - float(drag(self._vehicle, abs(float(self.mean[V])))) / self._mass
         unrest = np.sqrt(self._unrest)
+        self._told = len(torques) == self._count and all(isfinite(torque) for torque in torques)
         if self._told:
             at_rim = (np.array(torques) + self._inertia * sign * rim_rates / self._radii) / self._radii
-            told = at_rim / load * GRAVITY
-            return told, p.force + np.minimum(np.abs(told), unrest)
-        blind = np.full(self._count, np.sign(braking) * max(abs(braking) - p.blind_force, 0.0))
-        return blind, p.blind_force + p.unequal * np.minimum(np.abs(blind), unrest)
+            force = at_rim / load * GRAVITY
+            braked = float(at_rim.sum()) / self._mass
+            engine, unsure = pull - braked, p.brakes * braked
+        else:
+            force = np.full(self._count, max(pull - p.blind_force, 0.0))
+            engine, unsure = min(pull, 0.0), 0.0
+        share = p.engine**2 / (p.engine**2 + unsure**2)
+        driven = self._driven * self._mass * GRAVITY / float((self._driven * load).sum())
+        self._by_engine = share * driven if self._told or engine < 0.0 else np.zeros(self._count)
+        force = force + self._by_engine * (engine + self.mean[F])
+        least, uneven = (p.force, 1.0) if self._told else (p.blind_force, p.unequal)
+        doubt = least + uneven * np.minimum(np.abs(force), unrest)
+        return force, np.hypot(doubt, sqrt(share) * unsure * driven)
 
     def _correct_by_wheels(self, stamp: int, dt: float, torques: Sequence[float]) -> None:
         """Take the wheels at the stamp of the pressures that have come by now."""
@@ -407,9 +441,11 @@ class CarMotion:
         span, age = (stamp - before.stamp) / NANOSECONDS, (stamp - then.stamp) / NANOSECONDS
         if not 0.0 < span <= 0.5:
             return
-        reading = (self._integral - before.integral) / span
         rates = np.nan_to_num((past[-1].rim_speeds - before.rim_speeds) / span)
+        reading = (self._integral - before.integral) / span
         force, doubt = self._forces(reading, rates, torques)
+        if self._reading is None:
+            self._felt = self._unread(rates, force)
         speed = max(abs(float(self.mean[V])), _SLOWEST)
         behind = self._relaxation / speed
         unlike = reading - self.mean[B] - rates
@@ -418,6 +454,10 @@ class CarMotion:
         late = self._let_slip(dt, force, unlike, behind, span)
         compliance = np.maximum(self.mean[C : self._e], p.compliance)
         noise = (compliance * doubt * speed) ** 2 + late + (p.radius * speed) ** 2
+        # To second order: while neither slip over force nor the engine's force is known, their product is an error.
+        unknown = np.diagonal(self.covariance)
+        both = unknown[C : self._e] * unknown[F] * (self._by_engine * speed) ** 2
+        noise = noise + both * p.engine_time / p.correlation
         use = np.isfinite(z) & (np.abs(z) > _LOCKED)
         if not use.any() and np.isfinite(z).any():
             standing = self._of_standing(reading, float(self.mean[V]))
@@ -425,6 +465,14 @@ class CarMotion:
         many = max(p.correlation / dt, 1.0)
         self._apply(np.where(use, z, 0.0), use, once, noise, many, age, self._integral - then.integral)
         self._keep_signs(np.sqrt(late))
+
+    def _unread(self, rim_rates: Array, force: Array) -> float:
+        """Return the acceleration without an accelerometer [m/s^2]: of the forces where told, else of the wheels."""
+        if self._told and np.any(force > _TELLING):
+            load = np.maximum(self._load - self._transfer * self._felt, LEAST_SHARE * self._load)
+            resistance = float(drag(self._vehicle, abs(float(self.mean[V]))))
+            return -(float(force @ load) / GRAVITY + resistance) / self._mass
+        return float(np.clip(np.median(rim_rates), -_HARDEST, _HARDEST))
 
     def _let_slip(self, dt: float, force: Array, unlike: Array, behind: Array, span: float) -> Array:
         """Let c change where forces do; return the variance of a rim that tyre and pressure follow late [m^2/s^2]."""
@@ -467,6 +515,7 @@ class CarMotion:
         h[:, :, V], h[:, :, B] = roll, age * roll
         h[:, :, U] = roll * by_yaw
         wheels = np.arange(self._count)
+        h[:, :, F] = -ground * x[:, C : self._e] * self._by_engine * of_radius
         h[:, wheels, C + wheels] = -ground * self.force * of_radius
         h[:, wheels, self._e + wheels] = -ground * roll
         h *= use[None, :, None]
@@ -476,6 +525,7 @@ class CarMotion:
         every = np.where(use, once + noise * many, 1.0)
         inverse = np.linalg.inv(inner + np.diag(every))
         gain = ph @ inverse
+        gain[:, T] = 0.0
         # An error that lasts is one, not many: a sample has its share of it.
         fresh = np.where(use, once + noise, 1.0)
         independent = np.where(use, (once + noise) / every, 0.0)
@@ -483,6 +533,7 @@ class CarMotion:
         whitened = innovation**2 / own + np.log(own)
         self._x = x + np.einsum("mai,mi->ma", gain, innovation)
         lower = covariance - gain @ ph.transpose(0, 2, 1)
+        lower[:, T] = lower[:, :, T]
         self._p = 0.5 * (lower + lower.transpose(0, 2, 1))
         self._weigh(-0.5 * (whitened @ independent))
 
@@ -505,8 +556,11 @@ class CarMotion:
         """
         ph = np.einsum("mab,mb->ma", self._p, h)
         spread = np.einsum("ma,ma->m", h, ph) + variance
-        self._x = self._x + ph * (innovation / spread)[:, None]
-        self._p = self._p - ph[:, :, None] * ph[:, None, :] / spread[:, None, None]
+        gain = ph / spread[:, None]
+        gain[:, T] = 0.0
+        self._x = self._x + gain * innovation[:, None]
+        self._p = self._p - gain[:, :, None] * ph[:, None, :]
+        self._p[:, T] = self._p[:, :, T]
         self._weigh(-0.5 * (innovation**2 / spread + np.log(spread)))
 
     def _weigh(self, log_likelihoods: Array) -> None:
@@ -517,7 +571,7 @@ class CarMotion:
         """Take both hypotheses together."""
         first, second = self.probabilities
         self.mean = first * self._x[0] + second * self._x[1]
-        """Mean of the states, shape (4 + 2 wheels,)."""
+        """Mean of the states, shape (6 + 2 wheels,)."""
         apart = self._x[1] - self._x[0]
         self.covariance = first * self._p[0] + second * self._p[1] + first * second * np.outer(apart, apart)
-        """Of them, shape (4 + 2 wheels, 4 + 2 wheels)."""
+        """Of them, shape (6 + 2 wheels, 6 + 2 wheels)."""

@@ -6,18 +6,17 @@ from math import isfinite, nan, sqrt
 from typing import Final, NamedTuple
 
 from friction_parameters.parameter import group, max_gap_parameter, minimum_speed_parameter, parameter
+from sensor_monitor.unit_check import UnitCheck
+from sensor_monitor.wheel_noise import WheelNoise
 from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
+from wheel_slip.accelerometer import Accelerometer
 from wheel_slip.car_motion import SLOPE_CHANGED, CarMotion, WheelMotion
 from wheel_slip.estimate import Hypotheses, SpeedSample, WheelEstimate
 from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
 from wheel_slip.speed_sensor import SpeedSensor
-from wheel_slip.stuck_sensor import StuckSensor
-from wheel_slip.unit_check import UnitCheck
-from wheel_slip.wheel_noise import WheelNoise
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
-
 
 _NAMED: Final = 0.015
 """Error of a radius that is named, as a share: more than wear and pressure of a car that is looked after."""
@@ -51,7 +50,8 @@ class SlipEstimator:
         """Motion of the car."""
         self.speed_sensor = SpeedSensor()
         """What is known of the speed sensor."""
-        self._frozen = StuckSensor()
+        self.accelerometer = Accelerometer(vehicle)
+        """What is known of the accelerometer."""
         self.reset()
 
     def reset(self) -> None:
@@ -62,10 +62,8 @@ class SlipEstimator:
         self._noise.reset()
         self.car.reset()
         self.speed_sensor.reset()
-        self._frozen.reset()
+        self.accelerometer.reset()
         self._stamp = 0
-        self.accelerometer_text = ""
-        """Why the accelerometer is left out, empty where it is used."""
 
     def update(
         self,
@@ -95,9 +93,16 @@ class SlipEstimator:
             if isfinite(measured):
                 wheel.update(stamp, measured)
             rims.append(measured * radius if isfinite(measured) and not wheel.in_gap else nan)
-        reading = self._usable(stamp, acceleration)
+        left_out = self.accelerometer.text
+        reading = self.accelerometer.usable(stamp, acceleration, rims)
+        if self.accelerometer.text and not left_out:
+            self.car.reset()  # what it has said cannot be told from what is
         self._watch_noise(stamp, wheel_speeds)
-        self.car.update(stamp, rims, reading, torques, yaw_rate if yaw_rate is not None and isfinite(yaw_rate) else None)
+        self.car.update(
+            stamp, rims, reading, torques, yaw_rate if yaw_rate is not None and isfinite(yaw_rate) else None
+        )
+        if reading is not None:
+            self.car.set_age_variance(self.accelerometer.against_wheels.age_variance)
         for sample in measured_speeds:
             self.speed_sensor.update(sample, self.car, 0.0)
         smooth = [
@@ -116,26 +121,18 @@ class SlipEstimator:
     def hypotheses(self) -> Hypotheses:
         """Probabilities of what may be the matter with road and sensors."""
         changed = float(self.car.probabilities[SLOPE_CHANGED])
-        return Hypotheses(changed, 0.0, self.speed_sensor.wrong(self._stamp))
+        return Hypotheses(changed, self.accelerometer.wrong, self.speed_sensor.wrong(self._stamp))
 
     @property
     def radius_text(self) -> str:
         """Names the wheels whose radius is far from the vehicle file's, empty where none is."""
         errors, stddevs = self.car.radius_errors
         return "; ".join(
-            f"{name}: its radius is {100.0 * abs(error):.1f} % {'below' if error < 0.0 else 'above'} that of the vehicle "
-            "file: another tyre, worn or flat? It is corrected"
+            f"{name}: its radius is {100.0 * abs(error):.1f} % {'below' if error < 0.0 else 'above'} that of the "
+            "vehicle file: another tyre, worn or flat? It is corrected"
             for name, error, stddev in zip(self._names, errors, stddevs, strict=True)
             if abs(error) > _NAMED + 2.0 * stddev
         )
-
-    def _usable(self, stamp: int, acceleration: float | None) -> float | None:
-        """Return the reading of the accelerometer, None where it is none."""
-        if acceleration is None or not isfinite(acceleration):
-            return None
-        frozen = self._frozen.repeats(stamp, acceleration)
-        self.accelerometer_text = "repeats one value" if frozen else ""
-        return None if frozen else acceleration
 
     def _watch_noise(self, stamp: int, wheel_speeds: Sequence[float]) -> None:
         """Use the noise that wheels show which roll without force, from this sample on."""

@@ -92,4 +92,3 @@ class SpeedSensor:
         self._wrong = min(max(odds / (1.0 + odds), 1e-9), 1.0 - 1e-9)
         self._difference = difference
         self._radii_unproven *= exp(-since * (1.0 - self._wrong) / _PROVEN)
-

@@ -90,8 +90,8 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         if not self._estimator.car.started:
             return Level.ERROR, "no vehicle speed"
         bad = [f"{wheel}: {estimate.text}" for wheel, estimate in self._last.items() if estimate.reason not in _QUIET]
-        if self._estimator.accelerometer_text:
-            bad.append(f"{IMU}: {self._estimator.accelerometer_text}; left out")
+        if self._estimator.accelerometer.text:
+            bad.append(f"{IMU}: {self._estimator.accelerometer.text}; left out")
         if self._estimator.speed_sensor.text:
             bad.append(f"{VEHICLE_VELOCITY}: {self._estimator.speed_sensor.text}")
         if self._estimator.radius_text:
@@ -118,15 +118,16 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             values[f"{wheel} reason"] = estimate.text or "ok"
         return values
 
-    def _motion(self, message: Imu) -> tuple[float, float]:
-        """Acceleration forward [m/s^2] and yaw rate [rad/s], NaN where they are garbage or not there."""
+    def _motion(self, message: Imu) -> tuple[float, float, float]:
+        """Acceleration forward [m/s^2], NaN where it is garbage; yaw rate [rad/s], and 1.0 where that is known."""
         acceleration = self._accelerometer.forward(message.linear_acceleration)
         yaw_rate = float(message.angular_velocity.z)
         # REP 145: -1 says that the quantity is not measured. All that is exactly zero is not measured either.
         known = abs(yaw_rate) <= _HIGHEST_YAW_RATE and message.angular_velocity_covariance[0] >= 0.0
         rates = message.angular_velocity
         known = known and bool(rates.x or rates.y or rates.z)
-        return acceleration if abs(acceleration) <= HIGHEST_ACCELERATION else nan, yaw_rate if known else nan
+        forward = acceleration if abs(acceleration) <= HIGHEST_ACCELERATION else nan
+        return forward, yaw_rate if known else 0.0, float(known)
 
     def _offer_speed(self, stamp: int, message: TwistWithCovarianceStamped) -> str | None:
         speed, variance = float(message.twist.twist.linear.x), float(message.twist.covariance[0])
@@ -144,9 +145,11 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         measured = [
             SpeedSample(when - latency, *value) for when, value in self._speeds.due(sample.stamp, sample.rewound)
         ]
-        acceleration, yaw_rate = sample.values[IMU] if IMU in sample.values else (None, None)
+        acceleration, yaw_rate, known = sample.values.get(IMU, (None, None, 0.0))
         torques = self._brakes.torques(sample.stamp, sample.rewound)
-        estimates = self._estimator.update(sample.stamp, sample.payload, acceleration, measured, torques, yaw_rate)
+        estimates = self._estimator.update(
+            sample.stamp, sample.payload, acceleration, measured, torques, yaw_rate if known == 1.0 else None
+        )
         told, by_sensor = self._estimator.hypotheses, self._estimator.speed_sensor.speaks(sample.stamp)
         outputs: list[Output] = []
         for wheel, topic, estimate in zip(self._wheels, self._slips, estimates, strict=True):

@@ -19,7 +19,7 @@ _UNLIKELY: Final = 3.0
 """Standard deviations below the expected speed from which on a speed at that angle is of the gap."""
 
 
-class RingGap:
+class MissingTooth:
     """The gap of one ring."""
 
     def __init__(self, missing: int, pitch: float) -> None:

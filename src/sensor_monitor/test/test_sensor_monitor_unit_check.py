@@ -21,7 +21,7 @@ from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.ros.processor import build
-from wheel_slip.unit_check import UnitCheck
+from sensor_monitor.unit_check import UnitCheck
 
 CAR = load_vehicle("chapter_car")
 RADIUS = 0.3

@@ -7,7 +7,7 @@ from vehicle_models.nanoseconds import NANOSECONDS
 _STUCK_AFTER: Final = round(0.25 * NANOSECONDS)
 
 
-class StuckSensor:
+class FrozenSignal:
     """Watches one value. Noise moves the last bits of a live sensor; a dead one repeats its last value."""
 
     def __init__(self) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from wheel_slip.wheel_noise import WheelNoise
+from sensor_monitor.wheel_noise import WheelNoise
 
 STATED = 0.07**2
 
