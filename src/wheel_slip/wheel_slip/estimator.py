@@ -141,7 +141,7 @@ class SlipEstimator:
         if self._noise.variance != before:
             for wheel in self._wheels:
                 wheel.know_noise(self._noise.variance)
-            self.car.know_noise(self._noise.variance)
+            self.car.set_noise(self._noise.variance)
 
     def _car_known(self) -> "_Known":
         """Return whether the motion of the car gives a slip, with the reason where it gives none."""

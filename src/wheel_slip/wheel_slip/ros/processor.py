@@ -18,6 +18,7 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_ACCELERATION, HIGHEST_SPEED
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
+from wheel_slip.car_motion import B, U
 from wheel_slip.estimate import Hypotheses, SpeedSample, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
@@ -106,9 +107,9 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         values = {
             "vehicle speed [m/s]": f"{car.speed:.3f}",
             "vehicle speed standard deviation [m/s]": f"{sqrt(car.variance):.3f}",
-            "yaw rate [rad/s]": f"{car.yaw_rate:.3f}",
-            "accelerometer offset [m/s^2]": f"{car.offset:.3f}",
-            "accelerometer offset standard deviation [m/s^2]": f"{sqrt(car.offset_variance):.3f}",
+            "yaw rate [rad/s]": f"{float(car.mean[U]):.3f}",
+            "accelerometer offset [m/s^2]": f"{car.mean[B]:.3f}",
+            "accelerometer offset standard deviation [m/s^2]": f"{sqrt(car.covariance[B, B]):.3f}",
             "errors of the radii [%]": ", ".join(f"{100.0 * error:.2f}" for error in errors),
             "their standard deviations [%]": ", ".join(f"{100.0 * stddev:.2f}" for stddev in stddevs),
             "late samples of vehicle_velocity": str(self._speeds.late),
@@ -163,9 +164,12 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         """Speed of the middle of the rear axle and yaw rate."""
         car, message = self._estimator.car, TwistWithCovarianceStamped()
         message.header = header_at(stamp, "base_link")
-        message.twist.twist.linear.x, message.twist.twist.angular.z = car.speed, car.yaw_rate
+        message.twist.twist.linear.x, message.twist.twist.angular.z = car.speed, float(car.mean[U])
         covariance = np.diag([_UNKNOWN] * 6)
-        covariance[0, 0], covariance[5, 5] = car.variance + self._estimator.speed_sensor.undecided, car.yaw_variance
+        covariance[0, 0], covariance[5, 5] = (
+            car.variance + self._estimator.speed_sensor.undecided,
+            float(car.covariance[U, U]),
+        )
         message.twist.covariance = covariance.ravel()
         return message
 

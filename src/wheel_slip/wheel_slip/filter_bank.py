@@ -1,0 +1,83 @@
+"""Bank of two Kalman filters of one state, one for each of two hypotheses (interacting multiple models).
+
+Blom and Bar-Shalom, The interacting multiple model algorithm, IEEE Trans. Automatic Control 33 (1988). A state that is
+only considered (Schmidt) is not estimated: what it may do to the others is in their covariance.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class FilterBank:
+    """Means x, shape (2, states), and covariances p, shape (2, states, states), of both hypotheses."""
+
+    def __init__(self, mean: Array, covariance: Array, probabilities: Array, considered: int) -> None:
+        """Start both at the same mean (states,) and covariance (states, states).
+
+        Args:
+            mean: see x.
+            covariance: see p.
+            probabilities: of the hypotheses, shape (2,).
+            considered: the state that is not estimated.
+        """
+        self.x: Array = np.stack([mean, mean])
+        self.p: Array = np.stack([covariance, covariance])
+        self.probabilities = probabilities
+        self._considered = considered
+        self.collapse()
+
+    def collapse(self) -> None:
+        """Take both hypotheses together."""
+        first, second = self.probabilities
+        apart = self.x[1] - self.x[0]
+        self.mean: Array = self.x[0] + second * apart
+        """Mean of the states, shape (states,)."""
+        self.covariance: Array = first * self.p[0] + second * self.p[1] + (first * second * apart)[:, None] * apart
+        """Of them, shape (states, states)."""
+
+    def mix(self, change: Array) -> None:
+        """Let the hypotheses change into each other, with probabilities [from, to], shape (2, 2)."""
+        joint = change * self.probabilities[:, None]
+        self.probabilities = joint.sum(axis=0)
+        share = joint / np.maximum(self.probabilities, 1e-300)
+        apart = self.x[1] - self.x[0]
+        self.x = share.T @ self.x
+        mixed = share.T @ self.p.reshape(2, -1)
+        self.p = mixed.reshape(self.p.shape) + (share[0] * share[1])[:, None, None] * (apart[:, None] * apart)
+
+    def correct(self, h: Array, innovation: Array, variance: Array) -> Array:
+        """Correct by several measurements; return h p h' of both, shape (2, measurements, measurements).
+
+        Args:
+            h: derivatives by the states, shape (2, measurements, states).
+            innovation: measured less expected, shape (2, measurements).
+            variance: of the measurements, shape (measurements,).
+        """
+        ph = self.p @ h.transpose(0, 2, 1)
+        inner = h @ ph
+        gain = ph @ np.linalg.inv(inner + np.diag(variance))
+        considered = self._considered
+        gain[:, considered] = 0.0
+        self.x = self.x + (gain @ innovation[:, :, None])[:, :, 0]
+        p = self.p - gain @ ph.transpose(0, 2, 1)
+        p[:, considered] = p[:, :, considered]
+        self.p = 0.5 * (p + p.transpose(0, 2, 1))
+        return inner
+
+    def correct_one(self, h: Array, innovation: Array, variance: float) -> None:
+        """Correct by one measurement and weigh the hypotheses by it; h: (2, states), innovation: (2,)."""
+        ph = (self.p @ h[:, :, None])[:, :, 0]
+        spread = (h * ph).sum(axis=1) + variance
+        gain = ph / spread[:, None]
+        gain[:, self._considered] = 0.0
+        self.x = self.x + gain * innovation[:, None]
+        self.p = self.p - gain[:, :, None] * ph[:, None, :]
+        self.p[:, self._considered] = self.p[:, :, self._considered]
+        self.weigh(-0.5 * (innovation**2 / spread + np.log(spread)))
+
+    def weigh(self, log_likelihoods: Array) -> None:
+        """Weigh the hypotheses by what a measurement says of them, shape (2,)."""
+        weights = self.probabilities * np.exp(log_likelihoods - log_likelihoods.max())
+        self.probabilities = np.maximum(weights / weights.sum(), 1e-12)

@@ -1,0 +1,88 @@
+"""Forces of the tyres over their loads, from brake torques where they are known and from the accelerometer where not.
+
+A wheel that is braked by T and turns slower at omega' has the force (T + J omega') / r at the road. What the
+accelerometer feels beside the drag and these is the engine's, on the driven wheels. Without torques the brakes are
+taken to give all wheels the same force over load, and the engine only to drive.
+"""
+
+from collections.abc import Sequence
+from math import isfinite, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle_models.constants import GRAVITY
+from vehicle_models.vehicle import Vehicle
+from vehicle_models.wheel_forces import LEAST_SHARE, drag
+from wheel_slip.motion_noise import MotionNoise
+
+Array = NDArray[np.float64]
+
+TELLING = 0.5
+"""Force over load times g [m/s^2] from which on a tyre's slip has the sign of its force."""
+
+
+class Forces(NamedTuple):
+    """Of all tyres, shapes (wheels,), over their loads and times g [m/s^2]."""
+
+    force: Array
+    """Braking positive."""
+    doubt: Array
+    """Deviation of it."""
+    by_engine: Array
+    """Change of it with the engine's force over the mass of the car [-]."""
+    told: bool
+    """Whether the torques are known."""
+    felt: float
+    """What an accelerometer would read by the torques [m/s^2]; NaN where none of them brakes."""
+
+
+class TyreForces:
+    """Of one car."""
+
+    def __init__(self, vehicle: Vehicle, noise: MotionNoise) -> None:
+        """Take loads, inertias and driven wheels of a car; where none is said to be driven all may be."""
+        self._noise, self._vehicle, self._mass = noise, vehicle, vehicle.mass
+        wheels = vehicle.wheels
+        self._count = len(wheels)
+        self._load = vehicle.mass * GRAVITY * np.array(vehicle.load_shares)
+        self._transfer = vehicle.mass * np.array(vehicle.transfer_shares)
+        self._inertia = np.array([wheel.inertia for wheel in wheels])
+        self._radii = np.array(vehicle.radii)
+        driven = np.array([wheel.driven for wheel in wheels], dtype=np.float64)
+        self._driven = driven if driven.any() else np.ones(self._count)
+
+    def of(
+        self, reading: float, speed: float, rim_rates: Array, torques: Sequence[float], unrest: Array, error: float
+    ) -> Forces:
+        """Return the forces.
+
+        Args:
+            reading: of the accelerometer, forward positive [m/s^2].
+            speed: of the car [m/s].
+            rim_rates: r omega' of each wheel [m/s^2].
+            torques: of the brakes [N m], NaN where unknown; empty where no brake is known.
+            unrest: of each wheel, by how much it changes unlike the car [m/s^2].
+            error: of the engine's force over the mass that is known [m/s^2].
+        """
+        p, sign = self._noise, 1.0 if speed >= 0.0 else -1.0
+        load = np.maximum(self._load - self._transfer * (sign * reading), LEAST_SHARE * self._load)
+        resistance = float(drag(self._vehicle, abs(speed))) / self._mass
+        pull = -sign * reading - resistance
+        told, felt = len(torques) == self._count and all([isfinite(torque) for torque in torques]), float("nan")
+        if told:
+            at_rim = (np.array(torques) + self._inertia * rim_rates * sign / self._radii) / self._radii
+            force, braked = at_rim / load * GRAVITY, float(at_rim.sum()) / self._mass
+            engine, unsure, least, uneven = pull - braked, p.brakes * braked, p.force, 1.0
+            if braked > TELLING:
+                felt = -sign * (braked + resistance)
+        else:
+            force = np.full(self._count, max(pull - p.blind_force, 0.0))
+            engine, unsure, least, uneven = min(pull, 0.0), 0.0, p.blind_force, p.unequal
+        share = p.engine**2 / (p.engine**2 + unsure**2)
+        driven = self._driven * (self._mass * GRAVITY / float(self._driven @ load))
+        by_engine = share * driven if told or engine < 0.0 else 0.0 * driven
+        force = force + by_engine * (engine + error)
+        doubt = np.hypot(least + uneven * np.minimum(np.abs(force), unrest), sqrt(share) * unsure * driven)
+        return Forces(force, doubt, by_engine, told, felt)
