@@ -6,9 +6,10 @@ from statistics import median
 from typing import Final
 
 from sensor_monitor.frozen_signal import FrozenSignal
-from sensor_monitor.signal_age import SignalAge
+from sensor_monitor.signal_age import FAULTY, SignalAge
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle, absolute_deviation
+from wheel_slip.tyre_forces import free_wheels
 
 _AGE: Final = 0.01
 """Least deviation of the age that is expected [s]: nothing in a car is nearer to its stamp for sure."""
@@ -18,6 +19,8 @@ _SLIP: Final = 0.02
 """See `_FORCELESS` [-]."""
 _LARGEST: Final = 0.5
 """Deviation of the slip in the hardest braking [-]: wheels may lock, and say nothing."""
+_FROZEN: Final = 0.5
+"""Probability that a reading which repeats itself to the last bit says nothing: simulated ones do so, too."""
 _FREE: Final = 0.005
 """Share by which free wheels may differ from the speed: curves."""
 
@@ -30,8 +33,7 @@ class Accelerometer:
         mounting = vehicle.accelerometer
         self._delay = round(mounting.delay * NANOSECONDS)
         self._frozen = FrozenSignal()
-        driven = [wheel.driven for wheel in vehicle.wheels]
-        self._some_free = any(driven) and not all(driven)
+        self._free = free_wheels(vehicle)
         self.against_wheels = SignalAge(max(absolute_deviation(mounting.deviations, "delay"), _AGE), True)
         """What the wheels say of it."""
         self.reset()
@@ -51,33 +53,32 @@ class Accelerometer:
         self._last = stamp
         if reading is None or not isfinite(reading):
             return None
-        known = sorted([abs(rim) for rim in rims if isfinite(rim)])
+        known = [rims[index] for index in self._free if isfinite(rims[index])]
         self._is_frozen = self._frozen.repeats(stamp, reading)
+        self.against_wheels.expect_stuck(_FROZEN if self._is_frozen else FAULTY)
         if since >= NANOSECONDS // 10:
             self.against_wheels.start_again()
-        elif not self._is_frozen:
+        else:
             self.travelled += since / NANOSECONDS * reading
-        if known and not self._is_frozen:
-            self._compare(stamp, reading, known)
+        if known:
+            self._compare(stamp, reading, median(known))
         return None if self.text else reading
 
     @property
     def wrong(self) -> float:
         """Probability that it is of no use, NaN where it is not there."""
-        if self._last is None:
-            return nan
-        return 1.0 if self._is_frozen else self.against_wheels.wrong
+        return nan if self._last is None else self.against_wheels.wrong
 
     @property
     def text(self) -> str:
         """Why it is left out, empty where it is used."""
-        return "repeats one value" if self._is_frozen else self.against_wheels.text
+        text = self.against_wheels.text
+        return "repeats one value that the wheels contradict" if text and self._is_frozen else text
 
-    def _compare(self, stamp: int, reading: float, known: list[float]) -> None:
-        speed = median(known)
-        slip = min(_SLIP * (reading / _FORCELESS) ** 4, _LARGEST)
-        if reading > _FORCELESS and self._some_free:
-            speed, slip = known[(len(known) - 1) // 2], 0.0
+    def _compare(self, stamp: int, reading: float, speed: float) -> None:
+        """Compare with the speed of wheels without an engine [m/s], which slip where they are braked."""
+        braked = max(-reading if speed >= 0.0 else reading, 0.0)
+        slip = min(_SLIP * (braked / _FORCELESS) ** 4, _LARGEST)
         self.against_wheels.follow(stamp, speed)
         variance = (slip * speed) ** 2 + (_FREE * speed) ** 2
         self.against_wheels.compare(stamp - self._delay, self.travelled, reading, variance)

@@ -170,6 +170,11 @@ class CarMotion:
         return self._speed + self._carried
 
     @property
+    def travelled(self) -> float:
+        """Integral of the acceleration as it was felt [m/s], slope and bias included; begins anywhere."""
+        return self._way
+
+    @property
     def acceleration(self) -> float:
         """Acceleration along the road [m/s^2]."""
         if self._reading is None:
@@ -346,7 +351,8 @@ class CarMotion:
         covariance[:, U] *= turn
         covariance[:, :, U] *= turn
         speed = max(abs(self._speed), _SLOWEST)
-        noise = dt * dt / max(self._samples, 1) * p.acceleration**2
+        between = dt / max(self._samples, 1)
+        noise = dt * between * p.acceleration**2 + dt * between**2 * p.jerk**2 / 3.0
         covariance[:, V, V] += noise if seen else dt * p.unknown_acceleration**2
         covariance[SLOPE_KEPT, B, B] += dt * p.offset_walk**2
         unknown = max(2.0 * p.slope**2 - float(covariance[SLOPE_CHANGED, B, B]), 0.0)
@@ -365,10 +371,16 @@ class CarMotion:
         reading = (now.way - before.way) / span
         mean_speed, offset = float(bank.x[0, V]), float(self.mean[B])
         speed = max(abs(mean_speed), _SLOWEST)
-        forces = self._forces.of(reading, mean_speed, rates, torques, np.sqrt(self._unrest), float(self.mean[F]))
+        forces = self._forces.of(
+            reading, mean_speed, rates, torques, np.sqrt(self._unrest), float(self.mean[F]), self._reading is None
+        )
         self._told = forces.told
         if self._reading is None:
-            self._felt = forces.felt if isfinite(forces.felt) else float(np.clip(np.median(rates), -_HARDEST, _HARDEST))
+            self._felt = (
+                forces.felt
+                if isfinite(forces.felt)
+                else float(np.clip(np.median(rates), -_HARDEST, _HARDEST))
+            )
         behind = self._relaxation / speed
         unlike = reading - (offset if self._reading is not None else 0.0) - rates
         z = then.rim_speeds + behind * unlike
@@ -394,7 +406,7 @@ class CarMotion:
         """Return the variance of a speed of zero by wheels that stand [m^2/s^2]: small, unless they are locked."""
         known = float(self.covariance[V, V]) + _LOCKED**2
         surprise = (self._felt / self._offset) ** 2 + self._speed**2 / known
-        return (0.2 * _LOCKED) ** 2 * exp(min(0.5 * surprise, 100.0))
+        return (0.2 * _LOCKED) ** 2 * exp(min(0.5 * surprise, 20.0))
 
     def _let_slip(
         self, dt: float, forces: Forces, compliance: Array, unlike: Array, behind: Array, span: float
@@ -450,6 +462,9 @@ class CarMotion:
         h[:, ~use] = 0.0
         innovation = np.where(use, z - ground * roll, 0.0)
         every = np.where(use, once + lasting * many, 1.0)
+        # One that has failed, or spins beyond any slip, is not explained by any state: it counts as a surprise at most.
+        alone = (h * (h @ bank.p)).sum(axis=2) + every
+        every = every * np.maximum((innovation**2 / alone).min(axis=0) / self._noise.surprise**2, 1.0)
         inner = bank.correct(h, innovation, every)
         # An error that lasts is one, not many: a step has its share of it.
         own = np.diagonal(inner, axis1=1, axis2=2) + np.where(use, once + lasting, 1.0)

@@ -103,8 +103,9 @@ class SlipEstimator:
         )
         if reading is not None:
             self.car.set_age_variance(self.accelerometer.against_wheels.age_variance)
+        self.speed_sensor.follow(stamp, self.car)
         for sample in measured_speeds:
-            self.speed_sensor.update(sample, self.car, 0.0)
+            self.speed_sensor.update(sample, self.car)
         smooth = [
             wheel.speed * radius if isfinite(measured) else nan
             for wheel, measured, radius in zip(self._wheels, wheel_speeds, self._radii, strict=True)

@@ -23,6 +23,12 @@ TELLING = 0.5
 """Force over load times g [m/s^2] from which on a tyre's slip has the sign of its force."""
 
 
+def free_wheels(vehicle: Vehicle) -> list[int]:
+    """Return the wheels without an engine, or all where all have one or nothing is known of it."""
+    free = [index for index, wheel in enumerate(vehicle.wheels) if not wheel.driven]
+    return free or list(range(len(vehicle.wheels)))
+
+
 class Forces(NamedTuple):
     """Of all tyres, shapes (wheels,), over their loads and times g [m/s^2]."""
 
@@ -42,7 +48,7 @@ class TyreForces:
     """Of one car."""
 
     def __init__(self, vehicle: Vehicle, noise: MotionNoise) -> None:
-        """Take loads, inertias and driven wheels of a car; where none is said to be driven all may be."""
+        """Take loads, inertias and driven wheels of a car; where none is said to be driven an engine is not known of."""
         self._noise, self._vehicle, self._mass = noise, vehicle, vehicle.mass
         wheels = vehicle.wheels
         self._count = len(wheels)
@@ -50,11 +56,17 @@ class TyreForces:
         self._transfer = vehicle.mass * np.array(vehicle.transfer_shares)
         self._inertia = np.array([wheel.inertia for wheel in wheels])
         self._radii = np.array(vehicle.radii)
-        driven = np.array([wheel.driven for wheel in wheels], dtype=np.float64)
-        self._driven = driven if driven.any() else np.ones(self._count)
+        self._driven = np.array([wheel.driven for wheel in wheels], dtype=np.float64)
 
     def of(
-        self, reading: float, speed: float, rim_rates: Array, torques: Sequence[float], unrest: Array, error: float
+        self,
+        reading: float,
+        speed: float,
+        rim_rates: Array,
+        torques: Sequence[float],
+        unrest: Array,
+        error: float,
+        unread: bool,
     ) -> Forces:
         """Return the forces.
 
@@ -65,6 +77,7 @@ class TyreForces:
             torques: of the brakes [N m], NaN where unknown; empty where no brake is known.
             unrest: of each wheel, by how much it changes unlike the car [m/s^2].
             error: of the engine's force over the mass that is known [m/s^2].
+            unread: whether the wheels themselves tell the reading: by as much as they slip, it is not the car's.
         """
         p, sign = self._noise, 1.0 if speed >= 0.0 else -1.0
         load = np.maximum(self._load - self._transfer * (sign * reading), LEAST_SHARE * self._load)
@@ -80,8 +93,9 @@ class TyreForces:
         else:
             force = np.full(self._count, max(pull - p.blind_force, 0.0))
             engine, unsure, least, uneven = min(pull, 0.0), 0.0, p.blind_force, p.unequal
+            least += p.bent * abs(pull) if unread else 0.0
         share = p.engine**2 / (p.engine**2 + unsure**2)
-        driven = self._driven * (self._mass * GRAVITY / float(self._driven @ load))
+        driven = self._driven * (self._mass * GRAVITY / max(float(self._driven @ load), 1.0))
         by_engine = share * driven if told or engine < 0.0 else 0.0 * driven
         force = force + by_engine * (engine + error)
         doubt = np.hypot(least + uneven * np.minimum(np.abs(force), unrest), sqrt(share) * unsure * driven)

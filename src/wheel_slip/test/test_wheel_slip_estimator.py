@@ -11,11 +11,9 @@ import pytest
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle, vehicle_path
-from wheel_slip.estimate import SpeedSource, WheelEstimate
+from wheel_slip.car_motion import B
+from wheel_slip.estimate import SpeedSample, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
-from wheel_slip.slide_detector import SlideDetector
-from wheel_slip.estimate import SpeedSample
-from wheel_slip.tuning import SlideTuning, SlopeTuning
 
 STEP = 5_000_000
 RADIUS = 0.3
@@ -78,7 +76,7 @@ def driven(*wheels: str) -> Vehicle:
 def content(estimates: list[list[WheelEstimate]], speed: np.ndarray) -> str:
     """Everything that is estimated, in words: NaN is equal to NaN."""
     flat = [each for estimate in estimates for each in estimate]
-    return repr([(name, getattr(each, name)) for each in flat for name in dir(each) if name[0] != "_"]) + repr(speed)
+    return repr(flat) + repr(speed)
 
 
 def follow(
@@ -107,36 +105,8 @@ def test_slide_is_bridged_and_far_better_than_the_best_wheel(
     best = (d.wheel_speed.max(axis=1) * RADIUS - d.speed)[sliding]
     assert np.max(np.abs(error)) < bound
     assert np.sqrt(np.mean(best**2)) > 8.0 * np.sqrt(np.mean(error**2))
-    assert estimates[-1][0].source is SpeedSource.INTEGRATED
     slips = np.array([[each.slip for each in row] for row in estimates[700:]])
     assert np.sqrt(np.mean((slips - d.slip[sliding]) ** 2)) < 0.01
-
-
-@pytest.mark.parametrize(("acceleration", "agree"), [(-1.6, False), (-0.5, True)])
-def test_braked_wheels_do_not_agree_with_a_speed_the_more_the_less_it_is_known(
-    acceleration: float, agree: bool
-) -> None:
-    """6 % of steady slip on soft snow: what is not known of the slope lets the deviation grow past the gap."""
-    wheels = SlideDetector(SlideTuning(), SlopeTuning(), [False] * 4)
-    for k in range(1, 100):
-        rims = [14.0 + 0.94 * acceleration * k * 0.005] * 4
-        car = (15.0 + acceleration * k * 0.005, 0.9)
-        wheels.update(k * STEP, rims, [acceleration] * 4, acceleration, acceleration, 0.1, 0.1, car)
-    assert wheels.evidence(False, True).wheels_roll
-    assert wheels.evidence(False, True).agree is agree
-
-
-@pytest.mark.parametrize(("undoubted", "agree"), [(0.1, False), (1.0, True)])
-def test_a_wheel_that_creeps_from_its_peak_does_not_roll_by_the_doubt_of_the_slope_that_it_has_made(
-    undoubted: float, agree: bool
-) -> None:
-    """It falls 1.2 m/s^2 faster than its car, and passes the car's speed as it was integrated."""
-    wheels = SlideDetector(SlideTuning(), SlopeTuning(), [False])
-    for k in range(1, 100):
-        rim, car = 3.6 - 2.8 * k * 0.005, 3.0 - 1.6 * k * 0.005
-        wheels.update(k * STEP, [rim], [-2.8], -1.6, -1.6, 1.0, undoubted, (car, 0.4))
-    assert wheels.evidence(False, True).wheels_roll
-    assert wheels.evidence(False, True).agree is agree
 
 
 def test_offset_is_learned_while_rolling_and_its_injection_does_not_matter() -> None:
@@ -146,7 +116,7 @@ def test_offset_is_learned_while_rolling_and_its_injection_does_not_matter() -> 
         estimator = SlipEstimator(CAR)
         shifted = replace(d, acceleration=d.acceleration + injected)
         speeds.append(follow(shifted, estimator)[1])
-        assert estimator.vehicle.offset == pytest.approx(OFFSET + injected, abs=0.03)
+        assert estimator.car.mean[B] == pytest.approx(OFFSET + injected, abs=0.03)
     learned = slice(400, None)
     assert np.max(np.abs(speeds[1] - speeds[0])[learned]) < 0.03
     assert np.max(np.abs(speeds[2] - speeds[0])[learned]) < 0.03
@@ -184,10 +154,10 @@ def test_slope_step_while_rolling_is_relearned_in_two_seconds(estimator: SlipEst
     offsets = []
     for k, (omega, a) in enumerate(zip(d.wheel_speed, stepped, strict=True)):
         estimator.update((k + 1) * STEP, omega.tolist(), float(a))
-        offsets.append(estimator.vehicle.offset)
+        offsets.append(estimator.car.mean[B])
     assert offsets[1399] == pytest.approx(OFFSET, abs=0.01)
     assert offsets[1800] == pytest.approx(OFFSET + step, abs=0.03)
-    assert estimator.vehicle.speed == pytest.approx(25.0, abs=0.02)
+    assert estimator.car.speed == pytest.approx(25.0, abs=0.02)
 
 
 def test_uncertainty_grows_in_the_slide_and_covers_a_slope_step(estimator: SlipEstimator) -> None:
@@ -216,9 +186,8 @@ def test_wheels_released_for_a_moment_take_back_what_a_drifting_offset_does_to_t
         estimator = SlipEstimator(CAR)
         drifting = d.acceleration + np.where(np.arange(d.speed.size) > 600, drift, 0.0)
         estimates, speed = follow(replace(d, acceleration=drifting), estimator)
-        assert all(each[0].source is SpeedSource.INTEGRATED for each in estimates[700:])
         speeds.append(speed)
-        offsets.append(estimator.vehicle.offset)
+        offsets.append(estimator.car.mean[B])
     # Integration alone would make this 0.02 m/s^2 times 8.5 to 9 s.
     assert np.max(np.abs(speeds[0] - speeds[1])[2300:]) < 0.07
     assert np.max(np.abs(np.array(speeds) - d.speed)[:, 2300:]) < 0.07
@@ -251,7 +220,6 @@ def test_car_returns_to_the_wheels_even_if_the_integrated_speed_is_far_off(
     jumped = d.acceleration + np.where(np.arange(d.speed.size) > 600, jump, 0.0)
     estimates, speed = follow(replace(d, acceleration=jumped), estimator)
     assert np.max(np.abs(speed - d.speed)[900:1000]) > 1.0
-    assert estimates[-1][0].source is SpeedSource.WHEELS
     assert speed[-1] == pytest.approx(d.speed[-1], abs=0.05)
 
 
@@ -281,7 +249,6 @@ def test_one_faulty_wheel_does_not_disturb_the_speed(reading: float, estimator: 
     faulty[:, 1] = reading
     _, speed = follow(replace(d, wheel_speed=faulty), estimator)
     assert np.max(np.abs(speed - d.speed)[100:]) < 0.12
-    assert estimator.vehicle.disagreement > 5.0
 
 
 @pytest.mark.parametrize("blind_below", [0.0, 0.6], ids=["ideal", "encoders that read zero below 0.6 m/s"])
@@ -324,7 +291,7 @@ def test_wheels_that_keep_a_slip_in_a_hard_stop_whose_imu_went_are_not_taken_for
         )[0]
         for k, omega in enumerate(d.wheel_speed)
     ]
-    assert "repeats" in estimator.vehicle.accelerometer_text or not stuck
+    assert "repeats" in estimator.accelerometer.text or not stuck
     valid = [k for k in range(gone, len(estimates)) if estimates[k].reason is Reason.OK]
     assert len(valid) > 20, "the last reading serves for a while"
     assert all(abs(estimates[k].slip - 0.16) < 3.0 * sqrt(estimates[k].slip_variance) + 0.01 for k in valid)
@@ -352,7 +319,7 @@ def test_stuck_imu_is_left_out_and_said(estimator: SlipEstimator) -> None:
     d = drive(lambda t: -2.0 if t > 3.0 else 0.0, lambda _t: 0.0, 6.0, 25.0)
     stuck = np.where(np.arange(d.speed.size) > 500, d.acceleration[500], d.acceleration)
     _, speed = follow(replace(d, acceleration=stuck), estimator)
-    assert "repeats" in estimator.vehicle.accelerometer_text
+    assert "repeats" in estimator.accelerometer.text
     assert np.max(np.abs(speed - d.speed)[1000:]) < 0.2
 
 
@@ -360,7 +327,7 @@ def test_accelerometer_without_noise_is_not_taken_for_stuck_while_the_wheels_agr
     d = drive(lambda _t: 0.0, lambda _t: 0.0, 3.0, 25.0)
     for k, omega in enumerate(d.wheel_speed):
         estimator.update((k + 1) * STEP, omega.tolist(), 0.0)
-        assert not estimator.vehicle.accelerometer_text
+        assert not estimator.accelerometer.text
 
 
 def test_all_wheels_locked_from_the_start_give_no_speed(estimator: SlipEstimator) -> None:
@@ -398,15 +365,12 @@ def test_reverse_has_a_speed_and_no_slip(estimator: SlipEstimator) -> None:
 
 def test_speed_sensor_that_drops_out_hands_over_to_the_wheels(estimator: SlipEstimator) -> None:
     d = hard_stop()
-    sources = []
     for k in range(600):
         samples = [SpeedSample((k + 1) * STEP, d.speed[k] + 0.01, 1e-3)] if k < 300 else []
         row = estimator.update((k + 1) * STEP, d.wheel_speed[k].tolist(), float(d.acceleration[k]), samples)
-        sources.append(row[0].source)
         if k > 20:
             assert row[0].vehicle_speed == pytest.approx(d.speed[k], abs=0.1)
-    assert sources[299] is SpeedSource.SENSOR
-    assert sources[-1] is SpeedSource.WHEELS
+    assert not estimator.speed_sensor.speaks(600 * STEP)
 
 
 def after_gap(seconds: float, estimator: SlipEstimator) -> tuple[WheelEstimate, list[WheelEstimate]]:
@@ -472,4 +436,4 @@ def test_an_offset_is_as_uncertain_as_the_vehicle_file_states_and_as_a_slope_mak
     assert "bias: {value: 0.0, stddev: 0.17}" in shipped
     file.write_text(shipped.replace("bias: {value: 0.0, stddev: 0.17}", f"bias: {{value: 0.0, stddev: {stated}}}"))
     estimator = SlipEstimator(load_vehicle(file))
-    assert estimator.vehicle.health_values(0)["accelerometer offset standard deviation [m/s^2]"] == expected
+    assert f"{estimator.car.covariance[B, B] ** 0.5:.3f}" == expected
