@@ -81,7 +81,7 @@ class _Step(NamedTuple):
     rim_speeds: Array
     way: float
     """Integral of the accelerometer's reading since the start [m/s]."""
-    count: int
+    samples: int
 
 
 class CarMotion:
@@ -376,15 +376,11 @@ class CarMotion:
         )
         self._told = forces.told
         if self._reading is None:
-            self._felt = (
-                forces.felt
-                if isfinite(forces.felt)
-                else float(np.clip(np.median(rates), -_HARDEST, _HARDEST))
-            )
+            self._felt = forces.felt if isfinite(forces.felt) else float(np.clip(np.median(rates), -_HARDEST, _HARDEST))
         behind = self._relaxation / speed
         unlike = reading - (offset if self._reading is not None else 0.0) - rates
         z = then.rim_speeds + behind * unlike
-        once = self._rim_variance / then.count * (1.0 + 2.0 * (behind / span) ** 2)
+        once = self._rim_variance / then.samples * (1.0 + 2.0 * (behind / span) ** 2)
         compliance = np.maximum(self.mean[C : self._e], p.compliance)
         late = self._let_slip(dt, forces, compliance, unlike, behind, span)
         # To second order: while neither slip over force nor the engine's force is known, their product is an error.

@@ -48,7 +48,7 @@ class TyreForces:
     """Of one car."""
 
     def __init__(self, vehicle: Vehicle, noise: MotionNoise) -> None:
-        """Take loads, inertias and driven wheels of a car; where none is said to be driven an engine is not known of."""
+        """Take loads, inertias and driven wheels of a car; where none is driven there is no engine."""
         self._noise, self._vehicle, self._mass = noise, vehicle, vehicle.mass
         wheels = vehicle.wheels
         self._count = len(wheels)
