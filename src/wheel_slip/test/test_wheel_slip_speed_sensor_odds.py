@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from vehicle_models.vehicle_file import load_vehicle
-from wheel_slip.motion_estimate import SpeedSample, WheelEstimate
+from wheel_slip.motion_estimate import WheelEstimate
 from wheel_slip.motion_estimator import MotionSlipEstimator
+from wheel_slip.speed_sample import SpeedSample
 
 STEP = 5_000_000
 CAR = load_vehicle("compact_car")
@@ -51,10 +52,11 @@ def test_a_healthy_sensor_is_never_suspected(braking: float) -> None:
     "read",
     [
         lambda t, speed: speed + (2.5 if t > 5.0 else 0.0),
+        lambda t, speed: speed - (0.5 * (t - 5.0) if t > 5.0 else 0.0),
         lambda t, speed: speed * (1.1 if t > 5.0 else 1.0),
         lambda t, speed: 0.0 if t > 5.0 else speed,
     ],
-    ids=["jump", "scale", "zero"],
+    ids=["jump", "drift", "scale", "zero"],
 )
 def test_a_sensor_that_goes_wrong_on_the_way_is_named_and_not_used(read: Wrong) -> None:
     found = drive(read)
@@ -70,7 +72,17 @@ def test_a_sensor_that_is_right_again_is_used_again() -> None:
     assert found[-1][2] == ""
 
 
-def test_a_value_that_stands_while_the_car_brakes_hard_moves_nothing() -> None:
+@pytest.mark.xfail(strict=True, reason="the radii follow a sensor that is off from the start")
+def test_where_it_never_agreed_with_the_wheels_the_deviation_holds_both() -> None:
+    found = drive(lambda t, speed: 1.06 * speed)
+    speed, last, text = found[-1]
+    assert "or the radii are wrong" in text
+    assert abs(last.vehicle_speed - 1.06 * speed) < 2.0 * last.vehicle_speed_variance**0.5
+    assert last.slip_variance**0.5 > 0.05
+
+
+def frozen_in_a_stop() -> tuple[Found, Found]:
+    """A stop whose sensor keeps the value from just before it: all of it, and its second half second."""
     held: list[float] = []
 
     def frozen(t: float, speed: float) -> float:
@@ -80,9 +92,18 @@ def test_a_value_that_stands_while_the_car_brakes_hard_moves_nothing() -> None:
         return speed
 
     found = drive(frozen, braking=7.0)
-    after = [row for k, row in enumerate(found) if 10.7 < k * 0.005 < 11.5]
+    return found, [row for k, row in enumerate(found) if 10.7 < k * 0.005 < 11.5]
+
+
+def test_a_value_that_stands_while_the_car_brakes_hard_moves_nothing() -> None:
+    found, after = frozen_in_a_stop()
     assert max(abs(each.vehicle_speed - speed) for speed, each, _ in after) < 0.7
     assert covered(found) > 0.95
+
+
+@pytest.mark.xfail(strict=True, reason="it is left out as one that is late")
+def test_a_value_that_stands_is_named_as_one_that_repeats() -> None:
+    assert all("repeats" in text for _, _, text in frozen_in_a_stop()[1])
 
 
 STRONG, ONSET = 7.0, 2.5
@@ -118,7 +139,7 @@ def test_the_stated_deviation_holds_from_the_first_hard_stop_on_however_late_the
     z = [(each.vehicle_speed - speed) / each.vehicle_speed_variance**0.5 for speed, each in valid]
     assert len(valid) > 0.9 * len(stop(age))
     assert np.sqrt(np.mean(np.square(z))) < 1.3
-    assert np.mean(np.abs(z) < 1.96) > 0.9
+    assert np.mean(np.abs(z) < 1.96) > 0.95
 
 
 @pytest.mark.parametrize("age", [0.3, 0.5, 1.0])
@@ -126,3 +147,12 @@ def test_a_late_sensor_is_named_within_the_stop(age: float) -> None:
     end = stop(age)[-100:]
     assert all("left out" in text for _, _, text in end)
     assert max(abs(each.vehicle_speed - speed) for speed, each, _ in end) < 0.1 * STRONG * age + 0.3
+
+
+@pytest.mark.xfail(strict=True, reason="the bend of the tyres is in the deviation whatever the sensor knows")
+def test_a_sensor_in_time_is_known_to_be_after_one_braking_and_is_used_as_well_as_before() -> None:
+    found = stop(0.0)
+    assert {text for _, _, text in found} == {""}
+    end = [(speed, each) for speed, each, _ in found[-200:]]
+    assert max(each.vehicle_speed_variance**0.5 for _, each in end) < 0.25
+    assert np.sqrt(np.mean([(each.vehicle_speed - speed) ** 2 for speed, each in end])) < 0.06

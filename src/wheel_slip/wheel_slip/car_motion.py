@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.physical_bounds import HARDEST_BRAKING
 from vehicle_models.vehicle import FRONT, STATED, Vehicle, absolute_deviation, deviation_of, specified_stddev
 from wheel_slip.filter_bank import FilterBank
 from wheel_slip.motion_noise import MotionNoise
@@ -51,8 +52,6 @@ _JITTER: Final = 100_000
 """By which stamps may be off their grid [ns]."""
 _LOCKED: Final = 0.6
 """Rim speed [m/s] below which an encoder reads zero."""
-_HARDEST: Final = 12.0
-"""Hardest braking of any car on a road [m/s^2]."""
 _SLOWEST: Final = 1.0
 """Speed [m/s] that divides in place of a slower one."""
 _SLOWEST_TURN: Final = 3.0
@@ -128,7 +127,6 @@ class CarMotion:
         """Whether there is a speed."""
         self.force = np.zeros(self._count)
         """Force of every tyre over its load, times g [m/s^2], braking positive, shape (wheels,)."""
-        self._told = False
         self._unrest = np.zeros(self._count)
         self._steps: deque[_Step] = deque(maxlen=3)
         self._ways: deque[tuple[int, float]] = deque(maxlen=512)
@@ -374,9 +372,12 @@ class CarMotion:
         forces = self._forces.of(
             reading, mean_speed, rates, torques, np.sqrt(self._unrest), float(self.mean[F]), self._reading is None
         )
-        self._told = forces.told
         if self._reading is None:
-            self._felt = forces.felt if isfinite(forces.felt) else float(np.clip(np.median(rates), -_HARDEST, _HARDEST))
+            self._felt = (
+                forces.felt
+                if isfinite(forces.felt)
+                else float(np.clip(np.median(rates), -HARDEST_BRAKING, HARDEST_BRAKING))
+            )
         behind = self._relaxation / speed
         unlike = reading - (offset if self._reading is not None else 0.0) - rates
         z = then.rim_speeds + behind * unlike

@@ -5,17 +5,6 @@ from typing import NamedTuple
 from vehicle_models.reason import Reason
 
 
-class SpeedSample(NamedTuple):
-    """A measured vehicle speed."""
-
-    stamp: int
-    """When it was measured [ns]."""
-    speed: float
-    """[m/s], forward positive"""
-    variance: float
-    """[m^2/s^2], > 0"""
-
-
 class Hypotheses(NamedTuple):
     """Probabilities of what may be the matter with road and sensors [-]; NaN where a sensor is not there."""
 

@@ -1,43 +1,31 @@
 """Slip of every wheel of a car from wheel speeds, acceleration and, where they are there, yaw rate and speed sensor."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import isfinite, nan, sqrt
 from typing import Final, NamedTuple
 
-from friction_parameters.parameter import group, max_gap_parameter, minimum_speed_parameter, parameter
 from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.accelerometer_odds import Accelerometer
 from wheel_slip.car_motion import SLOPE_CHANGED, CarMotion, WheelMotion
-from wheel_slip.motion_estimate import Hypotheses, SpeedSample, WheelEstimate
-from wheel_slip.slip import slip, slip_rate, slip_rate_variance
+from wheel_slip.estimator import EstimatorParameters
+from wheel_slip.motion_estimate import Hypotheses, WheelEstimate
+from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
+from wheel_slip.speed_sample import SpeedSample
 from wheel_slip.speed_sensor_odds import SpeedSensor
 from wheel_slip.unit_check import UnitCheck
 from wheel_slip.wheel_noise import WheelNoise
-from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
+from wheel_slip.wheel_speed_filter import WheelSpeedFilter
 
 _NAMED: Final = 0.015
 """Error of a radius that is named, as a share: more than wear and pressure of a car that is looked after."""
 
 
-@dataclass(frozen=True)
-class MotionEstimatorParameters:
-    """When there is a slip, and the parameters of the filter of a wheel."""
-
-    minimum_speed: float = minimum_speed_parameter(1.0)
-    max_gap: float = max_gap_parameter(0.1)
-    max_slip_stddev: float = parameter(
-        0.2, "slip is UNCERTAIN above this standard deviation", minimum=1e-3, maximum=1.0
-    )
-    wheel_filter: WheelFilterParameters = group(WheelFilterParameters())
-
-
 class MotionSlipEstimator:
     """Slip estimator of one car. `update` takes all that is known at one stamp."""
 
-    def __init__(self, vehicle: Vehicle, parameters: MotionEstimatorParameters = MotionEstimatorParameters()) -> None:
+    def __init__(self, vehicle: Vehicle, parameters: EstimatorParameters = EstimatorParameters()) -> None:
         """Start without samples."""
         self._p = parameters
         p = parameters.wheel_filter
@@ -177,7 +165,7 @@ class MotionSlipEstimator:
             reason, text = Reason.NOT_READY, "too few samples since start"
         elif reason is Reason.OK:
             found = slip(speed[0], omega[0], motion.radius)
-            variance = slip_variance(speed, omega, (motion.radius, motion.radius_variance), motion.covariance)
+            variance = slip_variance(*speed, *omega, motion.radius, motion.radius_variance, motion.covariance)
             if variance > self._p.max_slip_stddev**2:
                 reason, text = Reason.UNCERTAIN, f"standard deviation of the slip is {sqrt(variance):.3f}"
             elif abs(found) > HIGHEST_SLIP:
@@ -192,22 +180,6 @@ class MotionSlipEstimator:
             if reason is not Reason.OK:
                 found = variance = nan
         return WheelEstimate(found, rate, speed[0], omega[0], variance, rate_variance, speed[1], reason, text)
-
-
-def slip_variance(
-    speed: tuple[float, float], wheel_speed: tuple[float, float], radius: tuple[float, float], covariance: float
-) -> float:
-    """Variance [-] of slip.
-
-    Args:
-        speed: of the ground at the wheel [m/s], and its variance [m^2/s^2].
-        wheel_speed: [rad/s], and its variance [rad^2/s^2].
-        radius: [m], and the variance of its error as a share.
-        covariance: of speed and radius error [m/s]: that of a speed which wheels gave is in the slip of none of them.
-    """
-    turned = wheel_speed[0] * radius[0] / speed[0]
-    of_share = speed[1] / speed[0] ** 2 + radius[1] - 2.0 * covariance / speed[0]
-    return turned**2 * max(of_share, 0.0) + (radius[0] / speed[0]) ** 2 * wheel_speed[1]
 
 
 class _Known(NamedTuple):

@@ -73,6 +73,7 @@ class SignalAge:
         self._walk = np.full(count, _WALK**2)
         self._walk[_STUCK] = _MOTION**2
         self._ages = np.concatenate([_AGES, [0.0, 0.0]])
+        self._useless = (self._ages >= _OLD) | (self._sign < 1.0)
         self.reset()
 
     def reset(self) -> None:
@@ -113,11 +114,9 @@ class SignalAge:
         since = stamp - self._last
         if 0 <= since < _STEP or len(self._way) < 2:
             return
-        stamps, values = np.array(self._way).T
-        earliest = stamp - self._ages * NANOSECONDS
-        if earliest[0] > stamps[-1] + _STEP or earliest.min() < stamps[0]:
+        if stamp > self._way[-1][0] + _STEP or stamp - _AGES[-1] * NANOSECONDS < self._way[0][0]:
             return
-        differences = self._sign * value - np.interp(earliest, stamps, values)
+        differences = self._sign * value - self._aged(stamp)
         noise = variance + _NOISE**2
         if self._delta is None or not 0 < since < _GAP:
             self._delta, self._b = differences, np.zeros(differences.size)
@@ -151,10 +150,6 @@ class SignalAge:
         self._is_useless = self.wrong > (_UNSURE if self._is_useless else _SURE)
 
     @property
-    def _useless(self) -> NDArray[np.bool_]:
-        return (self._ages >= _OLD) | (self._sign < 1.0)
-
-    @property
     def age_variance(self) -> float:
         """Mean square of the age as far as it is of use [s^2]."""
         young = np.where(self._useless, 0.0, self.probabilities)
@@ -164,9 +159,13 @@ class SignalAge:
         """Mean square of what Y has changed by within the age that X may have [m^2/s^2], at a stamp [ns]."""
         if len(self._way) < 2:
             return 0.0
+        aged = self._aged(stamp)
+        return float(self.probabilities @ (aged[0] - aged) ** 2)
+
+    def _aged(self, stamp: int) -> Array:
+        """Return Y [m/s] at each of the ages before a stamp [ns]."""
         stamps, values = np.array(self._way).T
-        moved = np.interp(stamp, stamps, values) - np.interp(stamp - self._ages * NANOSECONDS, stamps, values)
-        return float(self.probabilities @ moved**2)
+        return np.interp(stamp - self._ages * NANOSECONDS, stamps, values)
 
     @property
     def text(self) -> str:

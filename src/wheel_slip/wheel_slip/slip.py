@@ -13,12 +13,23 @@ def slip(speed: float, wheel_speed: float, radius: float) -> float:
 
 
 def slip_variance(
-    speed: float, speed_variance: float, wheel_speed: float, wheel_speed_variance: float, radius: float
+    speed: float,
+    speed_variance: float,
+    wheel_speed: float,
+    wheel_speed_variance: float,
+    radius: float,
+    radius_variance: float = 0.0,
+    covariance: float = 0.0,
 ) -> float:
-    """Variance [-] of slip from those of the speed [m^2/s^2] and the wheel speed [rad^2/s^2]."""
+    """Variance [-] of slip from those of the speed [m^2/s^2], the wheel speed [rad^2/s^2] and the radius.
+
+    The radius' is that of its error as a share [-], and `covariance` that of this and the speed [m/s]: what a speed has
+    of a wheel's radius is not in the slip of this wheel.
+    """
     by_speed = wheel_speed * radius / speed**2
     by_wheel = radius / speed
-    return by_speed**2 * speed_variance + by_wheel**2 * wheel_speed_variance
+    of_both = by_speed**2 * speed_variance + (by_speed * speed) ** 2 * (radius_variance - 2.0 * covariance / speed)
+    return max(of_both, 0.0) + by_wheel**2 * wheel_speed_variance
 
 
 def slip_rate(speed: float, acceleration: float, wheel_speed: float, wheel_acceleration: float, radius: float) -> float:

@@ -13,8 +13,8 @@ from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
 from wheel_slip.car_motion import CarMotion
-from wheel_slip.motion_estimate import SpeedSample
 from wheel_slip.signal_age import SignalAge
+from wheel_slip.speed_sample import SpeedSample
 
 _WRONG: Final = 10.0
 """Deviation of a sensor that is wrong [m/s]."""

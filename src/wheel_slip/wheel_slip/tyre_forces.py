@@ -6,7 +6,7 @@ taken to give all wheels the same force over load, and the engine only to drive.
 """
 
 from collections.abc import Sequence
-from math import isfinite, sqrt
+from math import isfinite, nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -83,7 +83,7 @@ class TyreForces:
         load = np.maximum(self._load - self._transfer * (sign * reading), LEAST_SHARE * self._load)
         resistance = float(drag(self._vehicle, abs(speed))) / self._mass
         pull = -sign * reading - resistance
-        told, felt = len(torques) == self._count and all([isfinite(torque) for torque in torques]), float("nan")
+        told, felt = len(torques) == self._count and all([isfinite(torque) for torque in torques]), nan
         if told:
             at_rim = (np.array(torques) + self._inertia * rim_rates * sign / self._radii) / self._radii
             force, braked = at_rim / load * GRAVITY, float(at_rim.sum()) / self._mass
