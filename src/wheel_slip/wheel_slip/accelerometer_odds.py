@@ -9,7 +9,7 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle, absolute_deviation
 from wheel_slip.signal_age import FAULTY, SignalAge
 from wheel_slip.stuck_sensor import StuckSensor
-from wheel_slip.tyre_forces import free_wheels
+from wheel_slip.tyre_forces import LOCKED, free_wheels
 
 _AGE: Final = 0.01
 """Least deviation of the age that is expected [s]: nothing in a car is nearer to its stamp for sure."""
@@ -21,6 +21,10 @@ _LARGEST: Final = 0.5
 """Deviation of the slip in the hardest braking [-]: wheels may lock, and say nothing."""
 _FROZEN: Final = 0.5
 """Probability that a reading which repeats itself to the last bit says nothing: simulated ones do so, too."""
+_FELT: Final = 0.8
+"""Share of the reading by which a car with locked wheels slows down at least: the rest may be a hill or its offset."""
+_MOVES: Final = 2.0
+"""Speed from which on wheels that stand are locked [m/s]."""
 _FREE: Final = 0.005
 """Share by which free wheels may differ from the speed: curves."""
 
@@ -44,6 +48,7 @@ class Accelerometer:
         self.against_wheels.reset()
         self._is_frozen = False
         self._last: int | None = None
+        self._reference = 0.0
         self.travelled = 0.0
         """Integral of the readings [m/s]."""
 
@@ -60,7 +65,11 @@ class Accelerometer:
             self.against_wheels.start_again()
         else:
             self.travelled += since / NANOSECONDS * reading
-        if known:
+        # Locked wheels do not say how fast the car is: it goes on from where they were, as it is felt.
+        by_wheels = max([abs(rim) for rim in known], default=0.0)
+        slowed = self._reference - min(since / NANOSECONDS, 1.0) * _FELT * abs(reading)
+        self._reference = max(by_wheels, slowed)
+        if known and (by_wheels > LOCKED or self._reference < _MOVES):
             self._compare(stamp, reading, median(known))
         return None if self.text else reading
 

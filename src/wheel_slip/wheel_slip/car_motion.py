@@ -39,7 +39,7 @@ from vehicle_models.physical_bounds import HARDEST_BRAKING
 from vehicle_models.vehicle import FRONT, STATED, Vehicle, absolute_deviation, deviation_of, specified_stddev
 from wheel_slip.filter_bank import FilterBank
 from wheel_slip.motion_noise import MotionNoise
-from wheel_slip.tyre_forces import TELLING, Forces, TyreForces
+from wheel_slip.tyre_forces import LOCKED, TELLING, Forces, TyreForces
 
 Array = NDArray[np.float64]
 
@@ -50,12 +50,16 @@ SLOPE_KEPT, SLOPE_CHANGED = range(2)
 
 _JITTER: Final = 100_000
 """By which stamps may be off their grid [ns]."""
-_LOCKED: Final = 0.6
-"""Rim speed [m/s] below which an encoder reads zero."""
 _SLOWEST: Final = 1.0
 """Speed [m/s] that divides in place of a slower one."""
 _SLOWEST_TURN: Final = 3.0
 """The same where a curve is told by it: below, a car can turn on the spot."""
+_SATURATION: Final = np.linspace(1e-3, 4.5, 200)
+"""Slips of a tyre s, over s_0, whose force is D (1 - e^-s/s_0): this way it bends."""
+_RATIO: Final = _SATURATION / -np.expm1(-_SATURATION)
+"""Slip over force at these, over that of little slip."""
+_BEND: Final = np.exp(_SATURATION) / _RATIO - 1.0
+"""Relative change of slip over force with that of the force at these."""
 
 
 class WheelMotion(NamedTuple):
@@ -319,7 +323,7 @@ class CarMotion:
         known = self._steps[-1].rim_speeds[np.isfinite(self._steps[-1].rim_speeds)]
         if known.size and len(self._steps) == 3:
             speed = float(np.median(known))
-            locked = abs(speed) <= _LOCKED
+            locked = abs(speed) <= LOCKED
             self._begin_at(speed, self._standing_variance() if locked else (0.5 * speed) ** 2)
 
     def _begin_at(self, speed: float, variance: float) -> None:
@@ -378,6 +382,8 @@ class CarMotion:
                 if isfinite(forces.felt)
                 else float(np.clip(np.median(rates), -HARDEST_BRAKING, HARDEST_BRAKING))
             )
+        step = forces.force - self.force
+        forces = forces._replace(force=self.force + step**3 / (step**2 + forces.fleeting**2))
         behind = self._relaxation / speed
         unlike = reading - (offset if self._reading is not None else 0.0) - rates
         z = then.rim_speeds + behind * unlike
@@ -389,7 +395,7 @@ class CarMotion:
         both = unknown[C : self._e] * unknown[F] * (forces.by_engine * speed) ** 2
         lasting = (compliance * forces.doubt * speed) ** 2 + late + (p.radius * speed) ** 2
         lasting = lasting + both * (p.engine_time / p.correlation)
-        use = np.isfinite(z) & (np.abs(z) > _LOCKED)
+        use = np.isfinite(z) & (np.abs(z) > LOCKED)
         if use.any():
             way = self._step_way - then.way
             self._apply(
@@ -401,9 +407,9 @@ class CarMotion:
 
     def _standing_variance(self) -> float:
         """Return the variance of a speed of zero by wheels that stand [m^2/s^2]: small, unless they are locked."""
-        known = float(self.covariance[V, V]) + _LOCKED**2
+        known = float(self.covariance[V, V]) + LOCKED**2
         surprise = (self._felt / self._offset) ** 2 + self._speed**2 / known
-        return (0.2 * _LOCKED) ** 2 * exp(min(0.5 * surprise, 20.0))
+        return (0.2 * LOCKED) ** 2 * exp(min(0.5 * surprise, 20.0))
 
     def _let_slip(
         self, dt: float, forces: Forces, compliance: Array, unlike: Array, behind: Array, span: float
@@ -415,6 +421,9 @@ class CarMotion:
         weight = np.maximum(np.abs(forces.force), TELLING)
         change, self.force = forces.force - self.force, forces.force
         grown = (sudden / (speed * weight)) ** 2 * (p.dive_time * dt)
+        bend = np.interp(compliance / p.compliance, _RATIO, _BEND)
+        creep = np.maximum(unlike**2 - 2.0 * self._rim_variance / self._steps[1].samples / span**2, 0.0)
+        grown += creep * (bend / (1.0 + bend) / (speed * weight)) ** 2 * (p.dive_time * dt)
         grown += (compliance * change / weight) ** 2 * max(p.correlation / dt, 1.0)
         states = np.arange(C, self._e + self._count)
         self._bank.p[:, states, states] += np.concatenate([grown, np.full(self._count, dt * p.radius_walk**2)])

@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 TELLING = 0.5
 """Force over load times g [m/s^2] from which on a tyre's slip has the sign of its force."""
 
+LOCKED = 0.6
+"""Rim speed [m/s] below which an encoder reads zero."""
+
 
 def free_wheels(vehicle: Vehicle) -> list[int]:
     """Return the wheels without an engine, or all where all have one or nothing is known of it."""
@@ -36,6 +39,8 @@ class Forces(NamedTuple):
     """Braking positive."""
     doubt: Array
     """Deviation of it."""
+    fleeting: Array
+    """What of that is another one in the next step: where torques tell the force of one wheel, all of it."""
     by_engine: Array
     """Change of it with the engine's force over the mass of the car [-]."""
     told: bool
@@ -99,4 +104,4 @@ class TyreForces:
         by_engine = share * driven if told or engine < 0.0 else 0.0 * driven
         force = force + by_engine * (engine + error)
         doubt = np.hypot(least + uneven * np.minimum(np.abs(force), unrest), sqrt(share) * unsure * driven)
-        return Forces(force, doubt, by_engine, told, felt)
+        return Forces(force, doubt, doubt if told else np.full(self._count, p.acceleration), by_engine, told, felt)
