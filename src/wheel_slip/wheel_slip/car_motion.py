@@ -54,6 +54,8 @@ _SLOWEST: Final = 1.0
 """Speed [m/s] that divides in place of a slower one."""
 _SLOWEST_TURN: Final = 3.0
 """The same where a curve is told by it: below, a car can turn on the spot."""
+_STANDS: Final = 1.0
+"""Time in which wheels that stand say once that the car does [s]."""
 _SATURATION: Final = np.linspace(1e-3, 4.5, 200)
 """Slips of a tyre s, over s_0, whose force is D (1 - e^-s/s_0): this way it bends."""
 _RATIO: Final = _SATURATION / -np.expm1(-_SATURATION)
@@ -409,7 +411,8 @@ class CarMotion:
         """Return the variance of a speed of zero by wheels that stand [m^2/s^2]: small, unless they are locked."""
         known = float(self.covariance[V, V]) + LOCKED**2
         surprise = (self._felt / self._offset) ** 2 + self._speed**2 / known
-        return (0.2 * LOCKED) ** 2 * exp(min(0.5 * surprise, 20.0))
+        once = (0.2 * LOCKED) ** 2 * exp(min(0.5 * surprise, 20.0))
+        return once * _STANDS / self._noise.step  # however long they stand, that they are locked is one doubt
 
     def _let_slip(
         self, dt: float, forces: Forces, compliance: Array, unlike: Array, behind: Array, span: float
@@ -420,10 +423,9 @@ class CarMotion:
         sudden = np.maximum(rest - p.steepest, 0.0) if forces.told else rest
         weight = np.maximum(np.abs(forces.force), TELLING)
         change, self.force = forces.force - self.force, forces.force
-        grown = (sudden / (speed * weight)) ** 2 * (p.dive_time * dt)
         bend = np.interp(compliance / p.compliance, _RATIO, _BEND)
-        creep = np.maximum(unlike**2 - 2.0 * self._rim_variance / self._steps[1].samples / span**2, 0.0)
-        grown += creep * (bend / (1.0 + bend) / (speed * weight)) ** 2 * (p.dive_time * dt)
+        grown = (sudden / (speed * weight)) ** 2 * (p.dive_time * dt)
+        grown += ((bend / (1.0 + bend)) ** 2 * p.creep / (speed * weight)) ** 2 * dt
         grown += (compliance * change / weight) ** 2 * max(p.correlation / dt, 1.0)
         states = np.arange(C, self._e + self._count)
         self._bank.p[:, states, states] += np.concatenate([grown, np.full(self._count, dt * p.radius_walk**2)])
@@ -504,10 +506,9 @@ class CarMotion:
             float(mean[B]) if self._reading is not None else 0.0,
             1.0 - float(mean[K]),
         )
-        least = max(float((mean[C : self._e] * self.force).min()), 0.0)
-        self._lasting = (p.radius * v) ** 2 + (p.bent * least * v) ** 2
+        self._lasting = (p.radius * v) ** 2
         self.variance = float(covariance[V, V]) + self._lasting if self.started else nan
-        """Variance of the speed [m^2/s^2], with the radii and the bend of the tyres' curves."""
+        """Variance of the speed [m^2/s^2], with the radii."""
         ground, by_yaw = self._ground(mean[V : V + 1], mean[U])
         of_ground = covariance[V, V] + by_yaw**2 * covariance[U, U] + 2.0 * by_yaw * covariance[V, U] + self._lasting
         both = covariance[V, self._e :] + by_yaw * covariance[U, self._e :]

@@ -27,6 +27,7 @@ class MotionNoise:
     compliance_alike: float = constant(0.8, "correlation of it between the tyres")
     steepest: float = constant(1.5, "change of a wheel against the car that is no dive", unit="m/s^2")
     dive_time: float = constant(0.1, "time for which a dive keeps its rate", unit="s")
+    creep: float = constant(3.0, "change of the slip speed at the peak in the square root of a second", unit="m/s")
     force: float = constant(0.05, "force that torques tell, over the load, times g", unit="m/s^2")
     blind_force: float = constant(0.6, "force that only the accelerometer tells, over the load, times g", unit="m/s^2")
     pull: float = constant(0.2, "force of all tyres over the mass: bias of the accelerometer, drag", unit="m/s^2")
@@ -39,5 +40,4 @@ class MotionNoise:
     radius: float = constant(0.002, "what a wheel's speed is off by over its radius: bumps, as a share")
     radius_walk: float = constant(1e-4, "change of a radius in the square root of a second, as a share")
     surprise: float = constant(6.0, "deviations of a wheel's speed beyond which it counts no more than these")
-    bent: float = constant(0.4, "share by which a slip is not its force times c: the curve of a tyre bends")
     unknown_acceleration: float = constant(5.0, "acceleration in the square root of a second, unseen", unit="m/s^2")
