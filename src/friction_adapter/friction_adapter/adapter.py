@@ -9,7 +9,7 @@ from typing import Any
 
 from friction_adapter.sampling import EdgeCounters, SampleGrouping, Values
 from friction_adapter.signal_map import ARRIVAL, BRAKE_PRESSURE, QUANTITIES, WHEEL_STATES, Kind, Signal, SignalMap
-from friction_adapter.sources import TABLE, Found, Read, Sources
+from friction_adapter.sources import PAGE, TABLE, Found, Read, Sources
 from friction_adapter.unit_table import UNITS, Conversion, conversion, is_rim_speed, unit_named
 from friction_parameters.parameter import ParameterError
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -79,6 +79,8 @@ class Adapter:
         self._takes: dict[str, list[_Take]] = {}
         for number, target in enumerate(self.targets):
             self._bind(number, target)
+        self.silent = {signal.title for signal in signal_map.signals}
+        """Signals that have not had a value yet."""
         self.unreadable: dict[str, int] = {}
         """Values that a record did not hold, by signal."""
         self.refused = 0
@@ -170,7 +172,9 @@ class Adapter:
     def _source(self, signal: Signal, found: Sequence[Found]) -> str:
         """Return the one source of a signal and its flag."""
         flags = [] if signal.flag is None else [self._found(signal, signal.flag.field)]
-        names = sorted({each.source for each in (*found, *flags)})
+        every = {each.source for each in (*found, *flags)}
+        # What is in all pages of a frame is in each of them.
+        names = sorted(name for name in every if not any(other.startswith(f"{name}{PAGE}") for other in every))
         if len(names) > 1:
             raise self._error(signal, f"its fields come from {', '.join(names)}: they must come together")
         return names[0]
@@ -200,7 +204,10 @@ class Adapter:
 
         def read(record: Any) -> float:
             try:
-                return convert(raw(record)) if is_valid is None or is_valid(record) else nan
+                value = convert(raw(record)) if is_valid is None or is_valid(record) else nan
+                if self.silent and value == value:
+                    self.silent.discard(title)
+                return value
             except UNREADABLE:
                 self.unreadable[title] = self.unreadable.get(title, 0) + 1
                 return nan

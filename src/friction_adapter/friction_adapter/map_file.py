@@ -133,12 +133,13 @@ def _can_bus(file: MapEntries, top: Mapping[str, Entry], by_arrival: bool) -> Ca
     if "can" not in top:
         return CanBus()
     given = file.mapping("can", top["can"])
-    file.known(given, ("dbc", "topic"))
-    texts = {key: file.text(key, entry) for key, entry in given.items()}
+    file.known(given, ("dbc", "topic", "bus"))
+    texts = {key: file.text(key, entry) for key, entry in given.items() if key != "bus"}
+    bus = str(given["bus"].value) if "bus" in given else ""
     dbc = file.path.absolute().parent / texts["dbc"] if "dbc" in texts else None
     if dbc is not None and not dbc.is_file():
         raise file.error(given["dbc"], f"there is no DBC file {dbc}")
-    return CanBus(dbc, texts.get("topic", ""), by_arrival)
+    return CanBus(dbc, texts.get("topic", ""), bus, by_arrival)
 
 
 def _nanoseconds(

@@ -137,6 +137,8 @@ class CanBus:
     dbc: Path | None = None
     topic: str = ""
     """Topic of can_msgs/Frame; empty where frames come from logs only."""
+    bus: str = ""
+    """Name or number of the bus in a log, as the log has it; empty for all."""
     by_arrival: bool = False
     """Whether frames of the topic are stamped by their arrival."""
 

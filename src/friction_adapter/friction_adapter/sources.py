@@ -23,6 +23,8 @@ from friction_parameters.parameter import ParameterError
 _STEP = re.compile(r"([A-Za-z]\w*)(?:\[(?:(\d+)|([A-Za-z]\w*)=([^\[\]=]+))\])?", re.ASCII)
 INSTALL_LINE = install_line("cantools")
 _MOST_LISTED = 30
+PAGE = " page "
+"""Between a frame and the pages of it that a source is."""
 TABLE = "table"
 """Name of the only source of a table."""
 Read = Callable[[Any], Any]
@@ -139,11 +141,22 @@ def _picked(elements: Any, step: _Step) -> Any:
 
 @dataclass(frozen=True)
 class Frame:
-    """A decoded frame."""
+    """A decoded frame, or one page of a multiplexed one."""
 
     name: str
+    """Of the source: that of the frame, with its page."""
+    frame: str
     values: Mapping[str, Any]
     """Physical values by the name of the signal, in the units of the DBC file."""
+
+
+@dataclass(frozen=True)
+class _Page:
+    """When a source is in a frame."""
+
+    multiplexer: str
+    """Signal that tells the page; empty where the source is in all of them."""
+    pages: tuple[int, ...] = ()
 
 
 class CanFrames:
@@ -159,54 +172,112 @@ class CanFrames:
             from cantools.database import load_file
         except ImportError as error:
             raise ParameterError(f"CAN signals need two more packages: {INSTALL_LINE}") from error
+        self.notes: tuple[str, ...] = ()
+        """What is wrong with frames that a map may not need."""
         try:
-            self._database = load_file(dbc)
+            try:
+                self._database = load_file(dbc)
+            except OSError:
+                raise
+            except Exception as unsound:  # cantools passes on whatever its parsers raise
+                self._database = load_file(dbc, strict=False)
+                self.notes = (f"DBC file {dbc}: {unsound}; only the frames that the map names must be sound",)
         except OSError as error:
             raise ParameterError(f"DBC file {dbc}: {error.strerror}") from error
         except Exception as error:  # cantools passes on whatever its parsers raise
             raise ParameterError(f"DBC file {dbc} cannot be read: {error}") from error
         self._path = dbc
-        self._by_id = {(each.frame_id, each.is_extended_frame): each for each in self._database.messages}
+        self._by_id: dict[tuple[int, bool], Any] = {}
+        self._pages: dict[str, tuple[str, _Page]] = {}
+        self._sources: dict[str, list[tuple[str, _Page]]] = {}
+        self._unseen: set[tuple[int, bool]] = set()
+        self._others: set[tuple[int, bool]] = set()
         self.undecoded = 0
-        """Frames of the DBC file that could not be decoded, as their data is too short or means nothing."""
+        """Frames of the DBC file that could not be decoded, as their data means nothing."""
+        self.keep([each.name for each in self._database.messages])
 
     def find(self, name: str) -> tuple[str, str, str]:
         """Return frame, name within it and unit of a signal, given as SIGNAL or FRAME.SIGNAL.
+
+        A signal that only some pages of a multiplexed frame have comes from these pages.
 
         Raises:
             ValueError: there is no such signal, or several; the text names those there are.
         """
         signals = [(frame.name, each) for frame in self._database.messages for each in frame.signals]
-        found = [
-            (frame, each.name, each.unit or "")
-            for frame, each in signals
-            if name in (each.name, f"{frame}.{each.name}")
-        ]
+        found = [(frame, each) for frame, each in signals if name in (each.name, f"{frame}.{each.name}")]
         if len(found) > 1:
-            several = ", ".join(f"{frame}.{signal}" for frame, signal, _ in found)
+            several = ", ".join(f"{frame}.{each.name}" for frame, each in found)
             raise ValueError(f"several CAN signals have the name '{name}': {several}")
         if not found:
             names = list(dict.fromkeys(each.name for _, each in signals))
             near = get_close_matches(name, names, _MOST_LISTED, 0.4) or sorted(names)[:_MOST_LISTED]
             more = f", and {len(names) - len(near)} more" if len(near) < len(names) else ""
             raise ValueError(f"{self._path} has no CAN signal '{name}': there are {', '.join(near)}{more}")
-        return found[0]
+        frame, signal = found[0]
+        source, page = frame, _Page("")
+        if signal.multiplexer_ids:
+            page = _Page(signal.multiplexer_signal or "", tuple(signal.multiplexer_ids))
+            source = f"{frame}{PAGE}{'/'.join(str(each) for each in page.pages)}"
+        self._pages[source] = frame, page
+        return source, signal.name, signal.unit or ""
 
     def keep(self, names: Collection[str]) -> None:
-        """Decode these frames only."""
-        self._by_id = {key: each for key, each in self._by_id.items() if each.name in names}
+        """Decode these sources only, which `find` returned, or frames.
 
-    def decode(self, frame_id: int, is_extended: bool, data: bytes) -> Frame | None:
-        """Decode a frame; None for one that is not kept, or that cannot be decoded."""
-        message = self._by_id.get((frame_id, is_extended))
+        Raises:
+            ParameterError: the DBC file contradicts itself in one of their frames.
+        """
+        self._sources = {}
+        for name in names:
+            frame, page = self._pages.get(name, (name, _Page("")))
+            self._sources.setdefault(frame, []).append((name, page))
+        kept = [each for each in self._database.messages if each.name in self._sources]
+        self._by_id = {(each.frame_id, each.is_extended_frame): each for each in kept}
+        self._unseen = set(self._by_id)
+        if self.notes and len(kept) < len(self._database.messages):
+            for each in kept:
+                try:
+                    each.refresh(strict=True)
+                except Exception as error:  # cantools passes on whatever its checks raise
+                    raise ParameterError(f"DBC file {self._path}: {error}") from error
+
+    def decode(self, frame_id: int, is_extended: bool, data: bytes) -> list[Frame]:
+        """Decode a frame, as far as it goes; nothing for one that is not kept, or that cannot be decoded."""
+        key = frame_id, is_extended
+        message = self._by_id.get(key)
         if message is None:
-            return None
+            self._others.add(key)
+            return []
+        self._unseen.discard(key)
         try:
-            values = message.decode(data, decode_choices=False)
+            values = message.decode(data, decode_choices=False, allow_truncated=True)
         except Exception:  # cantools passes on errors of its bit reader
             self.undecoded += 1
-            return None
-        return Frame(message.name, values)
+            return []
+        return [
+            Frame(source, message.name, values)
+            for source, page in self._sources[message.name]
+            if not page.multiplexer or values.get(page.multiplexer) in page.pages
+        ]
+
+    def not_in_log(self) -> list[str]:
+        """Return a sentence for each frame that has not come, with the identifier that is nearest to its own."""
+        texts = []
+        for key in sorted(self._unseen):
+            near = min(self._others, key=lambda other: _unlike(key, other), default=None)
+            nearest = f"; the nearest that is there is {_identifier(near)}" if near else ", and no other one either"
+            texts.append(f"frame {self._by_id[key].name} ({_identifier(key)}) is not in the log{nearest}")
+        return texts
+
+
+def _unlike(key: tuple[int, bool], other: tuple[int, bool]) -> tuple[bool, int, int]:
+    """Return how far an identifier is from another; those of J1939 that differ in the source address are near."""
+    return key[1] != other[1], (key[0] ^ other[0]) >> 8 & 0x3FFFF, abs(key[0] - other[0])
+
+
+def _identifier(key: tuple[int, bool]) -> str:
+    return f"{key[0]:08X}" if key[1] else f"{key[0]:03X}"
 
 
 class CanDatabase(Protocol):

@@ -49,17 +49,49 @@ class TestWithCantools:
         with pytest.raises(ValueError, match=said):
             frames(tmp_path).find(name)
 
-    def test_frames_that_are_not_kept_unknown_or_too_short_give_nothing(self, tmp_path: Path) -> None:
+    def test_frames_that_are_not_kept_or_unknown_give_nothing(self, tmp_path: Path) -> None:
         bus = frames(tmp_path)
         bus.keep(["A"])
-        found = bus.decode(1, False, bytes([232, 3]))
-        assert found is not None
+        (found,) = bus.decode(1, False, bytes([232, 3]))
         assert (found.name, dict(found.values)) == ("A", {"Speed": pytest.approx(100.0)})
-        assert bus.decode(2, False, bytes(2)) is None
-        assert bus.decode(1, True, bytes(2)) is None
+        assert bus.decode(2, False, bytes(2)) == bus.decode(1, True, bytes(2)) == []
         assert bus.undecoded == 0
-        assert bus.decode(1, False, bytes(1)) is None
-        assert bus.undecoded == 1
+
+    def test_a_short_frame_is_decoded_as_far_as_it_goes(self, tmp_path: Path) -> None:
+        bus = frames(tmp_path)
+        (found,) = bus.decode(2, False, bytes([232, 3]))
+        assert dict(found.values) == {"Speed": pytest.approx(100.0)}
+
+    def test_a_frame_that_has_not_come_is_named_with_the_nearest_that_has(self, tmp_path: Path) -> None:
+        bus = frames(tmp_path)
+        bus.keep(["A"])
+        bus.decode(2, False, bytes(3))
+        bus.decode(700, False, bytes(3))
+        assert bus.not_in_log() == ["frame A (001) is not in the log; the nearest that is there is 002"]
+        bus.decode(1, False, bytes(2))
+        assert bus.not_in_log() == []
+
+    def test_pages_of_a_frame_are_sources_of_their_own(self, tmp_path: Path) -> None:
+        pages = """VERSION ""
+BU_: E
+BO_ 1 A: 3 E
+ SG_ Page M : 0|8@1+ (1,0) [0|255] "" E
+ SG_ Left m0 : 8|16@1+ (0.1,0) [0|100] "km/h" E
+ SG_ Right m1 : 8|16@1+ (0.1,0) [0|100] "km/h" E
+"""
+        bus = frames(tmp_path, pages)
+        sources = [bus.find(name)[0] for name in ("Page", "Left", "Right")]
+        assert sources == ["A", "A page 0", "A page 1"]
+        bus.keep(sources)
+        assert [each.name for each in bus.decode(1, False, bytes([1, 232, 3]))] == ["A", "A page 1"]
+
+    def test_a_file_that_contradicts_itself_elsewhere_is_read(self, tmp_path: Path) -> None:
+        text = DBC + 'BO_ 3 C: 1 E\n SG_ Volume : 4|8@1+ (1,0) [0|1] "" E\n'
+        bus = frames(tmp_path, text)
+        assert "Volume" in bus.notes[0]
+        bus.keep(["A", "B"])
+        with pytest.raises(ParameterError, match="Volume"):
+            bus.keep(["A", "C"])
 
     def test_a_file_that_is_no_dbc_file_is_refused(self, tmp_path: Path) -> None:
         with pytest.raises(ParameterError, match="cannot be read"):

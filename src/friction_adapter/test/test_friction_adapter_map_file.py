@@ -147,7 +147,7 @@ def test_a_mistake_is_refused_with_its_line(tmp_path: Path, signal: str, said: s
         ("stamps: x", "line 4: unknown key 'stamps'"),
         ("together: 2", "line 4: 'together' = 2 must be a number from 0 to 1"),
         ("can: {dbc: nowhere.dbc}", "line 4: there is no DBC file"),
-        ("can: {bus: 1}", "line 4: unknown key 'bus': known here are dbc, topic"),
+        ("can: {buses: 1}", "line 4: unknown key 'buses': known here are dbc, topic, bus"),
         ("vehicle: bmw_m8", "line 4: 'vehicle' is repeated here, first in line 1"),
     ],
 )

@@ -158,6 +158,10 @@ class RemappedBag(BagReader):
                 if self._made[name] in wanted:
                     yield self._made[name], stamp, encode(message)
 
+    def never_read(self) -> list[str]:
+        """Return a sentence for each signal of the map that has not had one value so far."""
+        return self._processor.never_read()
+
     def _outputs(self, topic: Topic, stamp: int, data: bytes) -> Collection[Output]:
         kind = self._types.get(topic)
         if kind is None:
@@ -196,4 +200,5 @@ def write_remapped(
             count += 1
             if count % _SHOW_EVERY == 0:
                 progress((stamp - bag.start) / duration)
+    bag.problems.extend(bag.never_read())
     return count

@@ -165,6 +165,10 @@ class RecordMapper:
         """Start again, as after construction."""
         self._adapter.reset()
 
+    def never_read(self) -> list[str]:
+        """Return a sentence for each signal of the map that has not had one value so far."""
+        return [f"{title} has not one value" for title in sorted(self._adapter.silent)]
+
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used so far, by what it is; without what never happened."""
         found = {

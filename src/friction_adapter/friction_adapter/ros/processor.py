@@ -125,11 +125,15 @@ class AdapterProcessor:
         return Health("map", Level.WARN if problems else Level.OK, ", ".join(problems) or "ok", values)
 
     def _of_frame(self, frames: CanFrames, message: Any) -> list[Output]:
-        frame = frames.decode(message.id, message.is_extended, bytes(message.data[: message.dlc]))
-        if frame is None:
-            return []
         stamp = self._arrival() if self._map.can.by_arrival else to_nanoseconds(message.header.stamp)
-        return self._mapper.take(frame.name, frame.values, stamp)
+        made: list[Output] = []
+        for frame in frames.decode(message.id, message.is_extended, bytes(message.data[: message.dlc])):
+            made += self._mapper.take(frame.name, frame.values, stamp)
+        return made
+
+    def never_read(self) -> list[str]:
+        """Return a sentence for each signal of the map that has not had one value so far."""
+        return self._mapper.never_read()
 
     def _problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""

@@ -8,6 +8,8 @@ from friction_adapter.ros.messages import RecordMapper
 from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import INSTALL_LINE, CanFrames, Sources
 from friction_bags.bag_io.bag_format import BagError
+from friction_bags.importers.asc_stamps import LATER, AscStamps
+from friction_bags.importers.blf_objects import count_objects
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -70,7 +72,12 @@ class CanLog:
         self._frames = CanFrames(dbc)
         self._mapper = RecordMapper(signal_map, Sources(can=self._frames))
         self._frames.keep(self._mapper.sources)
+        self.notes = self._frames.notes
+        """What is to be known of the DBC file."""
         self._is_offset = signal_map.stamp_offset != 0
+        self._bus = signal_map.can.bus
+        self._buses: dict[str, set[str]] = {}
+        self._cut_off = ""
 
     def messages(self) -> Iterator[Output]:
         """Yield topics and messages.
@@ -80,12 +87,17 @@ class CanLog:
         """
         offset: int | None = 0 if self._is_offset else None
         for frame in self._logged():
-            if offset is None:
-                offset = start_offset(frame.timestamp) * NANOSECONDS
+            bus = str(frame.channel)
+            if self._bus and bus != self._bus:
+                continue
             decoded = self._frames.decode(frame.arbitration_id, frame.is_extended_id, bytes(frame.data))
-            if decoded is not None:
-                stamp = round(frame.timestamp * NANOSECONDS) + offset
-                for topic, message in self._mapper.take(decoded.name, decoded.values, stamp):
+            time = frame.timestamp - (LATER if self._is_asc else 0)
+            if offset is None:
+                offset = start_offset(time) * NANOSECONDS
+            for record in decoded:
+                self._buses.setdefault(record.frame, set()).add(bus)
+                stamp = round(time * NANOSECONDS) + offset
+                for topic, message in self._mapper.take(record.name, record.values, stamp):
                     yield f"/{topic}", message
 
     def share(self) -> float:
@@ -98,15 +110,39 @@ class CanLog:
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
         undecoded = self._frames.undecoded
-        return {**self._mapper.problems(), **({"frame that cannot be decoded": undecoded} if undecoded else {})}
+        found = {self._cut_off: 0} if self._cut_off else {}
+        for frame, buses in self._buses.items():
+            if len(buses) > 1:
+                several = ", ".join(sorted(buses))
+                found[f"frame {frame} comes on the buses {several}: 'can: {{bus: N}}' in the map takes one of them"] = 0
+        found |= dict.fromkeys(self._frames.not_in_log(), 0)
+        found |= self._mapper.problems() | dict.fromkeys(self._mapper.never_read(), 0)
+        return {**found, **({"frame that cannot be decoded": undecoded} if undecoded else {})}
+
+    @property
+    def _is_asc(self) -> bool:
+        return self._path.suffix.lower() == ".asc"
+
+    def _reader(self) -> Any:
+        """Open the log."""
+        if self._is_asc:
+            return self._can.ASCReader(AscStamps(self._path))
+        if self._path.suffix.lower() == ".blf":
+            objects = count_objects(self._path)
+            if objects.there < objects.stated or not objects.is_whole:
+                stated = f", and its header states {objects.stated}" if objects.stated else ""
+                self._cut_off = f"the log is cut off: {objects.there} objects are there{stated}"
+        return self._can.LogReader(self._path)
 
     def _logged(self) -> Iterator[Any]:
         """Yield the frames with data."""
         try:
-            with self._can.LogReader(self._path) as log:
+            with self._reader() as log:
                 self._file = log.file
                 for frame in log:
                     if not (frame.is_error_frame or frame.is_remote_frame):
                         yield frame
+        except BagError:
+            raise
         except Exception as error:  # python-can passes on whatever its readers raise
             raise BagError(f"{self._path} cannot be read, or not to its end: {error}") from error

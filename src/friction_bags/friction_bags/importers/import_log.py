@@ -2,7 +2,7 @@
 
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Protocol
@@ -29,6 +29,10 @@ _SHOW_EVERY = 1000
 class Log(Protocol):
     """A log, read through a signal map."""
 
+    @property
+    def notes(self) -> Sequence[str]:
+        """What is to be known of it before it is read."""
+
     def messages(self) -> Iterator[Output]:
         """Yield topics, with a leading slash, and messages."""
 
@@ -36,7 +40,7 @@ class Log(Protocol):
         """Return the share that has been read."""
 
     def problems(self) -> Mapping[str, int]:
-        """Return how often something could not be used, by what it is."""
+        """Return how often something could not be used, by what it is; 0 where that is a sentence of its own."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -69,13 +73,15 @@ def run(args: Namespace) -> int:
     for text in signal_map.cannot:
         _warn("warning", f"{signal_map.path}: {text}")
     log = open_log(path, signal_map, args.dbc)
+    for text in log.notes:
+        _warn("note", text)
     notes = {**signal_map.notes, VEHICLE_NOTE: signal_map.vehicle_reference}
     with bars([path.name]) as show:
         count = write_bag(args.out, _shown(log, show), notes)
     print(f"{args.out}: {count} messages from {path}")
     problems = log.problems()
     for text, times in problems.items():
-        _warn("warning", f"{path}: {text}, {times} times")
+        _warn("warning", f"{path}: {text}{f', {times} times' if times else ''}")
     return 1 if problems else 0
 
 

@@ -52,6 +52,7 @@ class Table:
         self._size = max(path.stat().st_size, 1)
         self._stream: TextIO | None = None
         self._mapper = RecordMapper(signal_map, Sources(columns=self._columns))
+        self.notes: tuple[str, ...] = ()
 
     def rows(self) -> Iterator[dict[str, float]]:
         """Yield the rows as numbers by column, those of the map only; NaN where a cell is empty.
@@ -96,7 +97,7 @@ class Table:
 
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return self._mapper.problems()
+        return self._mapper.problems() | dict.fromkeys(self._mapper.never_read(), 0)
 
 
 def put_later(rows: Iterable[dict[str, float]], signal_map: SignalMap) -> Iterator[dict[str, float]]:
@@ -182,6 +183,7 @@ class ParquetTable:
             raise BagError(f"{path} cannot be read: {error}") from error
         self._needed = columns_of(signal_map)
         self._mapper = RecordMapper(signal_map, Sources(columns=self._file.schema_arrow.names))
+        self.notes: tuple[str, ...] = ()
         self._read = 0
 
     def messages(self) -> Iterator[Output]:
@@ -210,7 +212,7 @@ class ParquetTable:
 
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return self._mapper.problems()
+        return self._mapper.problems() | dict.fromkeys(self._mapper.never_read(), 0)
 
     def _numbers(self, name: str, column: Any) -> list[float]:
         values = column.to_numpy(zero_copy_only=False)

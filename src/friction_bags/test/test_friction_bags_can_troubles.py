@@ -1,0 +1,122 @@
+"""CAN logs that are cut off, of several buses, relative or of another car: read as far as they go, and it is said."""
+
+import struct
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from friction_bags.__main__ import main
+from friction_bags.bag_io.bag_reader import BagReader
+from friction_bags.importers.blf_objects import Objects, count_objects
+
+can = pytest.importorskip("can", reason="python-can is absent: python3 -m pip install python-can cantools")
+pytest.importorskip("cantools")
+
+DBC = """VERSION ""
+BU_: E
+BO_ 416 Wheels: 8 E
+ SG_ V_FL : 0|16@1+ (0.01,0) [0|655.35] "km/h" E
+ SG_ V_FR : 16|16@1+ (0.01,0) [0|655.35] "km/h" E
+ SG_ V_RL : 32|16@1+ (0.01,0) [0|655.35] "km/h" E
+ SG_ V_RR : 48|16@1+ (0.01,0) [0|655.35] "km/h" E
+"""
+CAR = Path(__file__).parents[2] / "friction_adapter" / "test" / "four_wheels.yaml"
+COUNT = 300
+SPEEDS = struct.pack("<4H", 3600, 3600, 3600, 3600)
+
+
+@pytest.fixture
+def signal_map(tmp_path: Path) -> Path:
+    (tmp_path / "car.dbc").write_text(DBC)
+    path = tmp_path / "map.yaml"
+    path.write_text(
+        f'vehicle: {CAR}\ncan: {{dbc: car.dbc}}\nsignals:\n  wheel_speed: {{from: {{can: "V_{{wheel}}"}}}}\n'
+    )
+    return path
+
+
+def logged(path: Path, channels: Sequence[int] = (0,), identifier: int = 416) -> Path:
+    with can.Logger(path) as log:
+        for k in range(COUNT):
+            for channel in channels:
+                log.on_message_received(
+                    can.Message(
+                        timestamp=1.7e9 + 0.01 * k,
+                        arbitration_id=identifier,
+                        is_extended_id=False,
+                        data=SPEEDS,
+                        channel=channel,
+                    )
+                )
+    return path
+
+
+def imported(log: Path, signal_map: Path, bag: Path) -> tuple[int, int, float]:
+    """Return exit code, messages and duration [s]."""
+    code = main(["import", str(log), "--map", str(signal_map), "--out", str(bag)])
+    with BagReader(bag) as reader:
+        return code, sum(reader.counts.values()), (reader.end - reader.start) * 1e-9
+
+
+def asc(path: Path, times: Sequence[float], relative: bool) -> Path:
+    data = SPEEDS.hex(" ").upper()
+    head = f"date Sat Sep 30 15:06:13.191 2017\nbase hex  timestamps {'relative' if relative else 'absolute'}\n"
+    head += "no internal events logged\n"
+    path.write_text(head + "".join(f"{time:11.6f} 1  1A0             Rx   d 8 {data}\n" for time in times))
+    return path
+
+
+def test_stamps_of_an_asc_log_that_are_relative_are_summed_up(tmp_path: Path, signal_map: Path) -> None:
+    log = asc(tmp_path / "drive.asc", [0.01] * COUNT, relative=True)
+    code, count, duration = imported(log, signal_map, tmp_path / "bag")
+    assert (code, count) == (0, COUNT)
+    assert duration == pytest.approx(0.01 * (COUNT - 1))
+
+
+def test_stamps_before_the_beginning_of_an_asc_log_are_read(tmp_path: Path, signal_map: Path) -> None:
+    log = asc(tmp_path / "drive.asc", [0.01 * (k - 5) for k in range(COUNT)], relative=False)
+    code, count, duration = imported(log, signal_map, tmp_path / "bag")
+    assert (code, count) == (0, COUNT)
+    assert duration == pytest.approx(0.01 * (COUNT - 1))
+
+
+def test_a_log_that_is_cut_off_anywhere_says_so(
+    tmp_path: Path, signal_map: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole = logged(tmp_path / "whole.blf").read_bytes()
+    assert count_objects(tmp_path / "whole.blf") == Objects(COUNT, COUNT + 1, True)
+    for place in range(200, len(whole), len(whole) // 10):
+        log = tmp_path / f"cut{place}.blf"
+        log.write_bytes(whole[:place])
+        code = main(["import", str(log), "--map", str(signal_map), "--out", str(tmp_path / f"bag{place}")])
+        said = capsys.readouterr().err
+        assert code == 2 or (code == 1 and f"its header states {COUNT}" in said)
+
+
+def test_an_object_without_a_size_is_refused(tmp_path: Path, signal_map: Path) -> None:
+    whole = bytearray(logged(tmp_path / "whole.blf").read_bytes())
+    place = whole.index(b"LOBJ")
+    whole[place + 8 : place + 12] = bytes(4)
+    (tmp_path / "drive.blf").write_bytes(whole)
+    assert main(["import", str(tmp_path / "drive.blf"), "--map", str(signal_map), "--out", str(tmp_path / "b")]) == 2
+
+
+def test_frames_of_two_buses_are_told_apart_by_the_map(
+    tmp_path: Path, signal_map: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = logged(tmp_path / "drive.blf", channels=(0, 1))
+    assert imported(log, signal_map, tmp_path / "both")[0] == 1
+    assert "frame Wheels comes on the buses 0, 1: 'can: {bus: N}'" in capsys.readouterr().err
+    signal_map.write_text(signal_map.read_text().replace("car.dbc}", "car.dbc, bus: 1}"))
+    assert imported(log, signal_map, tmp_path / "one")[:2] == (0, COUNT)
+
+
+def test_a_log_without_a_frame_of_the_map_is_no_success(
+    tmp_path: Path, signal_map: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = logged(tmp_path / "drive.blf", identifier=417)
+    assert imported(log, signal_map, tmp_path / "bag")[:2] == (1, 0)
+    said = capsys.readouterr().err
+    assert "frame Wheels (1A0) is not in the log; the nearest that is there is 1A1" in said
+    assert "'wheel_speed' of FL has not one value" in said
