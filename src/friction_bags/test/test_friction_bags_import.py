@@ -209,3 +209,24 @@ def test_what_cannot_be_used_of_a_table_is_said(tmp_path: Path, capsys: pytest.C
 def test_a_log_without_map_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str], given: list[str]) -> None:
     assert main(["import", *given, "--out", str(tmp_path / "bag")]) == 2
     assert "give LOG --map MAP, or one of " in capsys.readouterr().err
+
+
+def test_commas_are_decimal_points_where_semicolons_separate(tmp_path: Path) -> None:
+    signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
+    signal_map.write_text(TABLE_MAP)
+    source.write_text("time;v [km/h]\n1700000000,25;36,0\n1700000000,75;37,5\n")
+    assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 0
+    with BagReader(tmp_path / "bag") as reader:
+        assert sum(reader.counts.values()) == 2
+        assert isclose((reader.end - reader.start) * 1e-9, 0.5, abs_tol=1e-6)
+
+
+@pytest.mark.parametrize(("step", "unit"), [(5.0, "ms"), (5000.0, "us"), (5e6, "ns"), (5e-3 / 86400.0, "days")])
+def test_times_in_another_unit_are_refused_with_its_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], step: float, unit: str
+) -> None:
+    signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
+    signal_map.write_text(TABLE_MAP)
+    source.write_text("time,v [km/h]\n" + "".join(f"{step * k:.12f},36\n" for k in range(1, 100)))
+    assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 2
+    assert f"is it in {unit}? Times are in seconds" in capsys.readouterr().err

@@ -2,10 +2,12 @@
 
 import csv
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import datetime, timezone
+from itertools import pairwise
 from math import isfinite, nan
 from pathlib import Path
+from statistics import median
 from typing import Any, Final, TextIO
 
 import numpy as np
@@ -24,6 +26,12 @@ _TIME: Final = re.compile(r"(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d:\d\d)(\.\d+)?(Z|[+-]
 """A date with a time of day, parts of a second and a zone; without a zone it is that of UTC."""
 PARQUET = ".parquet"
 INSTALL_LINE = install_line("pyarrow")
+_STEPS: Final = 20
+"""Rows by which the unit of the stamps is judged."""
+_FASTEST, _SLOWEST = 5e-5, 2.0
+"""Least and largest time between two rows of a drive [s]."""
+_UNITS: Final = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "days": 86400.0}
+"""In which other tools write times, in seconds."""
 _ROWS = 10_000
 """Rows that are read at once."""
 
@@ -46,6 +54,7 @@ class Table:
         if not head.strip():
             raise BagError(f"{path} is empty: its first line must name the columns")
         self._delimiter = max(_DELIMITERS, key=head.count)
+        self._has_decimal_commas = self._delimiter != ","
         names = next(csv.reader([head.strip().lstrip("# ")], delimiter=self._delimiter, skipinitialspace=True))
         self._columns = [name.strip() for name in names]
         self._needed = columns_of(signal_map)
@@ -66,7 +75,7 @@ class Table:
             stream.readline()
             reader = csv.DictReader(stream, self._columns, delimiter=self._delimiter, skipinitialspace=True)
             for row in reader:
-                found = {column: _number(row[column]) for column in self._needed}
+                found = {column: _number(row[column], self._has_decimal_commas) for column in self._needed}
                 if not has_begun and not any(number is not None and isfinite(number) for number in found.values()):
                     continue  # units
                 has_begun = True
@@ -104,10 +113,30 @@ def put_later(rows: Iterable[dict[str, float]], signal_map: SignalMap) -> Iterat
     """Yield the rows of a table, 1000 s later where it begins before 1 s and the map has no offset: 0 s is no stamp."""
     columns = {signal.stamp for signal in signal_map.signals if signal.origin.kind is Kind.TABLE}
     offset = 0.0 if signal_map.stamp_offset else nan
+    clock = min(columns, default="")
+    earlier: list[float] = []
     for row in rows:
+        if len(earlier) < _STEPS:
+            earlier.append(row.get(clock, nan))
+            if len(earlier) == _STEPS:
+                _refuse_other_unit(signal_map, clock, earlier)
         if not isfinite(offset):
             offset = max((start_offset(row[column]) for column in columns), default=0)
         yield {**row, **{column: row[column] + offset for column in columns}} if offset else row
+
+
+def _refuse_other_unit(signal_map: SignalMap, column: str, stamps: Sequence[float]) -> None:
+    """Refuse stamps [s] that are so far apart, or so near, that they are in another unit.
+
+    Raises:
+        BagError: the text names the unit that they may be in.
+    """
+    steps = [later - sooner for sooner, later in pairwise(stamps) if later > sooner]
+    step = median(steps) if steps else nan
+    unit = next((name for name, seconds in _UNITS.items() if _FASTEST <= step * seconds <= _SLOWEST), "")
+    if unit != "s" and (step > _SLOWEST or step < _FASTEST):
+        told = f": is it in {unit}? Times are in seconds" if unit else ": times are in seconds"
+        raise BagError(f"{signal_map.path}: the times in column '{column}' are {step:g} s apart{told}")
 
 
 def columns_of(signal_map: SignalMap) -> tuple[str, ...]:
@@ -137,10 +166,15 @@ def _text(head: bytes) -> tuple[str, str]:
         return head.decode("latin-1"), "latin-1"
 
 
-def _number(cell: str | None) -> float | None:
-    """Return the number in a cell, that of seconds where it is a time, NaN where it is empty; None for a text."""
+def _number(cell: str | None, has_decimal_commas: bool = False) -> float | None:
+    """Return the number in a cell, that of seconds where it is a time, NaN where it is empty; None for a text.
+
+    Where commas do not separate the cells, one in a number is its decimal point.
+    """
     if cell is None:
         return None
+    if has_decimal_commas and cell.count(",") == 1 and "." not in cell:
+        cell = cell.replace(",", ".")
     try:
         return float(cell)
     except ValueError:
