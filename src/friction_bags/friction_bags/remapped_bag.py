@@ -45,7 +45,11 @@ class EmbeddedType:
             text, encoding = topic.definition, topic.definition_encoding
         self._store: Any = get_typestore(Stores.EMPTY)
         try:
-            of_text = get_types_from_idl(text) if encoding == "ros2idl" else get_types_from_msg(text, topic.type)
+            of_text = (
+                get_types_from_idl(_without_lines_of_tools(text))
+                if encoding == "ros2idl"
+                else get_types_from_msg(text, topic.type)
+            )
             self._store.register(of_text)
             self.fields = fields_in(self._store, topic.type)
             """Fields of the type."""
@@ -66,6 +70,12 @@ class EmbeddedType:
             with suppress(SerdeError):
                 return self._store.deserialize_cdr(data[:-_PADDING], self._name)
             raise ValueError(f"not a {self._name}: {error}") from error
+
+
+def _without_lines_of_tools(text: str) -> str:
+    """Return an IDL definition without what stands between the files of a type and names them, and without includes."""
+    lines = text.splitlines()
+    return "\n".join(line for line in lines if not line.startswith(("#include", "=====", "IDL: ")))
 
 
 def fields_in(store: Any, type_name: str) -> Fields:

@@ -230,3 +230,14 @@ def test_times_in_another_unit_are_refused_with_its_name(
     source.write_text("time,v [km/h]\n" + "".join(f"{step * k:.12f},36\n" for k in range(1, 100)))
     assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 2
     assert f"is it in {unit}? Times are in seconds" in capsys.readouterr().err
+
+
+def test_nothing_is_left_of_an_import_that_failed_at_once(tmp_path: Path) -> None:
+    signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
+    signal_map.write_text(TABLE_MAP)
+    source.write_text("time,v [km/h]\n1,fast\n")
+    command = ["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]
+    assert main(command) == 2
+    assert not (tmp_path / "bag").exists()
+    source.write_text("time,v [km/h]\n1,36\n")
+    assert main(command) == 0

@@ -202,3 +202,13 @@ def test_a_type_without_definition_is_refused() -> None:
         EmbeddedType(Topic("/x", "acme_msgs/msg/X"))
     with pytest.raises(BagError, match="cannot be read"):
         EmbeddedType(Topic("/x", "acme_msgs/msg/X", "no definition {", "ros2msg"))
+
+
+def test_an_idl_definition_with_the_lines_of_its_recorder_is_read() -> None:
+    text = """================================================================================
+IDL: acme_msgs/msg/Speed
+#include "builtin_interfaces/msg/Time.idl"
+
+module acme_msgs { module msg { struct Speed { double value; }; }; };
+"""
+    assert set(EmbeddedType(Topic("/v", "acme_msgs/msg/Speed", text, "ros2idl")).fields.members) == {"value"}

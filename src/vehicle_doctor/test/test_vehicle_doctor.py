@@ -206,6 +206,45 @@ def test_a_car_that_stands_is_no_problem_and_no_crash(tmp_path: Path, car: Path)
     assert "imu/data" in said["wheel_slip"]["sentence"]
 
 
+def examined(bag: Path, car: Path, tmp_path: Path) -> tuple[int, list[dict[str, Any]]]:
+    """Exit code and findings."""
+    file = tmp_path / "findings.json"
+    code = main([str(bag), "--vehicle", str(car), "--json", str(file)])
+    return code, json.loads(file.read_text())["findings"]
+
+
+@pytest.mark.parametrize("ahead", [18.0, 1.7e9])
+def test_wheels_on_another_clock_fail_and_no_estimator_has_its_inputs(tmp_path: Path, car: Path, ahead: float) -> None:
+    messages = rolling(40.0)
+    for topic, message in messages:
+        if topic != "/wheel_states":
+            stamp = message.header.stamp
+            message.header.stamp = from_nanoseconds(stamp.sec * 10**9 + stamp.nanosec + round(ahead * 1e9))
+    write_bag(tmp_path / "bag", messages, {})
+    code, findings = examined(tmp_path / "bag", car, tmp_path)
+    clocks = [each for each in findings if each["check"] == "clock"]
+    assert code == 1
+    assert {each["subject"] for each in clocks} == {"imu/data", "vehicle_velocity"}
+    assert all(each["verdict"] == "FAIL" and "two clocks" in each["sentence"] for each in clocks)
+    (slip,) = [each for each in findings if each["subject"] == "wheel_slip"]
+    assert "lacks imu/data" in slip["sentence"]
+
+
+def test_wheels_of_another_car_fail(tmp_path: Path, car: Path) -> None:
+    messages = rolling(10.0)
+    for topic, message in messages:
+        if topic == "/wheel_states":
+            message.name = [f"truck/{name}" for name in message.name]
+    write_bag(tmp_path / "bag", messages, {})
+    code, findings = examined(tmp_path / "bag", car, tmp_path)
+    (wheels,) = [each for each in findings if each["subject"] == "wheel_states" and each["verdict"] == "FAIL"]
+    assert code == 1
+    assert "holds none of the wheels of the car" in wheels["sentence"]
+    assert f"truck/{FOUR[0]}" in wheels["sentence"]
+    (slip,) = [each for each in findings if each["subject"] == "wheel_slip"]
+    assert "lacks wheel_states" in slip["sentence"]
+
+
 def test_a_log_without_a_map_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "log.blf").write_bytes(b"LOGG")
     assert main([str(tmp_path / "log.blf")]) == 2

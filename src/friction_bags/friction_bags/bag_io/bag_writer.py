@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
+from shutil import rmtree
 from types import TracebackType
 from typing import Any, Literal
 
@@ -146,15 +147,23 @@ class BagWriter:
 def write_bag(bag: Path, messages: Iterable[tuple[str, Any]], notes: Mapping[str, str]) -> int:
     """Write topics and messages with a header to a bag, recorded at their stamps; return their number.
 
+    Where the messages end with an error, those before it are kept, and nothing is left of a bag without any.
+
     Raises:
         BagError: the bag cannot be made.
     """
     channels: dict[str, int] = {}
     count = 0
-    with BagWriter(bag, custom_data=notes) as writer:
-        for name, message in messages:
-            if name not in channels:
-                channels[name] = writer.add_topic(installed_topic(name, type(message)))
-            writer.write(channels[name], to_nanoseconds(message.header.stamp), encode(message))
-            count += 1
+    writer = BagWriter(bag, custom_data=notes)
+    try:
+        with writer:
+            for name, message in messages:
+                if name not in channels:
+                    channels[name] = writer.add_topic(installed_topic(name, type(message)))
+                writer.write(channels[name], to_nanoseconds(message.header.stamp), encode(message))
+                count += 1
+    except BaseException:
+        if not count:
+            rmtree(bag, ignore_errors=True)
+        raise
     return count

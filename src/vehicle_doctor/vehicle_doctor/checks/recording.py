@@ -9,6 +9,8 @@ _SLOW_WHEELS = 20.0
 """Rate [Hz] below which a wheel's slip through a stop is not seen."""
 _GAP = 0.1
 """Shortest gap [s]."""
+_SHIFTED = 2.0
+"""Time by which a topic begins later and ends later than another one only where their clocks differ [s]."""
 _JITTER = 0.4
 """Deviation of a step over the step from which stamps are those of an arrival and not of a measurement."""
 
@@ -30,13 +32,45 @@ def check_topics(drive: Drive) -> list[Finding]:
                     remedy="record it, or name where it comes from in a signal map",
                 )
             )
-    if drive.strange_joints:
-        known = ", ".join(drive.vehicle.joints)
-        text = f"also holds {', '.join(drive.strange_joints)}, which are no wheels of the car ({known})"
+    known, strange = ", ".join(drive.vehicle.joints), ", ".join(drive.strange_joints)
+    if not _has_wheels(drive) and WHEEL_STATES in drive.topics:
+        text = f"holds none of the wheels of the car ({known}), but {strange or 'no values'}"
+        remedy = "name the joints in the vehicle file, or the wheels in a signal map"
+        found.append(Finding("topic", WHEEL_STATES, Verdict.FAIL, text, remedy=remedy))
+    elif strange:
+        text = f"also holds {strange}, which are no wheels of the car ({known})"
         found.append(Finding("topic", WHEEL_STATES, Verdict.NOTE, text))
+    for topic, ahead in _other_clocks(drive).items():
+        text = f"stamps are {ahead:+.1f} s from those of {WHEEL_STATES}: they are of two clocks"
+        remedy = "stamp both by one clock, or give 'latency' in the signal map"
+        found.append(Finding("clock", topic, Verdict.FAIL, text, ahead, unit="s", remedy=remedy))
     if drive.unstamped:
         text = f"{drive.unstamped} messages have no stamp"
         found.append(Finding("stamps", "all", Verdict.FAIL, text, remedy="stamp each message when it is measured"))
+    return found
+
+
+def _has_wheels(drive: Drive) -> bool:
+    """Whether some wheel of the car has a speed somewhere."""
+    recorded = drive.topics.get(WHEEL_STATES)
+    return recorded is not None and bool(np.isfinite(recorded.values).any())
+
+
+def _other_clocks(drive: Drive) -> dict[str, float]:
+    """Return topics that begin and end as far from the wheels as no recorder makes them, and by how much [s]."""
+    wheels = drive.topics.get(WHEEL_STATES)
+    if wheels is None or not wheels.stamp.size:
+        return {}
+    found = {}
+    for topic in kinds(drive.vehicle):
+        recorded = drive.topics.get(topic)
+        if topic == WHEEL_STATES or recorded is None or not recorded.stamp.size:
+            continue
+        begins = float(recorded.stamp.min() - wheels.stamp.min())
+        ends = float(recorded.stamp.max() - wheels.stamp.max())
+        apart = recorded.stamp.min() > wheels.stamp.max() or recorded.stamp.max() < wheels.stamp.min()
+        if apart or (min(abs(begins), abs(ends)) > _SHIFTED and abs(begins - ends) < 0.5 * _SHIFTED):
+            found[topic] = begins
     return found
 
 
@@ -117,7 +151,9 @@ def step_of(values: Array) -> float:
 
 def check_estimator_inputs(drive: Drive) -> list[Finding]:
     """Check which estimators have all their inputs."""
-    there = set(drive.topics) | set(drive.others)
+    there = (set(drive.topics) | set(drive.others)) - set(_other_clocks(drive))
+    if not _has_wheels(drive):
+        there.discard(WHEEL_STATES)
     wheels = drive.vehicle.wheel_names
     pressures = [pressure_topic(name) for name in wheels]
     motion = [WHEEL_STATES] if WHEEL_STATES not in there else []
