@@ -1,4 +1,4 @@
-"""CAN logs that are cut off, of several buses, relative or of another car: read as far as they go, and it is said."""
+"""CAN logs that are cut off, relative, of several buses or of another car: read as far as they go, and reported."""
 
 import struct
 from collections.abc import Sequence

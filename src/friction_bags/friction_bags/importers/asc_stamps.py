@@ -1,4 +1,4 @@
-"""Stamps of an ASC log as times since its beginning, whatever its header says that they are.
+"""Reads the stamps of an ASC log as times since its beginning, for either kind that its header may name.
 
 `timestamps relative` in the header means that each stamp counts from the line before. python-can takes it for a time
 since the beginning, and passes over lines whose stamp is negative, so all are put later by `LATER`.
