@@ -79,7 +79,8 @@ class Adapter:
         self._takes: dict[str, list[_Take]] = {}
         for number, target in enumerate(self.targets):
             self._bind(number, target)
-        self.silent = {signal.title for signal in signal_map.signals}
+        self._titles = frozenset(signal.title for signal in signal_map.signals)
+        self.silent = set(self._titles)
         """Signals that have not had a value yet."""
         self.unreadable: dict[str, int] = {}
         """Values that a record did not hold, by signal."""
@@ -129,6 +130,7 @@ class Adapter:
 
     def reset(self) -> None:
         """Start again, as after construction."""
+        self.silent = set(self._titles)
         self.unreadable.clear()
         self.refused = 0
         for grouping in self._groupings:

@@ -172,16 +172,9 @@ class CanFrames:
             from cantools.database import load_file
         except ImportError as error:
             raise ParameterError(f"CAN signals need two more packages: {INSTALL_LINE}") from error
-        self.notes: tuple[str, ...] = ()
-        """What is wrong with frames that a map may not need."""
         try:
-            try:
-                self._database = load_file(dbc)
-            except OSError:
-                raise
-            except Exception as unsound:  # cantools passes on whatever its parsers raise
-                self._database = load_file(dbc, strict=False)
-                self.notes = (f"DBC file {dbc}: {unsound}; only the frames that the map names must be sound",)
+            self._database, self.notes = _read(load_file, dbc)
+            """The file, and what is wrong with frames that a map may not need."""
         except OSError as error:
             raise ParameterError(f"DBC file {dbc}: {error.strerror}") from error
         except Exception as error:  # cantools passes on whatever its parsers raise
@@ -193,7 +186,7 @@ class CanFrames:
         self._unseen: set[tuple[int, bool]] = set()
         self._others: set[tuple[int, bool]] = set()
         self.undecoded = 0
-        """Frames of the DBC file that could not be decoded, as their data means nothing."""
+        """Frames of the DBC file that could not be decoded: too short for any signal, or without a meaning."""
         self.keep([each.name for each in self._database.messages])
 
     def find(self, name: str) -> tuple[str, str, str]:
@@ -253,6 +246,8 @@ class CanFrames:
         try:
             values = message.decode(data, decode_choices=False, allow_truncated=True)
         except Exception:  # cantools passes on errors of its bit reader
+            values = {}
+        if not values:
             self.undecoded += 1
             return []
         return [
@@ -269,6 +264,17 @@ class CanFrames:
             nearest = f"; the nearest that is there is {_identifier(near)}" if near else ", and no other one either"
             texts.append(f"frame {self._by_id[key].name} ({_identifier(key)}) is not in the log{nearest}")
         return texts
+
+
+def _read(load_file: Callable[..., Any], dbc: Path) -> tuple[Any, tuple[str, ...]]:
+    """Return the database of a DBC file, and what contradicts itself in it, which is no reason not to read the rest."""
+    try:
+        return load_file(dbc), ()
+    except OSError:
+        raise
+    except Exception as unsound:  # cantools passes on whatever its parsers raise
+        database = load_file(dbc, strict=False)
+        return database, (f"DBC file {dbc}: {unsound}; only the frames that the map names must be sound",)
 
 
 def _unlike(key: tuple[int, bool], other: tuple[int, bool]) -> tuple[bool, int, int]:

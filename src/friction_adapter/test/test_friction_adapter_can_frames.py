@@ -49,13 +49,15 @@ class TestWithCantools:
         with pytest.raises(ValueError, match=said):
             frames(tmp_path).find(name)
 
-    def test_frames_that_are_not_kept_or_unknown_give_nothing(self, tmp_path: Path) -> None:
+    def test_frames_that_are_not_kept_unknown_or_too_short_give_nothing(self, tmp_path: Path) -> None:
         bus = frames(tmp_path)
         bus.keep(["A"])
         (found,) = bus.decode(1, False, bytes([232, 3]))
         assert (found.name, dict(found.values)) == ("A", {"Speed": pytest.approx(100.0)})
         assert bus.decode(2, False, bytes(2)) == bus.decode(1, True, bytes(2)) == []
         assert bus.undecoded == 0
+        assert bus.decode(1, False, bytes(1)) == []
+        assert bus.undecoded == 1
 
     def test_a_short_frame_is_decoded_as_far_as_it_goes(self, tmp_path: Path) -> None:
         bus = frames(tmp_path)

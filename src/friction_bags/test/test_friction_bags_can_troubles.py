@@ -13,14 +13,10 @@ from friction_bags.importers.blf_objects import Objects, count_objects
 can = pytest.importorskip("can", reason="python-can is absent: python3 -m pip install python-can cantools")
 pytest.importorskip("cantools")
 
-DBC = """VERSION ""
-BU_: E
-BO_ 416 Wheels: 8 E
- SG_ V_FL : 0|16@1+ (0.01,0) [0|655.35] "km/h" E
- SG_ V_FR : 16|16@1+ (0.01,0) [0|655.35] "km/h" E
- SG_ V_RL : 32|16@1+ (0.01,0) [0|655.35] "km/h" E
- SG_ V_RR : 48|16@1+ (0.01,0) [0|655.35] "km/h" E
-"""
+DBC = 'VERSION ""\nBU_: E\nBO_ 416 Wheels: 8 E\n' + "".join(
+    f' SG_ V_{wheel} : {16 * place}|16@1+ (0.01,0) [0|655.35] "km/h" E\n'
+    for place, wheel in enumerate(("FL", "FR", "RL", "RR"))
+)
 CAR = Path(__file__).parents[2] / "friction_adapter" / "test" / "four_wheels.yaml"
 COUNT = 300
 SPEEDS = struct.pack("<4H", 3600, 3600, 3600, 3600)

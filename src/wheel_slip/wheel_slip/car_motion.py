@@ -18,8 +18,8 @@ A wheel at (x_i, y_i) from the middle of the rear axle rolls on ground that pass
 in which the left side is the rim speed, ahead of the tyre by the relaxation length sigma_i, and d_i is g times the
 force of the tyre over its load (tyre_forces.py). One equation thus serves a wheel that rolls, slides, is released or
 locked. A slip is constant at a constant force and vanishes with it, so a change that stays is a slope, and the moments
-of little force of a wheel whose brake cycles tell the speed. An age of the accelerometer looks like slip that grows
-with the force, so t is only considered.
+of little force of a wheel whose brake cycles tell the speed. Where a tyre bends, at its peak, the slip creeps at any
+force, and says little. An age of the accelerometer looks like slip that grows with the force, so t is only considered.
 
 The wheels correct once in a `step`, by their means over the step before the last: the pressures that belong to it have
 come by then, and their rates are known on both sides of it. Within a step the accelerometer carries the speed.

@@ -30,6 +30,7 @@ class MotionNoise:
     creep: float = constant(3.0, "change of the slip speed at the peak in the square root of a second", unit="m/s")
     force: float = constant(0.05, "force that torques tell, over the load, times g", unit="m/s^2")
     blind_force: float = constant(0.6, "force that only the accelerometer tells, over the load, times g", unit="m/s^2")
+    unread: float = constant(0.4, "share of the car's force that wheels do not tell which are all there is")
     pull: float = constant(0.2, "force of all tyres over the mass: bias of the accelerometer, drag", unit="m/s^2")
     engine: float = constant(1.0, "force of the engine over the mass, driving or braking", unit="m/s^2")
     engine_time: float = constant(10.0, "time for which that force may stay", unit="s")

@@ -21,9 +21,6 @@ Array = NDArray[np.float64]
 
 TELLING = 0.5
 """Force over load times g [m/s^2] from which on a tyre's slip has the sign of its force."""
-
-_BLIND = 0.4
-"""Share of the car's force that wheels do not tell which are all there is."""
 LOCKED = 0.6
 """Rim speed [m/s] below which an encoder reads zero."""
 
@@ -100,7 +97,7 @@ class TyreForces:
         else:
             force = np.full(self._count, max(pull - p.blind_force, 0.0))
             engine, unsure, least, uneven = min(pull, 0.0), 0.0, p.blind_force, p.unequal
-            least += _BLIND * abs(pull) if unread else 0.0
+            least += p.unread * abs(pull) if unread else 0.0
         share = p.engine**2 / (p.engine**2 + unsure**2)
         driven = self._driven * (self._mass * GRAVITY / max(float(self._driven @ load), 1.0))
         by_engine = share * driven if told or engine < 0.0 else 0.0 * driven

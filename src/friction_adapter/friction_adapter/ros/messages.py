@@ -169,6 +169,10 @@ class RecordMapper:
         """Return a sentence for each signal of the map that has not had one value so far."""
         return [f"{title} has not one value" for title in sorted(self._adapter.silent)]
 
+    def problems_at_end(self) -> dict[str, int]:
+        """Return the problems of a log that has been read, and 0 for those signals that never had a value."""
+        return self.problems() | dict.fromkeys(self.never_read(), 0)
+
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used so far, by what it is; without what never happened."""
         found = {

@@ -20,7 +20,7 @@ _COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none
 
 
 class BagWriter:
-    """A bag of one mcap file. Leaving the context closes it, even after an error: what was written is kept."""
+    """A bag of one mcap file. Leaving the context closes it, after an error too: what was written is kept, if any was."""
 
     def __init__(
         self,
@@ -131,8 +131,10 @@ class BagWriter:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        """Close."""
+        """Close; nothing is left of a bag that an error ended before its first message."""
         self.close()
+        if kind is not None and self._span is None:
+            rmtree(self._bag, ignore_errors=True)
 
     def _failed(self, error: OSError) -> BagError:
         self._open = False
@@ -147,23 +149,15 @@ class BagWriter:
 def write_bag(bag: Path, messages: Iterable[tuple[str, Any]], notes: Mapping[str, str]) -> int:
     """Write topics and messages with a header to a bag, recorded at their stamps; return their number.
 
-    Where the messages end with an error, those before it are kept, and nothing is left of a bag without any.
-
     Raises:
         BagError: the bag cannot be made.
     """
     channels: dict[str, int] = {}
     count = 0
-    writer = BagWriter(bag, custom_data=notes)
-    try:
-        with writer:
-            for name, message in messages:
-                if name not in channels:
-                    channels[name] = writer.add_topic(installed_topic(name, type(message)))
-                writer.write(channels[name], to_nanoseconds(message.header.stamp), encode(message))
-                count += 1
-    except BaseException:
-        if not count:
-            rmtree(bag, ignore_errors=True)
-        raise
+    with BagWriter(bag, custom_data=notes) as writer:
+        for name, message in messages:
+            if name not in channels:
+                channels[name] = writer.add_topic(installed_topic(name, type(message)))
+            writer.write(channels[name], to_nanoseconds(message.header.stamp), encode(message))
+            count += 1
     return count

@@ -1,5 +1,6 @@
 """Logs of a CAN bus as messages by a signal map."""
 
+from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -76,7 +77,7 @@ class CanLog:
         """What is to be known of the DBC file."""
         self._is_offset = signal_map.stamp_offset != 0
         self._bus = signal_map.can.bus
-        self._buses: dict[str, set[str]] = {}
+        self._buses: defaultdict[str, set[str]] = defaultdict(set)
         self._cut_off = ""
 
     def messages(self) -> Iterator[Output]:
@@ -86,16 +87,17 @@ class CanLog:
             BagError: the log cannot be read, or not to its end.
         """
         offset: int | None = 0 if self._is_offset else None
+        later = LATER if self._is_asc else 0
         for frame in self._logged():
             bus = str(frame.channel)
             if self._bus and bus != self._bus:
                 continue
             decoded = self._frames.decode(frame.arbitration_id, frame.is_extended_id, bytes(frame.data))
-            time = frame.timestamp - (LATER if self._is_asc else 0)
+            time = frame.timestamp - later
             if offset is None:
                 offset = start_offset(time) * NANOSECONDS
             for record in decoded:
-                self._buses.setdefault(record.frame, set()).add(bus)
+                self._buses[record.frame].add(bus)
                 stamp = round(time * NANOSECONDS) + offset
                 for topic, message in self._mapper.take(record.name, record.values, stamp):
                     yield f"/{topic}", message
@@ -116,7 +118,7 @@ class CanLog:
                 several = ", ".join(sorted(buses))
                 found[f"frame {frame} comes on the buses {several}: 'can: {{bus: N}}' in the map takes one of them"] = 0
         found |= dict.fromkeys(self._frames.not_in_log(), 0)
-        found |= self._mapper.problems() | dict.fromkeys(self._mapper.never_read(), 0)
+        found |= self._mapper.problems_at_end()
         return {**found, **({"frame that cannot be decoded": undecoded} if undecoded else {})}
 
     @property

@@ -2,7 +2,7 @@
 
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Protocol
@@ -28,10 +28,6 @@ _SHOW_EVERY = 1000
 
 class Log(Protocol):
     """A log, read through a signal map."""
-
-    @property
-    def notes(self) -> Sequence[str]:
-        """What is to be known of it before it is read."""
 
     def messages(self) -> Iterator[Output]:
         """Yield topics, with a leading slash, and messages."""
@@ -73,7 +69,7 @@ def run(args: Namespace) -> int:
     for text in signal_map.cannot:
         _warn("warning", f"{signal_map.path}: {text}")
     log = open_log(path, signal_map, args.dbc)
-    for text in log.notes:
+    for text in log.notes if isinstance(log, CanLog) else ():
         _warn("note", text)
     notes = {**signal_map.notes, VEHICLE_NOTE: signal_map.vehicle_reference}
     with bars([path.name]) as show:

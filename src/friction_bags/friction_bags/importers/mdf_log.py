@@ -49,7 +49,6 @@ class MdfLog:
         self._needed: dict[str, dict[str, tuple[int, int]]] = {}
         """Group and place of each channel that is needed, by its name and that of its source."""
         self._mapper = RecordMapper(signal_map, Sources(can=self))
-        self.notes: tuple[str, ...] = ()
         self._is_offset = signal_map.stamp_offset != 0
         self._share = 0.0
 
@@ -104,7 +103,7 @@ class MdfLog:
 
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return self._mapper.problems() | dict.fromkeys(self._mapper.never_read(), 0)
+        return self._mapper.problems_at_end()
 
     def _columns(self, channels: dict[str, tuple[int, int]]) -> tuple[Any, dict[str, Any]]:
         """Return times [s] and values of the channels of one group, NaN where a value is marked as invalid."""

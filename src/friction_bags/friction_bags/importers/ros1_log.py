@@ -40,7 +40,6 @@ class Ros1Log:
             if there[name].msgtype != kind:
                 raise BagError(f"{path}: {name} is {there[name].msgtype}, and {kind} in {signal_map.path}")
         self._mapper = RecordMapper(signal_map, Sources(self._fields))
-        self.notes: tuple[str, ...] = ()
         self._wanted = [each for each in self._reader.connections if each.topic in self._mapper.sources]
         self._total = max(sum(each.msgcount for each in self._wanted), 1)
 
@@ -60,7 +59,7 @@ class Ros1Log:
 
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return self._mapper.problems() | dict.fromkeys(self._mapper.never_read(), 0)
+        return self._mapper.problems_at_end()
 
     def _decoded(self) -> Iterator[tuple[str, Any, int]]:
         """Yield topic, message and recording stamp [ns] of what the map needs."""

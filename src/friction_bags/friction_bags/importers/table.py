@@ -54,14 +54,13 @@ class Table:
         if not head.strip():
             raise BagError(f"{path} is empty: its first line must name the columns")
         self._delimiter = max(_DELIMITERS, key=head.count)
-        self._has_decimal_commas = self._delimiter != ","
+        self._has_decimal_commas = self._delimiter == ";"
         names = next(csv.reader([head.strip().lstrip("# ")], delimiter=self._delimiter, skipinitialspace=True))
         self._columns = [name.strip() for name in names]
         self._needed = columns_of(signal_map)
         self._size = max(path.stat().st_size, 1)
         self._stream: TextIO | None = None
         self._mapper = RecordMapper(signal_map, Sources(columns=self._columns))
-        self.notes: tuple[str, ...] = ()
 
     def rows(self) -> Iterator[dict[str, float]]:
         """Yield the rows as numbers by column, those of the map only; NaN where a cell is empty.
@@ -106,7 +105,7 @@ class Table:
 
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return self._mapper.problems() | dict.fromkeys(self._mapper.never_read(), 0)
+        return self._mapper.problems_at_end()
 
 
 def put_later(rows: Iterable[dict[str, float]], signal_map: SignalMap) -> Iterator[dict[str, float]]:
@@ -134,7 +133,7 @@ def _refuse_other_unit(signal_map: SignalMap, column: str, stamps: Sequence[floa
     steps = [later - sooner for sooner, later in pairwise(stamps) if later > sooner]
     step = median(steps) if steps else nan
     unit = next((name for name, seconds in _UNITS.items() if _FASTEST <= step * seconds <= _SLOWEST), "")
-    if unit != "s" and (step > _SLOWEST or step < _FASTEST):
+    if isfinite(step) and unit != "s":
         told = f": is it in {unit}? Times are in seconds" if unit else ": times are in seconds"
         raise BagError(f"{signal_map.path}: the times in column '{column}' are {step:g} s apart{told}")
 
@@ -169,7 +168,7 @@ def _text(head: bytes) -> tuple[str, str]:
 def _number(cell: str | None, has_decimal_commas: bool = False) -> float | None:
     """Return the number in a cell, that of seconds where it is a time, NaN where it is empty; None for a text.
 
-    Where commas do not separate the cells, one in a number is its decimal point.
+    Where semicolons separate the cells, a comma in a number is its decimal point.
     """
     if cell is None:
         return None
@@ -217,7 +216,6 @@ class ParquetTable:
             raise BagError(f"{path} cannot be read: {error}") from error
         self._needed = columns_of(signal_map)
         self._mapper = RecordMapper(signal_map, Sources(columns=self._file.schema_arrow.names))
-        self.notes: tuple[str, ...] = ()
         self._read = 0
 
     def messages(self) -> Iterator[Output]:
@@ -246,7 +244,7 @@ class ParquetTable:
 
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return self._mapper.problems() | dict.fromkeys(self._mapper.never_read(), 0)
+        return self._mapper.problems_at_end()
 
     def _numbers(self, name: str, column: Any) -> list[float]:
         values = column.to_numpy(zero_copy_only=False)
