@@ -20,7 +20,7 @@ _COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none
 
 
 class BagWriter:
-    """A bag of one mcap file. Leaving the context closes it, after an error too: what was written is kept, if any was."""
+    """A bag of one mcap file. Leaving the context closes it, after an error too: what was written by then is kept."""
 
     def __init__(
         self,
