@@ -10,6 +10,7 @@ from typing import Any
 from friction_adapter.sampling import EdgeCounters, SampleGrouping, Values
 from friction_adapter.signal_map import ARRIVAL, BRAKE_PRESSURE, QUANTITIES, WHEEL_STATES, Kind, Signal, SignalMap
 from friction_adapter.sources import PAGE, TABLE, Found, Read, Sources
+from friction_adapter.stamp_unit import nanoseconds_of, unit_by_pace
 from friction_adapter.unit_table import UNITS, Conversion, conversion, is_rim_speed, unit_named
 from friction_parameters.parameter import ParameterError
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -86,6 +87,10 @@ class Adapter:
         """Values that a record did not hold, by signal."""
         self.refused = 0
         """Messages that were not made, as their stamp is none that a message can hold."""
+        self._firsts: dict[str, tuple[int, int]] = {}
+        """First stamp and arrival of each source whose stamps are numbers [ns]."""
+        self._units: dict[str, str] = {}
+        """Unit by which its stamps run as fast as they arrive."""
 
     @property
     def sources(self) -> tuple[str, ...]:
@@ -96,6 +101,11 @@ class Adapter:
     def incomplete(self) -> int:
         """Instants that ended without one of their sources."""
         return sum(each.incomplete for each in self._groupings)
+
+    @property
+    def mistaken_units(self) -> dict[str, str]:
+        """Unit that the stamps of a source seem to be in, where it is not that in which they are read."""
+        return {source: unit for source, unit in self._units.items() if unit not in ("", "s")}
 
     def take(self, source: str, record: Any, arrival: int) -> list[Output]:
         """Take a message, frame or row.
@@ -133,6 +143,8 @@ class Adapter:
         self.silent = set(self._titles)
         self.unreadable.clear()
         self.refused = 0
+        self._firsts.clear()
+        self._units.clear()
         for grouping in self._groupings:
             grouping.reset()
         for takes in self._takes.values():
@@ -244,9 +256,25 @@ class Adapter:
             return lambda _, arrival: arrival + shift
         if source == TABLE:
             read = self._found(signal, signal.stamp).read
-            return lambda record, _: round(read(record) * NANOSECONDS) + shift
+            return lambda record, _: nanoseconds_of(read(record), "s") + shift  # the table brings seconds
         read = self._stamp_field(signal)
-        return lambda record, _: _nanoseconds(read(record)) + shift
+        return self._paced(source, signal, lambda record: _nanoseconds(read(record), signal.stamp_unit) + shift)
+
+    def _paced(self, source: str, signal: Signal, stamp_of: Callable[[Any], int]) -> Callable[[Any, int], int]:
+        """Return what reads a stamp, and compares how fast stamps and arrivals run where no unit is given."""
+        if signal.stamp_unit:
+            return lambda record, _: stamp_of(record)
+
+        def read(record: Any, arrival: int) -> int:
+            stamp = stamp_of(record)
+            if source not in self._units:
+                first = self._firsts.setdefault(source, (stamp, arrival))
+                if arrival - first[1] >= NANOSECONDS:
+                    pace = (stamp - first[0]) / NANOSECONDS
+                    self._units[source] = unit_by_pace(pace, (arrival - first[1]) / NANOSECONDS)
+            return stamp
+
+        return read
 
     def _stamp_field(self, signal: Signal) -> Read:
         """Return what reads a stamp, a message of sec and nanosec or a number of seconds."""
@@ -300,9 +328,9 @@ def _test(read: Read, value: float | str) -> Callable[[Any], bool]:
     return lambda record: bool(read(record) == value)
 
 
-def _nanoseconds(stamp: Any) -> int:
-    """Return a stamp in nanoseconds: seconds and their rest, or a number of seconds."""
+def _nanoseconds(stamp: Any, unit: str) -> int:
+    """Return a stamp in nanoseconds: seconds and their rest, or a number in a unit."""
     if isinstance(stamp, tuple):
         seconds, rest = stamp
         return int(seconds) * NANOSECONDS + int(rest)
-    return round(float(stamp) * NANOSECONDS)
+    return nanoseconds_of(stamp if isinstance(stamp, int) else float(stamp), unit)

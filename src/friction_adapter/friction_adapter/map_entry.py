@@ -1,12 +1,13 @@
 """Entries of a signal map file: texts, numbers, and the signals of one quantity."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from math import inf, nan
 from typing import Any, Final
 
 from friction_adapter.signal_map import ARRIVAL, Flag, Kind, Origin, Quantity, Signal
 from friction_adapter.sources import FieldPath
+from friction_adapter.stamp_unit import STAMP_UNITS
 from friction_adapter.unit_table import EDGES, PERCENT, UNITS, unit_named
 from friction_parameters.yaml_file import Entry, YamlEntries, plain
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -14,7 +15,7 @@ from vehicle_models.vehicle import Vehicle, Wheel
 
 NUMBER_KEYS = (
     *("combine", "unit", "scale", "offset", "sign", "full_scale", "radius", "counter", "latency", "stddev"),
-    *("invalid", "stamp"),
+    *("invalid", "stamp", "stamp_unit"),
 )
 _LONGEST_LATENCY = 1.0
 _RADII = 0.05, 2.0
@@ -36,6 +37,12 @@ class MapEntries(YamlEntries):
             raise self.error(entry, f"'{key}' = {plain(entry.value)!r} must be a text")
         return entry.value
 
+    def one_of(self, key: str, entry: Entry, choices: Collection[str]) -> str:
+        """Return a text that is one of several."""
+        if entry.value not in choices:
+            raise self.error(entry, f"'{key}' = {plain(entry.value)!r} must be one of {', '.join(choices)}")
+        return str(entry.value)
+
     def number(self, key: str, entry: Entry, least: float, most: float) -> float:
         """Return a number between two limits."""
         value = entry.value
@@ -54,18 +61,21 @@ class EntryNumbers:
         self._entry = entry
         self._given = file.mapping(quantity.name, entry)
 
-    def values(self, kind: Kind, stamp: str) -> dict[str, Any]:
+    def values(self, kind: Kind, stamp: str, stamp_unit: str) -> dict[str, Any]:
         """Return what holds for all wheels, by the name of the field in Signal.
 
         Args:
             kind: where the signal is found.
             stamp: stamp of the map, for an entry without one.
+            stamp_unit: its unit, likewise.
 
         Raises:
             ParameterError: a value is not valid; the text names file and line.
         """
         unit = self._unit()
-        found: dict[str, Any] = {"unit": unit, "stamp": stamp}
+        found: dict[str, Any] = {"unit": unit, "stamp": stamp, "stamp_unit": stamp_unit}
+        if "stamp_unit" in self._given:
+            found["stamp_unit"] = self._file.one_of("stamp_unit", self._given["stamp_unit"], STAMP_UNITS)
         if "stamp" in self._given:
             found["stamp"] = self._file.text("stamp", self._given["stamp"])
         if kind is Kind.TOPIC and found["stamp"] != ARRIVAL:
@@ -165,11 +175,12 @@ class SignalEntry:
         if "from" not in self._given:
             raise file.error(entry, f"'{quantity.name}' has no 'from': one of {_ORIGINS}")
 
-    def signals(self, stamp: str) -> list[Signal]:
+    def signals(self, stamp: str, stamp_unit: str) -> list[Signal]:
         """Return the signals, one a wheel where the quantity is that of a wheel.
 
         Args:
             stamp: stamp of the map, for an entry without one.
+            stamp_unit: its unit, likewise.
 
         Raises:
             ParameterError: a value is not valid; the text names file and line.
@@ -177,7 +188,7 @@ class SignalEntry:
         kind, topics, name = self._origin()
         fields = self._fields(kind, name)
         flags = self._flags(kind)
-        numbers = EntryNumbers(self._file, self._quantity, self._entry).values(kind, stamp)
+        numbers = EntryNumbers(self._file, self._quantity, self._entry).values(kind, stamp, stamp_unit)
         wheels = [wheel for wheel in self._targets() if wheel in fields and wheel in topics]
         missing = [wheel for wheel in self._vehicle.wheel_names if wheel not in (*wheels, *self._without)]
         if self._quantity.name == "wheel_speed" and (missing or not wheels):

@@ -21,13 +21,14 @@ from pathlib import Path
 
 from friction_adapter.map_entry import MapEntries, SignalEntry
 from friction_adapter.signal_map import ARRIVAL, QUANTITIES, CanBus, SignalMap
+from friction_adapter.stamp_unit import STAMP_UNITS
 from friction_parameters.parameter import ParameterError
 from friction_parameters.yaml_file import Entry, read_yaml
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle_file import load_vehicle, shipped_vehicles, vehicle_choices, vehicle_reference
 
 _SHIPPED = Path(__file__).parent / "maps"
-_KEYS = ("vehicle", "stamp", "stamp_offset", "together", "can", "notes", "signals")
+_KEYS = ("vehicle", "stamp", "stamp_unit", "stamp_offset", "together", "can", "notes", "signals")
 _LARGEST_OFFSET = 1e10
 """Seconds, which is the year 2286."""
 
@@ -88,11 +89,12 @@ def load_map(name: str | Path, vehicle: str = "") -> SignalMap:
     reference = vehicle_reference(vehicle) if vehicle else _vehicle_reference(file, top["vehicle"])
     car = load_vehicle(reference)
     stamp = file.text("stamp", top["stamp"]) if "stamp" in top else "header.stamp"
+    stamp_unit = file.one_of("stamp_unit", top["stamp_unit"], STAMP_UNITS) if "stamp_unit" in top else ""
     signals = []
     for quantity, entry in file.mapping("signals", top["signals"]).items():
         if quantity not in QUANTITIES:
             raise file.error(entry, f"unknown signal '{quantity}': known are {', '.join(QUANTITIES)}")
-        signals += SignalEntry(file, QUANTITIES[quantity], entry, car).signals(stamp)
+        signals += SignalEntry(file, QUANTITIES[quantity], entry, car).signals(stamp, stamp_unit)
     _refuse_alone(file, file.mapping("signals", top["signals"]))
     notes = file.mapping("notes", top["notes"]) if "notes" in top else {}
     return SignalMap(

@@ -123,6 +123,8 @@ class Signal:
     """Number at which a counter of edges wraps."""
     stamp: str = "header.stamp"
     """Field, column, or ARRIVAL."""
+    stamp_unit: str = ""
+    """Key of STAMP_UNITS; empty for that by the size of the number."""
 
     @property
     def title(self) -> str:

@@ -261,7 +261,7 @@ class CanFrames:
         texts = []
         for key in sorted(self._unseen):
             near = min(self._others, key=lambda other: _unlike(key, other), default=None)
-            nearest = f"; the nearest that is there is {_identifier(near)}" if near else ", and no other one either"
+            nearest = f"; the nearest that is there is {_identifier(near)}" if near else ""
             texts.append(f"frame {self._by_id[key].name} ({_identifier(key)}) is not in the log{nearest}")
         return texts
 

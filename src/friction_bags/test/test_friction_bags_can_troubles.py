@@ -112,7 +112,96 @@ def test_a_log_without_a_frame_of_the_map_is_no_success(
     tmp_path: Path, signal_map: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = logged(tmp_path / "drive.blf", identifier=417)
-    assert imported(log, signal_map, tmp_path / "bag")[:2] == (1, 0)
+    assert main(["import", str(log), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 2
+    assert not (tmp_path / "bag").exists()
     said = capsys.readouterr().err
     assert "frame Wheels (1A0) is not in the log; the nearest that is there is 1A1" in said
     assert "'wheel_speed' of FL has not one value" in said
+
+
+def gvret(path: Path, count: int = COUNT) -> Path:
+    """What SavvyCAN writes, with a comma at the end of each line."""
+    rows = (f"{10_000 * k},000001A0,false,Rx,0,8,{SPEEDS.hex(',').upper()},\n" for k in range(count))
+    path.write_text("Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8\n" + "".join(rows))
+    return path
+
+
+def printed(path: Path, stamps: Sequence[str]) -> Path:
+    """What candump prints with times, and a remote frame of another identifier in between."""
+    data = SPEEDS.hex(" ").upper()
+    rows = [f" ({stamp})  can0  1A0   [8]  {data}\n" for stamp in stamps]
+    path.write_text("".join([*rows[:1], f" ({stamps[0]})  can0  1FFFFFFF   [0]  remote request\n", *rows[1:]]))
+    return path
+
+
+def test_a_table_of_savvycan_is_read(tmp_path: Path, signal_map: Path) -> None:
+    code, count, duration = imported(gvret(tmp_path / "drive.csv"), signal_map, tmp_path / "bag")
+    assert (code, count) == (0, COUNT)
+    assert duration == pytest.approx(0.01 * (COUNT - 1))
+
+
+@pytest.mark.parametrize(
+    "stamps",
+    [
+        [f"{1.7e9 + 0.01 * k:.6f}" for k in range(COUNT)],
+        [f"{0.01 * k:010.6f}" for k in range(COUNT)],
+        ["000.000000", *(["000.012000", "000.008000"] * COUNT)[: COUNT - 1]],
+        [f"2023-11-14 22:13:2{k // 100}.{10_000 * (k % 100):06d}" for k in range(COUNT)],
+    ],
+    ids=["-ta", "-tz", "-td", "-tA"],
+)
+def test_what_candump_prints_is_read(tmp_path: Path, signal_map: Path, stamps: list[str]) -> None:
+    code, count, duration = imported(printed(tmp_path / "drive.txt", stamps), signal_map, tmp_path / "bag")
+    assert (code, count) == (0, COUNT)
+    assert duration == pytest.approx(0.01 * (COUNT - 1), abs=0.005)
+
+
+def test_what_candump_prints_without_times_is_refused(
+    tmp_path: Path, signal_map: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "drive.log").write_text(f"  can0  1A0   [8]  {SPEEDS.hex(' ')}\n" * 5)
+    assert main(["import", str(tmp_path / "drive.log"), "--map", str(signal_map), "--out", str(tmp_path / "b")]) == 2
+    assert "its frames have no times: log with `candump -L` or `candump -ta`" in capsys.readouterr().err
+
+
+def test_lines_that_are_no_frames_are_counted(
+    tmp_path: Path, signal_map: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = gvret(tmp_path / "drive.csv")
+    lines = log.read_text().splitlines(keepends=True)
+    lines[7] = "70000,000001A0,false,Rx,0,8,10,\n"
+    lines[9] = "rebooted\n"
+    log.write_text("".join(lines))
+    assert imported(log, signal_map, tmp_path / "bag")[:2] == (1, COUNT - 2)
+    assert "line that is no frame, 2 times" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("suffix", [".blf", ".asc", ".log", ".trc", ".csv"])
+def test_a_log_is_known_by_its_content(tmp_path: Path, signal_map: Path, suffix: str) -> None:
+    log = logged(tmp_path / f"drive{suffix}").rename(tmp_path / "drive.txt")
+    assert imported(log, signal_map, tmp_path / "bag")[:2] == (0, COUNT)
+
+
+def test_a_bus_that_is_not_in_the_log_is_named_with_those_that_are(
+    tmp_path: Path, signal_map: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = logged(tmp_path / "drive.blf", channels=(0, 1))
+    signal_map.write_text(signal_map.read_text().replace("car.dbc}", "car.dbc, bus: 7}"))
+    assert main(["import", str(log), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 2
+    assert "there is no bus 7: the buses are 0, 1" in capsys.readouterr().err
+
+
+def test_frames_in_an_mf4_log_are_those_of_a_can_log(tmp_path: Path, signal_map: Path) -> None:
+    pytest.importorskip("asammdf", reason="asammdf is absent: python3 -m pip install asammdf")
+    code, count, duration = imported(logged(tmp_path / "drive.mf4"), signal_map, tmp_path / "bag")
+    assert (code, count) == (0, COUNT)
+    assert duration == pytest.approx(0.01 * (COUNT - 1), abs=1e-3)
+
+
+@pytest.mark.parametrize(("begin", "said"), [(b"PK\x03\x04", "spreadsheet"), (b"\x1f\x8b", "gzip"), (b"ULog", "PX4")])
+def test_what_is_not_read_is_named_as_what_it_is(
+    tmp_path: Path, signal_map: Path, capsys: pytest.CaptureFixture[str], begin: bytes, said: str
+) -> None:
+    (tmp_path / "drive.csv").write_bytes(begin + bytes(range(256)))
+    assert main(["import", str(tmp_path / "drive.csv"), "--map", str(signal_map), "--out", str(tmp_path / "b")]) == 2
+    assert said in capsys.readouterr().err

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from rclpy.serialization import deserialize_message
 
+from friction_adapter.stamp_unit import STAMP_UNITS
 from friction_bags.__main__ import main
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_runtime.installed import message_class
@@ -115,8 +116,8 @@ def test_the_iac_bag_holds_the_values_of_the_file(tmp_path: Path) -> None:
     ("text", "said"),
     [
         ("a,b\n1,2\n", "there is no column 'w_fl_radps': a, b"),
-        (",".join(BMW_COLUMNS) + "\n" + ",".join(["1"] * 10) + ",x\n", "line 2"),
-        (",".join(BMW_COLUMNS) + "\n" + "1,2\n", "line 2"),
+        (",".join(BMW_COLUMNS) + "\n" + ",".join(["1", *["x"] * 10]) + "\n", "line 2: "),
+        (",".join(BMW_COLUMNS) + "\n" + "1,2", "the last line is cut off"),
     ],
 )
 def test_a_file_with_other_columns_or_no_numbers_is_refused(
@@ -190,9 +191,11 @@ def test_a_text_among_the_values_is_named_with_line_and_column(
 ) -> None:
     signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
     signal_map.write_text(TABLE_MAP)
-    source.write_text("time,v [km/h]\n1.5,36\n1.6,none\n")
-    assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 2
-    assert "line 3: 'v [km/h]' is 'none': a value is not a number" in capsys.readouterr().err
+    source.write_text("time,v [km/h]\n1.5,36\n1.6,none\n1.7,-\n1.8,36\n")
+    assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 1
+    assert "line 3: 'v [km/h]' is 'none': no number, 2 times" in capsys.readouterr().err
+    with BagReader(tmp_path / "bag") as reader:
+        assert reader.message_count == 2
 
 
 def test_what_cannot_be_used_of_a_table_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -221,15 +224,123 @@ def test_commas_are_decimal_points_where_semicolons_separate(tmp_path: Path) -> 
         assert isclose((reader.end - reader.start) * 1e-9, 0.5, abs_tol=1e-6)
 
 
-@pytest.mark.parametrize(("step", "unit"), [(5.0, "ms"), (5000.0, "us"), (5e6, "ns"), (5e-3 / 86400.0, "days")])
-def test_times_in_another_unit_are_refused_with_its_name(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], step: float, unit: str
+STARTS = {"zero": 0.0, "2023": 1.7e9}
+
+
+@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize("unit", ["s", "ms", "us", "ns", "days"])
+@pytest.mark.parametrize("step", [0.005, 0.01, 0.1])
+def test_the_unit_of_times_is_recognised(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], step: float, unit: str, start: str
 ) -> None:
+    is_serial_date = (unit, start) == ("days", "2023")  # as spreadsheets have
+    start_in_unit = 45244.0 if is_serial_date else STARTS[start] * 1e9 / STAMP_UNITS[unit]
     signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
     signal_map.write_text(TABLE_MAP)
-    source.write_text("time,v [km/h]\n" + "".join(f"{step * k:.12f},36\n" for k in range(1, 100)))
+    times = [start_in_unit + step * k * 1e9 / STAMP_UNITS[unit] for k in range(200)]
+    source.write_text("time,v [km/h]\n" + "".join(f"{time:.12f},36\n" for time in times))
+    assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 0
+    said = capsys.readouterr().err
+    assert (unit == "s") != (f"are taken for {unit}" in said)
+    with BagReader(tmp_path / "bag") as reader:
+        assert isclose((reader.end - reader.start) * 1e-9, step * 199, rel_tol=1e-3)
+        assert start == "zero" or abs(reader.start * 1e-9 - 1.7e9) < 86400.0
+
+
+def test_a_unit_of_times_is_that_of_the_map_of_the_name_or_of_the_line_below_it(tmp_path: Path) -> None:
+    rows = "".join(f"{k},36\n" for k in range(1, 200))
+    for place, (key, text) in enumerate(
+        [("stamp_unit: ms\n", "time,v [km/h]\n"), ("", "Time [ms],v [km/h]\n"), ("", "time,v [km/h]\nms,km/h\n")]
+    ):
+        signal_map, source = tmp_path / f"map{place}.yaml", tmp_path / f"drive{place}.csv"
+        signal_map.write_text(key + TABLE_MAP.replace("stamp: time\n", ""))
+        source.write_text(text + rows)
+        assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / f"bag{place}")]) == 0
+        with BagReader(tmp_path / f"bag{place}") as reader:
+            assert isclose((reader.end - reader.start) * 1e-9, 0.198, rel_tol=1e-3)
+
+
+def test_times_of_no_drive_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
+    signal_map.write_text(TABLE_MAP)
+    source.write_text("time,v [km/h]\n" + "".join(f"{1e-11 * k},36\n" for k in range(1, 100)))
+    command = ["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]
+    assert main(command) == 2
+    assert "the times in column 'time' are 1e-11 apart: give 'stamp_unit'" in capsys.readouterr().err
+    source.write_text("time_ms,v [km/h]\n" + "".join(f"{1e-3 * k},36\n" for k in range(1, 100)))
+    signal_map.write_text(TABLE_MAP.replace("stamp: time\n", ""))
+    assert main(command) == 2
+    assert "are 0.001 apart, and not in ms: give 'stamp_unit'" in capsys.readouterr().err
+    source.write_text("time,v [km/h]\n" + "".join(f"{k},36\n" for k in range(1, 100)))  # ms, or a slow log
+    signal_map.write_text(TABLE_MAP)
+    assert main(command) == 2
+    assert "are 1 apart: give 'stamp_unit'" in capsys.readouterr().err
+    signal_map.write_text("stamp_unit: s\n" + TABLE_MAP)
+    assert main(command) == 0
+
+
+@pytest.mark.parametrize("name", ["t", "Time", "time [s]", "TIMESTAMP", "stamp", "Time (s)", "time_s"])
+def test_the_column_of_the_time_is_found(tmp_path: Path, name: str) -> None:
+    signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
+    signal_map.write_text(TABLE_MAP.replace("stamp: time\n", ""))
+    source.write_text(f"gear,{name},v [km/h]\n1,1.5,36\n")
+    assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 0
+
+
+@pytest.mark.parametrize(
+    ("names", "said"), [("a", "no column is the time"), ("t,time", "several columns may be that of the time, t, time")]
+)
+def test_a_table_without_one_column_of_the_time_asks_for_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], names: str, said: str
+) -> None:
+    signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
+    signal_map.write_text(TABLE_MAP.replace("stamp: time\n", ""))
+    source.write_text(f"{names},v [km/h]\n1,1,36\n")
     assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 2
-    assert f"is it in {unit}? Times are in seconds" in capsys.readouterr().err
+    text = capsys.readouterr().err
+    assert said in text
+    assert "give 'stamp: COLUMN'" in text
+
+
+MOTEC = """"Format","MoTeC CSV File"
+"Venue","Somewhere, far"
+"Sample Rate","100.000","Hz"
+
+"Time","v [km/h]","Gear"
+"s","km/h",""
+
+
+"1.50","36.0","3"
+"1.51","36.0","3"
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding"),
+    [
+        (MOTEC, "utf-8"),
+        ("time;v [km/h]\n1,50;36,0\n1,51;36,0\n", "utf-16"),
+        ("time\tv [km/h]\n1,50\t36,0\n1,51\t36,0\n", "utf-16-le"),
+        (
+            "Nr. 7;\n\ntime;v [km/h];Weg\n01.01.1970 00:00:01,50;36,0;1.234,5\n1.1.1970 0:00:01,51;36;0\n",
+            "latin-1",
+        ),
+        ("time v [km/h]\n".replace(" v", "\tv") + "00:00:01.50\t36\n00:00:01.51\t36\n", "utf-8"),
+        ("time|v [km/h]\r\n1970/01/01 00:00:01.50|36\r\n1970/01/01 00:00:01.51|36\r\n", "utf-8-sig"),
+    ],
+    ids=["MoTeC", "UTF-16", "UTF-16 without mark", "dates of points", "times of day", "bars"],
+)
+def test_texts_of_other_tools_give_the_same_two_rows(tmp_path: Path, text: str, encoding: str) -> None:
+    signal_map, source = tmp_path / "map.yaml", tmp_path / "drive.csv"
+    signal_map.write_text(TABLE_MAP.replace("stamp: time\n", ""))
+    source.write_bytes(text.encode(encoding))
+    assert main(["import", str(source), "--map", str(signal_map), "--out", str(tmp_path / "bag")]) == 0
+    with BagReader(tmp_path / "bag") as reader:
+        found = [
+            (stamp, deserialize_message(data, message_class(topic.type))) for topic, stamp, data in reader.messages()
+        ]
+    assert [stamp / 1e9 for stamp, _ in found] == pytest.approx([1.5, 1.51])
+    assert all(isclose(message.twist.twist.linear.x, 10.0) for _, message in found)
 
 
 def test_nothing_is_left_of_an_import_that_failed_at_once(tmp_path: Path) -> None:

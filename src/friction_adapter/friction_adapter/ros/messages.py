@@ -175,7 +175,12 @@ class RecordMapper:
 
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used so far, by what it is; without what never happened."""
+        units = {
+            f"stamps of {source} run as if they were {unit}: 'stamp_unit: {unit}' in the map?": 1
+            for source, unit in self._adapter.mistaken_units.items()
+        }
         found = {
+            **units,
             **{f"no value for {title}": count for title, count in self._adapter.unreadable.items()},
             "stamp that no message can hold": self._adapter.refused,
             "instant without one of its messages": self._adapter.incomplete,

@@ -41,6 +41,12 @@ class Topic:
         return hash(self.name)
 
 
+def full_type(name: str) -> str:
+    """Return the name of a message type in three parts: some recorders write sensor_msgs/Imu."""
+    package, _, kind = name.partition("/")
+    return f"{package}/msg/{kind}" if kind and "/" not in kind else name
+
+
 @dataclass(frozen=True)
 class Contents:
     """Contents of one storage file."""

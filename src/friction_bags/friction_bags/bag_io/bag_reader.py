@@ -12,8 +12,8 @@ import zstandard
 from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat
 from rosbags.rosbag2 import Reader
 
-from friction_bags.bag_io.bag_format import METADATA_NAME, BagError, Contents, Topic, read_custom_data
-from friction_bags.bag_io.recover import Recorded, Recovery, sqlite_fault
+from friction_bags.bag_io.bag_format import METADATA_NAME, BagError, Contents, Topic, full_type, read_custom_data
+from friction_bags.bag_io.recover import MAGICS, Recorded, Recovery, sqlite_fault
 
 Message = Recorded
 Opened = TypeVar("Opened", bound="BagReader")
@@ -64,7 +64,7 @@ class BagReader:
         if not files:
             raise BagError(f"{bag} holds no .mcap or .db3 file")
         for file in files:
-            path = self._unpack(file) if file.suffix == _COMPRESSED else file
+            path = self._unpack(file) if file.suffix == _COMPRESSED else self._by_content(file)
             if path is not None and not self._open_indexed(path):
                 self._open_damaged(path)
         if not self._parts:
@@ -159,9 +159,7 @@ class BagReader:
 
     def _unpack(self, file: Path) -> Path | None:
         """Decompress a file as far as possible into a temporary directory."""
-        if self._unpacked is None:
-            self._unpacked = TemporaryDirectory(prefix="friction_bags_")
-        unpacked = Path(self._unpacked.name, file.stem)
+        unpacked = self._scratch() / file.stem
         try:
             with file.open("rb") as source, unpacked.open("wb") as target:
                 zstandard.ZstdDecompressor().copy_stream(source, target)
@@ -171,6 +169,28 @@ class BagReader:
         except zstandard.ZstdError as error:
             self.problems.append(f"{file}: decompression stopped: {error}")
         return unpacked
+
+    def _by_content(self, file: Path) -> Path:
+        """Return a file, under another name where its own hides what it is: rosbags goes by the suffix."""
+        if file.suffix in _STORAGES:
+            return file
+        try:
+            with file.open("rb") as stream:
+                begin = stream.read(max(map(len, MAGICS.values())))
+        except OSError:
+            return file  # named where it is opened
+        suffix = next((each for each, magic in MAGICS.items() if begin.startswith(magic)), "")
+        if not suffix:
+            return file
+        other = self._scratch() / f"{file.name}{suffix}"
+        other.symlink_to(file.absolute())
+        return other
+
+    def _scratch(self) -> Path:
+        """Directory of what must not be beside the bag."""
+        if self._unpacked is None:
+            self._unpacked = TemporaryDirectory(prefix="friction_bags_")
+        return Path(self._unpacked.name)
 
     def _part_messages(self, part: _Part, wanted: dict[tuple[str, str], Topic], start: int) -> Iterator[Message]:
         last = start - 1
@@ -255,7 +275,7 @@ def _topic(connection: Connection) -> Topic:
     ext = cast("ConnectionExtRosbag2", connection.ext)
     return Topic(
         connection.topic,
-        connection.msgtype,
+        full_type(connection.msgtype),
         connection.msgdef.data,
         _ENCODINGS[connection.msgdef.format],
         connection.digest or "",

@@ -19,11 +19,13 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import MCAP0_MAGIC
 from rosbags.rosbag2.metadata import parse_qos
 
-from friction_bags.bag_io.bag_format import BagError, Topic
+from friction_bags.bag_io.bag_format import BagError, Topic, full_type
 
 Recorded = tuple[Topic, int, bytes]
 """Topic, recording stamp [ns], CDR data."""
 _SQLITE_MAGIC = b"SQLite format 3\0"
+MAGICS = {".mcap": MCAP0_MAGIC, ".db3": _SQLITE_MAGIC}
+"""What a storage file begins with, by its suffix."""
 _LARGEST_CHUNK = 1 << 30
 """Chunks that claim more [bytes] are damaged."""
 
@@ -38,10 +40,9 @@ class Recovery:
             BagError: the file is empty, or of another kind.
             OSError: the file cannot be opened.
         """
-        readers = {".mcap": (MCAP0_MAGIC, self._of_mcap), ".db3": (_SQLITE_MAGIC, self._of_sqlite)}
-        if path.suffix not in readers:
+        if path.suffix not in MAGICS:
             raise BagError(f"{path} is neither an .mcap nor a .db3 file")
-        magic, self._read = readers[path.suffix]
+        magic, self._read = MAGICS[path.suffix], self._of_mcap if path.suffix == ".mcap" else self._of_sqlite
         with path.open("rb") as stream:
             begin = stream.read(len(magic))
         if begin != magic:
@@ -107,7 +108,7 @@ class Recovery:
                 self._note(f"topic {record.topic}: its QoS cannot be read")
             definition = schema.data.decode(errors="replace"), schema.encoding
             type_hash = record.metadata.get("topic_type_hash", "")
-            self.topics[record.id] = Topic(record.topic, schema.name, *definition, type_hash, qos)
+            self.topics[record.id] = Topic(record.topic, full_type(schema.name), *definition, type_hash, qos)
 
     def _of_sqlite(self) -> Iterator[Recorded]:
         """Read a copy with its write-ahead log, and of a cut file the whole pages: the rest would read as zeros."""
@@ -128,7 +129,7 @@ class Recovery:
                     columns = {row[1] for row in database.execute("PRAGMA table_info(topics)")}
                     qos_of = "offered_qos_profiles" if "offered_qos_profiles" in columns else "''"
                     for key, name, kind, qos in database.execute(f"SELECT id, name, type, {qos_of} FROM topics"):
-                        self.topics.setdefault(key, Topic(name, kind, qos=tuple(parse_qos(qos))))
+                        self.topics.setdefault(key, Topic(name, full_type(kind), qos=tuple(parse_qos(qos))))
                     query = "SELECT topic_id, timestamp, data FROM messages ORDER BY id"
                     for key, stamp, data in database.execute(query):
                         if key in self.topics and isinstance(data, bytes):

@@ -2,18 +2,19 @@
 
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Protocol
 
 from friction_adapter.map_file import add_map_argument, load_map, shipped_maps
 from friction_adapter.signal_map import SignalMap
+from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_writer import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE
-from friction_bags.importers import can_log, mdf_log, ros1_log, table
-from friction_bags.importers.can_log import CanLog, is_can_log
-from friction_bags.importers.mdf_log import MdfLog
+from friction_bags.importers.can_log import CanLog
+from friction_bags.importers.log_kind import Kind, kind_of
+from friction_bags.importers.mdf_log import MdfLog, has_frames
 from friction_bags.importers.ros1_log import Ros1Log
 from friction_bags.importers.table import ParquetTable, Table
 from friction_bags.progress_bars import bars
@@ -22,12 +23,15 @@ from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output, Severity
 from vehicle_models.vehicle_file import add_vehicle_argument
 
-_BAG_SUFFIXES = (".mcap", ".db3", ".zstd")
 _SHOW_EVERY = 1000
 
 
 class Log(Protocol):
     """A log, read through a signal map."""
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """How it was taken, where that is no problem; complete once it has been read."""
 
     def messages(self) -> Iterator[Output]:
         """Yield topics, with a leading slash, and messages."""
@@ -41,9 +45,7 @@ class Log(Protocol):
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Describe the command line."""
-    logs = ", ".join((*can_log.SUFFIXES, *mdf_log.SUFFIXES))
-    tables = f"CSV, {table.PARQUET}"
-    kinds = f"table ({tables}), log ({logs}) or bag of ROS 2 or 1; the name of a shipped map may stand before it"
+    kinds = "table, log or bag, recognised by its content; the name of a shipped map may stand before it"
     parser.add_argument("log", nargs="+", metavar="[MAP] LOG", help=kinds)
     add_map_argument(parser)
     parser.add_argument("--dbc", type=Path, metavar="FILE", help="DBC file of a CAN log (default: that of the map)")
@@ -58,36 +60,52 @@ def run(args: Namespace) -> int:
         Exit code: 0, 1 when something of the log could not be used.
 
     Raises:
-        BagError: the file cannot be read or the bag cannot be made.
+        BagError: the file cannot be read, not one message comes of it, or the bag cannot be made.
         OSError: a file cannot be read or written.
         ParameterError: the map is not valid, or does not fit the log.
     """
     name, path = _map_and_log(args.log, args.map)
-    signal_map = load_map(name, args.vehicle)
+    return import_log(path, load_map(name, args.vehicle), args.dbc, args.out)
+
+
+def import_log(path: Path, signal_map: SignalMap, dbc: Path | None, out: Path) -> int:
+    """Make a bag of a log; as `run`.
+
+    Args:
+        path: log, table or bag.
+        signal_map: the map.
+        dbc: DBC file of a CAN log in place of that of the map; None for that of the map.
+        out: bag to write.
+    """
     if is_bag(path):
-        return _import_bag(path, signal_map, args.out)
+        return _import_bag(path, signal_map, out)
     for text in signal_map.cannot:
         _warn("warning", f"{signal_map.path}: {text}")
-    log = open_log(path, signal_map, args.dbc)
-    for text in log.notes if isinstance(log, CanLog) else ():
-        _warn("note", text)
+    log = open_log(path, signal_map, dbc)
     notes = {**signal_map.notes, VEHICLE_NOTE: signal_map.vehicle_reference}
     with bars([path.name]) as show:
-        count = write_bag(args.out, _shown(log, show), notes)
-    print(f"{args.out}: {count} messages from {path}")
-    problems = log.problems()
-    for text, times in problems.items():
-        _warn("warning", f"{path}: {text}{f', {times} times' if times else ''}")
+        count = write_bag(out, _shown(path, log, show), notes)
+    print(f"{out}: {count} messages from {path}")
+    for text in log.notes:
+        _warn("note", f"{path}: {text}")
+    problems = _sentences(log)
+    for text in problems:
+        _warn("warning", f"{path}: {text}")
     return 1 if problems else 0
 
 
 def is_bag(path: Path) -> bool:
-    """Whether a path is that of a bag of ROS 2, which is no log."""
-    return path.is_dir() or path.suffix in _BAG_SUFFIXES
+    """Whether a path is that of a bag of ROS 2, which is no log.
+
+    Raises:
+        BagError: it is of a kind that is not read; the text names it.
+        OSError: there is no such file.
+    """
+    return kind_of(path)[0] is Kind.BAG
 
 
 def open_log(path: Path, signal_map: SignalMap, dbc: Path | None) -> Log:
-    """Open a log by its suffix.
+    """Open a log by its content.
 
     Args:
         path: CAN log, MDF log, bag of ROS 1 or table.
@@ -99,13 +117,15 @@ def open_log(path: Path, signal_map: SignalMap, dbc: Path | None) -> Log:
         OSError: there is no such file.
         ParameterError: the map does not fit the log, or a package is not installed.
     """
-    if is_can_log(path):
-        return CanLog(path, signal_map, dbc)
-    if path.suffix.lower() in mdf_log.SUFFIXES:
-        return MdfLog(path, signal_map)
-    if path.suffix.lower() == table.PARQUET:
+    kind, suffix = kind_of(path)
+    if kind in (Kind.CAN, Kind.FRAME_TEXT):
+        return CanLog(path, signal_map, dbc, suffix)
+    if kind is Kind.MDF:
+        holds_frames = (dbc or signal_map.can.dbc) is not None and has_frames(path)
+        return CanLog(path, signal_map, dbc, ".mf4") if holds_frames else MdfLog(path, signal_map)
+    if kind is Kind.PARQUET:
         return ParquetTable(path, signal_map)
-    return Ros1Log(path, signal_map) if path.suffix == ros1_log.SUFFIX else Table(path, signal_map)
+    return Ros1Log(path, signal_map) if kind is Kind.ROS_1 else Table(path, signal_map)
 
 
 def _import_bag(path: Path, signal_map: SignalMap, out: Path) -> int:
@@ -131,11 +151,24 @@ def _warn(severity: str, text: str) -> None:
     print(f"{severity}: {text}", file=sys.stderr)
 
 
-def _shown(log: Log, show: Callable[[int, float], None]) -> Iterator[Output]:
+def _sentences(log: Log) -> list[str]:
+    """Return what could not be used, with how often."""
+    return [f"{text}{f', {times} times' if times else ''}" for text, times in log.problems().items()]
+
+
+def _shown(path: Path, log: Log, show: Callable[[int, float], None]) -> Iterator[Output]:
+    """Yield topics and messages.
+
+    Raises:
+        BagError: there is none.
+    """
+    number = -1
     for number, output in enumerate(log.messages()):
         if number % _SHOW_EVERY == 0:
             show(0, log.share())
         yield output
+    if number < 0:
+        raise BagError(f"{path}: not one message comes of it: {'; '.join(_sentences(log)) or 'it is empty'}")
 
 
 def _map_and_log(given: list[str], map_name: str) -> tuple[str, Path]:

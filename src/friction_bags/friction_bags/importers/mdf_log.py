@@ -1,6 +1,6 @@
 """Logs in MDF 3 and 4, through asammdf."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -11,15 +11,41 @@ from friction_adapter.ros.messages import RecordMapper
 from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import Sources
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.importers.can_log import start_offset
+from friction_bags.importers.start_offset import start_offset
 from friction_parameters.command_line import install_line
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 from vehicle_models.nanoseconds import NANOSECONDS
 
-SUFFIXES = (".mdf", ".dat", ".mf4")
 INSTALL_LINE = install_line("asammdf")
 _MOST_LISTED = 30
+_FRAMES = "CAN_DataFrame"
+"""Channel of the frames of a bus, by the standard of ASAM."""
+
+
+def has_frames(path: Path) -> bool:
+    """Whether a log holds CAN frames as they were on the bus.
+
+    Raises:
+        BagError, ParameterError, OSError: as MdfLog.
+    """
+    mdf = _opened(path)
+    try:
+        return _FRAMES in mdf.channels_db
+    finally:
+        mdf.close()
+
+
+def _opened(path: Path) -> Any:
+    try:
+        from asammdf import MDF
+    except ImportError as error:
+        raise ParameterError(f"MDF logs need one more package: {INSTALL_LINE}") from error
+    path.stat()
+    try:
+        return MDF(path)
+    except Exception as error:  # asammdf passes on whatever its parsers raise
+        raise BagError(f"{path} cannot be read: {error}") from error
 
 
 class MdfLog:
@@ -36,16 +62,8 @@ class MdfLog:
             ParameterError: asammdf is not installed, or the log lacks a channel.
             OSError: there is no such log.
         """
-        try:
-            from asammdf import MDF
-        except ImportError as error:
-            raise ParameterError(f"MDF logs need one more package: {INSTALL_LINE}") from error
-        path.stat()
         self._path = path
-        try:
-            self._mdf: Any = MDF(path)
-        except Exception as error:  # asammdf passes on whatever its parsers raise
-            raise BagError(f"{path} cannot be read: {error}") from error
+        self._mdf = _opened(path)
         self._needed: dict[str, dict[str, tuple[int, int]]] = {}
         """Group and place of each channel that is needed, by its name and that of its source."""
         self._mapper = RecordMapper(signal_map, Sources(can=self))
@@ -68,7 +86,10 @@ class MdfLog:
             raise ValueError(f"several channels have the name '{channel}': {several}")
         if not places:
             near = get_close_matches(name, list(channels), _MOST_LISTED, 0.4) or sorted(channels)[:_MOST_LISTED]
-            raise ValueError(f"{self._path} has no channel '{name}': there are {', '.join(near)}")
+            frames = (
+                "; it holds CAN frames: give a DBC file, 'can: {dbc: FILE}' or --dbc" if _FRAMES in channels else ""
+            )
+            raise ValueError(f"{self._path} has no channel '{name}': there are {', '.join(near)}{frames}")
         number, index = places[0]
         source = f"group {number}"
         self._needed.setdefault(source, {})[channel] = (number, index)
@@ -96,6 +117,11 @@ class MdfLog:
             for topic, message in self._mapper.take(source, record, stamp):
                 yield f"/{topic}", message
         self._mdf.close()
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """None."""
+        return ()
 
     def share(self) -> float:
         """Return the share of the samples that have been read."""

@@ -1,6 +1,6 @@
 """Bags of ROS 1, through rosbags."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +12,6 @@ from friction_adapter.sources import Fields, Sources
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.remapped_bag import fields_in
 from friction_runtime.processor import Output
-
-SUFFIX = ".bag"
 
 
 class Ros1Log:
@@ -52,6 +50,11 @@ class Ros1Log:
         for source, message, stamp in self._decoded():
             for topic, made in self._mapper.take(source, message, stamp):
                 yield f"/{topic}", made
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """None."""
+        return ()
 
     def share(self) -> float:
         """Return the share of the messages that have been read."""

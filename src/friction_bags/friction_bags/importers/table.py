@@ -1,39 +1,35 @@
 """Tables, CSV and Parquet, as messages by a signal map."""
 
-import csv
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from datetime import datetime, timezone
-from itertools import pairwise
-from math import isfinite, nan
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
+from itertools import chain, islice
+from math import isfinite
 from pathlib import Path
-from statistics import median
-from typing import Any, Final, TextIO
+from typing import Any, Final
 
 import numpy as np
 
 from friction_adapter.ros.messages import RecordMapper
 from friction_adapter.signal_map import ARRIVAL, Kind, SignalMap
 from friction_adapter.sources import TABLE, Sources
+from friction_adapter.stamp_unit import TIME_COLUMNS, is_step, nanoseconds_of, unit_by_name, unit_by_steps
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.importers.can_log import start_offset
+from friction_bags.importers.start_offset import start_offset
+from friction_bags.importers.text_table import TextTable
 from friction_parameters.command_line import install_line
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
+from vehicle_models.nanoseconds import NANOSECONDS
 
-_DELIMITERS: Final = ",;\t"
-_TIME: Final = re.compile(r"(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d:\d\d)(\.\d+)?(Z|[+-]\d\d:?\d\d)?$")
-"""A date with a time of day, parts of a second and a zone; without a zone it is that of UTC."""
-PARQUET = ".parquet"
-INSTALL_LINE = install_line("pyarrow")
-_STEPS: Final = 20
+PARQUET: Final = ".parquet"
+INSTALL_LINE: Final = install_line("pyarrow")
+_LOOKED_AT: Final = 50
 """Rows by which the unit of the stamps is judged."""
-_FASTEST, _SLOWEST = 5e-5, 2.0
-"""Least and largest time between two rows of a drive [s]."""
-_UNITS: Final = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "days": 86400.0}
-"""In which other tools write times, in seconds."""
-_ROWS = 10_000
+_ROWS: Final = 10_000
 """Rows that are read at once."""
+_NO_STAMP: Final = "header.stamp"
+"""Stamp of a map that names none."""
+Row = dict[str, float]
 
 
 class Table:
@@ -48,98 +44,125 @@ class Table:
             ParameterError: a column is not there, or the map has signals from elsewhere; the text names the columns.
         """
         self._path = path
-        self._map = signal_map
-        with path.open("rb") as binary:
-            head, self._encoding = _text(binary.readline())
-        if not head.strip():
-            raise BagError(f"{path} is empty: its first line must name the columns")
-        self._delimiter = max(_DELIMITERS, key=head.count)
-        self._has_decimal_commas = self._delimiter == ";"
-        names = next(csv.reader([head.strip().lstrip("# ")], delimiter=self._delimiter, skipinitialspace=True))
-        self._columns = [name.strip() for name in names]
-        self._needed = columns_of(signal_map)
-        self._size = max(path.stat().st_size, 1)
-        self._stream: TextIO | None = None
-        self._mapper = RecordMapper(signal_map, Sources(columns=self._columns))
+        self._text = TextTable(path, columns_of(signal_map))
+        self._rows = _MappedRows(path, signal_map, self._text.columns)
+        self._texts: dict[str, tuple[str, int]] = {}
+        """First text in place of a number, and how many there are, by column."""
 
-    def rows(self) -> Iterator[dict[str, float]]:
-        """Yield the rows as numbers by column, those of the map only; NaN where a cell is empty.
-
-        Raises:
-            BagError: a value is not a number; the text names line and column.
-        """
-        has_begun = False
-        with self._path.open(newline="", encoding=self._encoding, errors="replace") as stream:
-            self._stream = stream
-            stream.readline()
-            reader = csv.DictReader(stream, self._columns, delimiter=self._delimiter, skipinitialspace=True)
-            for row in reader:
-                found = {column: _number(row[column], self._has_decimal_commas) for column in self._needed}
-                if not has_begun and not any(number is not None and isfinite(number) for number in found.values()):
-                    continue  # units
-                has_begun = True
-                wrong = [column for column, number in found.items() if number is None]
-                if wrong:
-                    told = f"'{wrong[0]}' is '{row[wrong[0]]}': a value is not a number"
-                    raise BagError(f"{self._path}, line {reader.line_num + 1}: {told}")
-                yield {column: number for column, number in found.items() if number is not None}
+    def rows(self) -> Iterator[Row]:
+        """Yield the rows as numbers by column, those of the map only; NaN where a cell is empty or a text."""
+        for line, row, texts in self._text.rows(self._rows.needed):
+            for column, text in texts.items():
+                first, count = self._texts.get(column, (f"line {line}: '{column}' is '{text}'", 0))
+                self._texts[column] = first, count + 1
+            yield row
 
     def of_row(self, row: Mapping[str, float]) -> list[Output]:
         """Return relative topics and messages of a row."""
-        return self._mapper.take(TABLE, row, 0)
+        return self._rows.mapper.take(TABLE, row, 0)
 
     def messages(self) -> Iterator[Output]:
         """Yield topics and messages of all rows.
 
         Raises:
-            BagError: a value is not a number; the text names line and column.
+            BagError: the times are in a unit that is not recognised, or a line cannot be read.
         """
-        for row in put_later(self.rows(), self._map):
-            for topic, message in self.of_row(row):
-                yield f"/{topic}", message
+        return self._rows.messages(self.rows(), self._text.units)
 
     def share(self) -> float:
         """Return the share of the table that has been read."""
-        stream = self._stream
-        return 0.0 if stream is None or stream.closed else stream.buffer.tell() / self._size
+        return self._text.share()
+
+    @property
+    def notes(self) -> list[str]:
+        """How the times were taken, where the map does not say."""
+        return self._rows.notes
 
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return self._mapper.problems_at_end()
+        texts = {f"{first}: no number": count for first, count in self._texts.values()}
+        cut_off = {"the last line is cut off, and left out": 0} if self._text.is_cut_off else {}
+        return {**self._rows.mapper.problems_at_end(), **texts, **cut_off}
 
 
-def put_later(rows: Iterable[dict[str, float]], signal_map: SignalMap) -> Iterator[dict[str, float]]:
-    """Yield the rows of a table, 1000 s later where it begins before 1 s and the map has no offset: 0 s is no stamp."""
-    columns = {signal.stamp for signal in signal_map.signals if signal.origin.kind is Kind.TABLE}
-    offset = 0.0 if signal_map.stamp_offset else nan
-    clock = min(columns, default="")
-    earlier: list[float] = []
-    for row in rows:
-        if len(earlier) < _STEPS:
-            earlier.append(row.get(clock, nan))
-            if len(earlier) == _STEPS:
-                _refuse_other_unit(signal_map, clock, earlier)
-        if not isfinite(offset):
-            offset = max((start_offset(row[column]) for column in columns), default=0)
-        yield {**row, **{column: row[column] + offset for column in columns}} if offset else row
+class _MappedRows:
+    """Messages of the rows of any table."""
+
+    def __init__(self, path: Path, signal_map: SignalMap, columns: list[str]) -> None:
+        """Find the columns of the map, and that of the time where the map does not name it."""
+        self._path = path
+        self._map = _with_times(signal_map, columns)
+        self.notes: list[str] = []
+        self.mapper = RecordMapper(self._map, Sources(columns=columns))
+        self.needed = columns_of(self._map)
+
+    def messages(self, rows: Iterable[Row], units: Mapping[str, str]) -> Iterator[Output]:
+        """Yield topics and messages; `units` are those that the table states, by column."""
+        for row in self._in_seconds(iter(rows), units):
+            for topic, message in self.mapper.take(TABLE, row, 0):
+                yield f"/{topic}", message
+
+    def _in_seconds(self, rows: Iterator[Row], stated: Mapping[str, str]) -> Iterator[Row]:
+        """Yield the rows with times in seconds, later where the first is before 1 s and the map has no offset."""
+        first = list(islice(rows, _LOOKED_AT))
+        signals = [signal for signal in self._map.signals if signal.origin.kind is Kind.TABLE]
+        given = {signal.stamp: signal.stamp_unit for signal in signals}
+        units = {column: unit or self._unit(column, first, stated) for column, unit in given.items()}
+        times = [_seconds(first[0][column], unit) for column, unit in units.items()] if first else []
+        offset = 0 if self._map.stamp_offset else max(map(start_offset, filter(isfinite, times)), default=0)
+        for row in chain(first, rows):
+            yield {**row, **{column: _seconds(row[column], unit) + offset for column, unit in units.items()}}
+
+    def _unit(self, column: str, rows: list[Row], stated: Mapping[str, str]) -> str:
+        """Return the unit of a column of times, of which the map states none.
+
+        Raises:
+            BagError: the steps between the times are those of no drive.
+        """
+        by_steps, step = unit_by_steps([row[column] for row in rows if isfinite(row[column])])
+        named = stated.get(column) or unit_by_name(column)
+        if not (named or by_steps) or not is_step(step, named or by_steps):
+            said = f", and not in {named}" if named else ""
+            raise BagError(f"{self._path}: the times in column '{column}' are {step:g} apart{said}: give 'stamp_unit'")
+        unit = named or by_steps
+        if unit != "s":
+            self.notes.append(f"the times in column '{column}' are taken for {unit}: they are {step:g} apart")
+        return unit
 
 
-def _refuse_other_unit(signal_map: SignalMap, column: str, stamps: Sequence[float]) -> None:
-    """Refuse stamps [s] that are so far apart, or so near, that they are in another unit.
+def _seconds(stamp: float, unit: str) -> float:
+    return nanoseconds_of(stamp, unit) / NANOSECONDS if unit != "s" and isfinite(stamp) else stamp
+
+
+def _with_times(signal_map: SignalMap, columns: Collection[str]) -> SignalMap:
+    """Return the map with the column of the time in the signals that name none.
 
     Raises:
-        BagError: the text names the unit that they may be in.
+        ParameterError: there is no such column, or several.
     """
-    steps = [later - sooner for sooner, later in pairwise(stamps) if later > sooner]
-    step = median(steps) if steps else nan
-    unit = next((name for name, seconds in _UNITS.items() if _FASTEST <= step * seconds <= _SLOWEST), "")
-    if isfinite(step) and unit != "s":
-        told = f": is it in {unit}? Times are in seconds" if unit else ": times are in seconds"
-        raise BagError(f"{signal_map.path}: the times in column '{column}' are {step:g} s apart{told}")
+    if not any(each.origin.kind is Kind.TABLE and each.stamp == _NO_STAMP for each in signal_map.signals):
+        return signal_map
+    found = [column for column in columns if _is_time(column)]
+    if len(found) != 1:
+        which = f"several columns may be that of the time, {', '.join(found)}" if found else "no column is the time"
+        raise ParameterError(f"{signal_map.path}: {which}: give 'stamp: COLUMN', one of {', '.join(columns)}")
+    signals = (
+        replace(each, stamp=found[0]) if each.origin.kind is Kind.TABLE and each.stamp == _NO_STAMP else each
+        for each in signal_map.signals
+    )
+    return replace(signal_map, signals=tuple(signals))
+
+
+def _is_time(column: str) -> bool:
+    """Whether a column is one of times by its name, with or without a unit: `t`, `Time [s]`, `timestamp_us`."""
+    name = column.strip().lower()
+    unit = unit_by_name(name)
+    bare = name.rstrip("])")[: -len(unit)].rstrip("[( _") if unit else name
+    return name in TIME_COLUMNS or bare in TIME_COLUMNS
 
 
 def columns_of(signal_map: SignalMap) -> tuple[str, ...]:
-    """Return the columns of a table that a map names, each once.
+    """Return the columns of a table that a map names, each once, without that of a time that it does not name.
 
     Raises:
         ParameterError: a row of a table has no time of arrival.
@@ -152,43 +175,10 @@ def columns_of(signal_map: SignalMap) -> tuple[str, ...]:
             raise ParameterError(
                 f"{signal_map.path}: line {signal.line}: a table needs 'stamp', the column of its time"
             )
+        stamp = () if signal.stamp == _NO_STAMP else (signal.stamp,)
         flag = () if signal.flag is None else (signal.flag.field,)
-        found.update(dict.fromkeys((signal.stamp, *signal.fields, *flag)))
+        found.update(dict.fromkeys((*stamp, *signal.fields, *flag)))
     return tuple(found)
-
-
-def _text(head: bytes) -> tuple[str, str]:
-    """Return a line as text, and the encoding of the file."""
-    try:
-        return head.decode("utf-8-sig"), "utf-8-sig"
-    except UnicodeDecodeError:
-        return head.decode("latin-1"), "latin-1"
-
-
-def _number(cell: str | None, has_decimal_commas: bool = False) -> float | None:
-    """Return the number in a cell, that of seconds where it is a time, NaN where it is empty; None for a text.
-
-    Where semicolons separate the cells, a comma in a number is its decimal point.
-    """
-    if cell is None:
-        return None
-    if has_decimal_commas and cell.count(",") == 1 and "." not in cell:
-        cell = cell.replace(",", ".")
-    try:
-        return float(cell)
-    except ValueError:
-        if not cell.strip():
-            return nan
-    time = _TIME.match(cell.strip())
-    if time is None:
-        return None
-    date, clock, part, zone = time.groups()
-    offset = (zone or "+00:00").replace("Z", "+00:00")
-    try:
-        whole = datetime.strptime(f"{date} {clock} {offset}", "%Y-%m-%d %H:%M:%S %z").astimezone(timezone.utc)
-    except ValueError:
-        return None
-    return whole.timestamp() + float(part or 0.0)
 
 
 class ParquetTable:
@@ -209,13 +199,11 @@ class ParquetTable:
             raise ParameterError(f"Parquet tables need one more package: {INSTALL_LINE}") from error
         path.stat()
         self._path = path
-        self._map = signal_map
         try:
             self._file: Any = parquet.ParquetFile(path)
         except Exception as error:  # pyarrow passes on whatever its readers raise
             raise BagError(f"{path} cannot be read: {error}") from error
-        self._needed = columns_of(signal_map)
-        self._mapper = RecordMapper(signal_map, Sources(columns=self._file.schema_arrow.names))
+        self._rows = _MappedRows(path, signal_map, self._file.schema_arrow.names)
         self._read = 0
 
     def messages(self) -> Iterator[Output]:
@@ -224,19 +212,12 @@ class ParquetTable:
         Raises:
             BagError: a column does not hold numbers, or the file cannot be read to its end.
         """
-        for row in put_later(self._rows(), self._map):
-            for topic, message in self._mapper.take(TABLE, row, 0):
-                yield f"/{topic}", message
+        return self._rows.messages(self._batches(), {})
 
-    def _rows(self) -> Iterator[dict[str, float]]:
-        try:
-            for batch in self._file.iter_batches(_ROWS, columns=list(self._needed)):
-                columns = [self._numbers(name, batch.column(name)) for name in self._needed]
-                for values in zip(*columns, strict=True):
-                    yield dict(zip(self._needed, values, strict=True))
-                self._read += batch.num_rows
-        except OSError as error:
-            raise BagError(f"{self._path} cannot be read to its end: {error}") from error
+    @property
+    def notes(self) -> list[str]:
+        """How the times were taken, where the map does not say."""
+        return self._rows.notes
 
     def share(self) -> float:
         """Return the share of the table that has been read."""
@@ -244,7 +225,20 @@ class ParquetTable:
 
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return self._mapper.problems_at_end()
+        return self._rows.mapper.problems_at_end()
+
+    def _batches(self) -> Iterator[Row]:
+        needed = self._rows.needed
+        try:
+            for batch in self._file.iter_batches(_ROWS, columns=list(needed)):
+                columns = [self._numbers(name, batch.column(name)) for name in needed]
+                for values in zip(*columns, strict=True):
+                    yield dict(zip(needed, values, strict=True))
+                self._read += batch.num_rows
+        except BagError:
+            raise
+        except Exception as error:  # as above, of a damaged file
+            raise BagError(f"{self._path} cannot be read to its end: {error}") from error
 
     def _numbers(self, name: str, column: Any) -> list[float]:
         values = column.to_numpy(zero_copy_only=False)

@@ -30,6 +30,8 @@ _ACKNOWLEDGE_TIMEOUT = 20.0
 """[s] on an idle machine."""
 _ACKNOWLEDGE_EVERY = 50
 """Messages after which a replay as fast as possible without flow control waits for reliable subscribers."""
+_LONGEST_GAP = 600.0
+"""Time without a message [s] that is passed over: a log of several drives, or of a clock that was set."""
 _PERIOD = 0.1
 """Time [s] between looks at what has appeared."""
 
@@ -115,8 +117,8 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: StopFlag) -> int
         player.publish_clock(args.clock)
     start = reader.start + round(args.start_offset * NANOSECONDS)
     stop_at = reader.end + 1 if args.duration is None else start + round(args.duration * NANOSECONDS)
-    span = Span(start, min(stop_at, reader.end + 1))
-    if span.stop <= span.start:
+    span = Span(start, stop_at, args.start_offset > 0.0, args.duration is not None)
+    if min(stop_at, reader.end + 1) <= start:
         raise BagError(f"{args.bag}: nothing behind --start-offset {args.start_offset} s")
     wanted = dict(args.subscribers)
     others = wanted.pop("", 1)
@@ -177,6 +179,10 @@ class Span:
     """First recording stamp [ns]."""
     stop: int
     """Recording stamp before which to stop [ns]."""
+    is_after: bool
+    """Whether messages before the first stamp are left out; else it is where the bag says that it begins."""
+    is_before: bool
+    """Whether those from the last stamp on are."""
 
 
 class Player:
@@ -266,11 +272,18 @@ class Player:
         stamped = {topic for topic, publisher in self._publishers.items() if has_header(publisher.msg_type)}
         begun = monotonic()
         next_clock = 0.0
-        for topic, stamp, data in self._reader.messages(self._publishers, span.start, span.stop):
-            offset = (stamp - span.start) / NANOSECONDS
+        start, stop_at = span.start if span.is_after else None, span.stop if span.is_before else None
+        before, passed = span.start, 0.0
+        for topic, stamp, data in self._reader.messages(self._publishers, start, stop_at):
+            gap = (stamp - before) / NANOSECONDS
+            if gap > _LONGEST_GAP:
+                print(f"nothing for {gap:.0f} s before {topic.name}: passed over", file=sys.stderr)
+                passed += gap
+            before = max(before, stamp)
+            offset = (stamp - span.start) / NANOSECONDS - passed
             while self._clock is not None and next_clock <= offset:
                 self._sleep_until(begun + next_clock / rate, stop)
-                self._tell_time(span.start + round(next_clock * NANOSECONDS))
+                self._tell_time(span.start + round((next_clock + passed) * NANOSECONDS))
                 next_clock += self._clock_period
             self._sleep_until(begun + offset / rate, stop)
             if flow is not None and topic in stamped:

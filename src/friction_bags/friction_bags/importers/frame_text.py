@@ -1,0 +1,148 @@
+"""Reads CAN frames from texts that python-can does not: CSV of SavvyCAN and GVRET, and what candump prints.
+
+candump prints `(stamp)  bus  identifier  [length]  bytes`, with stamps since 1970 (-ta, and -tA as a date), since the
+beginning (-tz) or since the line before (-td), and none by default.
+"""
+
+import csv
+import re
+from collections.abc import Iterator
+from datetime import datetime, timezone
+from itertools import pairwise
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, TextIO
+
+from friction_bags.bag_io.bag_format import BagError
+
+GVRET_BEGIN: Final = "time stamp,id,extended,"
+"""Begin of the first line of a GVRET table, in small letters."""
+_PRINTED: Final = re.compile(
+    r"\s*(?:\((?P<stamp>[^)]*)\))?\s*(?P<bus>\w+)\s+(?:[RT]X\s+\S+\s+\S+\s+)?(?P<id>[0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})"
+    r"\s+\[(?P<length>\d+)\](?P<data>(?:\s+[0-9A-Fa-f]{2})*|\s+remote request.*)"
+)
+_LOOKED_AT: Final = 200
+"""Frames by which stamps since the line before are told from those since the beginning."""
+_MICROSECONDS: Final = 1e-6
+
+
+def is_printed(line: str) -> bool:
+    """Whether a line is one that candump prints."""
+    return _PRINTED.match(line) is not None
+
+
+class FrameText:
+    """Frames of a text, as python-can's readers yield them."""
+
+    def __init__(self, path: Path) -> None:
+        """Open the file.
+
+        Raises:
+            ImportError: python-can is not installed.
+            OSError: it cannot be read.
+        """
+        import can
+
+        self._message = can.Message
+        self._path = path
+        self.file: TextIO = path.open(encoding="utf-8-sig", errors="replace", newline="")
+        self.unread = 0
+        """Lines that are no frame."""
+
+    def __iter__(self) -> Iterator[Any]:
+        """Yield the frames.
+
+        Raises:
+            BagError: the frames have no stamps.
+        """
+        first = self.file.readline()
+        self.file.seek(0)
+        return self._of_table() if first.lower().startswith(GVRET_BEGIN) else self._of_print()
+
+    def __enter__(self) -> "FrameText":
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Close the file."""
+        self.file.close()
+
+    def _of_table(self) -> Iterator[Any]:
+        names = [name.strip().lower() for name in self.file.readline().split(",")]
+        at = {name: place for place, name in enumerate(names)}
+        data = at.get("d1", len(names))
+        for cells in csv.reader(line.replace("\0", "") for line in self.file):
+            try:
+                length = int(cells[at["len"]])
+                content = bytes(int(cell, 16) for cell in cells[data : data + length])
+                if len(content) != length:
+                    raise ValueError
+                yield self._message(
+                    timestamp=float(cells[at["time stamp"]]) * _MICROSECONDS,
+                    arbitration_id=int(cells[at["id"]], 16),
+                    is_extended_id=cells[at["extended"]].strip().lower() in ("true", "1"),
+                    channel=cells[at["bus"]].strip() if "bus" in at else None,
+                    data=content,
+                    is_fd=length > 8,
+                )
+            except (ValueError, LookupError):
+                self.unread += bool(cells)
+
+    def _of_print(self) -> Iterator[Any]:
+        is_since_last = _is_since_last(self._path)
+        time = 0.0
+        for line in self.file:
+            found = _PRINTED.match(line)
+            if found is None:
+                self.unread += bool(line.strip())
+                continue
+            if found["stamp"] is None:
+                raise BagError(f"{self._path}: its frames have no times: log with `candump -L` or `candump -ta`")
+            data = found["data"].split()
+            is_remote = data[:1] == ["remote"]
+            try:
+                stamp = _stamp(found["stamp"])
+                time = time + stamp if is_since_last else stamp
+                content = b"" if is_remote else bytes.fromhex("".join(data))
+                if not is_remote and len(content) != int(found["length"]):
+                    raise ValueError
+                yield self._message(
+                    timestamp=time,
+                    arbitration_id=int(found["id"], 16),
+                    is_extended_id=len(found["id"]) > 3,
+                    is_remote_frame=is_remote,
+                    channel=found["bus"],
+                    data=content,
+                    is_fd=len(content) > 8,
+                )
+            except ValueError:
+                self.unread += 1
+
+
+def _stamp(text: str) -> float:
+    """Return a stamp in seconds.
+
+    Raises:
+        ValueError: it is none.
+    """
+    if "-" not in text:
+        return float(text)
+    return datetime.strptime(text.strip(), "%Y-%m-%d %H:%M:%S.%f").replace(tzinfo=timezone.utc).timestamp()
+
+
+def _is_since_last(path: Path) -> bool:
+    """Whether stamps begin at zero and often fall: they count from the line before."""
+    stamps: list[float] = []
+    with path.open(encoding="utf-8-sig", errors="replace") as lines:
+        for line in lines:
+            found = _PRINTED.match(line)
+            try:
+                stamps += [_stamp(found["stamp"])] if found is not None and found["stamp"] else []
+            except ValueError:
+                continue
+            if len(stamps) == _LOOKED_AT:
+                break
+    falls = sum(later < sooner for sooner, later in pairwise(stamps))
+    return bool(stamps) and stamps[0] == 0.0 and falls > len(stamps) / 10
