@@ -184,7 +184,7 @@ class SignalMap:
             )
         if not self.has("brake_pressure"):
             texts.append(
-                "without 'brake_pressure' there is no brake torque, and wheel_slip alone has all its inputs: add the "
-                "pressure at each wheel, or that of the line as `fields: {all: ...}`"
+                "without 'brake_pressure' there is no brake torque: slips and one curve of the whole car (method "
+                "'vehicle') are all there is; add the pressure at each wheel, or that of the line: `fields: {all: ...}`"
             )
         return tuple(texts)

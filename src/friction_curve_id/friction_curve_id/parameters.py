@@ -54,6 +54,11 @@ class FrictionCurveParameters:
         if self.method == VEHICLE and self.speed_source == NO_SPEED:
             raise ValueError("parameter 'speed_source' = 'none' does not serve the method 'vehicle'")
 
+    def without_pressure(self) -> "FrictionCurveParameters":
+        """Return the parameters for a drive without brake pressures: AUTO stands for the method VEHICLE there."""
+        is_open = self.method == AUTO and self.speed_source != NO_SPEED
+        return replace(self, method=VEHICLE) if is_open else self
+
     def serving(self, vehicle: Vehicle) -> "FrictionCurveParameters":
         """Return the parameters with the method that AUTO stands for on this car."""
         if self.method != AUTO:

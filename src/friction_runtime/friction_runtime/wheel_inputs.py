@@ -35,6 +35,8 @@ class WheelSpeeds:
         self._report = report
         self._notes_others = vehicle.wheel_names[0] in wheels
         self._names: list[str] = []
+        self._seen: set[str] = set()
+        """Names of all messages so far."""
         self._places = [maxsize] * len(self._wheels)
 
     def read(self, message: JointState) -> tuple[float, ...]:
@@ -51,6 +53,7 @@ class WheelSpeeds:
 
     def _look_up(self, names: list[str]) -> None:
         self._names = names
+        self._seen.update(names)
         place_of = {name: place for place, name in reversed(list(enumerate(names)))}
         self._places = [place_of.get(wheel.joint, maxsize) for wheel in self._wheels]
         others = [name for name in names if name not in self._joints]
@@ -62,10 +65,15 @@ class WheelSpeeds:
         for wheel, place, speed in zip(self._wheels, self._places, speeds, strict=True):
             if place >= count:
                 joint = "" if wheel.joint == wheel.name else f" (joint '{wheel.joint}')"
+                advice = (
+                    "it is in other messages: two senders? Merge them with friction_adapter"
+                    if wheel.joint in self._seen.difference(self._names)
+                    else "check the vehicle file"
+                )
                 self._report(
                     "error",
                     f"{WHEEL_STATES}: no velocity for wheel '{wheel.name}'{joint}, names are: "
-                    f'"{", ".join(self._names)}"; check the vehicle file',
+                    f'"{", ".join(self._names)}"; {advice}',
                 )
             elif not abs(speed) <= HIGHEST_WHEEL_SPEED:
                 self._report(

@@ -33,8 +33,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
     Raises:
         BagError: the drive cannot be read.
-        ParameterError: map or vehicle file are bad, what was learned is not possible for a car, or neither or both of a
-            drive and --live are given.
+        ParameterError: map or vehicle file are bad, or neither or both of a drive and --live are given.
         OSError: a file cannot be read or written.
     """
     ours, of_ros = split_ros_arguments(sys.argv[1:] if arguments is None else arguments)
@@ -74,7 +73,10 @@ def _examine(drive: Drive, source: Path, name: str, options: Namespace) -> int:
     if options.json is not None:
         options.json.write_text(json.dumps(as_json(findings), indent=1) + "\n", encoding="utf-8")
     if options.write is not None:
-        options.write.write_text(learned_file(findings, source), encoding="utf-8")
+        text, left_out = learned_file(findings, source)
+        options.write.write_text(text, encoding="utf-8")
+        for reason in left_out:
+            print(reason, file=sys.stderr)
     return exit_code(findings)
 
 
@@ -108,7 +110,7 @@ def read_drive(path: Path, map_name: str, vehicle: str, dbc: Path | None) -> tup
 
     drive = collect(signal_map.vehicle, of_log(), others)
     for text, times in log.problems().items():
-        print(f"warning: {path}: {text}, {times} times", file=sys.stderr)
+        print(f"warning: {path}: {text}{f', {times} times' if times else ''}", file=sys.stderr)
     return drive, source
 
 

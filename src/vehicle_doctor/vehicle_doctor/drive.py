@@ -42,6 +42,8 @@ class Drive:
     """Relative topics that are there too, and are not looked into."""
     strange_joints: tuple[str, ...] = ()
     """Names in wheel_states that are no wheel of the car."""
+    wheels_in_parts: tuple[tuple[str, ...], ...] = ()
+    """Names of the wheels of each kind of message, where wheel_states of the car comes in parts; else none."""
     unstamped: int = 0
     """Messages whose stamp is zero or below; they are ignored."""
 
@@ -67,6 +69,7 @@ def collect(vehicle: Vehicle, messages: Iterable[tuple[str, int, Any]], others: 
     """
     rows: dict[str, list[tuple[int, int, list[float]]]] = {}
     strange: dict[str, None] = {}
+    parts: dict[tuple[str, ...], None] = {}
     unstamped = 0
     for topic, arrival, message in messages:
         stamp = to_nanoseconds(message.header.stamp)
@@ -75,10 +78,13 @@ def collect(vehicle: Vehicle, messages: Iterable[tuple[str, int, Any]], others: 
             continue
         if topic == WHEEL_STATES:
             strange.update(dict.fromkeys(name for name in message.name if name not in vehicle.joints))
+            parts[tuple(name for name in message.name if name in vehicle.joints)] = None
         rows.setdefault(topic, []).append((stamp, arrival, _values(topic, message, vehicle)))
     start = min((row[0][0] for row in rows.values()), default=0)
     found = {topic: _recorded(of_topic, start) for topic, of_topic in rows.items()}
-    return Drive(vehicle, found, frozenset(others), tuple(strange), unstamped)
+    parts.pop((), None)
+    is_in_parts = len(parts) > 1 and all(len(names) < len(vehicle.joints) for names in parts)
+    return Drive(vehicle, found, frozenset(others), tuple(strange), tuple(parts) if is_in_parts else (), unstamped)
 
 
 def _values(topic: str, message: Any, vehicle: Vehicle) -> list[float]:

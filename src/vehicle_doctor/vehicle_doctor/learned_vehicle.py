@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import yaml
 
+from friction_parameters.parameter import ParameterError
 from vehicle_doctor.findings import Finding, Verdict
 from vehicle_models.vehicle import Vehicle, specified_stddev
 from vehicle_models.vehicle_file import load_vehicle
@@ -30,7 +31,8 @@ def learned_values(findings: Sequence[Finding], vehicle: Vehicle) -> dict[str, t
         values, deviations = np.array(pairs).T
         pair = float(values.mean()), float(np.hypot(deviations.max(), values.std()))
         specified = stddev_in_file(vehicle, key)
-        if key in contradicted or specified is None or pair[1] < specified:
+        is_told = np.isfinite(pair).all() and (key in contradicted or specified is None or pair[1] < specified)
+        if is_told:
             found[key] = pair
     return found
 
@@ -42,23 +44,34 @@ def stddev_in_file(vehicle: Vehicle, key: str) -> float | None:
     return specified_stddev(part.deviations, name)
 
 
-def learned_file(findings: Sequence[Finding], source: Path) -> str:
-    """Return the text of the vehicle file with what was learned.
+def learned_file(findings: Sequence[Finding], source: Path) -> tuple[str, list[str]]:
+    """Return the text of the vehicle file with what was learned, and why what of it is left out.
 
     Args:
         findings: of a drive of this car.
         source: its vehicle file.
-
-    Raises:
-        ParameterError: a value is not possible for a car.
     """
-    text = source.read_text(encoding="utf-8")
-    text = with_values(text, learned_values(findings, load_vehicle(source)))
+    text, left_out = source.read_text(encoding="utf-8"), []
+    for key, (value, stddev) in learned_values(findings, load_vehicle(source)).items():
+        trial = with_values(text, {key: (value, stddev)})
+        fault = _fault(trial, source)
+        if fault:
+            left_out.append(f"{key} = {value:.4g} ± {stddev:.2g} is not written: {fault}")
+        else:
+            text = trial
+    return text, left_out
+
+
+def _fault(text: str, source: Path) -> str:
+    """Return why a text is no vehicle file; empty where it is one."""
     with TemporaryDirectory() as directory:
         trial = Path(directory, source.name)
         trial.write_text(text, encoding="utf-8")
-        load_vehicle(trial)
-    return text
+        try:
+            load_vehicle(trial)
+        except ParameterError as error:
+            return str(error).replace(str(trial), source.name)
+    return ""
 
 
 Edit = tuple[int, int, str]

@@ -19,7 +19,7 @@ _LONGEST_STEP = 0.15
 _STEPS = 4.0
 _SMOOTH = 0.1
 """Half of the time [s] over which accelerations are taken."""
-_ROLLS = 3.0
+ROLLS = 3.0
 """Speed above which the wheels are judged [m/s]."""
 _SLIDES = 0.06
 """Share by which a wheel that slides, and hardly one that grips in a curve, leaves its usual ratio to the others."""
@@ -49,6 +49,16 @@ class Motion:
     """Yaw rate [rad/s], (N,); NaN without one."""
     measured: Array
     """Speed of the sensor [m/s], (N,); NaN without one."""
+    turned: Array
+    """Yaw rate that has been taken out of the rims [rad/s], (N,); zero where none has."""
+    turning_stddev: float
+    """Deviation of its zero [rad/s]; NaN: it is not known, and curves are in the rims."""
+
+    @property
+    def complete(self) -> NDArrayBool:
+        """Where all wheels that have a signal have a speed, (N,)."""
+        known = np.isfinite(self.rims)
+        return np.asarray(known[:, known.any(axis=0)].all(axis=1) & known.any(axis=1))
 
     @property
     def speed(self) -> Array:
@@ -64,7 +74,7 @@ class Motion:
     def moving(self) -> NDArrayBool:
         """Where the car rolls faster than 3 m/s and no wheel slides, (N,)."""
         speed = self.speed
-        rolls = np.nan_to_num(speed) > _ROLLS
+        rolls = np.nan_to_num(speed) > ROLLS
         if not rolls.any():
             return rolls
         # a tooth that is missing is no slide, which lasts
@@ -94,14 +104,16 @@ class Motion:
         return moving_mean(signal, width)
 
     def with_wheel_factors(self, factors: Array) -> "Motion":
-        """Return the motion with the rims multiplied, (n,)."""
+        """Return the motion with the rims multiplied, (n,); NaN leaves a wheel out."""
         return replace(self, rims=self.rims * factors)
 
 
 def free_rims(drive: Drive, motion: Motion) -> Array:
     """Mean rim speed of the wheels that the engine does not drive, of all where it drives all [m/s], (N,)."""
     free = [i for i, wheel in enumerate(drive.vehicle.wheels) if not wheel.driven] or list(range(motion.rims.shape[1]))
-    return np.asarray(motion.rims[:, free].mean(axis=1))
+    sound = np.flatnonzero(np.isfinite(motion.rims).any(axis=0))
+    kept = [i for i in free if i in sound] or sound.tolist()
+    return np.asarray(motion.rims[:, kept].mean(axis=1))
 
 
 def median_known(table: Array) -> Array:
@@ -181,19 +193,25 @@ def motion_of(drive: Drive) -> Motion | None:
         axes=imu[:, :3],
         turning=imu[:, 3],
         measured=at(SPEED, 1)[:, 0],
+        turned=np.zeros(count),
+        turning_stddev=np.nan,
     )
 
 
 def resampled(recorded: Recorded, time: Array) -> Array:
-    """Values at times [s], (N, k), linear between samples; NaN in gaps and beyond the ends."""
-    stamps, first = np.unique(recorded.stamp, return_index=True)
+    """Values at times [s], (N, k), linear between samples; NaN in gaps and beyond the ends.
+
+    Each column has its own samples: senders that share a topic bring some wheels each.
+    """
     found = np.full((time.size, recorded.values.shape[1]), np.nan)
-    if stamps.size < 2:
-        return found
-    place = np.clip(np.searchsorted(stamps, time), 1, stamps.size - 1)
-    gap = stamps[place] - stamps[place - 1]
-    longest = max(_LONGEST_STEP, _STEPS * float(np.median(np.diff(stamps))))
-    known = (gap <= longest) & (time >= stamps[0]) & (time <= stamps[-1])
-    for column, values in enumerate(recorded.values[first].T):
-        found[known, column] = np.interp(time[known], stamps, values)
+    for column, values in enumerate(recorded.values.T):
+        there = np.isfinite(values)
+        stamps, first = np.unique(recorded.stamp[there], return_index=True)
+        if stamps.size < 2:
+            continue
+        place = np.clip(np.searchsorted(stamps, time), 1, stamps.size - 1)
+        gap = stamps[place] - stamps[place - 1]
+        longest = max(_LONGEST_STEP, _STEPS * float(np.median(np.diff(stamps))))
+        known = (gap <= longest) & (time >= stamps[0]) & (time <= stamps[-1])
+        found[known, column] = np.interp(time[known], stamps, values[there][first])
     return found

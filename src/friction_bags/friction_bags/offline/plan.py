@@ -33,7 +33,9 @@ from vehicle_models.vehicle_file import load_vehicle
 
 Stage = tuple[Processor, ...]
 _WHEEL_STATES = "wheel_states"
-_TYRE_SIGNALS = "/tyre_signals"
+_IMU = "imu/data"
+_TYRE_SIGNALS, _PRESSURE = "/tyre_signals", "/brake_pressure"
+_CURVES = "friction_curve_id"
 _MOST_REPORTS = 100
 
 
@@ -197,6 +199,10 @@ def plan_for(reader: BagReader, options: ProcessOptions, report: Report) -> tupl
         of_wheels, collecting = (WHEEL_ESTIMATORS, (STATE,)) if _WHEEL_STATES in names else ((), ())
         estimators = (*of_wheels, *((SMART_TYRE,) if has_tyres else ()), *collecting)
     parameters = read_parameters(estimators, options.parameter_files, report, options.namespace)
+    if _CURVES in parameters and _IMU in names and not any(name.endswith(_PRESSURE) for name in names):
+        given, parameters[_CURVES] = parameters[_CURVES], parameters[_CURVES].without_pressure()
+        if parameters[_CURVES] != given:
+            report("warning", f"no brake pressure: {_CURVES} fits one curve for the car, by method 'vehicle'")
     note = vehicle_for(reader, options.vehicle, vehicle_of(parameters), report)
     vehicle = load_vehicle(note)
     _refuse_strange_car(reader, prefix, vehicle)

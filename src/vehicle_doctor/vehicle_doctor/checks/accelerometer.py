@@ -54,7 +54,7 @@ def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift
 def _long_after_the_wheels(motion: Motion) -> Finding | None:
     """Return the finding of an accelerometer with which wheel_slip cannot do anything."""
     watch = AccelerometerAge(SlideTuning())
-    known = np.isfinite(motion.force) & np.isfinite(motion.rims).all(axis=1)
+    known = np.isfinite(motion.force) & motion.complete
     for number in np.flatnonzero(known):
         stamp = round((number + 1) * motion.step * NANOSECONDS)
         watch.update(stamp, motion.rims[number].tolist(), float(motion.force[number]))
@@ -67,7 +67,7 @@ def _long_after_the_wheels(motion: Motion) -> Finding | None:
 
 def against_wheels(drive: Drive, motion: Motion) -> Shift | None:
     """Return by how much the accelerometer is later than the wheels, and its reading over the car's acceleration."""
-    rolls = motion.moving & ~motion.braking & np.isfinite(motion.force) & np.isfinite(motion.rims).all(axis=1)
+    rolls = motion.moving & ~motion.braking & np.isfinite(motion.force) & motion.complete
     rims = free_rims(drive, motion)
     force = np.nan_to_num(without_pitch(drive, motion))
     travelled = np.cumsum(force) * motion.step - 0.5 * motion.step * force

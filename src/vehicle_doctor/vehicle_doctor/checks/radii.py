@@ -9,7 +9,7 @@ from vehicle_doctor.drive import Array, Drive
 from vehicle_doctor.findings import Finding, Verdict, against_file
 from vehicle_doctor.motion import Motion
 from vehicle_models.constants import AIR_DENSITY, GRAVITY
-from vehicle_models.vehicle import Deviations, SharedBy, specified_stddev
+from vehicle_models.vehicle import Deviations, SharedBy, Vehicle, specified_stddev
 
 MIN_ROLLING_TIME = 4.0
 """Rolling time [s] below which there is no answer."""
@@ -35,17 +35,20 @@ def rolling_of(drive: Drive, motion: Motion) -> Rolling | None:
     """Return the ratios of the rolling wheels; None where they roll for less than MIN_ROLLING_TIME.
 
     A driven wheel slips by the force it carries: its rim over those of the others is a line over that force where it is
-    small, and its value without force is the ratio of the radii. In curves the wheels of a side share a sign that
-    changes, and that is smaller the faster the car is: a sample counts with the fourth power of its speed.
+    small, and its value without force is the ratio of the radii. What is left of curves has a sign that changes, and is
+    smaller the faster the car is: a sample counts with the fourth power of its speed, and less the harder the tyres
+    work along or across. A wheel without a signal has NaN.
     """
     vehicle = drive.vehicle
     speed, rate = motion.speed, motion.rate
     with np.errstate(invalid="ignore", divide="ignore"):
-        use = motion.moving & ~motion.braking & (np.abs(rate) < _GENTLE) & np.isfinite(motion.rims).all(axis=1)
+        use = motion.moving & ~motion.braking & (np.abs(rate) < _GENTLE) & motion.complete
         use &= speed > 5.0
         by_sensor = bool((np.isfinite(motion.measured) & use).sum() * motion.step > MIN_ROLLING_TIME)
-        reference = motion.measured if by_sensor else motion.rims.mean(axis=1)
-        ratios = motion.rims / reference[:, None]
+        sound = np.isfinite(motion.rims).any(axis=0)
+        rims = motion.rims[:, sound]
+        reference = motion.measured if by_sensor else rims.mean(axis=1)
+        ratios = rims / reference[:, None]
         resistance = (
             GRAVITY * vehicle.rolling_resistance + 0.5 * AIR_DENSITY * vehicle.drag_area * speed**2 / vehicle.mass
         )
@@ -54,20 +57,41 @@ def rolling_of(drive: Drive, motion: Motion) -> Rolling | None:
         if known.any():  # it feels the hills, and its offset does not matter here
             use, rate = known, force - np.median((force - rate)[known & np.isfinite(rate)])
         load = rate + resistance
-    blocks = np.column_stack([block_means(motion, column, use) for column in (*ratios.T, load, speed)])
+        across = speed * motion.turned
+    columns = (*ratios.T, load, across, speed)
+    blocks = np.column_stack([block_means(motion, column, use) for column in columns])
     blocks = blocks[np.isfinite(blocks).all(axis=1)]
     if blocks.shape[0] * BLOCK < MIN_ROLLING_TIME:
         return None
-    line, stddev = _lines(blocks)
+    line, stddev = (np.full((2, sound.size), np.nan) for _ in range(2))
+    line[:, sound], stddev[:, sound] = _lines(blocks)
+    stddev[0] = np.hypot(stddev[0], _of_curves(vehicle, motion, line[0], float(np.median(blocks[:, -1]))))
     return Rolling(line[0], stddev[0], line[1], stddev[1], by_sensor)
+
+
+def _of_curves(vehicle: Vehicle, motion: Motion, ratios: Array, speed: float) -> float:
+    """Return the deviation of a ratio by what is not known of the curves.
+
+    Where nothing tells the turning, a difference of left and right that both axles share may be all of it.
+    """
+    if np.isfinite(motion.turning_stddev):
+        return 0.5 * vehicle.track * motion.turning_stddev / speed
+    differences = []
+    for axle in ("front", "rear"):
+        sides = {wheel.side: ratios[i] for i, wheel in enumerate(vehicle.wheels) if wheel.axle == axle}
+        if len(sides) == 2 and np.isfinite(sides["left"] + sides["right"]):
+            differences.append(0.5 * (sides["right"] - sides["left"]))
+    shared = len(differences) == 1 or np.ptp(np.sign(differences)) == 0.0
+    return float(np.abs(differences).min()) if differences and shared else 0.0
 
 
 def _lines(blocks: Array) -> tuple[Array, Array]:
     """Return ratio without force and its change with force of each wheel, (2, n), and their deviations."""
-    ratios, load, speed = blocks[:, :-2], blocks[:, -2], blocks[:, -1]
+    ratios, load, across, speed = blocks[:, :-3], blocks[:, -3], blocks[:, -2], blocks[:, -1]
     middle = np.median(ratios, axis=0)
     near = (np.abs(ratios - middle) < 0.06).all(axis=1)
-    ratios, load, weight = ratios[near], load[near], speed[near] ** 4 / (1.0 + load[near] ** 2)
+    ratios, load = ratios[near], load[near]
+    weight = speed[near] ** 4 / (1.0 + load**2 + across[near] ** 2)
     design = np.column_stack([np.ones_like(load), load])
     parts = np.arange(load.size) * _PARTS // max(load.size, 1)
 
@@ -104,13 +128,15 @@ def check(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
     free, stddev, has_sensor = rolling.ratio, rolling.ratio_stddev, rolling.by_sensor
     driven = [wheel.driven for wheel in vehicle.wheels]
     if not has_sensor:
-        free = free / np.median(free)  # one wheel that is far off does not move the others
+        free = free / np.nanmedian(free)  # one wheel that is far off does not move the others
     specified_stddevs = [specified_stddev(wheel.deviations, "radius") for wheel in vehicle.wheels]
     common = 0.0 if has_sensor else max(each or 0.01 for each in specified_stddevs)
     found = []
     factors = 1.0 / free
-    usual = float(np.median(factors))
+    usual = float(np.nanmedian(factors))
     for i, wheel in enumerate(vehicle.wheels):
+        if not np.isfinite(factors[i]):
+            continue  # its signal is a finding of its own
         radius = wheel.radius * float(factors[i])
         relative = float(np.hypot(stddev[i], _FLOOR * (2.0 if driven[i] else 1.0)))
         uncertainty = radius * float(np.hypot(relative, common / wheel.radius))

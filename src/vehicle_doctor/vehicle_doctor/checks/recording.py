@@ -1,5 +1,7 @@
 """Checks of the recording itself: rates and stamps of the topics, quantization, and the inputs of each estimator."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from vehicle_doctor.drive import IMU, SPEED, WHEEL_STATES, Array, Drive, Recorded, kinds, pressure_topic
@@ -40,6 +42,11 @@ def check_topics(drive: Drive) -> list[Finding]:
     elif strange:
         text = f"also holds {strange}, which are no wheels of the car ({known})"
         found.append(Finding("topic", WHEEL_STATES, Verdict.NOTE, text))
+    if drive.wheels_in_parts:
+        parts = "; ".join(", ".join(names) for names in drive.wheels_in_parts)
+        text = f"comes in parts, of one sender each ({parts}): estimators need all wheels of a sample in one message"
+        remedy = "give each sender a topic of its own, and merge them by a signal map with friction_adapter"
+        found.append(Finding("topic", WHEEL_STATES, Verdict.FAIL, text, remedy=remedy))
     for topic, ahead in _other_clocks(drive).items():
         text = f"stamps are {ahead:+.1f} s from those of {WHEEL_STATES}: they are of two clocks"
         remedy = "stamp both by one clock, or give 'latency' in the signal map"
@@ -109,6 +116,43 @@ def _topic(topic: str, recorded: Recorded) -> Finding:
     )
 
 
+_CODE_SHARE, _CODE_REPEATS, _CODE_LEVELS = 0.2, 3, 20
+"""Largest share and least number of samples that are a code for an error, and least number of other values."""
+_CODE_APART = 0.6
+"""Share of a code that no other value exceeds."""
+
+
+def leave_out_codes(drive: Drive) -> tuple[list[Finding], Drive]:
+    """Return findings on values that stand for an error, such as 0xFFFF, and the drive without them.
+
+    They are the largest or the least of a signal, often the same, and far from every other one.
+    """
+    found, topics = [], dict(drive.topics)
+    for topic, recorded in drive.topics.items():
+        values = recorded.values.copy()
+        for column in values.T:
+            for code in _codes(column):
+                count = int((column == code).sum())
+                column[column == code] = np.nan
+                text = f"has the value {code:.6g} in {count} messages, far from all others: a code for an error"
+                remedy = f"'invalid: {code:.6g}' in the signal map, in its unit; left out here"
+                found.append(Finding("signal", topic, Verdict.WARN, text, code, remedy=remedy))
+        topics[topic] = replace(recorded, values=values)
+    return found, replace(drive, topics=topics)
+
+
+def _codes(column: Array) -> list[float]:
+    codes = []
+    for sign in (1.0, -1.0):
+        known = sign * column[np.isfinite(column)]
+        levels, counts = np.unique(known, return_counts=True)
+        if levels.size <= _CODE_LEVELS or levels[-1] <= 0.0 or levels[-2] > _CODE_APART * levels[-1]:
+            continue
+        if _CODE_REPEATS <= counts[-1] <= _CODE_SHARE * known.size:
+            codes.append(sign * float(levels[-1]))
+    return codes
+
+
 _DISTINCT = 0.25
 """Ratio of distinct values to samples above which a signal is not quantized."""
 _MIN_SAMPLES = 200
@@ -152,7 +196,7 @@ def step_of(values: Array) -> float:
 def check_estimator_inputs(drive: Drive) -> list[Finding]:
     """Check which estimators have all their inputs."""
     there = (set(drive.topics) | set(drive.others)) - set(_other_clocks(drive))
-    if not _has_wheels(drive):
+    if not _has_wheels(drive) or drive.wheels_in_parts:
         there.discard(WHEEL_STATES)
     wheels = drive.vehicle.wheel_names
     pressures = [pressure_topic(name) for name in wheels]
@@ -161,16 +205,19 @@ def check_estimator_inputs(drive: Drive) -> list[Finding]:
     braked = [topic for topic in pressures if topic not in there]
     demand = [] if "brake_demand" in there else ["brake_demand"]
     tyres = [topic for name in wheels if (topic := f"{name}/tyre_signals") not in there]
+    has_no_pressure = len(braked) == len(wheels)
+    of_car = [] if IMU in there else [IMU]  # without any pressure, method `vehicle` fits one curve for the car
     needs = {
         "wheel_slip": motion + speed,
         "friction_slope": motion + speed + braked,
-        "friction_curve_id": motion + speed + braked,
+        "friction_curve_id": motion + (of_car if has_no_pressure else speed + braked),
         "abs_supervisor": motion + speed + braked + demand,
         "smart_tyre_forces": tyres,
         "friction_state": motion,
     }
+    notes = {"friction_curve_id": " of method 'vehicle': one curve for the car"} if has_no_pressure else {}
     return [
         Finding("estimator", name, Verdict.NOTE if lacks else Verdict.OK,
-                f"lacks {', '.join(lacks)}" if lacks else "has its inputs")
+                f"lacks {', '.join(lacks)}" if lacks else f"has its inputs{notes.get(name, '')}")
         for name, lacks in needs.items()
     ]  # fmt: skip

@@ -14,7 +14,7 @@ _COPY = 0.98
 
 
 def check_signals(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
-    """Return the findings, and the motion with signs put right."""
+    """Return the findings, and the motion with signs put right and without the wheels whose signal is none."""
     names = drive.vehicle.wheel_names
     found: list[Finding] = []
     size = median_known(np.abs(motion.rims))
@@ -26,6 +26,7 @@ def check_signals(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
         if not known.size:
             found.append(failure("wheel", name, "has no speed in wheel_states", "name its joint in the vehicle file"))
         elif np.ptp(known) == 0.0:
+            factors[i] = np.nan
             found.append(failure("wheel", name, "never changes its speed", "look at its sensor"))
         elif np.median(known) < 0.0:
             factors[i] = -1.0
@@ -42,6 +43,7 @@ def check_signals(drive: Drive, motion: Motion) -> tuple[list[Finding], Motion]:
                     f"is a copy of {first}: equal in {100.0 * (pair[:, 0] == pair[:, 1]).mean():.0f} % of the samples"
                 )
                 remedy = "give each wheel its own field in the signal map"
+                factors[j] = np.nan
                 found.append(failure("duplicate", names[j], text, remedy))
     return found, motion.with_wheel_factors(factors)
 
