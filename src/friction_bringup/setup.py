@@ -28,7 +28,8 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            f"{name} = friction_bringup.__main__:executable" for name in ("demo", "graph", "monitor", "policies")
+            f"{name} = friction_bringup.__main__:executable"
+            for name in ("analyse", "demo", "doctor", "graph", "monitor", "policies")
         ]
     },
 )

@@ -3,7 +3,7 @@
 import json
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,6 @@ from friction_bags.bag_io.cdr import decode, type_name
 from friction_bags.bag_vehicle import vehicle_for
 from friction_bags.importers.import_log import is_bag, open_log
 from friction_bags.offline.plan import SayOnce, open_bag
-from friction_parameters.command_line import split_ros_arguments
 from friction_parameters.parameter import ParameterError
 from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import silent
@@ -28,32 +27,8 @@ from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import add_vehicle_argument, load_vehicle, vehicle_path
 
 
-def run(arguments: Sequence[str] | None = None) -> int:
-    """Parse the command line, from --ros-args on for ROS; return the exit code: 1 for a WARN or FAIL.
-
-    Raises:
-        BagError: the drive cannot be read.
-        ParameterError: map or vehicle file are bad, or neither or both of a drive and --live are given.
-        OSError: a file cannot be read or written.
-    """
-    ours, of_ros = split_ros_arguments(sys.argv[1:] if arguments is None else arguments)
-    options = _parser().parse_args(ours)
-    if (options.drive is None) == (options.live is None):
-        raise ParameterError("give a bag, a log or --live SECONDS, and one of these")
-    if options.live is None:
-        drive, source = read_drive(options.drive, options.map, options.vehicle, options.dbc)
-        return _examine(drive, source, str(options.drive), options)
-    if options.map:
-        raise ParameterError("--live hears the topics of this graph: start friction_adapter with the map beside it")
-    source = vehicle_path(options.vehicle)
-    with listening(load_vehicle(source), options.live, of_ros) as drive:
-        return _examine(drive, source, f"{options.live:g} s live", options)
-
-
-def _parser() -> ArgumentParser:
-    parser = ArgumentParser(
-        prog="python3 -m vehicle_doctor", description="Examine the signals of a drive, and learn the car from it."
-    )
+def add_arguments(parser: ArgumentParser) -> None:
+    """Describe the command line."""
     parser.add_argument("drive", type=Path, nargs="?", metavar="BAG|LOG", help="a bag, or with --map a log of any car")
     parser.add_argument(
         "--live", type=float, metavar="SECONDS", help="the running topics in place of a drive; takes --ros-args"
@@ -64,7 +39,26 @@ def _parser() -> ArgumentParser:
     parser.add_argument("--road", choices=ROADS, default=UNKNOWN, help="what is known of the road's slope")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the findings to this file")
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the vehicle file with what was learned")
-    return parser
+
+
+def run(options: Namespace, of_ros: list[str]) -> int:
+    """Examine a drive; return the exit code: 1 for a WARN or FAIL.
+
+    Raises:
+        BagError: the drive cannot be read.
+        ParameterError: map or vehicle file are bad, or neither or both of a drive and --live are given.
+        OSError: a file cannot be read or written.
+    """
+    if (options.drive is None) == (options.live is None):
+        raise ParameterError("give a bag, a log or --live SECONDS, and one of these")
+    if options.live is None:
+        drive, source = read_drive(options.drive, options.map, options.vehicle, options.dbc)
+        return _examine(drive, source, str(options.drive), options)
+    if options.map:
+        raise ParameterError("--live hears the topics of this graph: start friction_adapter with the map beside it")
+    source = vehicle_path(options.vehicle)
+    with listening(load_vehicle(source), options.live, of_ros) as drive:
+        return _examine(drive, source, f"{options.live:g} s live", options)
 
 
 def _examine(drive: Drive, source: Path, name: str, options: Namespace) -> int:

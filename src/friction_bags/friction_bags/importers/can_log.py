@@ -43,15 +43,10 @@ class CanLog:
             ParameterError: a package is not installed, there is no DBC file, or it lacks a signal.
             OSError: there is no such log.
         """
-        try:
-            import can
-        except ImportError as error:
-            raise ParameterError(f"CAN logs need two more packages: {INSTALL_LINE}") from error
         dbc = dbc or signal_map.can.dbc
         if dbc is None:
             raise ParameterError(f"{signal_map.path}: {path} needs a DBC file: 'can: {{dbc: FILE}}', or --dbc")
         self._size = max(path.stat().st_size, 1)
-        self._can = can
         self._path = path
         self._kind = kind
         self._log: Any = None
@@ -116,27 +111,39 @@ class CanLog:
         }
         return {**found, **self._mapper.problems_at_end(), **{text: count for text, count in counted.items() if count}}
 
-    def _reader(self) -> Any:
-        """Open the log."""
-        if not self._kind:
-            return FrameText(self._path)
-        if self._kind == ".asc":
-            return self._can.ASCReader(AscStamps(self._path))
+    def _logged(self) -> Iterator[Any]:
+        """Yield the frames with data."""
         if self._kind == ".blf":
             objects = count_objects(self._path)
             if objects.there < objects.stated or not objects.is_whole:
                 stated = f", and its header states {objects.stated}" if objects.stated else ""
                 self._cut_off = f"the log is cut off: {objects.there} objects are there{stated}"
-        return getattr(self._can, _READERS[self._kind])(self._path)
-
-    def _logged(self) -> Iterator[Any]:
-        """Yield the frames with data."""
+        self._log = open_frames(self._path, self._kind)
         try:
-            with self._reader() as self._log:
-                for frame in self._log:
+            with self._log as log:
+                for frame in log:
                     if not (frame.is_error_frame or frame.is_remote_frame):
                         yield frame
         except BagError:
             raise
         except Exception as error:  # python-can passes on whatever its readers raise
             raise BagError(f"{self._path} cannot be read, or not to its end: {error!r}") from error
+
+
+def open_frames(path: Path, kind: str) -> Any:
+    """Open a log as an iterator of python-can's messages, which is also a context; kind as for CanLog.
+
+    Raises:
+        BagError: the log cannot be read.
+        ParameterError: python-can is not installed.
+    """
+    try:
+        import can
+    except ImportError as error:
+        raise ParameterError(f"CAN logs need two more packages: {INSTALL_LINE}") from error
+    try:
+        if not kind:
+            return FrameText(path)
+        return can.ASCReader(AscStamps(path)) if kind == ".asc" else getattr(can, _READERS[kind])(path)
+    except Exception as error:  # as above
+        raise BagError(f"{path} cannot be read: {error!r}") from error

@@ -29,14 +29,19 @@ def has_frames(path: Path) -> bool:
     Raises:
         BagError, ParameterError, OSError: as MdfLog.
     """
-    mdf = _opened(path)
+    mdf = open_mdf(path)
     try:
         return _FRAMES in mdf.channels_db
     finally:
         mdf.close()
 
 
-def _opened(path: Path) -> Any:
+def open_mdf(path: Path) -> Any:
+    """Open a log.
+
+    Raises:
+        BagError, ParameterError, OSError: as MdfLog.
+    """
     try:
         from asammdf import MDF
     except ImportError as error:
@@ -63,7 +68,7 @@ class MdfLog:
             OSError: there is no such log.
         """
         self._path = path
-        self._mdf = _opened(path)
+        self._mdf = open_mdf(path)
         self._needed: dict[str, dict[str, tuple[int, int]]] = {}
         """Group and place of each channel that is needed, by its name and that of its source."""
         self._mapper = RecordMapper(signal_map, Sources(can=self))

@@ -142,7 +142,7 @@ def _with_times(signal_map: SignalMap, columns: Collection[str]) -> SignalMap:
     """
     if not any(each.origin.kind is Kind.TABLE and each.stamp == _NO_STAMP for each in signal_map.signals):
         return signal_map
-    found = [column for column in columns if _is_time(column)]
+    found = [column for column in columns if is_time(column)]
     if len(found) != 1:
         which = f"several columns may be that of the time, {', '.join(found)}" if found else "no column is the time"
         raise ParameterError(f"{signal_map.path}: {which}: give 'stamp: COLUMN', one of {', '.join(columns)}")
@@ -153,7 +153,7 @@ def _with_times(signal_map: SignalMap, columns: Collection[str]) -> SignalMap:
     return replace(signal_map, signals=tuple(signals))
 
 
-def _is_time(column: str) -> bool:
+def is_time(column: str) -> bool:
     """Whether a column is one of times by its name, with or without a unit: `t`, `Time [s]`, `timestamp_us`."""
     name = column.strip().lower()
     unit = unit_by_name(name)
@@ -193,16 +193,8 @@ class ParquetTable:
             ParameterError: pyarrow is not installed, a column is not there, or the map has signals from elsewhere; the
                 text names the columns.
         """
-        try:
-            from pyarrow import parquet
-        except ImportError as error:
-            raise ParameterError(f"Parquet tables need one more package: {INSTALL_LINE}") from error
-        path.stat()
         self._path = path
-        try:
-            self._file: Any = parquet.ParquetFile(path)
-        except Exception as error:  # pyarrow passes on whatever its readers raise
-            raise BagError(f"{path} cannot be read: {error}") from error
+        self._file = _parquet(path)
         self._rows = _MappedRows(path, signal_map, self._file.schema_arrow.names)
         self._read = 0
 
@@ -231,20 +223,53 @@ class ParquetTable:
         needed = self._rows.needed
         try:
             for batch in self._file.iter_batches(_ROWS, columns=list(needed)):
-                columns = [self._numbers(name, batch.column(name)) for name in needed]
-                for values in zip(*columns, strict=True):
+                columns = [_numbers(batch.column(name)) for name in needed]
+                for name, column in zip(needed, columns, strict=True):
+                    if column is None:
+                        raise BagError(f"{self._path}: column '{name}' does not hold numbers")
+                for values in zip(*(column for column in columns if column is not None), strict=True):
                     yield dict(zip(needed, values, strict=True))
                 self._read += batch.num_rows
         except BagError:
             raise
-        except Exception as error:  # as above, of a damaged file
+        except Exception as error:  # pyarrow passes on whatever its readers raise
             raise BagError(f"{self._path} cannot be read to its end: {error}") from error
 
-    def _numbers(self, name: str, column: Any) -> list[float]:
-        values = column.to_numpy(zero_copy_only=False)
-        if np.issubdtype(values.dtype, np.datetime64):
-            return [float(each) for each in values.astype("datetime64[ns]").astype(np.int64) / 1e9]
-        try:
-            return [float(each) for each in values.astype(np.float64)]
-        except (TypeError, ValueError):
-            raise BagError(f"{self._path}: column '{name}' does not hold numbers") from None
+
+def parquet_head(path: Path, count: int) -> tuple[list[str], list[Row]]:
+    """Return the columns of numbers of a table and its first rows, at most `count`.
+
+    Raises:
+        BagError, OSError, ParameterError: as ParquetTable.
+    """
+    file = _parquet(path)
+    try:
+        batch = next(iter(file.iter_batches(count)), None)
+    except Exception as error:  # as above
+        raise BagError(f"{path} cannot be read: {error}") from error
+    columns = {} if batch is None else {name: _numbers(batch.column(name)) for name in batch.schema.names}
+    known = {name: column for name, column in columns.items() if column is not None}
+    return list(known), [dict(zip(known, values, strict=True)) for values in zip(*known.values(), strict=True)]
+
+
+def _parquet(path: Path) -> Any:
+    try:
+        from pyarrow import parquet
+    except ImportError as error:
+        raise ParameterError(f"Parquet tables need one more package: {INSTALL_LINE}") from error
+    path.stat()
+    try:
+        return parquet.ParquetFile(path)
+    except Exception as error:  # as above
+        raise BagError(f"{path} cannot be read: {error}") from error
+
+
+def _numbers(column: Any) -> list[float] | None:
+    """Return a column as numbers, seconds where it holds times; None where it holds something else."""
+    values = column.to_numpy(zero_copy_only=False)
+    if np.issubdtype(values.dtype, np.datetime64):
+        return [float(each) for each in values.astype("datetime64[ns]").astype(np.int64) / 1e9]
+    try:
+        return [float(each) for each in values.astype(np.float64)]
+    except (TypeError, ValueError):
+        return None
