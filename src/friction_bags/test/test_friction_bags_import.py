@@ -117,7 +117,7 @@ def test_the_iac_bag_holds_the_values_of_the_file(tmp_path: Path) -> None:
     [
         ("a,b\n1,2\n", "there is no column 'w_fl_radps': a, b"),
         (",".join(BMW_COLUMNS) + "\n" + ",".join(["1", *["x"] * 10]) + "\n", "line 2: "),
-        (",".join(BMW_COLUMNS) + "\n" + "1,2", "the last line is cut off"),
+        (",".join(BMW_COLUMNS) + "\n" + "1,2", "the last line has no end"),
     ],
 )
 def test_a_file_with_other_columns_or_no_numbers_is_refused(

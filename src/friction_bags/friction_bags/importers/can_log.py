@@ -1,5 +1,6 @@
 """Logs of a CAN bus as messages by a signal map."""
 
+import logging
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -9,15 +10,18 @@ from friction_adapter.ros.messages import RecordMapper
 from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import INSTALL_LINE, CanFrames, Sources
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.importers.asc_stamps import LATER, AscStamps
 from friction_bags.importers.blf_objects import count_objects
+from friction_bags.importers.frame_lines import LATER, FrameLines
 from friction_bags.importers.frame_text import FrameText
 from friction_bags.importers.start_offset import start_offset
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 from vehicle_models.nanoseconds import NANOSECONDS
 
+TEXT_KINDS: Final = (".asc", ".csv", ".log", ".trc")
+"""Kinds that are texts."""
 _READERS: Final = {
+    ".asc": "ASCReader",
     ".blf": "BLFReader",
     ".csv": "CSVReader",
     ".log": "CanutilsLogReader",
@@ -58,6 +62,8 @@ class CanLog:
         self._buses: dict[str, None] = {}
         self._buses_of: defaultdict[str, set[str]] = defaultdict(set)
         self._cut_off = ""
+        self._unread = 0
+        """Lines of a text that are, or were, those of frames, and are not."""
 
     @property
     def notes(self) -> Sequence[str]:
@@ -97,7 +103,7 @@ class CanLog:
 
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        found = {self._cut_off: 0} if self._cut_off else {}
+        found = dict.fromkeys(filter(None, (self._cut_off,)), 0)
         if self._bus and self._bus not in self._buses:
             found[f"there is no bus {self._bus}: the buses are {', '.join(self._buses) or 'none'}"] = 0
         for frame, buses in self._buses_of.items():
@@ -105,10 +111,7 @@ class CanLog:
                 several = ", ".join(sorted(buses))
                 found[f"frame {frame} comes on the buses {several}: 'can: {{bus: N}}' in the map takes one of them"] = 0
         found |= dict.fromkeys(self._frames.not_in_log(), 0)
-        counted = {
-            "frame that cannot be decoded": self._frames.undecoded,
-            "line that is no frame": getattr(self._log, "unread", 0),
-        }
+        counted = {"frame that cannot be decoded": self._frames.undecoded, "line that is no frame": self._unread}
         return {**found, **self._mapper.problems_at_end(), **{text: count for text, count in counted.items() if count}}
 
     def _logged(self) -> Iterator[Any]:
@@ -119,15 +122,29 @@ class CanLog:
                 stated = f", and its header states {objects.stated}" if objects.stated else ""
                 self._cut_off = f"the log is cut off: {objects.there} objects are there{stated}"
         self._log = open_frames(self._path, self._kind)
+        count = 0
         try:
             with self._log as log:
                 for frame in log:
+                    count += 1
                     if not (frame.is_error_frame or frame.is_remote_frame):
                         yield frame
+            self._count_lines(count)
         except BagError:
             raise
         except Exception as error:  # python-can passes on whatever its readers raise
             raise BagError(f"{self._path} cannot be read, or not to its end: {error!r}") from error
+
+    def _count_lines(self, frames: int) -> None:
+        """Compare the frames that came with the lines of a text."""
+        if isinstance(self._log, FrameText):
+            self._unread, is_cut_off = self._log.unread, self._log.is_cut_off
+        elif isinstance(self._log.file, FrameLines):
+            self._unread, is_cut_off = max(self._log.file.frames - frames, 0), self._log.file.is_cut_off
+        else:
+            return
+        if is_cut_off:
+            self._cut_off = "the last line has no end: the log may be cut off"
 
 
 def open_frames(path: Path, kind: str) -> Any:
@@ -144,6 +161,8 @@ def open_frames(path: Path, kind: str) -> Any:
     try:
         if not kind:
             return FrameText(path)
-        return can.ASCReader(AscStamps(path)) if kind == ".asc" else getattr(can, _READERS[kind])(path)
+        if kind == ".mf4":
+            logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # what it prints, it raises too
+        return getattr(can, _READERS[kind])(FrameLines(path, kind) if kind in TEXT_KINDS else path)
     except Exception as error:  # as above
         raise BagError(f"{path} cannot be read: {error!r}") from error

@@ -48,6 +48,8 @@ class FrameText:
         self.file: TextIO = path.open(encoding="utf-8-sig", errors="replace", newline="")
         self.unread = 0
         """Lines that are no frame."""
+        self.is_cut_off = False
+        """Whether the last line has no end."""
 
     def __iter__(self) -> Iterator[Any]:
         """Yield the frames.
@@ -69,11 +71,16 @@ class FrameText:
         """Close the file."""
         self.file.close()
 
+    def _lines(self) -> Iterator[str]:
+        for line in self.file:
+            self.is_cut_off = not line.endswith("\n")
+            yield line
+
     def _of_table(self) -> Iterator[Any]:
         names = [name.strip().lower() for name in self.file.readline().split(",")]
         at = {name: place for place, name in enumerate(names)}
         data = at.get("d1", len(names))
-        for cells in csv.reader(line.replace("\0", "") for line in self.file):
+        for cells in csv.reader(line.replace("\0", "") for line in self._lines()):
             try:
                 length = int(cells[at["len"]])
                 content = bytes(int(cell, 16) for cell in cells[data : data + length])
@@ -93,7 +100,7 @@ class FrameText:
     def _of_print(self) -> Iterator[Any]:
         is_since_last = _is_since_last(self._path)
         time = 0.0
-        for line in self.file:
+        for line in self._lines():
             found = _PRINTED.match(line)
             if found is None:
                 self.unread += bool(line.strip())

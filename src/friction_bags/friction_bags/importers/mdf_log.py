@@ -1,5 +1,6 @@
 """Logs in MDF 3 and 4, through asammdf."""
 
+import logging
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 from pathlib import Path
@@ -47,6 +48,7 @@ def open_mdf(path: Path) -> Any:
     except ImportError as error:
         raise ParameterError(f"MDF logs need one more package: {INSTALL_LINE}") from error
     path.stat()
+    logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # what it prints, it raises too
     try:
         return MDF(path)
     except Exception as error:  # asammdf passes on whatever its parsers raise

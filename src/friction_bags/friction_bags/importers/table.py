@@ -81,7 +81,9 @@ class Table:
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
         texts = {f"{first}: no number": count for first, count in self._texts.values()}
-        cut_off = {"the last line is cut off, and left out": 0} if self._text.is_cut_off else {}
+        cut_off = (
+            {"the last line has no end, and is left out: the log may be cut off": 0} if self._text.is_cut_off else {}
+        )
         return {**self._rows.mapper.problems_at_end(), **texts, **cut_off}
 
 

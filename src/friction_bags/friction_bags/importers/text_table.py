@@ -46,7 +46,7 @@ class TextTable:
         self.units: dict[str, str] = {}
         """Units of the columns, where a line below their names has them."""
         self.is_cut_off = False
-        """Whether the last line ends early; it is no row then, as its last number may be half of one."""
+        """Whether the last line has no end; it is no row then, as its last number may be half of one."""
         self._has_decimal_commas = self._delimiter != ","
         self._size = max(path.stat().st_size, 1)
         self._stream: TextIO | None = None
@@ -72,7 +72,7 @@ class TextTable:
                 for cells in reader:
                     if not any(map(str.strip, cells)):
                         continue
-                    if not self._has_ended and len(cells) < len(self.columns):
+                    if not self._has_ended:
                         self.is_cut_off = True
                         continue
                     row: dict[str, float] = {}

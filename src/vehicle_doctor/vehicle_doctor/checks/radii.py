@@ -81,8 +81,9 @@ def _of_curves(vehicle: Vehicle, motion: Motion, ratios: Array, speed: float) ->
         sides = {wheel.side: ratios[i] for i, wheel in enumerate(vehicle.wheels) if wheel.axle == axle}
         if len(sides) == 2 and np.isfinite(sides["left"] + sides["right"]):
             differences.append(0.5 * (sides["right"] - sides["left"]))
-    shared = len(differences) == 1 or np.ptp(np.sign(differences)) == 0.0
-    return float(np.abs(differences).min()) if differences and shared else 0.0
+    if not differences or len(set(np.sign(differences))) > 1:
+        return 0.0
+    return float(np.abs(differences).min())
 
 
 def _lines(blocks: Array) -> tuple[Array, Array]:
