@@ -9,7 +9,7 @@ map names CAN signals.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from operator import attrgetter, itemgetter
@@ -169,11 +169,11 @@ class CanFrames:
             ParameterError: cantools is not installed, or the file cannot be read.
         """
         try:
-            from cantools.database import load_file
+            from cantools.database import load_file, load_string
         except ImportError as error:
             raise ParameterError(f"CAN signals need two more packages: {INSTALL_LINE}") from error
         try:
-            self._database, self.notes = _read(load_file, dbc)
+            self._database, self.notes = _read(load_file, load_string, dbc)
             """The file, and what is wrong with frames that a map may not need."""
         except OSError as error:
             raise ParameterError(f"DBC file {dbc}: {error.strerror}") from error
@@ -266,15 +266,50 @@ class CanFrames:
         return texts
 
 
-def _read(load_file: Callable[..., Any], dbc: Path) -> tuple[Any, tuple[str, ...]]:
+_EXTRA = re.compile(r"(?:SG_MUL_VAL_|SIG_VALTYPE_) (\d+) ")
+"""Lines of a DBC file that say more of the signals of a frame."""
+_FRAME = re.compile(r"BO_ (\d+) (\w+).*(?:\n[ \t]+SG_ .*)*", re.ASCII)
+"""A frame with its signals."""
+_MOST_NAMED = 5
+
+
+def _read(load_file: Callable[..., Any], load_string: Callable[..., Any], dbc: Path) -> tuple[Any, tuple[str, ...]]:
     """Return the database of a DBC file, and what contradicts itself in it, which is no reason not to read the rest."""
     try:
         return load_file(dbc), ()
     except OSError:
         raise
     except Exception as unsound:  # cantools passes on whatever its parsers raise
-        database = load_file(dbc, strict=False)
-        return database, (f"DBC file {dbc}: {unsound}; only the frames that the map names must be sound",)
+        note = f"DBC file {dbc}: {unsound}; only the frames that the map names must be sound"
+    try:
+        return load_file(dbc, strict=False), (note,)
+    except Exception as error:  # as above
+        database, left_out = _frame_by_frame(load_string, dbc.read_text(encoding="cp1252", errors="replace"))
+        if not database.messages:
+            raise error
+        if left_out:
+            more = f" and {len(left_out) - _MOST_NAMED} more" if len(left_out) > _MOST_NAMED else ""
+            note += f"; left out: {', '.join(left_out[:_MOST_NAMED])}{more}"
+        return database, (note,)
+
+
+def _frame_by_frame(load_string: Callable[..., Any], text: str) -> tuple[Any, list[str]]:
+    """Return a database of the frames of a DBC file that can be read, and the names of the others."""
+    text = text.replace("\r", "")
+    sound: dict[str, str] = {}
+    left_out = []
+    for found in _FRAME.finditer(text):
+        try:
+            load_string(_dbc([found[0]]), database_format="dbc", strict=False)
+            sound[found[1]] = found[0]
+        except Exception:  # as above
+            left_out.append(found[2])
+    extra = [line for line in text.splitlines() if (match := _EXTRA.match(line)) and match[1] in sound]
+    return load_string(_dbc([*sound.values(), *extra]), database_format="dbc", strict=False), left_out
+
+
+def _dbc(parts: Iterable[str]) -> str:
+    return "\n\n".join(['VERSION ""', "BU_:", *parts]) + "\n"
 
 
 def _unlike(key: tuple[int, bool], other: tuple[int, bool]) -> tuple[bool, int, int]:

@@ -176,6 +176,43 @@ def test_lines_that_are_no_frames_are_counted(
     assert "line that is no frame, 2 times" in capsys.readouterr().err
 
 
+def busmaster(path: Path, mode: str) -> Path:
+    head = f"***BUSMASTER Ver 3.2.2***\n***PROTOCOL CAN***\n***HEX***\n***{mode} MODE***\n***START DATE AND TIME ***\n"
+    data = SPEEDS.hex(" ").upper()
+    hours = "17:27" if mode == "SYSTEM" else "00:00"
+    times = [10 * k if mode == "SYSTEM" else 10 * min(k, 1) for k in range(COUNT)]
+    rows = [f"{hours}:{at // 1000:02d}:{at % 1000:03d} Rx 1 0x1A0 s 8 {data} \n" for at in times]
+    path.write_text(head + "".join(rows) + "***[STOP LOGGING SESSION]***\n")
+    return path
+
+
+@pytest.mark.parametrize("mode", ["SYSTEM", "RELATIVE"])
+def test_a_log_of_busmaster_is_read(tmp_path: Path, signal_map: Path, mode: str) -> None:
+    code, count, duration = imported(busmaster(tmp_path / "drive.log", mode), signal_map, tmp_path / "bag")
+    assert (code, count) == (0, COUNT)
+    assert duration == pytest.approx(0.01 * (COUNT - 1), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        'CM_ SG_ 416 "no name of a signal";\n',
+        ' SG_ X : 0|8@1+ (.,0) [0|1] "" E\n',
+        'BO_ 1000000 Wide: 8 E\n SG_ W : 0|8@1+ (1,0) [0|1] "" E\n',
+        'BO_ 900 3D: 8 E\n SG_ 2W : 0|8@1+ (1,0) [0|1] "" E\n',
+    ],
+    ids=["comment", "signal", "identifier", "name"],
+)
+def test_what_a_database_has_wrong_elsewhere_is_said_and_no_reason_to_refuse_it(
+    tmp_path: Path, signal_map: Path, capsys: pytest.CaptureFixture[str], fault: str
+) -> None:
+    other = 'BO_ 417 Other: 8 E\n SG_ Y : 0|8@1+ (1,0) [0|1] "" E\n'
+    (tmp_path / "car.dbc").write_text(f"{DBC}\n{other}{fault}")
+    log = logged(tmp_path / "drive.blf")
+    assert imported(log, signal_map, tmp_path / "bag")[:2] == (0, COUNT)
+    assert "only the frames that the map names must be sound" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("suffix", [".blf", ".asc", ".log", ".trc", ".csv"])
 def test_a_log_is_known_by_its_content(tmp_path: Path, signal_map: Path, suffix: str) -> None:
     log = logged(tmp_path / f"drive{suffix}").rename(tmp_path / "drive.txt")
@@ -198,7 +235,9 @@ def test_frames_in_an_mf4_log_are_those_of_a_can_log(tmp_path: Path, signal_map:
     assert duration == pytest.approx(0.01 * (COUNT - 1), abs=1e-3)
 
 
-@pytest.mark.parametrize(("begin", "said"), [(b"PK\x03\x04", "spreadsheet"), (b"\x1f\x8b", "gzip"), (b"ULog", "PX4")])
+@pytest.mark.parametrize(
+    ("begin", "said"), [(b"PK\x03\x04", "spreadsheet"), (b"\x1f\x8b", "gzip"), (b"\xd0\xcf\x11\xe0", "spreadsheet")]
+)
 def test_what_is_not_read_is_named_as_what_it_is(
     tmp_path: Path, signal_map: Path, capsys: pytest.CaptureFixture[str], begin: bytes, said: str
 ) -> None:

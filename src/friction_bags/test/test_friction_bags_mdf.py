@@ -12,8 +12,6 @@ from friction_adapter.map_file import load_map
 from friction_bags.__main__ import main
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode
-from friction_bags.importers.mdf_log import MdfLog
-from friction_parameters.parameter import ParameterError
 from friction_runtime.installed import message_class
 
 MAP = """vehicle: compact_car
@@ -30,10 +28,14 @@ def written(directory: Path, text: str = MAP) -> Path:
     return path
 
 
-def test_without_asammdf_the_line_that_installs_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_asammdf_the_line_that_installs_it_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setitem(sys.modules, "asammdf", None)
-    with pytest.raises(ParameterError, match="python3 -m pip install asammdf"):
-        MdfLog(tmp_path / "drive.mf4", load_map(written(tmp_path)))
+    log = tmp_path / "drive.mf4"
+    log.write_bytes(b"MDF     4.10")
+    assert main(["import", str(log), "--map", str(written(tmp_path)), "--out", str(tmp_path / "bag")]) == 2
+    assert "python3 -m pip install asammdf" in capsys.readouterr().err
 
 
 class TestWithAsammdf:

@@ -26,7 +26,7 @@ from vehicle_doctor.checks.accelerometer import UNKNOWN
 from vehicle_doctor.command import read_drive
 from vehicle_doctor.examine import examine, exit_code
 from vehicle_doctor.findings import print_findings
-from vehicle_models.vehicle_file import add_vehicle_argument
+from vehicle_models.vehicle_file import add_vehicle_argument, vehicle_reference
 
 _NEEDED = ("wheel_speed", "acceleration")
 """Quantities without which little is estimated."""
@@ -87,7 +87,7 @@ def _is_ours(bag: Path) -> bool:
 def _draft(log: Path, dbc: Path | None, vehicle: str) -> int:
     """List the signals of a log and write a draft of its map beside the user."""
     signals = list_signals(log, dbc)
-    text, named = draft_map(signals, log, vehicle, dbc)
+    text, named = draft_map(signals, log, vehicle_reference(vehicle) if vehicle else "", dbc)
     _print_signals(signals)
     draft = Path(f"{log.stem}_map.yaml")
     if draft.exists():

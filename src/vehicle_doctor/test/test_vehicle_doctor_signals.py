@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from geometry_msgs.msg import TwistWithCovarianceStamped
 from numpy.typing import NDArray
 from sensor_msgs.msg import Imu, JointState
 
@@ -172,6 +173,27 @@ def test_wheels_that_turn_backwards_are_named_in_a_slow_drive_too(doctor: Callab
     said = doctor(messages)
     assert [each["subject"] for each in said.of("sign")] == FOUR
     assert "never faster than 2.4 m/s" in said.of("motion")[0]["sentence"]
+
+
+def test_a_speed_sensor_that_reads_zero_is_named_and_not_used(doctor: Callable[..., Said]) -> None:
+    messages = drive(yaw_rate=0.0, seconds=20.0)
+    for k in range(0, len(messages), 20):
+        sensor = TwistWithCovarianceStamped()
+        sensor.header.stamp = messages[k][1].header.stamp
+        messages.append(("/vehicle_velocity", sensor))
+    said = doctor(messages)
+    assert said.of("speed", "vehicle_velocity")[0]["verdict"] == "FAIL"
+    assert all("by the other wheels" in each["sentence"] for each in said.of("radius"))
+
+
+def test_an_accelerometer_whose_noise_hides_the_drive_has_no_age(doctor: Callable[..., Said]) -> None:
+    messages = drive(yaw_rate=0.0, speed=12.0)
+    generator = np.random.default_rng(4)
+    for _, message in messages[1::2]:
+        message.linear_acceleration.x += 3.0 * generator.normal()
+    for each in doctor(messages).findings:
+        if each["check"] in ("skew", "scale") and each["subject"] == "imu/data":
+            assert each["verdict"] == "OK"  # what is told is as wide as it must be
 
 
 def test_without_pressures_the_curve_is_that_of_the_car(doctor: Callable[..., Said]) -> None:

@@ -96,7 +96,9 @@ def stretches(motion: Motion, use: NDArrayBool, shortest: float, longest: float)
     return found
 
 
-def shift(motion: Motion, x: Array, y: Array, where: Sequence[slice], order: int = 1) -> Shift | None:
+def shift(
+    motion: Motion, x: Array, y: Array, where: Sequence[slice], order: int = 1, rate_noise: float = 0.0
+) -> Shift | None:
     """Return by how much y is later than x, and dy / dx; None where the segments do not determine it.
 
     Args:
@@ -105,6 +107,8 @@ def shift(motion: Motion, x: Array, y: Array, where: Sequence[slice], order: int
         y: the later one, (N,); both smoothed alike inside.
         where: stretches, at least three.
         order: of the polynomial in time that is taken out of each.
+        rate_noise: deviation of the white noise in the rate of x, of which x is the integral. What it makes of x is no
+            part of y: its share of the variation of x is a share of the gain and of the range of the shift in doubt.
     """
     width = 2 * max(round(0.02 / motion.step), 1) + 1
     x, y = moving_mean(x, width), moving_mean(y, width)
@@ -146,11 +150,22 @@ def shift(motion: Motion, x: Array, y: Array, where: Sequence[slice], order: int
             break
     each = sums(late)
     total = each.sum(axis=0)
+    doubt = min(_wandering(motion, usable, order, rate_noise) / float(total[0, 0]), 1.0)
     group = np.arange(len(usable)) % min(_PARTS, len(usable))
     without = np.array([_solved(total - each[group == k].sum(axis=0)) for k in range(int(group.max()) + 1)])
     deviation = np.sqrt((without.shape[0] - 1) * np.var(without, axis=0))
     gain, _ = _solved(total)
-    return Shift(float(late), float(deviation[1]), float(gain), float(deviation[0]))
+    late_stddev, gain_stddev = np.hypot(deviation[::-1], [doubt * _REACH, doubt * abs(gain)])
+    return Shift(float(late), float(late_stddev), float(gain), float(gain_stddev))
+
+
+def _wandering(motion: Motion, where: Sequence[slice], order: int, rate_noise: float) -> float:
+    """Return the sum of squares of the integral of white noise in stretches, the polynomial of each taken out.
+
+    Of a random walk over n steps, a polynomial of order m leaves about n / (7.5 (m + 1)) times the variance of a step.
+    """
+    steps = np.array([part.stop - part.start for part in where], dtype=np.float64)
+    return float(np.sum(steps**2) / (7.5 * (order + 1)) * (rate_noise * motion.step) ** 2)
 
 
 def _solved(n: Array) -> tuple[float, float]:

@@ -27,7 +27,7 @@ def examine(drive: Drive, road: str = accelerometer.UNKNOWN) -> list[Finding]:
         slow = f"the car is never faster than {top:.1f} m/s, and {ROLLS:.0f} m/s are needed"
         text = f"cannot be judged: {slow if top > STANDS else 'the car does not move'}"
         return [*findings, Finding("motion", "car", Verdict.NOTE, text), *recording.check_estimator_inputs(drive)]
-    found, motion = speed_sensor.leave_out_old(motion)
+    found, motion = speed_sensor.leave_out_useless(motion)
     findings += found
     found, motion = units.check(drive, motion)
     findings += found

@@ -67,6 +67,8 @@ def _object(path: Path, stream: BinaryIO, begin: bytes) -> tuple[int, bytes] | N
     signature, _, _, size, kind = _OBJECT.unpack(begin)
     if signature != b"LOBJ" or size < _OBJECT.size:
         raise BagError(f"{path} cannot be read to its end: an object is damaged")
+    if size > path.stat().st_size:
+        return None
     data = stream.read(size - _OBJECT.size)
     stream.read(size % 4)
     return (kind, data) if len(data) == size - _OBJECT.size else None

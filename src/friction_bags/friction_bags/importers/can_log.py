@@ -1,6 +1,5 @@
 """Logs of a CAN bus as messages by a signal map."""
 
-import logging
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -10,7 +9,9 @@ from friction_adapter.ros.messages import RecordMapper
 from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import INSTALL_LINE, CanFrames, Sources
 from friction_bags.bag_io.bag_format import BagError
+from friction_bags.importers import mdf_reader
 from friction_bags.importers.blf_objects import count_objects
+from friction_bags.importers.child import from_child
 from friction_bags.importers.frame_lines import LATER, FrameLines
 from friction_bags.importers.frame_text import FrameText
 from friction_bags.importers.start_offset import start_offset
@@ -18,6 +19,7 @@ from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 from vehicle_models.nanoseconds import NANOSECONDS
 
+MDF_KIND: Final = ".mf4"
 TEXT_KINDS: Final = (".asc", ".csv", ".log", ".trc")
 """Kinds that are texts."""
 _READERS: Final = {
@@ -25,7 +27,6 @@ _READERS: Final = {
     ".blf": "BLFReader",
     ".csv": "CSVReader",
     ".log": "CanutilsLogReader",
-    ".mf4": "MF4Reader",
     ".trc": "TRCReader",
 }
 """Classes of python-can by the kind of log."""
@@ -139,12 +140,31 @@ class CanLog:
         """Compare the frames that came with the lines of a text."""
         if isinstance(self._log, FrameText):
             self._unread, is_cut_off = self._log.unread, self._log.is_cut_off
-        elif isinstance(self._log.file, FrameLines):
-            self._unread, is_cut_off = max(self._log.file.frames - frames, 0), self._log.file.is_cut_off
+        elif isinstance(lines := getattr(self._log, "file", None), FrameLines):
+            self._unread, is_cut_off = max(lines.frames - frames, 0), lines.is_cut_off
         else:
             return
         if is_cut_off:
             self._cut_off = "the last line has no end: the log may be cut off"
+
+
+class _MdfFrames:
+    """Frames of an MDF log, in place of a reader of python-can."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def __iter__(self) -> Iterator[Any]:
+        """Yield the frames."""
+        for batch in from_child(mdf_reader.frames, self._path):
+            yield from batch
+
+    def __enter__(self) -> "_MdfFrames":
+        """Return itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Do nothing: the child ends with its iterator."""
 
 
 def open_frames(path: Path, kind: str) -> Any:
@@ -161,8 +181,8 @@ def open_frames(path: Path, kind: str) -> Any:
     try:
         if not kind:
             return FrameText(path)
-        if kind == ".mf4":
-            logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # what it prints, it raises too
+        if kind == MDF_KIND:
+            return _MdfFrames(path)
         return getattr(can, _READERS[kind])(FrameLines(path, kind) if kind in TEXT_KINDS else path)
     except Exception as error:  # as above
         raise BagError(f"{path} cannot be read: {error!r}") from error

@@ -34,7 +34,7 @@ _PRESSURE: Final = frozenset("pressure press pres p prs druck brkpres".split())
 _ACCELERATION: Final = frozenset("acceleration acc accel accelerometer ax ay beschleunigung".split())
 _ALONG: Final = frozenset("longitudinal long lon lgt x ax laengs längs".split())
 _ACROSS: Final = frozenset("lateral lat y ay quer".split())
-_CAR: Final = frozenset("vehicle veh car ground gps vx longitudinal chassis fahrzeug".split())
+_CAR: Final = frozenset("vehicle veh car ground gps vx longitudinal long lon chassis fahrzeug".split())
 _TURNING: Final = frozenset("yaw yawrate gyro angular gier".split())
 _BRAKE: Final = frozenset("brake brk master mcp cyl bremse line".split())
 

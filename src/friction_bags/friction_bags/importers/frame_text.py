@@ -1,4 +1,4 @@
-"""Reads CAN frames from texts that python-can does not: CSV of SavvyCAN and GVRET, and what candump prints.
+"""Reads CAN frames from texts that python-can does not: CSV of SavvyCAN and GVRET, BUSMASTER, and what candump prints.
 
 candump prints `(stamp)  bus  identifier  [length]  bytes`, with stamps since 1970 (-ta, and -tA as a date), since the
 beginning (-tz) or since the line before (-td), and none by default.
@@ -20,6 +20,11 @@ GVRET_BEGIN: Final = "time stamp,id,extended,"
 _PRINTED: Final = re.compile(
     r"\s*(?:\((?P<stamp>[^)]*)\))?\s*(?P<bus>\w+)\s+(?:[RT]X\s+\S+\s+\S+\s+)?(?P<id>[0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})"
     r"\s+\[(?P<length>\d+)\](?P<data>(?:\s+[0-9A-Fa-f]{2})*|\s+remote request.*)"
+)
+BUSMASTER_BEGIN: Final = "***BUSMASTER"
+_BUSMASTER: Final = re.compile(
+    r"(?P<hour>\d+):(?P<minute>\d\d):(?P<second>\d\d):(?P<part>\d+)\s+[RT]x\s+(?P<bus>\w+)\s+(?P<id>(0x)?[0-9A-Fa-f]+)\s+"
+    r"(?P<kind>[sx])(?P<remote>r?)\s+(?P<length>\d+)(?P<data>(?:\s+[0-9A-Fa-f]+)*)\s*$"
 )
 _LOOKED_AT: Final = 200
 """Frames by which stamps since the line before are told from those since the beginning."""
@@ -59,6 +64,8 @@ class FrameText:
         """
         first = self.file.readline()
         self.file.seek(0)
+        if first.startswith(BUSMASTER_BEGIN):
+            return self._of_busmaster()
         return self._of_table() if first.lower().startswith(GVRET_BEGIN) else self._of_print()
 
     def __enter__(self) -> "FrameText":
@@ -96,6 +103,37 @@ class FrameText:
                 )
             except (ValueError, LookupError):
                 self.unread += bool(cells)
+
+    def _of_busmaster(self) -> Iterator[Any]:
+        """Yield the frames; the stamps are times of the day, since the beginning, or since the line before."""
+        base, is_since_last, time = 16, False, 0.0
+        for line in self._lines():
+            if line.startswith("***"):
+                base = 10 if line.startswith("***DEC") else base
+                is_since_last = is_since_last or line.startswith("***RELATIVE")
+                continue
+            found = _BUSMASTER.match(line)
+            if found is None:
+                self.unread += bool(line.strip())
+                continue
+            try:
+                data = bytes(int(each, base) for each in found["data"].split())
+                if not found["remote"] and len(data) != int(found["length"]):
+                    raise ValueError
+                stamp = 3600 * int(found["hour"]) + 60 * int(found["minute"]) + int(found["second"])
+                stamp += int(found["part"]) / 10 ** len(found["part"])
+                time = time + stamp if is_since_last else stamp
+                yield self._message(
+                    timestamp=time,
+                    arbitration_id=int(found["id"].removeprefix("0x"), base),
+                    is_extended_id=found["kind"] == "x",
+                    is_remote_frame=bool(found["remote"]),
+                    channel=found["bus"],
+                    data=data,
+                    is_fd=len(data) > 8,
+                )
+            except ValueError:
+                self.unread += 1
 
     def _of_print(self) -> Iterator[Any]:
         is_since_last = _is_since_last(self._path)

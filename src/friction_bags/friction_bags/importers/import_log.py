@@ -12,9 +12,10 @@ from friction_adapter.signal_map import SignalMap
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_writer import write_bag
 from friction_bags.bag_vehicle import VEHICLE_NOTE
-from friction_bags.importers.can_log import CanLog
+from friction_bags.importers.can_log import MDF_KIND, CanLog
 from friction_bags.importers.log_kind import Kind, kind_of
-from friction_bags.importers.mdf_log import MdfLog, has_frames
+from friction_bags.importers.mdf_log import MdfLog, channels_of
+from friction_bags.importers.mdf_reader import has_frames
 from friction_bags.importers.ros1_log import Ros1Log
 from friction_bags.importers.table import ParquetTable, Table
 from friction_bags.progress_bars import bars
@@ -121,8 +122,9 @@ def open_log(path: Path, signal_map: SignalMap, dbc: Path | None) -> Log:
     if kind in (Kind.CAN, Kind.FRAME_TEXT):
         return CanLog(path, signal_map, dbc, suffix)
     if kind is Kind.MDF:
-        holds_frames = (dbc or signal_map.can.dbc) is not None and has_frames(path)
-        return CanLog(path, signal_map, dbc, ".mf4") if holds_frames else MdfLog(path, signal_map)
+        channels = channels_of(path)
+        holds_frames = (dbc or signal_map.can.dbc) is not None and has_frames(list(channels))
+        return CanLog(path, signal_map, dbc, MDF_KIND) if holds_frames else MdfLog(path, signal_map, channels)
     if kind is Kind.PARQUET:
         return ParquetTable(path, signal_map)
     return Ros1Log(path, signal_map) if kind is Kind.ROS_1 else Table(path, signal_map)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.importers.frame_text import GVRET_BEGIN, is_printed
+from friction_bags.importers.frame_text import BUSMASTER_BEGIN, GVRET_BEGIN, is_printed
 
 
 class Kind(Enum):
@@ -35,6 +35,7 @@ _MAGIC: Final = (
 )
 _REFUSED: Final = (
     (b"PK\x03\x04", "a zip archive or a spreadsheet: unpack it, or save the sheet as CSV"),
+    (b"\xd0\xcf\x11\xe0", "an old spreadsheet: save the sheet as CSV"),
     (b"\x1f\x8b", "compressed by gzip: unpack it with gunzip"),
     (b"\x89HDF", "an HDF5 file (also MATLAB 7.3): export its signals as CSV, Parquet or MDF"),
     (b"MATLAB 5.0", "a MATLAB file: export its signals as CSV or Parquet"),
@@ -80,7 +81,7 @@ def _text_kind(head: str) -> tuple[Kind, str] | None:
     lines = [line for line in head.splitlines()[:20] if line.strip()]
     if not lines:
         return None
-    if lines[0].lower().startswith(GVRET_BEGIN) or is_printed(lines[0]):
+    if lines[0].startswith(BUSMASTER_BEGIN) or lines[0].lower().startswith(GVRET_BEGIN) or is_printed(lines[0]):
         return Kind.FRAME_TEXT, ""
     if lines[0].startswith(_PYTHON_CAN_CSV):
         return Kind.CAN, ".csv"

@@ -1,58 +1,41 @@
-"""Logs in MDF 3 and 4, through asammdf."""
+"""Logs in MDF 3 and 4 as messages by a signal map."""
 
-import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 from friction_adapter.ros.messages import RecordMapper
 from friction_adapter.signal_map import SignalMap
 from friction_adapter.sources import Sources
-from friction_bags.bag_io.bag_format import BagError
+from friction_bags.importers import mdf_reader
+from friction_bags.importers.child import from_child
+from friction_bags.importers.mdf_reader import Place, has_frames
 from friction_bags.importers.start_offset import start_offset
 from friction_parameters.command_line import install_line
 from friction_parameters.parameter import ParameterError
 from friction_runtime.processor import Output
 from vehicle_models.nanoseconds import NANOSECONDS
 
-INSTALL_LINE = install_line("asammdf")
-_MOST_LISTED = 30
-_FRAMES = "CAN_DataFrame"
-"""Channel of the frames of a bus, by the standard of ASAM."""
+INSTALL_LINE: Final = install_line("asammdf")
+_MOST_LISTED: Final = 30
 
 
-def has_frames(path: Path) -> bool:
-    """Whether a log holds CAN frames as they were on the bus.
+def channels_of(path: Path) -> dict[str, list[Place]]:
+    """Return the places of the channels of a log, by name.
 
     Raises:
-        BagError, ParameterError, OSError: as MdfLog.
+        BagError: the log cannot be read.
+        ParameterError: asammdf is not installed.
+        OSError: there is no such log.
     """
-    mdf = open_mdf(path)
-    try:
-        return _FRAMES in mdf.channels_db
-    finally:
-        mdf.close()
-
-
-def open_mdf(path: Path) -> Any:
-    """Open a log.
-
-    Raises:
-        BagError, ParameterError, OSError: as MdfLog.
-    """
-    try:
-        from asammdf import MDF
-    except ImportError as error:
-        raise ParameterError(f"MDF logs need one more package: {INSTALL_LINE}") from error
     path.stat()
-    logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # what it prints, it raises too
-    try:
-        return MDF(path)
-    except Exception as error:  # asammdf passes on whatever its parsers raise
-        raise BagError(f"{path} cannot be read: {error}") from error
+    if find_spec("asammdf") is None:
+        raise ParameterError(f"MDF logs need one more package: {INSTALL_LINE}")
+    return dict(from_child(mdf_reader.channels, path))
 
 
 class MdfLog:
@@ -61,18 +44,16 @@ class MdfLog:
     The channels of a group have the same times, as the signals of a CAN frame.
     """
 
-    def __init__(self, path: Path, signal_map: SignalMap) -> None:
-        """Find the signals of the map.
+    def __init__(self, path: Path, signal_map: SignalMap, channels: Mapping[str, list[Place]]) -> None:
+        """Find the signals of the map among the channels, which are those of `channels_of`.
 
         Raises:
-            BagError: the log cannot be read.
-            ParameterError: asammdf is not installed, or the log lacks a channel.
-            OSError: there is no such log.
+            ParameterError: the log lacks a channel.
         """
         self._path = path
-        self._mdf = open_mdf(path)
-        self._needed: dict[str, dict[str, tuple[int, int]]] = {}
-        """Group and place of each channel that is needed, by its name and that of its source."""
+        self._channels = channels
+        self._needed: dict[str, dict[str, Place]] = {}
+        """Place of each channel that is needed, by its name and that of its source."""
         self._mapper = RecordMapper(signal_map, Sources(can=self))
         self._is_offset = signal_map.stamp_offset != 0
         self._share = 0.0
@@ -83,24 +64,23 @@ class MdfLog:
         Raises:
             ValueError: there is no such channel, or several; the text names those there are.
         """
-        channels = self._mdf.channels_db
+        channels = self._channels
         group, _, rest = name.partition(".")
         only = int(group) if group.isdecimal() and rest in channels else None
         channel = name if only is None else rest
-        places = [place for place in channels.get(channel, ()) if only in (None, place[0])]
+        places = [place for place in channels.get(channel, ()) if only in (None, place.group)]
         if len(places) > 1:
-            several = ", ".join(f"{place[0]}.{channel}" for place in places)
+            several = ", ".join(f"{place.group}.{channel}" for place in places)
             raise ValueError(f"several channels have the name '{channel}': {several}")
         if not places:
             near = get_close_matches(name, list(channels), _MOST_LISTED, 0.4) or sorted(channels)[:_MOST_LISTED]
             frames = (
-                "; it holds CAN frames: give a DBC file, 'can: {dbc: FILE}' or --dbc" if _FRAMES in channels else ""
+                "; it holds CAN frames: 'can: {dbc: FILE}' in the map, or --dbc" if has_frames(list(channels)) else ""
             )
             raise ValueError(f"{self._path} has no channel '{name}': there are {', '.join(near)}{frames}")
-        number, index = places[0]
-        source = f"group {number}"
-        self._needed.setdefault(source, {})[channel] = (number, index)
-        return source, channel, self._mdf.get_channel_unit(channel, group=number, index=index) or ""
+        source = f"group {places[0].group}"
+        self._needed.setdefault(source, {})[channel] = places[0]
+        return source, channel, places[0].unit
 
     def messages(self) -> Iterator[Output]:
         """Yield topics and messages.
@@ -108,7 +88,10 @@ class MdfLog:
         Raises:
             BagError: a channel cannot be read.
         """
-        groups = {source: self._columns(channels) for source, channels in self._needed.items()}
+        wanted = [(name, each.group, each.place) for of in self._needed.values() for name, each in of.items()]
+        groups: dict[str, tuple[Any, dict[str, Any]]] = {}
+        for name, group, times, values in from_child(mdf_reader.columns, self._path, wanted):
+            groups.setdefault(f"group {group}", (times, {}))[1][name] = values
         names = list(groups)
         times = np.concatenate([groups[name][0] for name in names])
         numbers = np.repeat(np.arange(len(names)), [groups[name][0].size for name in names])
@@ -123,7 +106,6 @@ class MdfLog:
             stamp = round(float(times[at]) * NANOSECONDS) + offset
             for topic, message in self._mapper.take(source, record, stamp):
                 yield f"/{topic}", message
-        self._mdf.close()
 
     @property
     def notes(self) -> Sequence[str]:
@@ -137,17 +119,3 @@ class MdfLog:
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
         return self._mapper.problems_at_end()
-
-    def _columns(self, channels: dict[str, tuple[int, int]]) -> tuple[Any, dict[str, Any]]:
-        """Return times [s] and values of the channels of one group, NaN where a value is marked as invalid."""
-        times, columns = np.empty(0), {}
-        for name, (group, index) in channels.items():
-            try:
-                found = self._mdf.get(name, group=group, index=index, ignore_invalidation_bits=True)
-                values = np.array(found.samples, dtype=np.float64)
-            except Exception as error:  # asammdf passes on whatever its parsers raise
-                raise BagError(f"{self._path}: channel '{name}' cannot be read: {error}") from error
-            if found.invalidation_bits is not None:
-                values[np.asarray(found.invalidation_bits, dtype=bool)] = np.nan
-            times, columns[name] = found.timestamps, values
-        return times, columns

@@ -1,7 +1,7 @@
 """Lists the signals of a log, with unit, rate and range where they are known without a map."""
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from math import isfinite, nan
@@ -17,9 +17,10 @@ from friction_adapter.stamp_unit import nanoseconds_of, unit_by_steps
 from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode, type_name
-from friction_bags.importers.can_log import open_frames
+from friction_bags.importers.can_log import MDF_KIND, open_frames
 from friction_bags.importers.log_kind import Kind, kind_of
-from friction_bags.importers.mdf_log import has_frames, open_mdf
+from friction_bags.importers.mdf_log import channels_of
+from friction_bags.importers.mdf_reader import Place, has_frames
 from friction_bags.importers.table import is_time, parquet_head
 from friction_bags.importers.text_table import TextTable
 from friction_bags.remapped_bag import EmbeddedType, fields_in
@@ -62,12 +63,12 @@ def list_signals(path: Path, dbc: Path | None) -> list[ListedSignal]:
         OSError: there is no such file.
     """
     kind, suffix = kind_of(path)
-    if kind is Kind.MDF and dbc is not None and has_frames(path):
-        kind, suffix = Kind.CAN, ".mf4"
+    if kind is Kind.MDF:
+        channels = channels_of(path)
+        holds_frames = dbc is not None and has_frames(list(channels))
+        return _of_frames(path, MDF_KIND, dbc) if holds_frames else list(_of_channels(channels))
     if kind in (Kind.CAN, Kind.FRAME_TEXT):
         return _of_frames(path, suffix, dbc)
-    if kind is Kind.MDF:
-        return _of_channels(path)
     if kind is Kind.BAG:
         return list(_of_bag(path))
     if kind is Kind.ROS_1:
@@ -133,15 +134,11 @@ def _of_frames(path: Path, suffix: str, dbc: Path | None) -> list[ListedSignal]:
     ]
 
 
-def _of_channels(path: Path) -> list[ListedSignal]:
-    mdf = open_mdf(path)
-    found = []
-    for name, places in mdf.channels_db.items():
-        for group, index in places:
-            title = name if len(places) == 1 else f"{group}.{name}"
-            found.append(ListedSignal(title, "can", unit=mdf.get_channel_unit(name, group=group, index=index) or ""))
-    mdf.close()
-    return found
+def _of_channels(channels: Mapping[str, Sequence[Place]]) -> Iterator[ListedSignal]:
+    for name, places in channels.items():
+        for place in places:
+            title = name if len(places) == 1 else f"{place.group}.{name}"
+            yield ListedSignal(title, "can", unit=place.unit)
 
 
 def _of_bag(path: Path) -> Iterator[ListedSignal]:

@@ -12,7 +12,7 @@ import numpy as np
 from vehicle_doctor.comparison import Shift, ratio, shift, stretches
 from vehicle_doctor.drive import IMU, Array, Drive
 from vehicle_doctor.findings import Finding, Verdict, against_file
-from vehicle_doctor.motion import Motion, free_rims
+from vehicle_doctor.motion import Motion, free_rims, spread_of_rest
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import deviation_of, specified_stddev
@@ -26,6 +26,10 @@ AGE_FLOOR = 3e-3
 """Deviation of an age [s] that hills and the transient of the pitch leave."""
 _COARSE_AGE = 0.2
 """Deviation of an age [s] that is compared at some ages only."""
+_STRAIGHT = 0.5
+"""Lateral acceleration [m/s^2] from which the car's sideways motion is in the axis along it."""
+_VAGUE = 0.05
+"""Deviation of an age [s] with which nothing is compared."""
 _SCALE_FLOOR = 0.004
 _STIFFNESS = 25.0
 """Slip stiffness of a common tyre over its load."""
@@ -40,7 +44,12 @@ def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift
         return [late], None
     found = _mounting(drive, motion)
     compared = against_wheels(drive, motion)
-    if compared is None:
+    if compared is not None and compared.late_stddev > _VAGUE:
+        compared = None
+        text = "age and scale not determined: its noise hides the changes of speed"
+        found.append(Finding("accelerometer", IMU, Verdict.NOTE, text, remedy="drive with changes of speed"))
+        gain = accelerometer.scale
+    elif compared is None:
         text = "age and scale not determined: too few stretches without braking"
         found.append(Finding("accelerometer", IMU, Verdict.NOTE, text, remedy="drive with changes of speed"))
         gain = accelerometer.scale
@@ -67,11 +76,13 @@ def _long_after_the_wheels(motion: Motion) -> Finding | None:
 
 def against_wheels(drive: Drive, motion: Motion) -> Shift | None:
     """Return by how much the accelerometer is later than the wheels, and its reading over the car's acceleration."""
-    rolls = motion.moving & ~motion.braking & np.isfinite(motion.force) & motion.complete
+    straight = np.abs(motion.turned * np.nan_to_num(motion.speed)) < _STRAIGHT
+    rolls = motion.moving & ~motion.braking & np.isfinite(motion.force) & motion.complete & straight
     rims = free_rims(drive, motion)
     force = np.nan_to_num(without_pitch(drive, motion))
     travelled = np.cumsum(force) * motion.step - 0.5 * motion.step * force
-    found = shift(motion, travelled, rims, stretches(motion, rolls, 3.0, 8.0), order=3)
+    noise = spread_of_rest(motion.force[np.isfinite(motion.force)])
+    found = shift(motion, travelled, rims, stretches(motion, rolls, 3.0, 8.0), order=3, rate_noise=noise)
     if found is None or not found.gain > 0.0:
         return None
     scale = 1.0 / found.gain

@@ -8,7 +8,7 @@ import numpy as np
 from vehicle_doctor.checks.accelerometer import wheel_lag
 from vehicle_doctor.comparison import shift, stretches
 from vehicle_doctor.drive import SPEED, Drive
-from vehicle_doctor.findings import Finding, Verdict
+from vehicle_doctor.findings import Finding, Verdict, failure
 from vehicle_doctor.motion import Motion, free_rims
 
 _FLOOR = 2e-3
@@ -26,9 +26,13 @@ _EXPLAINS = 0.5
 """Share of what younger ages leave unexplained that an old one leaves at most."""
 
 
-def leave_out_old(motion: Motion) -> tuple[list[Finding], Motion]:
-    """Return the finding, and the motion without the sensor, where its speeds are those of long ago."""
+def leave_out_useless(motion: Motion) -> tuple[list[Finding], Motion]:
+    """Return the finding, and the motion without the sensor, where its speeds are none or those of long ago."""
     known = motion.moving & np.isfinite(motion.measured) & np.isfinite(motion.speed)
+    if known.any() and not motion.measured[known].any():
+        text = "reads 0 while the wheels turn: not used here"
+        finding = failure("speed", SPEED, text, "look at its sensor, and at the field in the signal map")
+        return [finding], replace(motion, measured=np.full_like(motion.measured, np.nan))
     if known.sum() * motion.step < _LEAST:
         return [], motion
     wheels_known = np.isfinite(motion.speed)
