@@ -66,6 +66,10 @@ def jackknife(x: Array, y: Array) -> tuple[float, float]:
 
 _REACH = 0.5
 """Largest shift that is looked for [s]."""
+_COARSE = 0.02
+"""Steps of the shifts that are tried first [s]."""
+_MEMORY = 0.3
+"""Time after which what one signal does not explain of the other is independent [s]."""
 _ROUNDS = 8
 _PARTS = 10
 
@@ -139,8 +143,10 @@ def shift(
         n = sums(late).sum(axis=0)
         return float(n[2, 2] - n[0, 2] ** 2 / n[0, 0]) if n[0, 0] > 0.0 else np.inf
 
-    late = min(np.arange(-_REACH, _REACH + 1e-9, 0.02), key=unexplained)
-    late = min(np.arange(late - 0.02, late + 0.021, 0.005), key=unexplained)
+    coarse = np.arange(-_REACH, _REACH + 1e-9, _COARSE)
+    left = np.array([unexplained(each) for each in coarse])
+    late = float(coarse[left.argmin()])
+    late = min(np.arange(late - _COARSE, late + _COARSE + 1e-3, 0.005), key=unexplained)
     for _ in range(_ROUNDS):
         gain, step = _solved(sums(late).sum(axis=0))
         if not np.isfinite(step) or abs(late - step) > 1.2 * _REACH:
@@ -155,8 +161,25 @@ def shift(
     without = np.array([_solved(total - each[group == k].sum(axis=0)) for k in range(int(group.max()) + 1)])
     deviation = np.sqrt((without.shape[0] - 1) * np.var(without, axis=0))
     gain, _ = _solved(total)
-    late_stddev, gain_stddev = np.hypot(deviation[::-1], [doubt * _REACH, doubt * abs(gain)])
+    others = _spread(coarse, left, late, sum(part.stop - part.start for part in usable) * motion.step)
+    late_stddev, gain_stddev = np.hypot(deviation[::-1], [np.hypot(doubt * _REACH, others), doubt * abs(gain)])
     return Shift(float(late), float(late_stddev), float(gain), float(gain_stddev))
+
+
+def _spread(shifts: Array, left: Array, late: float, duration: float) -> float:
+    """Return how far the shifts that explain the signals hardly worse lie from the best one [s].
+
+    Args:
+        shifts: [s], (k,).
+        left: sum of squares that each leaves unexplained, (k,).
+        late: the best [s].
+        duration: of the stretches together [s].
+    """
+    least = float(left.min())
+    if not least > 0.0 or not np.isfinite(left).all():
+        return 0.0
+    likelihood = (left / least) ** (-0.5 * duration / _MEMORY)
+    return float(np.sqrt(max(likelihood @ (shifts - late) ** 2 / likelihood.sum() - _COARSE**2, 0.0)))
 
 
 def _wandering(motion: Motion, where: Sequence[slice], order: int, rate_noise: float) -> float:

@@ -26,7 +26,7 @@ AGE_FLOOR = 3e-3
 """Deviation of an age [s] that hills and the transient of the pitch leave."""
 _COARSE_AGE = 0.2
 """Deviation of an age [s] that is compared at some ages only."""
-_STRAIGHT = 0.5
+_STRAIGHT = 2.0
 """Lateral acceleration [m/s^2] from which the car's sideways motion is in the axis along it."""
 _VAGUE = 0.05
 """Deviation of an age [s] with which nothing is compared."""
