@@ -25,6 +25,8 @@ _ENCODINGS = {
 }
 _STORAGES = {".mcap": "mcap", ".db3": "sqlite3"}
 _COMPRESSED = ".zstd"
+_LATEST = 1 << 63
+"""Later than any stamp of a recorder [ns]."""
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 
 
@@ -205,8 +207,9 @@ class BagReader:
                 return
             try:
                 for connection, stamp, data in part.reader.messages(connections, start or None):
-                    yield topics[connection.id], stamp, _plain(data)
-                    last = stamp
+                    if self._is_stamp(part, stamp):
+                        yield topics[connection.id], stamp, _plain(data)
+                        last = stamp
                 return
             except Exception as error:
                 self.problems.append(f"{part.path}: {_said(error)}; going on behind the damage")
@@ -214,12 +217,19 @@ class BagReader:
             recovery = Recovery(part.path)
             for topic, stamp, data in recovery.messages(last + 1):
                 named = wanted.get((topic.name, topic.type))
-                if named is not None:
+                if named is not None and self._is_stamp(part, stamp):
                     yield named, stamp, _plain(data)
         except Exception as error:
             self._note([_said(error)])
         else:
             self._note(recovery.problems)
+
+    def _is_stamp(self, part: _Part, stamp: Any) -> bool:
+        """Whether a recording stamp [ns] can be one; sqlite keeps whatever a damaged row holds."""
+        if isinstance(stamp, int) and 0 <= stamp < _LATEST:
+            return True
+        self._note([f"{part.path}: a message recorded at {stamp!r} is left out"])
+        return False
 
     def _note(self, problems: list[str]) -> None:
         self.problems.extend(problem for problem in problems if problem not in self.problems)

@@ -132,7 +132,9 @@ class Recovery:
                         self.topics.setdefault(key, Topic(name, full_type(kind), qos=tuple(parse_qos(qos))))
                     query = "SELECT topic_id, timestamp, data FROM messages ORDER BY id"
                     for key, stamp, data in database.execute(query):
-                        if key in self.topics and isinstance(data, bytes):
+                        if not isinstance(stamp, int):
+                            self._note(f"a message recorded at {stamp!r} is left out")
+                        elif key in self.topics and isinstance(data, bytes):
                             yield self.topics[key], stamp, data
             except sqlite3.DatabaseError as error:
                 self._note(f"reading stopped: {error}")

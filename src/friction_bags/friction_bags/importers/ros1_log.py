@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.highlevel import AnyReader
 
 from friction_adapter.ros.messages import RecordMapper
 from friction_adapter.signal_map import SignalMap
@@ -29,7 +29,7 @@ class Ros1Log:
         self._read = 0
         try:
             self._reader.open()
-        except (AnyReaderError, OSError) as error:
+        except Exception as error:  # rosbags passes on errors of every layer below it
             raise BagError(f"{path} cannot be read: {error}") from error
         there = {each.topic: each for each in self._reader.connections}
         for name, kind in signal_map.topics.items():
