@@ -349,3 +349,17 @@ def test_nothing_to_replay_is_an_error_with_a_reason(
     player = start("play", *(argument.format(bag=bag) for argument in arguments))
     assert player.process.wait(PATIENCE) == 2
     assert player.log.read_text().startswith("error: ")
+
+
+def test_a_first_message_at_zero_is_replayed_and_a_long_gap_is_passed_over(
+    node: Node, start: Callable[..., Command], tmp_path: Path
+) -> None:
+    with BagWriter(tmp_path / "old") as writer:
+        channel = writer.add_topic(installed_topic("/text", String))
+        for stamp in (0, 1_700_000_000 * SECOND, 1_700_000_000 * SECOND + 1):
+            writer.write(channel, stamp, encode(String(data=str(stamp))))
+    play = start("play", str(tmp_path / "old"), "--wait", "0")
+    assert play.process.wait(PATIENCE) == 0
+    said = play.log.read_text()
+    assert "3 messages on 1 topics replayed" in said
+    assert "nothing for 1700000000 s before /text: passed over" in said

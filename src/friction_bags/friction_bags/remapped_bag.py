@@ -199,7 +199,7 @@ def write_remapped(
         progress: called with the share that is done, 0 to 1.
 
     Raises:
-        BagError: the new bag cannot be made.
+        BagError: the new bag cannot be made, or not one message comes of the bag; nothing is left then.
     """
     duration = max(bag.end - bag.start, 1)
     count = 0
@@ -210,5 +210,7 @@ def write_remapped(
             count += 1
             if count % _SHOW_EVERY == 0:
                 progress((stamp - bag.start) / duration)
+        if not count:
+            raise BagError(f"{bag.bag}: not one message comes of it: {'; '.join(bag.never_read()) or 'it is empty'}")
     bag.problems.extend(bag.never_read())
     return count

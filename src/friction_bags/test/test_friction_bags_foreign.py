@@ -1,6 +1,7 @@
 import os
 from pathlib import Path
 
+import mcap.writer
 import pytest
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer
@@ -74,3 +75,26 @@ def test_part_of_a_bag_is_read_by_topic_and_time() -> None:
         stamps = [stamp for name, _, stamp, _ in everything if name == "/topic"]
         found = [stamp for _, stamp, _ in reader.messages([topic], start=stamps[2], stop=stamps[7])]
     assert found == stamps[2:7]
+
+
+def two_messages(path: Path, kind: str) -> Path:
+    """An mcap file whose type has this name and whose first message was recorded at 0."""
+    with path.open("wb") as stream:
+        writer = mcap.writer.Writer(stream)
+        writer.start("ros2")
+        schema = writer.register_schema(kind, "ros2msg", b"string data\n")
+        channel = writer.register_channel("/text", "cdr", schema)
+        for stamp in (0, 10**9):
+            writer.add_message(channel, stamp, b"\0\1\0\0\2\0\0\0a\0\0\0", stamp)
+        writer.finish()
+    return path
+
+
+@pytest.mark.parametrize("kind", ["std_msgs/msg/String", "std_msgs/String"])
+@pytest.mark.parametrize("name", ["bag.mcap", "bag.bin", "bag"])
+def test_a_file_is_read_whatever_its_name_is_and_the_name_of_its_types(tmp_path: Path, name: str, kind: str) -> None:
+    found = contents(two_messages(tmp_path / name, kind))
+    assert [(topic, of_type, stamp) for topic, of_type, stamp, _ in found] == [
+        ("/text", "std_msgs/msg/String", 0),
+        ("/text", "std_msgs/msg/String", 10**9),
+    ]

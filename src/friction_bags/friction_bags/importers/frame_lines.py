@@ -18,7 +18,7 @@ _FRAMES: Final = {
     ".asc": re.compile(r"(?!\s*\S+\s+(L|Fr|ETH))(.*\s[RT]x\s|.*\s[dr]\s+\w\s|\s*\S+\s+CANFD\s)"),
     ".csv": re.compile(r"(?!timestamp,)\s*\S"),
     ".log": re.compile(r"\s*\S"),
-    ".trc": re.compile(r"(?!\s*;)(?!.*\s(ST|EC|ER|EV|RR|Error|Warng|Overload)\s)\s*\S"),
+    ".trc": re.compile(r"(?!\s*;)(?!.*\s(ST|EC|ER|EV|RR|Error|Warng|Overload|FFFFFFFF)\s)\s*\S"),
 }
 """Lines that are, or were, those of a frame."""
 
