@@ -1,4 +1,4 @@
-"""What the doctor makes of curves, and of signals that are none: dead wheels, error codes, senders of half a car."""
+"""Curves, and signals that are none, as the doctor examines them: dead wheels, error codes, senders of half a car."""
 
 import json
 from collections.abc import Callable
