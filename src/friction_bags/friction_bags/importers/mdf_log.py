@@ -57,6 +57,8 @@ class MdfLog:
         self._mapper = RecordMapper(signal_map, Sources(can=self))
         self._is_offset = signal_map.stamp_offset != 0
         self._share = 0.0
+        self._timeless = 0
+        """Samples whose time is no number."""
 
     def find(self, name: str) -> tuple[str, str, str]:
         """Return group, name within it and unit of a channel, given as NAME or GROUP.NAME, groups numbered from 0.
@@ -97,7 +99,9 @@ class MdfLog:
         numbers = np.repeat(np.arange(len(names)), [groups[name][0].size for name in names])
         rows = np.concatenate([np.arange(groups[name][0].size) for name in names])
         order = np.argsort(times, kind="stable")
-        is_kept = self._is_offset or not times.size
+        has_time = np.isfinite(times[order])
+        self._timeless, order = int((~has_time).sum()), order[has_time]
+        is_kept = self._is_offset or not order.size
         offset = 0 if is_kept else start_offset(float(times[order[0]])) * NANOSECONDS
         for done, at in enumerate(order.tolist()):
             self._share = done / order.size
@@ -118,4 +122,5 @@ class MdfLog:
 
     def problems(self) -> dict[str, int]:
         """Return how often something could not be used, by what it is."""
-        return self._mapper.problems_at_end()
+        timeless = {"sample without a time": self._timeless} if self._timeless else {}
+        return {**self._mapper.problems_at_end(), **timeless}
