@@ -15,6 +15,7 @@ PARTS = {
     "measured": "whole-vehicle fit on measured data: BMW stop, Putnam laps, tyre rig",
     "slip": "vehicle speed and slip without a speed sensor, simulated stops and the measured one",
     "smart_tyre": "Fz and Fx from the in-tyre accelerometer",
+    "grip": "friction used, proven and left in ordinary driving on changing roads",
     "doctor": "vehicle doctor: injected faults reported, healthy drives without alarm, accuracy",
     "bags": "offline processing of bags: real-time factor, memory over length",
     "headlines": "the headline numbers of README.md, each by its command, within its stated noise",

@@ -299,7 +299,8 @@ def test_signal_ends_the_process_with_code_0(client: DdsClient, how: signal.Sign
         (["-p", "noise:=1"], "node /wheel_slip: unknown parameter 'noise'"),
         (
             ["-r", "__node:=mine"],
-            "wheel_slip, friction_slope, smart_tyre_forces, friction_state, friction_curve_id are given one name",
+            "wheel_slip, friction_slope, smart_tyre_forces, friction_state, friction_grip, friction_curve_id are given "
+            "one name",
         ),
         (["-p", "smart_tyre_forces:calibration_file:=/no/such/file"], "/no/such/file"),
         (["-p", "vehicle_file:=no_such_car"], "no_such_car"),

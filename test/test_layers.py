@@ -21,6 +21,7 @@ ALGORITHMS = (
     "friction_curve_id",
     "abs_supervisor",
     "smart_tyre_forces",
+    "friction_grip",
     "friction_state",
 )
 """Packages that consist of an algorithm, or the plant, and the code around it."""

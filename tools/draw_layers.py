@@ -23,6 +23,7 @@ LAYERS = (
         "friction_curve_id",
         "abs_supervisor",
         "smart_tyre_forces",
+        "friction_grip",
         "friction_state",
     ),
     ("friction_runtime",),

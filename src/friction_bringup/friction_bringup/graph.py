@@ -18,11 +18,15 @@ NODES = (PLANT, *ESTIMATORS)
 """In the order in which data flows. Package, module, node and parameter file of a node have one name."""
 ADAPTER = "friction_adapter"
 """Stands before the estimators where a car has other topics: it takes part in no demo."""
-COMPOSED = ("wheel_slip", "friction_slope", "smart_tyre_forces", "friction_state", "friction_curve_id")
+COMPOSED = (
+    *("wheel_slip", "friction_slope", "smart_tyre_forces", "friction_state", "friction_grip", "friction_curve_id"),
+)
 """Estimators that may share a process, in the order in which they are served: the last one when nothing else waits."""
 COMPOSED_PROCESS = "estimators"
 """Name of the process of these."""
-WHEEL_STATES_READERS = ("wheel_slip", "friction_slope", "friction_state", "friction_curve_id", SUPERVISOR)
+WHEEL_STATES_READERS = (
+    *("wheel_slip", "friction_slope", "friction_state", "friction_grip", "friction_curve_id", SUPERVISOR),
+)
 """Nodes that take wheel_states."""
 ESTIMATES = (
     *("slip", "friction_slope", "slope_vote", "friction_curve", "friction_curve_debug"),

@@ -230,7 +230,7 @@ def test_names_of_the_nodes_of_the_graph_are_not_alike() -> None:
     from friction_parameters.parameter_file import _is_misspelt
 
     names = ["wheel_slip", "friction_slope", "friction_curve_id", "abs_supervisor", "smart_tyre_forces"]
-    names += ["friction_state", "corner_sim"]
+    names += ["friction_grip", "friction_state", "corner_sim"]
     assert not [(one, other) for one in names for other in names if one != other and _is_misspelt(one, other)]
 
 

@@ -56,6 +56,10 @@ _COLUMNS: Mapping[str, tuple[str, ...]] = {
         *("law", "slip_set_point"),
     ),
     "friction_msgs/msg/SupervisorDebug": ("torque_set_point",),
+    "friction_msgs/msg/Grip": (
+        *("vehicle.mu_used", "vehicle.mu_used_stddev", "front.mu_used", "rear.mu_used", "distance"),
+        *("mu_proven", "mu_lower", "mu_upper", "evidence", _VALID),
+    ),
     "friction_msgs/msg/VehicleFit": ("brakings", _VALID),
     "friction_msgs/msg/ContactPatch": ("length", "shift", _VALID),
     "friction_msgs/msg/TyreForce": ("fx", "fz", "fx_stddev", "fz_stddev", _VALID),

@@ -14,7 +14,7 @@ from vehicle_models.vehicle import Vehicle
 
 ESTIMATORS = (
     *("wheel_slip", "friction_slope", "friction_curve_id", "abs_supervisor"),
-    *("smart_tyre_forces", "friction_state"),
+    *("smart_tyre_forces", "friction_grip", "friction_state"),
 )
 """Estimators in the order of the data flow. Package, node and parameter file have the same name; `SHIPPED` of the
 module `parameters` holds the shipped values, `build` of the module `processor` makes the processors. Only the selected

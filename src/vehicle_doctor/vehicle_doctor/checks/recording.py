@@ -213,6 +213,7 @@ def check_estimator_inputs(drive: Drive) -> list[Finding]:
         "friction_curve_id": motion + (of_car if has_no_pressure else speed + braked),
         "abs_supervisor": motion + speed + braked + demand,
         "smart_tyre_forces": tyres,
+        "friction_grip": motion + ([] if IMU in there else [IMU]),
         "friction_state": motion,
     }
     notes = {"friction_curve_id": " of method 'vehicle': one curve for the car"} if has_no_pressure else {}

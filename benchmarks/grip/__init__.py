@@ -1,0 +1,1 @@
+"""Friction used, proven and left, in ordinary driving on changing roads."""

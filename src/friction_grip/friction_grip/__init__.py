@@ -1,0 +1,1 @@
+"""Friction that a drive uses, has proven, and leaves."""

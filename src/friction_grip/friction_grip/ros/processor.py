@@ -1,0 +1,167 @@
+"""Wheel speeds, accelerometer, pressures and curves in, grip out: one message for the car, every 0.05 s."""
+
+from collections.abc import Mapping
+from math import isfinite, nan
+from statistics import median
+from typing import Any, Final
+
+from friction_msgs.msg import FrictionCurve, Grip, GripUsed
+from sensor_msgs.msg import FluidPressure, Imu, JointState
+
+from friction_grip.friction_used import FrictionUsed, GripInUse, Used
+from friction_grip.parameters import FrictionGripParameters
+from friction_grip.road_memory import RoadMemory
+from friction_runtime.aligned_processor import AlignedProcessor, Primary
+from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.messages import header_at, to_nanoseconds, validity
+from friction_runtime.processor import Level, Output, Report, silent
+from friction_runtime.wheel_inputs import WHEEL_STATES, BrakeTorque, WheelSpeeds
+from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.reason import Reason
+from vehicle_models.vehicle import Vehicle
+
+GRIP: Final = "grip"
+IMU: Final = "imu/data"
+_LONGEST_STEP: Final = 0.5
+"""Time between samples over which a car is known to have gone on [s]."""
+_LARGEST: Final = 100.0
+"""Acceleration that no accelerometer of a car reads [m/s^2]."""
+Speeds = tuple[float, ...]
+
+
+class GripProcessor(AlignedProcessor[Speeds]):
+    """Layer 2 of friction_grip: fires on wheel_states."""
+
+    def __init__(self, vehicle: Vehicle, parameters: FrictionGripParameters, report: Report = silent) -> None:
+        """Build for a vehicle; `report` is the log function."""
+        self._p = parameters
+        self._radii = vehicle.radii
+        self._mounting = vehicle.accelerometer
+        self._across = "x" if vehicle.accelerometer.axis == "y" else "y"
+        self._wheel_speeds = WheelSpeeds(vehicle, vehicle.wheel_names, report)
+        self._brakes = {(brake := BrakeTorque(vehicle, name)).topic: brake for name in vehicle.wheel_names}
+        self._curves = tuple(f"{name}/friction_curve" for name in (*vehicle.wheel_names, "vehicle"))
+        self.sensors: Mapping[str, type] = {
+            WHEEL_STATES: JointState,
+            IMU: Imu,
+            **dict.fromkeys(self._brakes, FluidPressure),
+        }
+        self.estimates: Mapping[str, type] = dict.fromkeys(self._curves, FrictionCurve)
+        self.outputs: Mapping[str, type] = {GRIP: Grip}
+        others = (*self._brakes, *self._curves)
+        aligned = [AlignedInput(topic, optional=topic in self._curves) for topic in (IMU, *others)]
+        super().__init__("vehicle", Primary(WHEEL_STATES, "vehicle", report), aligned, parameters.deadline, others)
+        self._used = FrictionUsed(vehicle)
+        tail = 1.0 - parameters.lower_probability
+        self._road = RoadMemory(parameters.prior, parameters.change_distance, parameters.proof_distance, tail)
+        self._forget()
+
+    def _forget(self) -> None:
+        self._used.reset()
+        self._road.reset()
+        self._last: int | None = None
+        self._has_lateral = False
+        self._message: Grip | None = None
+
+    def _start_again(self, stamp: int) -> None:
+        self._forget()
+
+    def _payload(self, message: JointState) -> Speeds:
+        return self._wheel_speeds.read(message)
+
+    def _take(self, topic: str, message: Any) -> str | None:
+        stamp = to_nanoseconds(message.header.stamp)
+        if topic == IMU:
+            forward = self._mounting.forward(message.linear_acceleration)
+            leftward = float(getattr(message.linear_acceleration, self._across))
+            if not (abs(forward) <= _LARGEST and abs(leftward) <= _LARGEST):
+                return f"{IMU}: {forward} and {leftward} m/s^2 are no accelerations of a car"
+            return self._aligner.offer(topic, stamp, (forward, leftward))
+        brake = self._brakes.get(topic)
+        if brake is None:
+            values = (message.mu_max, message.mu_max_stddev, 1.0) if message.validity.valid else (0.0, 0.0, 0.0)
+            return self._aligner.offer(topic, stamp, values if all(map(isfinite, values)) else (0.0, 0.0, 0.0))
+        reading = brake.read(message)
+        return reading if isinstance(reading, str) else self._aligner.offer(topic, reading[0], (reading[1],))
+
+    def _fire(self, sample: AlignedSample[Speeds]) -> list[Output]:
+        speeds = [speed * radius for speed, radius in zip(sample.payload, self._radii, strict=True) if isfinite(speed)]
+        imu = sample.values.get(IMU)
+        step = 0.0 if self._last is None else (sample.stamp - self._last) / NANOSECONDS
+        self._last = sample.stamp
+        if not speeds:
+            return self._unknown(sample.stamp, Reason.NO_WHEEL_SPEED, f"{WHEEL_STATES}: no wheel has a speed")
+        # a wheel that brakes turns slower, one that drives faster: the car is no slower than the median
+        speed = abs(median(speeds))
+        self._road.drive(speed * min(step, _LONGEST_STEP))
+        if imu is None:
+            return self._unknown(sample.stamp, Reason.NO_ACCELERATION, sample.missing.get(IMU, f"{IMU}: no sample"))
+        self._has_lateral = self._has_lateral or imu[1] != 0.0
+        torques = [sample.values.get(topic, (nan,))[0] for topic in self._brakes]
+        used = self._used.update(sample.stamp, speed, imu[0], imu[1] if self._has_lateral else nan, torques)
+        if used is None:
+            return []
+        curves = [values[:2] for topic in self._curves if (values := sample.values.get(topic)) and values[2] == 1.0]
+        if curves:
+            self._road.take_curve(median(mu for mu, _ in curves), max(stddev for _, stddev in curves))
+        self._road.use(used.vehicle.mu_used)
+        for each in (used.vehicle, used.front, used.rear):
+            self._road.prove(each.mu_used, each.stddev, sample.stamp)
+        return self._of(sample.stamp, used)
+
+    def _of(self, stamp: int, used: GripInUse) -> list[Output]:
+        bounds, proof = self._road.bounds(), self._road.proof()
+        message = self._blank(stamp)
+        message.vehicle, message.front, message.rear = map(_message, (used.vehicle, used.front, used.rear))
+        if proof is not None:
+            message.mu_proven = proof.mu
+            message.mu_proven_distance = self._road.distance - proof.distance
+            message.mu_proven_age = (stamp - proof.stamp) / NANOSECONDS
+        message.mu_lower, message.mu_upper = bounds.lower, bounds.upper
+        message.margin = bounds.lower - max(used.vehicle.mu_used, used.front.mu_used, used.rear.mu_used)
+        message.evidence = Grip.CURVE if bounds.has_curve else Grip.FORCE if bounds.has_proof else Grip.PRIOR
+        message.validity = validity("vehicle", Reason.OK, "")
+        self._message = message
+        return [(GRIP, message)]
+
+    def _unknown(self, stamp: int, reason: Reason, text: str) -> list[Output]:
+        """Return a message without friction in use; what the road has proven stays known."""
+        message = self._blank(stamp)
+        message.validity = validity("vehicle", reason, text)
+        self._message = message
+        return [(GRIP, message)]
+
+    def _blank(self, stamp: int) -> Grip:
+        message = Grip(header=header_at(stamp, "base_link"), distance=self._road.distance)
+        for name in ("mu_proven", "mu_proven_distance", "mu_proven_age", "mu_lower", "mu_upper", "margin"):
+            setattr(message, name, nan)
+        message.vehicle, message.front, message.rear = (_message(Used(nan, nan, nan, nan)) for _ in range(3))
+        message.mu_lower_probability = self._p.lower_probability
+        message.change_distance = self._p.change_distance
+        return message
+
+    def _state(self) -> tuple[Level, str]:
+        last = self._message
+        if last is None or last.validity.valid:
+            return Level.OK, ""
+        return Level.WARN, last.validity.text
+
+    def _values(self) -> dict[str, str]:
+        last = self._message
+        if last is None:
+            return {}
+        return {
+            "friction used": f"{last.vehicle.mu_used:.3f}",
+            "friction proven": f"{last.mu_proven:.3f}",
+            "proven before [m]": f"{last.mu_proven_distance:.0f}",
+            "lower bound": f"{last.mu_lower:.3f}",
+        }
+
+
+def _message(used: Used) -> GripUsed:
+    return GripUsed(mu_x=used.mu_x, mu_y=used.mu_y, mu_used=used.mu_used, mu_used_stddev=used.stddev)
+
+
+def build(parameters: FrictionGripParameters, vehicle: Vehicle, report: Report = silent) -> list[GripProcessor]:
+    """Make the processors: one for the whole vehicle."""
+    return [GripProcessor(vehicle, parameters, report)]
