@@ -126,8 +126,9 @@ def test_a_valid_curve_bounds_above_and_one_that_is_not_does_nothing() -> None:
 def test_answers_do_not_depend_on_the_order_of_arrival() -> None:
     stream = steady(-3.0, leftward=1.0, pascal=4e6)
     late = random.Random(1)
+    behind = {topic: late.uniform(0.0, 12.0) for topic, _ in stream}
     begin = 30  # until every input has been heard, samples are waited for or not
-    shuffled = sorted(range(len(stream)), key=lambda place: place + late.uniform(0.0, 12.0) * (place >= begin))
+    shuffled = sorted(range(len(stream)), key=lambda place: place + behind[stream[place][0]] * (place >= begin))
     in_order, out_of_order = told(made(), stream), told(made(), [stream[place] for place in shuffled])
     assert len(in_order) > 15
     count = min(len(in_order), len(out_of_order))
