@@ -36,8 +36,8 @@ _DRAWS: Final = 12.0
 """Most of them that count: on a long way the traffic, and not the road, may be the reason."""
 _ASKED: Final = 0.8
 """Share of the friction of a road that a driver asks for at most."""
-_HABIT, _HABIT_DISTANCE = 0.12, 2000.0
-"""Mean friction in use before a driver is known, and distance over which his mean is learned [m]."""
+_HABIT, _HABIT_BEGUN, _HABIT_DISTANCE = 0.12, 200.0, 2000.0
+"""Mean friction in use before a driver is known, distance [m] that it counts for, and over which his mean is taken."""
 _CURVE_FLOOR: Final = 0.05
 """Deviation of the friction of a road along which a curve was valid, relative."""
 
@@ -117,7 +117,7 @@ class RoadMemory:
 
     def use(self, mu: float) -> None:
         """Take the friction that the car uses, since the last time: the habit of its driver."""
-        share = min(self._gone / _HABIT_DISTANCE, 1.0)
+        share = min(self._gone / min(self.distance + _HABIT_BEGUN, _HABIT_DISTANCE), 1.0)
         self._habit += share * (max(mu, GRID[0]) - self._habit)
         self._gone = 0.0
 

@@ -44,7 +44,7 @@ class Line:
     of: str
     """Wheel, VEHICLE or DRIVER."""
     kind: str
-    """estimate, points (an estimate once a revolution), truth, sensor, aim (of the supervisor's law) or demand."""
+    """estimate, points (an estimate once a revolution), bound, truth, sensor, aim (of the supervisor's law) or demand."""
     topic: str
     time: Array
     """[s], shape (n,)."""
@@ -93,6 +93,7 @@ def lines_of(run: RecordedRun) -> Iterator[Line]:
         yield from _brake(run, wheel)
         yield from _forces(run, wheel)
     yield from _peaks(run)
+    yield from _grip(run)
     yield from _demands(run)
 
 
@@ -225,6 +226,17 @@ def _peaks(run: RecordedRun) -> Iterator[Line]:
             yield _banded(panel, fit.label, fit.of, "estimate", fit.topic, fit.curve, panel, 1.0)
         for fit in fits_of(run, "truth/"):
             yield Line(panel, f"{fit.label}, true", fit.of, "truth", fit.topic, fit.curve.time, fit.curve[panel])
+
+
+def _grip(run: RecordedRun) -> Iterator[Line]:
+    grip = run.get("grip")
+    if grip is None:
+        return
+    used, reach = grip["vehicle.mu_used"], _DEVIATIONS * grip["vehicle.mu_used_stddev"]
+    yield Line("grip", "used", VEHICLE, "sensor", "grip", grip.time, used, (used - reach, used + reach))
+    yield Line("grip", "proven within 100 m", VEHICLE, "estimate", "grip", grip.time, grip["mu_proven"])
+    for name in ("lower", "upper"):
+        yield Line("grip", f"{name} bound", VEHICLE, "bound", "grip", grip.time, grip[f"mu_{name}"])
 
 
 def _brake(run: RecordedRun, wheel: str) -> Iterator[Line]:

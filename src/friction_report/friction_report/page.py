@@ -78,6 +78,7 @@ class Panel:
 PANELS = (
     Panel("speed", "Speeds of car and wheels", "speed [m/s]", "slip, vehicle_velocity", 3),
     Panel("slip", "Slip of each wheel", "slip λ [-]", "slip", 4),
+    Panel("grip", "Friction used, proven and believed", "µ [-]", "grip", 3),
     Panel("sign", "Sign of the slope of the friction curve", "", "friction_slope"),
     Panel("lambda_max", "Slip at the peak of the identified curve", "λ_max [-]", "friction_curve", 4),
     Panel("mu_max", "Friction at the peak of the identified curve", "µ_max [-]", "friction_curve", 3),

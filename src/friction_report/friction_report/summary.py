@@ -34,6 +34,7 @@ def print_summary(console: Console, run: RecordedRun) -> None:
             judged = judge_crossings(found, truth, curve.time, curve["lambda_max"])
             console.print(crossing_table(wheel, judged, truth))
             console.print(sign_text(run, wheel))
+    console.print(grip_text(run))
     console.print(curve_table(run))
     braking = braking_of(run)
     if isinstance(braking, Braking):
@@ -99,6 +100,19 @@ def sign_text(run: RecordedRun, wheel: str) -> str:
         found.time, found["sign"], found["valid"] > 0.0, found["delay"], truth.time, truth["sign"]
     )
     return f"{wheel}: {right} of {valid} valid slope signs are the true ones" if valid else f"{wheel}: no valid sign"
+
+
+def grip_text(run: RecordedRun) -> str:
+    """Return a sentence on the friction that a run used and proved."""
+    grip = run.get("grip")
+    if grip is None or not np.isfinite(grip["vehicle.mu_used"]).any():
+        return "Grip: no word on friction, for lack of an accelerometer"
+    place = int(np.nanargmax(grip["vehicle.mu_used"]))
+    used, stddev = grip["vehicle.mu_used"][place], grip["vehicle.mu_used_stddev"][place]
+    proven = np.nanmax(grip["mu_proven"]) if np.isfinite(grip["mu_proven"]).any() else 0.0
+    valid = float(np.mean(grip["valid"]))
+    at = f"at {grip.time[place]:.1f} s"
+    return f"Grip: used up to {used:.2f} ± {stddev:.2f} {at}, proven up to {proven:.2f}, valid {valid:.0%} of the time"
 
 
 def curve_table(run: RecordedRun) -> Table:

@@ -35,10 +35,10 @@
     let ticks = 0;
     return steps.map((step) => (ticks += step) / 1e4);
   });
-  const KINDS = ["sensor", "estimate", "points", "aim", "demand", "truth"];
+  const KINDS = ["sensor", "estimate", "points", "bound", "aim", "demand", "truth"];
   const MOST_DOTS = 3000;  // more of them hide each other and take seconds to draw
-  const DASHES = { truth: [6, 3], aim: [2, 3], demand: [9, 3, 2, 3] };
-  const DASH_TEXTS = { truth: "dashed: true", aim: "dotted: set-point of the law", demand: "dash-dotted: driver's demand" };
+  const DASHES = { truth: [6, 3], bound: [1, 3], aim: [2, 3], demand: [9, 3, 2, 3] };
+  const DASH_TEXTS = { truth: "dashed: true", bound: "finely dotted: believed bound", aim: "dotted: set-point of the law", demand: "dash-dotted: driver's demand" };
 
   const decoded = (values, unit) => values.map((value) => (value === null ? null : value / unit));
   const number = (value, digits) => (value === null || value === undefined ? "–" : value.toFixed(digits));
