@@ -105,7 +105,8 @@ class DemoGraph:
         missing = [node for node in (_RECORDER, *(ESTIMATORS if replay else graph.NODES)) if node not in nodes]
         topics = [name for name, _ in observer.get_topic_names_and_types()]
         for suffix in graph.ESTIMATES if replay else (*graph.ESTIMATES, graph.COMMAND):
-            estimates = [topic for topic in topics if topic.endswith(f"/{suffix}") and "/truth/" not in topic]
+            named = [topic for topic in topics if topic.endswith(f"/{suffix}") and "/truth/" not in topic]
+            estimates = [topic for topic in named if observer.count_publishers(topic)]
             unheard = [topic for topic in estimates if not _hears(observer, _RECORDER, topic)]
             missing += [f"the recorder on {topic}" for topic in (unheard if estimates else [f"WHEEL/{suffix}"])]
         return missing

@@ -9,7 +9,7 @@ from math import isfinite, nan
 from time import monotonic
 from typing import Any
 
-from friction_msgs.msg import BrakeCommand, FrictionCurve, FrictionSlope, SupervisorState, TyreForce, WheelSlip
+from friction_msgs.msg import BrakeCommand, FrictionCurve, FrictionSlope, Grip, SupervisorState, TyreForce, WheelSlip
 from rclpy.node import Node
 from rich.console import Group
 from rich.markup import escape
@@ -134,7 +134,9 @@ class LiveView(Node):
         self._first_stamp = 0
         self._last_stamp = 0
         self._listening: set[str] = set()
+        self._grip: Grip | None = None
         qos.subscribe(self, JointState, "wheel_states", self._on_wheel_states, qos.SENSOR)
+        qos.subscribe(self, Grip, "grip", self._on_grip, qos.SENSOR)
         self.create_timer(_DISCOVERY_PERIOD, self._discover)
 
     @property
@@ -156,6 +158,9 @@ class LiveView(Node):
         self._wheels_turn = True
         self._sample(to_nanoseconds(message.header.stamp))
 
+    def _on_grip(self, message: Grip) -> None:
+        self._grip = message
+
     def _sample(self, stamp: int) -> None:
         if self.samples == 0 or stamp < self._last_stamp:
             self._first_stamp = stamp
@@ -166,7 +171,9 @@ class LiveView(Node):
         """Subscribe to topics of wheels as they appear, before the first sample comes."""
         for topic, _ in self.get_topic_names_and_types():
             wheel, _, name = topic.removeprefix(self.get_namespace()).strip("/").rpartition("/")
-            if name in TOPICS and topic not in self._listening and "truth" not in wheel.split("/"):
+            if name not in TOPICS or topic in self._listening or not self.count_publishers(topic):
+                continue  # a topic that nobody publishes is one that somebody would hear
+            if "truth" not in wheel.split("/"):
                 self._listening.add(topic)
                 self.wheels.setdefault(wheel, WheelView())
                 self.wheels = dict(sorted(self.wheels.items()))
@@ -180,8 +187,16 @@ class LiveView(Node):
             self._sample(max(to_nanoseconds(message.header.stamp), self._last_stamp))
 
     def title(self, name: str) -> str:
-        """Return a name with message time and vehicle speed."""
-        return f"{name}   t = {self.time:6.2f} s   v = {number(self.speed, '5.2f')} m/s"
+        """Return a name with message time, vehicle speed and grip."""
+        return f"{name}   t = {self.time:6.2f} s   v = {number(self.speed, '5.2f')} m/s{self.grip}"
+
+    @property
+    def grip(self) -> str:
+        """Friction used and proven, to be appended to a line; empty before the first message."""
+        if self._grip is None:
+            return ""
+        used, proven = number(self._grip.vehicle.mu_used, ".2f"), number(self._grip.mu_proven, ".2f")
+        return f"   µ used {used}, proven {proven}"
 
     def header(self) -> str:
         """Return the header of the lines."""

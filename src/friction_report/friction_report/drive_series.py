@@ -44,7 +44,7 @@ class Line:
     of: str
     """Wheel, VEHICLE or DRIVER."""
     kind: str
-    """estimate, points (an estimate once a revolution), bound, truth, sensor, aim (of the supervisor's law) or demand."""
+    """estimate, points (an estimate a revolution), bound, truth, sensor, aim (of the supervisor's law) or demand."""
     topic: str
     time: Array
     """[s], shape (n,)."""
