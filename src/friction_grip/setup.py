@@ -16,7 +16,7 @@ setup(
         ("share/" + package_name, ["package.xml"]),
         ("share/" + package_name + "/config", glob("config/*.yaml")),
     ],
-    install_requires=["setuptools"],
+    install_requires=["setuptools", "numpy", "scipy"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
     url="https://friction.example.org",

@@ -1,4 +1,4 @@
-"""What is known of a road's friction before anything is felt: shares of kinds of roads, on a grid."""
+"""Prior of a road's friction, before anything is felt: shares of kinds of roads, on a grid."""
 
 from dataclasses import dataclass
 

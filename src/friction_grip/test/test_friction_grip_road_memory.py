@@ -1,4 +1,4 @@
-"""What a road has proven, and what is believed of it: ages, changes of road, curves, priors."""
+"""Memory of a road: proofs and their ages, beliefs, changes of road, curves, priors."""
 
 import numpy as np
 import pytest
@@ -52,12 +52,10 @@ def test_a_lower_bound_is_above_a_fresh_proof_and_falls_with_the_distance() -> N
     drive(road, 20.0, 0.5)
     fresh = road.bounds().lower
     assert fresh > 0.5
-    bounds = []
-    for _ in range(5):
-        drive(road, 100.0, 0.05)
-        bounds.append(road.bounds().lower)
-    assert all(later <= sooner + 1e-9 for sooner, later in zip([fresh, *bounds], bounds, strict=False))
-    assert bounds[-1] < 0.2
+    drive(road, 40.0, 0.05)
+    later = road.bounds().lower
+    drive(road, 200.0, 0.05)
+    assert fresh > later > road.bounds().lower
 
 
 def test_asking_for_little_is_evidence_from_a_driver_who_asks_for_much() -> None:

@@ -18,8 +18,10 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
 from friction_bags.bag_io.bag_writer import write_bag
+from friction_bags.offline.plan import ProcessOptions
+from friction_bags.offline.run import process_bag
 from friction_report.__main__ import main
-from friction_report.page import PANELS, html_page, page_data
+from friction_report.page import PANELS, html_page, page_data, write_page
 from friction_report.recorded_run import WHY, RecordedRun, Series, read_run
 from friction_runtime.messages import header_at
 
@@ -90,12 +92,20 @@ def test_every_topic_of_the_bag_is_drawn_or_named(stop: str) -> None:
     assert data["not_drawn"] == ["/front_left/friction_curve_debug", "/imu/data"]
     drawn = {line["label"] for line in data["lines"]}
     assert {"front_left, ω r", "car, estimated", "car, speed sensor", "car, true"} <= drawn
-    assert {panel["key"] for panel in data["panels"]} == {panel.key for panel in PANELS}
+    assert {panel["key"] for panel in data["panels"]} == {panel.key for panel in PANELS} - {"grip"}
     assert {(strip["panel"], strip["group"]) for strip in data["strips"]} >= {
         *(("sign", group) for group in ("estimated", "true")),
         *(("supervisor", group) for group in ("state", "law", "release", "command")),
         *(("validity", group) for group in ("slip", "friction_slope", "friction_curve", "abs_supervisor")),
     }
+
+
+def test_grip_is_drawn_with_its_bounds(tmp_path: Path) -> None:
+    options = ProcessOptions(("friction_grip",))
+    process_bag(BAGS / "abs_stop", tmp_path / "bag", options, 1, lambda _: None)
+    write_page(read_run(tmp_path / "bag"), tmp_path / "page.html", "stop")
+    lines = [line for line in shown((tmp_path / "page.html").read_text())["lines"] if line["panel"] == "grip"]
+    assert {line["label"] for line in lines} >= {"used", "proven within 100 m", "lower bound"}
 
 
 def test_lines_have_the_values_and_times_of_the_bag(stop: str) -> None:
