@@ -5,7 +5,7 @@ from math import isnan, nan
 from typing import Any
 
 import pytest
-from friction_msgs.msg import FrictionCurve, Grip, Validity
+from friction_msgs.msg import FrictionCurve, Grip, TyreForce, Validity
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_grip.parameters import FrictionGripParameters
@@ -121,6 +121,18 @@ def test_a_valid_curve_bounds_above_and_one_that_is_not_does_nothing() -> None:
         message = told(made(), stream)[-1]
         assert (message.evidence == Grip.CURVE) == valid
         assert isnan(message.mu_upper) != valid
+
+
+def test_a_tyre_that_measures_its_force_proves_too() -> None:
+    stream: Stream = []
+    for k in range(1, 400):
+        stream += [imu(k, -1.0), wheels(k, 10.0)]
+        if k % 40 == 0:
+            force = TyreForce(header=header_at(k * STEP, "front_left"), fx=-2400.0, fz=4000.0)
+            force.fx_stddev, force.fz_stddev, force.validity = 100.0, 100.0, Validity(valid=True)
+            stream.append((f"{CAR.wheel_names[0]}/tyre_force", force))
+    message = told(made(), stream)[-1]
+    assert message.mu_proven == pytest.approx(0.6 - 2.0 * 0.0292, abs=0.01)
 
 
 def test_answers_do_not_depend_on_the_order_of_arrival() -> None:

@@ -1,11 +1,11 @@
 """Wheel speeds, accelerometer, pressures and curves in, grip out: one message for the car, every 0.05 s."""
 
 from collections.abc import Mapping
-from math import isfinite, nan
+from math import hypot, isfinite, nan
 from statistics import median
 from typing import Any, Final
 
-from friction_msgs.msg import FrictionCurve, Grip, GripUsed
+from friction_msgs.msg import FrictionCurve, Grip, GripUsed, TyreForce
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_grip.friction_used import FrictionUsed, GripInUse, Used
@@ -24,6 +24,8 @@ GRIP: Final = "grip"
 IMU: Final = "imu/data"
 _LONGEST_STEP: Final = 0.5
 """Time between samples over which a car is known to have gone on [s]."""
+_REVOLUTION: Final = 0.5
+"""Longest time between two forces of a smart tyre [s], which come once a revolution."""
 _LARGEST: Final = 100.0
 """Acceleration that no accelerometer of a car reads [m/s^2]."""
 Speeds = tuple[float, ...]
@@ -41,15 +43,21 @@ class GripProcessor(AlignedProcessor[Speeds]):
         self._wheel_speeds = WheelSpeeds(vehicle, vehicle.wheel_names, report)
         self._brakes = {(brake := BrakeTorque(vehicle, name)).topic: brake for name in vehicle.wheel_names}
         self._curves = tuple(f"{name}/friction_curve" for name in (*vehicle.wheel_names, "vehicle"))
+        self._forces = tuple(f"{name}/tyre_force" for name in vehicle.wheel_names)
         self.sensors: Mapping[str, type] = {
             WHEEL_STATES: JointState,
             IMU: Imu,
             **dict.fromkeys(self._brakes, FluidPressure),
         }
-        self.estimates: Mapping[str, type] = dict.fromkeys(self._curves, FrictionCurve)
+        self.estimates: Mapping[str, type] = {
+            **dict.fromkeys(self._curves, FrictionCurve),
+            **dict.fromkeys(self._forces, TyreForce),
+        }
         self.outputs: Mapping[str, type] = {GRIP: Grip}
-        others = (*self._brakes, *self._curves)
-        aligned = [AlignedInput(topic, optional=topic in self._curves) for topic in (IMU, *others)]
+        others = (*self._brakes, *self.estimates)
+        aligned = [AlignedInput(topic) for topic in (IMU, *self._brakes)]
+        aligned += [AlignedInput(topic, optional=True) for topic in self._curves]
+        aligned += [AlignedInput(topic, _REVOLUTION, optional=True) for topic in self._forces]
         super().__init__("vehicle", Primary(WHEEL_STATES, "vehicle", report), aligned, parameters.deadline, others)
         self._used = FrictionUsed(vehicle)
         tail = 1.0 - parameters.lower_probability
@@ -78,6 +86,8 @@ class GripProcessor(AlignedProcessor[Speeds]):
                 return f"{IMU}: {forward} and {leftward} m/s^2 are no accelerations of a car"
             return self._aligner.offer(topic, stamp, (forward, leftward))
         brake = self._brakes.get(topic)
+        if topic in self._forces:
+            return self._aligner.offer(topic, stamp, _of_tyre(message))
         if brake is None:
             values = (message.mu_max, message.mu_max_stddev, 1.0) if message.validity.valid else (0.0, 0.0, 0.0)
             return self._aligner.offer(topic, stamp, values if all(map(isfinite, values)) else (0.0, 0.0, 0.0))
@@ -107,6 +117,10 @@ class GripProcessor(AlignedProcessor[Speeds]):
         self._road.use(used.vehicle.mu_used)
         for each in (used.vehicle, used.front, used.rear):
             self._road.prove(each.mu_used, each.stddev, sample.stamp)
+        for topic in self._forces:
+            values = sample.values.get(topic)
+            if values is not None and values[2] == 1.0:
+                self._road.prove(values[0], values[1], sample.stamp)
         return self._of(sample.stamp, used)
 
     def _of(self, stamp: int, used: GripInUse) -> list[Output]:
@@ -156,6 +170,15 @@ class GripProcessor(AlignedProcessor[Speeds]):
             "proven before [m]": f"{last.mu_proven_distance:.0f}",
             "lower bound": f"{last.mu_lower:.3f}",
         }
+
+
+def _of_tyre(force: TyreForce) -> tuple[float, float, float]:
+    """Return the friction that a tyre uses along the car, its deviation and 1; zeros where it is not known."""
+    if not (force.validity.valid and force.fz > 0.0):
+        return 0.0, 0.0, 0.0
+    mu = abs(force.fx) / force.fz
+    stddev = hypot(force.fx_stddev, mu * force.fz_stddev) / force.fz
+    return (mu, stddev, 1.0) if isfinite(mu + stddev) else (0.0, 0.0, 0.0)
 
 
 def _message(used: Used) -> GripUsed:
