@@ -9,7 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from friction_msgs.msg import BrakeDemand
+from friction_msgs.msg import BrakeDemand, Grip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 
 from friction_bringup.live_view import TOPICS
@@ -19,6 +19,7 @@ WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 TYPES: dict[str, type] = {
     "/vehicle_velocity": TwistWithCovarianceStamped,
     "/brake_demand": BrakeDemand,
+    "/grip": Grip,
     **{
         f"{truth}/{wheel}/{name}": kind for wheel in WHEELS for name, kind in TOPICS.items() for truth in ("", "/truth")
     },
@@ -64,6 +65,10 @@ def test_layout_names_numbers_that_the_messages_have(paths: list[str]) -> None:
 def test_layout_shows_every_wheel_raw_and_valid(paths: list[str]) -> None:
     for wheel in WHEELS:
         assert {f"/{wheel}/friction_curve.lambda_max", f"/{wheel}/friction_curve.validity.valid"} <= set(paths)
+
+
+def test_foxglove_layout_shows_what_is_used_proven_and_left() -> None:
+    assert {"/grip.vehicle.mu_used", "/grip.mu_proven", "/grip.mu_lower", "/grip.mu_upper"} <= set(foxglove_paths())
 
 
 def test_every_panel_of_the_foxglove_layout_is_placed_once() -> None:

@@ -28,8 +28,8 @@ _SEGMENT: Final = 2.0
 """Length of a segment [m]."""
 _SEGMENTS: Final = 48
 """Hypotheses that are kept; the two neighbours that differ least are joined."""
-_SIGMAS: Final = 2.0
-"""Deviations by which a proof is below the friction in use: 97.7 % on one side."""
+_SIGMAS: Final = 2.58
+"""Deviations by which a proof is below the friction in use: 99.5 % on one side."""
 _DRAW: Final = 25.0
 """Distance over which a driver asks for friction anew [m]."""
 _DRAWS: Final = 12.0
