@@ -1,7 +1,7 @@
 """Grip: friction used, proven and left against the truth of a plant that shares no code with the estimator."""
 
 import argparse
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import nan
 from os import cpu_count
 
@@ -26,11 +26,15 @@ _CHANGED = 0.2
 """Time over which a force is meant [s]: within it after a change of road the proof is of both."""
 _ODOMETRY = 0.05
 """Error of a distance by wheel speeds, relative: radii of 3 %, and wheels that slip."""
-PRIORS = {
-    "as it is": RoadPrior(),
-    "all ice": RoadPrior(0.0, 0.0, 0.0, 1.0),
-    "all dry": RoadPrior(1.0, 0.0, 0.0, 0.0),
+BELIEFS = {
+    "prior as it is": FrictionGripParameters(),
+    "prior all ice": FrictionGripParameters(prior=RoadPrior(0.0, 0.0, 0.0, 1.0)),
+    "prior all dry": FrictionGripParameters(prior=RoadPrior(1.0, 0.0, 0.0, 0.0)),
+    "change_distance 60 m": FrictionGripParameters(change_distance=60.0),
+    "change_distance 1500 m": FrictionGripParameters(change_distance=1500.0),
 }
+"""What a user may believe of roads, rightly and wrongly."""
+_RIGHT = "prior as it is"
 
 
 @dataclass(frozen=True)
@@ -67,10 +71,10 @@ def run(options: argparse.Namespace) -> list[Row]:
     told = in_processes(_drive_and_tell, [(seed, 60.0 * options.minutes) for seed in seeds], "drives", cpu_count() or 1)
     rows: list[Row] = []
     for name in _PARTS:
-        rows += _used_rows(name, [each["as it is"] for each in told])
-    rows += _proof_rows([each["as it is"] for each in told])
-    for prior in PRIORS:
-        rows += _lower_rows(prior, [each[prior] for each in told])
+        rows += _used_rows(name, [each[_RIGHT] for each in told])
+    rows += _proof_rows([each[_RIGHT] for each in told])
+    for belief in BELIEFS:
+        rows += _lower_rows(belief, [each[belief] for each in told])
     return rows
 
 
@@ -78,7 +82,7 @@ def _drive_and_tell(job: tuple[int, float]) -> dict[str, Told]:
     seed, seconds = job
     driven = drive(seed, seconds, (1.0, 0.5, 1.6)[seed % 3])
     vehicle = load_vehicle("compact_car")
-    return {name: tell(driven, vehicle, replace(FrictionGripParameters(), prior=each)) for name, each in PRIORS.items()}
+    return {name: tell(driven, vehicle, belief) for name, belief in BELIEFS.items()}
 
 
 def tell(driven: GripDrive, vehicle: Vehicle, parameters: FrictionGripParameters) -> Told:
@@ -168,15 +172,15 @@ def _proof_rows(told: list[Told]) -> list[Row]:
     ]
 
 
-def _lower_rows(prior: str, told: list[Told]) -> list[Row]:
+def _lower_rows(belief: str, told: list[Told]) -> list[Row]:
     """Rows of the lower bound, over the distance: a prior is one of roads, and a car is longer on a slippery one."""
     above = np.concatenate([each.lower > each.mu_max for each in told])
     lower = np.concatenate([each.lower for each in told])
     roads = np.array([road for each in told for road in each.road])
     weight = np.concatenate([each.speed for each in told])
-    name = f"mu_lower above the truth, prior {prior}"
+    name = f"mu_lower above the truth, {belief}"
     every = 100.0 * float(np.average(above, weights=weight))
-    judged = at_most(every, 5.0) if prior == "as it is" else not_judged(every)
+    judged = at_most(every, 5.0) if belief == _RIGHT else not_judged(every)
     rows: list[Row] = [{"quantity": f"{name}, all roads [% of distance]", **judged}]
     for road in dict.fromkeys(roads.tolist()):
         on = roads == road
