@@ -14,8 +14,9 @@ from friction_report.drive_series import Line, lines_of, vehicle_speed
 from friction_report.page import PANELS
 from friction_report.recorded_run import RecordedRun
 
-_PANELS = ("speed", "slip", "lambda_max", "mu_max", "pressure", "fx", "fz")
+_PANELS = ("speed", "slip", "lambda_max", "mu_max", "pressure", "grip", "fx", "fz")
 _COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:brown", "tab:pink", "tab:olive")
+_OF_CAR = ("black", "tab:green", "tab:orange", "tab:red")
 _STYLES = {"truth": "--", "aim": ":", "demand": "-."}
 _MARGIN = 0.5
 """Time [s] shown before and after the hardest braking."""
@@ -30,9 +31,12 @@ def write_picture(run: RecordedRun, out: Path, title: str) -> None:
     figure.suptitle(title)
     rows: list[Axes] = list(figure.subplots(max(len(panels), 1), 1, sharex=True, squeeze=False)[:, 0])
     for axes, panel in zip(rows, panels, strict=False):
-        for line in drawn:
-            if line.panel == panel.key:
-                _draw(axes, line, run)
+        lines = [line for line in drawn if line.panel == panel.key]
+        for line in lines:
+            if line.of in run.wheels:
+                _draw(axes, line, _COLOURS[run.wheels.index(line.of) % len(_COLOURS)])
+        for place, line in enumerate(line for line in lines if line.of not in run.wheels):
+            _draw(axes, line, _OF_CAR[place % len(_OF_CAR)])
         axes.set_ylabel(panel.axis)
         axes.grid(visible=True, lw=0.3)
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7)
@@ -43,8 +47,7 @@ def write_picture(run: RecordedRun, out: Path, title: str) -> None:
     figure.savefig(out, dpi=110)
 
 
-def _draw(axes: Axes, line: Line, run: RecordedRun) -> None:
-    colour = _COLOURS[run.wheels.index(line.of) % len(_COLOURS)] if line.of in run.wheels else "black"
+def _draw(axes: Axes, line: Line, colour: str) -> None:
     if line.kind == "points":
         axes.plot(line.time, line.values, ls="", marker="o", ms=3, color=colour, label=line.label)
         return
