@@ -132,7 +132,7 @@ def test_a_tyre_that_measures_its_force_proves_too() -> None:
             force.fx_stddev, force.fz_stddev, force.validity = 100.0, 100.0, Validity(valid=True)
             stream.append((f"{CAR.wheel_names[0]}/tyre_force", force))
     message = told(made(), stream)[-1]
-    assert message.mu_proven == pytest.approx(0.6 - 2.0 * 0.0292, abs=0.01)
+    assert message.mu_proven == pytest.approx(0.6 - 2.58 * 0.0292, abs=0.005)
 
 
 def test_answers_do_not_depend_on_the_order_of_arrival() -> None:
