@@ -44,7 +44,7 @@ def test_a_proof_is_below_the_friction_in_use_and_grows_old() -> None:
     drive(road, 60.0, 0.1)
     proof = road.proof()
     assert proof is not None
-    assert proof.mu == pytest.approx(0.08)
+    assert proof.mu == pytest.approx(0.1 - 2.58 * 0.01)
 
 
 def test_a_lower_bound_is_above_a_fresh_proof_and_falls_with_the_distance() -> None:
