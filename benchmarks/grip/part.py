@@ -92,6 +92,7 @@ def tell(driven: GripDrive, vehicle: Vehicle, parameters: FrictionGripParameters
     road = RoadMemory(parameters.prior, parameters.change_distance, parameters.proof_distance, tail)
     gains, radii = np.array([wheel.brake_gain for wheel in vehicle.wheels]), np.array(vehicle.radii)
     travelled = np.append(0.0, np.cumsum(driven.speed[1:] * np.diff(driven.time)))
+    window = round(_CHANGED / float(driven.time[1] - driven.time[0]))
     rows, roads, last = [], [], float(driven.time[0])
     for k, time in enumerate(driven.time.tolist()):
         speed = float(np.median(driven.wheel_speed[k] * radii))
@@ -103,12 +104,10 @@ def tell(driven: GripDrive, vehicle: Vehicle, parameters: FrictionGripParameters
         if found is None:
             continue
         each = (found.vehicle, found.front, found.rear)
-        road.use(found.vehicle.mu_used)
-        for part in each:
-            road.prove(part.mu_used, part.stddev, stamp)
+        road.feel(found, stamp)
         proof, bounds = road.proof(), road.bounds()
         proven_at = nan if proof is None else np.interp(proof.stamp / NANOSECONDS - 1.0, driven.time, travelled)
-        truth = driven.used[max(k - _window(driven), 0) : k + 1].mean(axis=0)
+        truth = driven.used[max(k - window, 0) : k + 1].mean(axis=0)
         rows.append(
             [
                 *(part.mu_used for part in each),
@@ -133,10 +132,6 @@ class _Reading:
     x: float
     y: float
     z: float
-
-
-def _window(driven: GripDrive) -> int:
-    return round(0.2 / float(driven.time[1] - driven.time[0]))
 
 
 def _used_rows(name: str, told: list[Told]) -> list[Row]:

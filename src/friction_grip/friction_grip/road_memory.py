@@ -22,6 +22,7 @@ from typing import Final
 import numpy as np
 from scipy.special import ndtr
 
+from friction_grip.friction_used import GripInUse
 from friction_grip.road_prior import GRID, RoadPrior
 
 _SEGMENT: Final = 2.0
@@ -30,6 +31,8 @@ _SEGMENTS: Final = 48
 """Hypotheses that are kept; the two neighbours that differ least are joined."""
 _SIGMAS: Final = 2.58
 """Deviations by which a proof is below the friction in use: 99.5 % on one side."""
+_NO_PROOF: Final = 0.02
+"""Deviation of the friction 0 that stands where nothing is proven."""
 _DRAW: Final = 25.0
 """Distance over which a driver asks for friction anew [m]."""
 _DRAWS: Final = 12.0
@@ -92,7 +95,7 @@ class RoadMemory:
         self._since = np.zeros(1)
         self._weight = np.array([1.0])
         self._proven = np.zeros(1)
-        self._stddev = np.full(1, 0.02)
+        self._stddev = np.full(1, _NO_PROOF)
         self._curve = np.full(1, np.nan)
         self._curve_stddev = np.full(1, np.nan)
         self._proofs: deque[Proof] = deque()
@@ -110,10 +113,16 @@ class RoadMemory:
         self._since = np.append(self._since, self.distance)
         changed = -np.expm1(-length / self._change)
         self._weight = np.append(self._weight * np.exp(log1p(-changed)), changed)
-        self._proven, self._stddev = np.append(self._proven, 0.0), np.append(self._stddev, 0.02)
+        self._proven, self._stddev = np.append(self._proven, 0.0), np.append(self._stddev, _NO_PROOF)
         self._curve, self._curve_stddev = np.append(self._curve, np.nan), np.append(self._curve_stddev, np.nan)
         if self._weight.size > _SEGMENTS:
             self._join()
+
+    def feel(self, used: GripInUse, stamp: int) -> None:
+        """Take the friction in use at a stamp [ns]: the habit of the driver, and proofs of the car and of its axles."""
+        self.use(used.vehicle.mu_used)
+        for part in (used.vehicle, used.front, used.rear):
+            self.prove(part.mu_used, part.stddev, stamp)
 
     def use(self, mu: float) -> None:
         """Take the friction that the car uses, since the last time: the habit of its driver."""

@@ -7,7 +7,7 @@ from vehicle_doctor.drive import Drive
 from vehicle_doctor.findings import Finding, Verdict
 from vehicle_doctor.motion import ROLLS, motion_of
 
-STANDS = 0.1
+_STANDS = 0.1
 """Speed of the fastest moment of a car that does not move [m/s]."""
 
 
@@ -25,7 +25,7 @@ def examine(drive: Drive, road: str = accelerometer.UNKNOWN) -> list[Finding]:
     if not motion.moving.any():
         top = float(np.nanmax(np.nan_to_num(motion.speed)))
         slow = f"the car is never faster than {top:.1f} m/s, and {ROLLS:.0f} m/s are needed"
-        text = f"cannot be judged: {slow if top > STANDS else 'the car does not move'}"
+        text = f"cannot be judged: {slow if top > _STANDS else 'the car does not move'}"
         return [*findings, Finding("motion", "car", Verdict.NOTE, text), *recording.check_estimator_inputs(drive)]
     found, motion = speed_sensor.leave_out_useless(motion)
     findings += found

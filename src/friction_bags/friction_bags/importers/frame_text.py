@@ -83,6 +83,26 @@ class FrameText:
             self.is_cut_off = not line.endswith("\n")
             yield line
 
+    def _frame(
+        self, time: float, bus: str | None, identifier: int, is_extended: bool, data: bytes, length: int | None
+    ) -> Any:
+        """Return a frame; without a length it is a remote one.
+
+        Raises:
+            ValueError: it is none.
+        """
+        if length is not None and len(data) != length:
+            raise ValueError(f"{len(data)} bytes, and {length} are stated")
+        return self._message(
+            timestamp=time,
+            arbitration_id=identifier,
+            is_extended_id=is_extended,
+            is_remote_frame=length is None,
+            channel=bus,
+            data=data,
+            is_fd=len(data) > 8,
+        )
+
     def _of_table(self) -> Iterator[Any]:
         names = [name.strip().lower() for name in self.file.readline().split(",")]
         at = {name: place for place, name in enumerate(names)}
@@ -90,16 +110,13 @@ class FrameText:
         for cells in csv.reader(line.replace("\0", "") for line in self._lines()):
             try:
                 length = int(cells[at["len"]])
-                content = bytes(int(cell, 16) for cell in cells[data : data + length])
-                if len(content) != length:
-                    raise ValueError
-                yield self._message(
-                    timestamp=float(cells[at["time stamp"]]) * _MICROSECONDS,
-                    arbitration_id=int(cells[at["id"]], 16),
-                    is_extended_id=cells[at["extended"]].strip().lower() in ("true", "1"),
-                    channel=cells[at["bus"]].strip() if "bus" in at else None,
-                    data=content,
-                    is_fd=length > 8,
+                yield self._frame(
+                    float(cells[at["time stamp"]]) * _MICROSECONDS,
+                    cells[at["bus"]].strip() if "bus" in at else None,
+                    int(cells[at["id"]], 16),
+                    cells[at["extended"]].strip().lower() in ("true", "1"),
+                    bytes(int(cell, 16) for cell in cells[data : data + length]),
+                    length,
                 )
             except (ValueError, LookupError):
                 self.unread += bool(cells)
@@ -117,23 +134,21 @@ class FrameText:
                 self.unread += bool(line.strip())
                 continue
             try:
-                data = bytes(int(each, base) for each in found["data"].split())
-                if not found["remote"] and len(data) != int(found["length"]):
-                    raise ValueError
                 stamp = 3600 * int(found["hour"]) + 60 * int(found["minute"]) + int(found["second"])
                 stamp += int(found["part"]) / 10 ** len(found["part"])
-                time = time + stamp if is_since_last else stamp
-                yield self._message(
-                    timestamp=time,
-                    arbitration_id=int(found["id"].removeprefix("0x"), base),
-                    is_extended_id=found["kind"] == "x",
-                    is_remote_frame=bool(found["remote"]),
-                    channel=found["bus"],
-                    data=data,
-                    is_fd=len(data) > 8,
+                frame = self._frame(
+                    time + stamp if is_since_last else stamp,
+                    found["bus"],
+                    int(found["id"].removeprefix("0x"), base),
+                    found["kind"] == "x",
+                    bytes(int(each, base) for each in found["data"].split()),
+                    None if found["remote"] else int(found["length"]),
                 )
             except ValueError:
                 self.unread += 1
+                continue
+            time = frame.timestamp
+            yield frame
 
     def _of_print(self) -> Iterator[Any]:
         is_since_last = _is_since_last(self._path)
@@ -150,17 +165,13 @@ class FrameText:
             try:
                 stamp = _stamp(found["stamp"])
                 time = time + stamp if is_since_last else stamp
-                content = b"" if is_remote else bytes.fromhex("".join(data))
-                if not is_remote and len(content) != int(found["length"]):
-                    raise ValueError
-                yield self._message(
-                    timestamp=time,
-                    arbitration_id=int(found["id"], 16),
-                    is_extended_id=len(found["id"]) > 3,
-                    is_remote_frame=is_remote,
-                    channel=found["bus"],
-                    data=content,
-                    is_fd=len(content) > 8,
+                yield self._frame(
+                    time,
+                    found["bus"],
+                    int(found["id"], 16),
+                    len(found["id"]) > 3,
+                    b"" if is_remote else bytes.fromhex("".join(data)),
+                    None if is_remote else int(found["length"]),
                 )
             except ValueError:
                 self.unread += 1

@@ -114,9 +114,7 @@ class GripProcessor(AlignedProcessor[Speeds]):
         curves = [values[:2] for topic in self._curves if (values := sample.values.get(topic)) and values[2] == 1.0]
         if curves:
             self._road.take_curve(median(mu for mu, _ in curves), max(stddev for _, stddev in curves))
-        self._road.use(used.vehicle.mu_used)
-        for each in (used.vehicle, used.front, used.rear):
-            self._road.prove(each.mu_used, each.stddev, sample.stamp)
+        self._road.feel(used, sample.stamp)
         for topic in self._forces:
             values = sample.values.get(topic)
             if values is not None and values[2] == 1.0:
