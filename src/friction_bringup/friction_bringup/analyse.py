@@ -12,6 +12,7 @@ from rich.table import Table
 
 from friction_adapter.map_file import add_map_argument, load_map
 from friction_bags.bag_io.bag_format import BagError
+from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.importers.draft_map import draft_map
 from friction_bags.importers.import_log import import_log, is_bag
 from friction_bags.importers.signal_list import ListedSignal, list_signals
@@ -22,6 +23,7 @@ from friction_parameters.parameter import ParameterError
 from friction_report.page import write_page
 from friction_report.recorded_run import read_run
 from friction_report.summary import print_summary
+from friction_runtime.wheel_inputs import WHEEL_STATES
 from vehicle_doctor.checks.accelerometer import UNKNOWN
 from vehicle_doctor.command import read_drive
 from vehicle_doctor.examine import examine, exit_code
@@ -81,7 +83,8 @@ def run(options: Namespace) -> int:
 
 def _is_ours(bag: Path) -> bool:
     """Whether a bag holds topics of this graph."""
-    return any(each.source == "/wheel_states" for each in list_signals(bag, None))
+    with BagReader(bag) as reader:
+        return any(topic.name == f"/{WHEEL_STATES}" and count for topic, count in reader.counts.items())
 
 
 def _draft(log: Path, dbc: Path | None, vehicle: str) -> int:
