@@ -39,7 +39,8 @@ from vehicle_models.physical_bounds import HARDEST_BRAKING
 from vehicle_models.vehicle import FRONT, STATED, Vehicle, absolute_deviation, deviation_of, specified_stddev
 from wheel_slip.filter_bank import FilterBank
 from wheel_slip.motion_noise import MotionNoise
-from wheel_slip.tyre_forces import LOCKED, TELLING, Forces, TyreForces
+from wheel_slip.tyre_forces import LOCKED, TELLING, TyreForces
+from wheel_slip.tyre_slip import TyreSlip
 
 Array = NDArray[np.float64]
 
@@ -56,12 +57,6 @@ _SLOWEST_TURN: Final = 3.0
 """The same where a curve is told by it: below, a car can turn on the spot."""
 _STANDS: Final = 1.0
 """Time in which wheels that stand say once that the car does [s]."""
-_SATURATION: Final = np.linspace(1e-3, 4.5, 200)
-"""Slips of a tyre s, over s_0, whose force is D (1 - e^-s/s_0): this way it bends."""
-_RATIO: Final = _SATURATION / -np.expm1(-_SATURATION)
-"""Slip over force at these, over that of little slip."""
-_BEND: Final = np.exp(_SATURATION) / _RATIO - 1.0
-"""Relative change of slip over force with that of the force at these."""
 
 
 class WheelMotion(NamedTuple):
@@ -100,7 +95,7 @@ class CarMotion:
         self._e = C + self._count
         self._radii = np.array(vehicle.radii)
         self.set_noise(wheel_speed_stddev**2)
-        self._forces = TyreForces(vehicle, noise)
+        self._forces, self._tyres = TyreForces(vehicle, noise), TyreSlip(self._count, noise)
         scale = specified_stddev(mounting.deviations, "scale")
         pitch = GRAVITY * deviation_of(mounting.deviations, "pitch_gain", 0.0)
         gain = noise.gain if scale is None else hypot(scale / mounting.scale, pitch)
@@ -131,9 +126,7 @@ class CarMotion:
         self._bank = FilterBank(self._expected, self._prior, np.array([0.9, 0.1]), T)
         self.started = False
         """Whether there is a speed."""
-        self.force = np.zeros(self._count)
-        """Force of every tyre over its load, times g [m/s^2], braking positive, shape (wheels,)."""
-        self._unrest = np.zeros(self._count)
+        self._tyres.reset()
         self._steps: deque[_Step] = deque(maxlen=3)
         self._ways: deque[tuple[int, float]] = deque(maxlen=512)
         self._way = 0.0
@@ -196,7 +189,7 @@ class CarMotion:
     @property
     def is_forceless(self) -> bool:
         """Whether no tyre has a force to speak of."""
-        return abs(self._reading or 0.0) < TELLING and bool(np.all(np.abs(self.force) < TELLING))
+        return abs(self._reading or 0.0) < TELLING and bool(np.all(np.abs(self._tyres.force) < TELLING))
 
     @property
     def radius_errors(self) -> tuple[Array, Array]:
@@ -375,23 +368,23 @@ class CarMotion:
         reading = (now.way - before.way) / span
         mean_speed, offset = float(bank.x[0, V]), float(self.mean[B])
         speed = max(abs(mean_speed), _SLOWEST)
-        forces = self._forces.of(
-            reading, mean_speed, rates, torques, np.sqrt(self._unrest), float(self.mean[F]), self._reading is None
-        )
-        if self._reading is None:
-            self._felt = (
-                forces.felt
-                if isfinite(forces.felt)
-                else float(np.clip(np.median(rates), -HARDEST_BRAKING, HARDEST_BRAKING))
-            )
-        step = forces.force - self.force
-        forces = forces._replace(force=self.force + step**3 / (step**2 + forces.fleeting**2))
         behind = self._relaxation / speed
         unlike = reading - (offset if self._reading is not None else 0.0) - rates
+        rest = np.maximum(np.abs(unlike) - 3.0 * sqrt(2.0 * self._rim_variance) / span, 0.0)
+        locked = np.abs(then.rim_speeds) <= LOCKED
+        self._tyres.disturb(dt, rest, behind)
+        forces = self._forces.of(
+            reading, mean_speed, rates, torques, self._tyres.unrest, float(self.mean[F]), self._reading is None, locked
+        )
+        if self._reading is None:
+            felt = float(np.clip(np.median(rates), -HARDEST_BRAKING, HARDEST_BRAKING))
+            self._felt = forces.felt if isfinite(forces.felt) else felt
         z = then.rim_speeds + behind * unlike
         once = self._rim_variance / then.samples * (1.0 + 2.0 * (behind / span) ** 2)
         compliance = np.maximum(self.mean[C : self._e], p.compliance)
-        late = self._let_slip(dt, forces, compliance, unlike, behind, span)
+        bank.relax(slice(C, self._e), *self._tyres.change(dt, mean_speed, forces, compliance, unlike, locked))
+        bank.add(slice(self._e, None), dt * p.radius_walk**2)
+        late = (((0.5 if forces.told else 1.0) * behind + p.pressure_delay) * self._tyres.unrest) ** 2
         # To second order: while neither slip over force nor the engine's force is known, their product is an error.
         unknown = np.diagonal(self.covariance)
         both = unknown[C : self._e] * unknown[F] * (forces.by_engine * speed) ** 2
@@ -413,25 +406,6 @@ class CarMotion:
         surprise = (self._felt / self._offset) ** 2 + self._speed**2 / known
         once = (0.2 * LOCKED) ** 2 * exp(min(0.5 * surprise, 20.0))
         return once * _STANDS / self._noise.step  # however long they stand, that they are locked is one doubt
-
-    def _let_slip(
-        self, dt: float, forces: Forces, compliance: Array, unlike: Array, behind: Array, span: float
-    ) -> Array:
-        """Let c change where forces do; return the variance of a rim that tyre and pressure follow late [m^2/s^2]."""
-        p, speed = self._noise, max(abs(self._speed), _SLOWEST)
-        rest = np.maximum(np.abs(unlike) - 3.0 * sqrt(2.0 * self._rim_variance) / span, 0.0)
-        sudden = np.maximum(rest - p.steepest, 0.0) if forces.told else rest
-        weight = np.maximum(np.abs(forces.force), TELLING)
-        change, self.force = forces.force - self.force, forces.force
-        bend = np.interp(compliance / p.compliance, _RATIO, _BEND)
-        grown = (sudden / (speed * weight)) ** 2 * (p.dive_time * dt)
-        grown += ((bend / (1.0 + bend)) ** 2 * p.creep / (speed * weight)) ** 2 * dt
-        grown += (compliance * change / weight) ** 2 * max(p.correlation / dt, 1.0)
-        states = np.arange(C, self._e + self._count)
-        self._bank.p[:, states, states] += np.concatenate([grown, np.full(self._count, dt * p.radius_walk**2)])
-        share = dt / (p.correlation + dt)
-        self._unrest = np.maximum(rest**2, self._unrest + share * (rest**2 - self._unrest))
-        return ((0.5 if forces.told else 1.0) * behind + p.pressure_delay) ** 2 * self._unrest
 
     def _apply(
         self,
@@ -460,12 +434,12 @@ class CarMotion:
         then, by_then = self._at(age, way)
         compliance = bank.x[:, C : self._e]
         of_radius = 1.0 - bank.x[:, self._e :]
-        roll = (1.0 - compliance * self.force) * of_radius
+        roll = (1.0 - compliance * self._tyres.force) * of_radius
         ground, by_yaw = self._ground(then[:, None], bank.x[:, U, None])
         h = roll[:, :, None] * by_then[:, None, :]
         h[:, :, U] = roll * by_yaw
         h[:, :, F] = -ground * compliance * by_engine * of_radius
-        h[:, wheels, C + wheels] = -ground * self.force * of_radius
+        h[:, wheels, C + wheels] = -ground * self._tyres.force * of_radius
         h[:, wheels, self._e + wheels] = -ground * roll
         h[:, ~use] = 0.0
         innovation = np.where(use, z - ground * roll, 0.0)
@@ -482,8 +456,8 @@ class CarMotion:
     def _keep_signs(self, late: Array) -> None:
         """Move a slip that is against its force to zero, with what goes with it; what is known stays as it is."""
         x, covariance = self._bank.x, self._bank.p
-        reach = np.abs(x[:, V, None]) * np.abs(self.force)
-        against = (np.abs(self.force) > TELLING) & (x[:, C : self._e] * reach < -late)
+        reach = np.abs(x[:, V, None]) * np.abs(self._tyres.force)
+        against = (np.abs(self._tyres.force) > TELLING) & (x[:, C : self._e] * reach < -late)
         if not against.any():
             return
         for m, i in np.argwhere(against):

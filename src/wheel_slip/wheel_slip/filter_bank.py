@@ -47,6 +47,18 @@ class FilterBank:
         mixed = share.T @ self.p.reshape(2, -1)
         self.p = mixed.reshape(self.p.shape) + (share[0] * share[1])[:, None, None] * (apart[:, None] * apart)
 
+    def relax(self, states: slice, kept: Array, towards: Array, variance: Array) -> None:
+        """Let states go to kept x + (1 - kept) towards, and add a variance to each; shapes (states,)."""
+        self.x[:, states] = kept * self.x[:, states] + (1.0 - kept) * towards
+        self.p[:, states] *= kept[:, None]
+        self.p[:, :, states] *= kept
+        self.add(states, variance)
+
+    def add(self, states: slice, variance: Array | float) -> None:
+        """Add a variance to each of some states."""
+        each = np.arange(self.x.shape[1])[states]
+        self.p[:, each, each] += variance
+
     def correct(self, h: Array, innovation: Array, variance: Array) -> Array:
         """Correct by several measurements; return h p h' of both, shape (2, measurements, measurements).
 

@@ -6,7 +6,7 @@ taken to give all wheels the same force over load, and the engine only to drive.
 """
 
 from collections.abc import Sequence
-from math import isfinite, nan, sqrt
+from math import hypot, isfinite, nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -71,6 +71,7 @@ class TyreForces:
         unrest: Array,
         error: float,
         unread: bool,
+        locked: NDArray[np.bool_],
     ) -> Forces:
         """Return the forces.
 
@@ -82,6 +83,7 @@ class TyreForces:
             unrest: of each wheel, by how much it changes unlike the car [m/s^2].
             error: of the engine's force over the mass that is known [m/s^2].
             unread: whether the wheels themselves tell the reading: by as much as they slip, it is not the car's.
+            locked: which wheels stand.
         """
         p, sign = self._noise, 1.0 if speed >= 0.0 else -1.0
         load = np.maximum(self._load - self._transfer * (sign * reading), LEAST_SHARE * self._load)
@@ -90,8 +92,12 @@ class TyreForces:
         told, felt = len(torques) == self._count and all([isfinite(torque) for torque in torques]), nan
         if told:
             at_rim = (np.array(torques) + self._inertia * rim_rates * sign / self._radii) / self._radii
+            # The road holds a locked wheel, not its brake.
+            at_rim = np.where(locked, np.minimum(at_rim, load / GRAVITY * max(pull, 0.0)), at_rim)
             force, braked = at_rim / load * GRAVITY, float(at_rim.sum()) / self._mass
-            engine, unsure, least, uneven = pull - braked, p.brakes * braked, p.force, 1.0
+            engine, least, uneven = pull - braked, p.force, 1.0
+            own = np.where(locked, np.abs(force), np.minimum(np.abs(force), unrest))
+            unsure = hypot(p.brakes * braked, float(np.linalg.norm(own * load)) / GRAVITY / self._mass)
             if braked > TELLING:
                 felt = -sign * (braked + resistance)
         else:
