@@ -22,7 +22,7 @@ class MotionNoise:
     lateral: float = constant(1.0, "lateral acceleration of ordinary driving", unit="m/s^2")
     curve_time: float = constant(1.0, "time in which a curve comes and goes", unit="s")
     gyroscope: float = constant(0.045, "noise and offset of a yaw rate", unit="rad/s")
-    compliance: float = constant(0.004, "slip over force to expect", unit="s^2/m")
+    compliance: float = constant(0.006, "slip over force to expect", unit="s^2/m")
     compliance_stddev: float = constant(0.05, "its deviation", unit="s^2/m")
     compliance_unlike: float = constant(2.0, "deviation of that of a tyre on its curve, as a share")
     share: float = constant(0.1, "deviation of the share of the largest force that a tyre gives, as a share")
