@@ -372,7 +372,8 @@ class CarMotion:
         unlike = reading - (offset if self._reading is not None else 0.0) - rates
         rest = np.maximum(np.abs(unlike) - 3.0 * sqrt(2.0 * self._rim_variance) / span, 0.0)
         locked = np.abs(then.rim_speeds) <= LOCKED
-        self._tyres.disturb(dt, rest, behind)
+        told = len(torques) == self._count and bool(np.isfinite(torques).all())
+        self._tyres.disturb(dt, rest, behind + (p.pressure_delay if told else p.correlation))
         forces = self._forces.of(
             reading, mean_speed, rates, torques, self._tyres.unrest, float(self.mean[F]), self._reading is None, locked
         )

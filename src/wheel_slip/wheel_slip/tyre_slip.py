@@ -63,9 +63,9 @@ class TyreSlip:
         """By how much every wheel changes unlike the car, until tyre and pressure follow [m/s^2], shape (wheels,)."""
         self._largest, self._doubt = np.zeros((2, self._count))
 
-    def disturb(self, dt: float, rest: Array, behind: Array) -> None:
-        """Take by how much wheels change unlike the car [m/s^2]; `behind`: time by which their tyres follow [s]."""
-        share = dt / (behind + self._noise.pressure_delay + dt)
+    def disturb(self, dt: float, rest: Array, settles: Array) -> None:
+        """Take by how much wheels change unlike the car [m/s^2], and the time in which their forces settle [s]."""
+        share = dt / (settles + dt)
         self.unrest = np.maximum(rest, np.sqrt(self.unrest**2 + share * (rest**2 - self.unrest**2)))
 
     def change(
