@@ -71,6 +71,7 @@ def test_a_curve_is_no_slip_with_a_yaw_rate_and_without(yaw_known: bool) -> None
         assert abs(ground - truth) < 3.0 * variance**0.5
 
 
+@RADII
 def test_a_long_curve_without_a_yaw_rate_is_within_what_is_stated() -> None:
     motion, _ = followed(np.full(2000, 15.0), 0.25)
     assert abs(motion.mean[3] - 0.25) < 3.0 * motion.covariance[3, 3] ** 0.5
