@@ -6,6 +6,7 @@ from statistics import median
 from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.physical_bounds import HARDEST_BRAKING
 from vehicle_models.vehicle import Vehicle, absolute_deviation
 from wheel_slip.signal_age import FAULTY, SignalAge
 from wheel_slip.stuck_sensor import StuckSensor
@@ -48,7 +49,7 @@ class Accelerometer:
         self.against_wheels.reset()
         self._is_frozen = False
         self._last: int | None = None
-        self._reference = 0.0
+        self._reference, self._moved = 0.0, False
         self.travelled = 0.0
         """Integral of the readings [m/s]."""
 
@@ -65,11 +66,15 @@ class Accelerometer:
             self.against_wheels.start_again()
         else:
             self.travelled += since / NANOSECONDS * reading
-        # Locked wheels do not say how fast the car is: it goes on from where they were, as it is felt.
+        # Locked wheels do not say how fast the car is, nor do those that spin up faster than any car: it goes on from
+        # where they were, as it is felt.
         by_wheels = max([abs(rim) for rim in known], default=0.0)
-        slowed = self._reference - min(since / NANOSECONDS, 1.0) * _FELT * abs(reading)
-        self._reference = max(by_wheels, slowed)
-        if known and (by_wheels > LOCKED or self._reference < _MOVES):
+        dt = min(since / NANOSECONDS, 1.0)
+        fastest = self._reference + dt * HARDEST_BRAKING if self._moved else by_wheels
+        self._reference = max(min(by_wheels, fastest), self._reference - dt * _FELT * abs(reading))
+        self._moved = bool(known)
+        spin = by_wheels > self._reference + LOCKED
+        if known and not spin and (by_wheels > LOCKED or self._reference < _MOVES):
             self._compare(stamp, reading, median(known))
         return None if self.text else reading
 

@@ -127,6 +127,7 @@ class CarMotion:
         self.started = False
         """Whether there is a speed."""
         self._tyres.reset()
+        self._failed = np.zeros(self._count)
         self._steps: deque[_Step] = deque(maxlen=3)
         self._ways: deque[tuple[int, float]] = deque(maxlen=512)
         self._way = 0.0
@@ -379,7 +380,8 @@ class CarMotion:
         )
         if self._reading is None:
             felt = float(np.clip(np.median(rates), -HARDEST_BRAKING, HARDEST_BRAKING))
-            self._felt = forces.felt if isfinite(forces.felt) else felt
+            share = dt / (p.correlation + dt)
+            self._felt += share * ((forces.felt if isfinite(forces.felt) else felt) - self._felt)
         z = then.rim_speeds + behind * unlike
         once = self._rim_variance / then.samples * (1.0 + 2.0 * (behind / span) ** 2)
         compliance = np.maximum(self.mean[C : self._e], p.compliance)
@@ -391,7 +393,7 @@ class CarMotion:
         both = unknown[C : self._e] * unknown[F] * (forces.by_engine * speed) ** 2
         lasting = (compliance * forces.doubt * speed) ** 2 + late + (p.radius * speed) ** 2
         lasting = lasting + both * (p.engine_time / p.correlation)
-        use = np.isfinite(z) & (np.abs(z) > LOCKED)
+        use = np.isfinite(z) & ~locked
         if use.any():
             way = self._step_way - then.way
             self._apply(
@@ -432,6 +434,7 @@ class CarMotion:
             way: integral of the readings since then [m/s].
         """
         bank, wheels = self._bank, np.arange(self._count)
+        forgiven = exp(-self._noise.step / self._noise.failed)
         then, by_then = self._at(age, way)
         compliance = bank.x[:, C : self._e]
         of_radius = 1.0 - bank.x[:, self._e :]
@@ -446,8 +449,9 @@ class CarMotion:
         innovation = np.where(use, z - ground * roll, 0.0)
         every = np.where(use, once + lasting * many, 1.0)
         # One that has failed, or spins beyond any slip, is not explained by any state: it counts as a surprise at most.
-        alone = (h * (h @ bank.p)).sum(axis=2) + every
-        every = every * np.maximum((innovation**2 / alone).min(axis=0) / self._noise.surprise**2, 1.0)
+        every = every + self._failed
+        self._failed = (self._failed + bank.doubt(h, innovation, every, self._noise.surprise) - every) * forgiven
+        every = every + self._failed
         inner = bank.correct(h, innovation, every)
         # An error that lasts is one, not many: a step has its share of it.
         own = np.diagonal(inner, axis1=1, axis2=2) + np.where(use, once + lasting, 1.0)

@@ -59,6 +59,28 @@ class FilterBank:
         each = np.arange(self.x.shape[1])[states]
         self.p[:, each, each] += variance
 
+    def doubt(self, h: Array, innovation: Array, variance: Array, most: float) -> Array:
+        """Return variances with which no measurement is further off than `most` deviations from what the others say.
+
+        Args:
+            h: see `correct`.
+            innovation: see `correct`.
+            variance: see `correct`.
+            most: deviations.
+        """
+        likely = int(self.probabilities.argmax())
+        spread = h[likely] @ self.p[likely] @ h[likely].T
+        variance = variance.copy()
+        for _ in variance:
+            inverse = np.linalg.inv(spread + np.diag(variance))
+            alone = 1.0 / np.diagonal(inverse)
+            off = np.square(inverse @ innovation[likely]) * alone
+            worst = int(off.argmax())
+            if off[worst] <= most**2 * (1.0 + 1e-9):
+                break
+            variance[worst] += alone[worst] * ((off[worst] / most**2) ** 2 - 1.0)
+        return variance
+
     def correct(self, h: Array, innovation: Array, variance: Array) -> Array:
         """Correct by several measurements; return h p h' of both, shape (2, measurements, measurements).
 

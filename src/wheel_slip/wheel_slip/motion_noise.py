@@ -44,4 +44,5 @@ class MotionNoise:
     radius: float = constant(0.002, "what a wheel's speed is off by over its radius: bumps, as a share")
     radius_walk: float = constant(1e-4, "change of a radius in the square root of a second, as a share")
     surprise: float = constant(6.0, "deviations of a wheel's speed beyond which it counts no more than these")
+    failed: float = constant(5.0, "time for which a wheel that was such a surprise is not believed", unit="s")
     unknown_acceleration: float = constant(5.0, "acceleration in the square root of a second, unseen", unit="m/s^2")
