@@ -1,1 +1,0 @@
-"""Monitors of sensor signals: noise, frozen values, missing teeth, units, age and sign."""

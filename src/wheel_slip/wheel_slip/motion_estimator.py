@@ -1,0 +1,190 @@
+"""Slip of every wheel of a car from wheel speeds, acceleration and, where they are there, yaw rate and speed sensor."""
+
+from collections.abc import Sequence
+from math import isfinite, nan, sqrt
+from typing import Final, NamedTuple
+
+from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
+from vehicle_models.reason import Reason
+from vehicle_models.vehicle import Vehicle
+from wheel_slip.accelerometer_odds import Accelerometer
+from wheel_slip.car_motion import SLOPE_CHANGED, CarMotion, WheelMotion
+from wheel_slip.estimator import EstimatorParameters
+from wheel_slip.motion_estimate import Hypotheses, WheelEstimate
+from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
+from wheel_slip.speed_sample import SpeedSample
+from wheel_slip.speed_sensor_odds import SpeedSensor
+from wheel_slip.unit_check import UnitCheck
+from wheel_slip.wheel_noise import WheelNoise
+from wheel_slip.wheel_speed_filter import WheelSpeedFilter
+
+_NAMED: Final = 0.015
+"""Error of a radius that is named, as a share: more than wear and pressure of a car that is looked after."""
+
+
+class MotionSlipEstimator:
+    """Slip estimator of one car. `update` takes all that is known at one stamp."""
+
+    def __init__(self, vehicle: Vehicle, parameters: EstimatorParameters = EstimatorParameters()) -> None:
+        """Start without samples."""
+        self._p = parameters
+        p = parameters.wheel_filter
+        self._names = vehicle.wheel_names
+        self._wheels = [WheelSpeedFilter(p, parameters.max_gap, each.encoder_teeth) for each in vehicle.wheels]
+        self._radii = vehicle.radii
+        self._units = UnitCheck(sum(vehicle.radii) / len(vehicle.radii))
+        self._noise = WheelNoise(p.speed_stddev**2)
+        self.car = CarMotion(vehicle, p.speed_stddev)
+        """Motion of the car."""
+        self.speed_sensor = SpeedSensor()
+        """What is known of the speed sensor."""
+        self.accelerometer = Accelerometer(vehicle)
+        """What is known of the accelerometer."""
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        for wheel in self._wheels:
+            wheel.reset()
+        self._units.reset()
+        self._noise.reset()
+        self.car.reset()
+        self.speed_sensor.reset()
+        self.accelerometer.reset()
+        self._stamp = 0
+
+    def update(
+        self,
+        stamp: int,
+        wheel_speeds: Sequence[float],
+        acceleration: float | None,
+        measured_speeds: Sequence[SpeedSample] = (),
+        torques: Sequence[float] = (),
+        yaw_rate: float | None = None,
+    ) -> list[WheelEstimate]:
+        """Take one sample and estimate at its stamp.
+
+        Args:
+            stamp: stamp of the wheel speeds [ns], later than the last.
+            wheel_speeds: speed of each wheel [rad/s]; not finite where it is missing.
+            acceleration: acceleration of the car at the stamp [m/s^2], forward positive; None if there is none.
+            measured_speeds: samples of the speed sensor that became known since the last update.
+            torques: of the brakes [N m], NaN where unknown; empty where no brake is known.
+            yaw_rate: of the car at the stamp [rad/s], counter-clockwise positive; None if there is none.
+
+        Returns:
+            One estimate per wheel.
+        """
+        self._stamp = stamp
+        rims: list[float] = []
+        for wheel, measured, radius in zip(self._wheels, wheel_speeds, self._radii, strict=True):
+            if isfinite(measured):
+                wheel.update(stamp, measured)
+            rims.append(measured * radius if isfinite(measured) and not wheel.in_gap else nan)
+        left_out = self.accelerometer.text
+        reading = self.accelerometer.usable(stamp, acceleration, rims)
+        if self.accelerometer.text and not left_out:
+            self.car.reset()  # what it has said cannot be told from what is
+        self._watch_noise(stamp, wheel_speeds)
+        self.car.update(
+            stamp, rims, reading, torques, yaw_rate if yaw_rate is not None and isfinite(yaw_rate) else None
+        )
+        if reading is not None:
+            self.car.set_age_variance(self.accelerometer.against_wheels.age_variance)
+        self.speed_sensor.follow(stamp, self.car)
+        for sample in measured_speeds:
+            self.speed_sensor.update(sample, self.car)
+        smooth = [
+            wheel.speed * radius if isfinite(measured) else nan
+            for wheel, measured, radius in zip(self._wheels, wheel_speeds, self._radii, strict=True)
+        ]
+        rates = [wheel.acceleration * radius for wheel, radius in zip(self._wheels, self._radii, strict=True)]
+        self._units.update(stamp, smooth, rates, reading, measured_speeds[-1].speed if measured_speeds else None)
+        known = self._car_known()
+        return [
+            self._estimate(wheel, measured, self.car.wheel(index), known)
+            for index, (wheel, measured) in enumerate(zip(self._wheels, wheel_speeds, strict=True))
+        ]
+
+    @property
+    def hypotheses(self) -> Hypotheses:
+        """Probabilities of what may be the matter with road and sensors."""
+        changed = float(self.car.probabilities[SLOPE_CHANGED])
+        return Hypotheses(changed, self.accelerometer.wrong, self.speed_sensor.wrong(self._stamp))
+
+    @property
+    def radius_text(self) -> str:
+        """Names the wheels whose radius is far from the vehicle file's, empty where none is."""
+        errors, stddevs = self.car.radius_errors
+        return "; ".join(
+            f"{name}: its radius is {100.0 * abs(error):.1f} % {'below' if error < 0.0 else 'above'} that of the "
+            "vehicle file: another tyre, worn or flat? It is corrected"
+            for name, error, stddev in zip(self._names, errors, stddevs, strict=True)
+            if abs(error) > _NAMED + 2.0 * stddev
+        )
+
+    def _watch_noise(self, stamp: int, wheel_speeds: Sequence[float]) -> None:
+        """Use the noise that wheels show which roll without force, from this sample on."""
+        before = self._noise.variance
+        self._noise.update(stamp, wheel_speeds, self.car.started and self.car.is_forceless)
+        if self._noise.variance != before:
+            for wheel in self._wheels:
+                wheel.know_noise(self._noise.variance)
+            self.car.set_noise(self._noise.variance)
+
+    def _car_known(self) -> "_Known":
+        """Return whether the motion of the car gives a slip, with the reason where it gives none."""
+        car = self.car
+        if self._units.text:
+            return _Known(Reason.BAD_INPUT, self._units.text)
+        if not car.started:
+            return _Known(Reason.NO_SPEED, "no vehicle speed: neither wheels nor speed sensor yet")
+        stddev = sqrt(car.variance + self.speed_sensor.undecided)
+        if is_vague(car.speed, stddev):
+            return _Known(Reason.UNCERTAIN, f"standard deviation of the vehicle speed is {stddev:.1f} m/s")
+        if car.speed < self._p.minimum_speed:
+            return _Known(Reason.LOW_SPEED, f"vehicle speed is below {self._p.minimum_speed} m/s")
+        return _Known(Reason.OK, "")
+
+    def _estimate(
+        self, wheel: WheelSpeedFilter, measured: float, motion: WheelMotion, known: "_Known"
+    ) -> WheelEstimate:
+        car, (reason, text) = self.car, known
+        omega = (
+            wheel.speed + wheel.age * wheel.acceleration,
+            wheel.speed_variance + wheel.lag_variance + wheel.age_variance,
+        )
+        unknown = not car.started or bool(self._units.text)
+        speed = (nan, nan) if unknown else (motion.ground, motion.ground_variance + self.speed_sensor.undecided)
+        found = variance = rate = rate_variance = nan
+        if not isfinite(measured):
+            reason, text = Reason.BAD_INPUT, "wheel speed is missing or not finite"
+        elif not wheel.settled and wheel.restarted_by_gap:
+            reason, text = Reason.GAP, "wheel speed had a gap"
+        elif not wheel.settled:
+            reason, text = Reason.NOT_READY, "too few samples since start"
+        elif reason is Reason.OK:
+            found = slip(speed[0], omega[0], motion.radius)
+            variance = slip_variance(*speed, *omega, motion.radius, motion.radius_variance, motion.covariance)
+            if variance > self._p.max_slip_stddev**2:
+                reason, text = Reason.UNCERTAIN, f"standard deviation of the slip is {sqrt(variance):.3f}"
+            elif abs(found) > HIGHEST_SLIP:
+                reason, text = Reason.BAD_INPUT, f"slip of {found:.2f}: the wheel spins, or the speed is wrong"
+            else:
+                acceleration, omega_dot = (
+                    (car.acceleration, car.acceleration_variance),
+                    (wheel.acceleration, wheel.acceleration_variance),
+                )
+                rate = slip_rate(speed[0], acceleration[0], omega[0], omega_dot[0], motion.radius)
+                rate_variance = slip_rate_variance(speed, acceleration, omega, omega_dot, motion.radius)
+            if reason is not Reason.OK:
+                found = variance = nan
+        return WheelEstimate(found, rate, speed[0], omega[0], variance, rate_variance, speed[1], reason, text)
+
+
+class _Known(NamedTuple):
+    """Whether the motion of the car gives a slip."""
+
+    reason: Reason
+    text: str
+    """The reason in words."""
