@@ -1,9 +1,8 @@
 """Grip: friction used, proven and left against the truth of a plant that shares no code with the estimator."""
 
 import argparse
-from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import nan
 from os import cpu_count
 
 import numpy as np
@@ -17,10 +16,8 @@ from friction_grip.road_memory import RoadMemory
 from friction_grip.road_prior import RoadPrior
 from friction_parameters.command_line import count
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.physical_bounds import is_vague
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
-from wheel_slip.estimator import SlipEstimator
 
 Array = NDArray[np.float64]
 _PARTS = ("car", "front", "rear")
@@ -28,9 +25,7 @@ _RMS = {"car": 0.015, "front": 0.02, "rear": 0.025}
 _CHANGED = 0.2
 """Time over which a force is meant [s]: within it after a change of road the proof is of both."""
 _ODOMETRY = 0.05
-"""Error of a distance, relative: radii of 3 %, and wheels that slip."""
-PRESSURE_AGE = 0.02
-"""Time after which wheel_slip uses a brake pressure [s]."""
+"""Error of a distance by wheel speeds, relative: radii of 3 %, and wheels that slip."""
 BELIEFS = {
     "prior as it is": FrictionGripParameters(),
     "prior all ice": FrictionGripParameters(prior=RoadPrior(0.0, 0.0, 0.0, 1.0)),
@@ -87,37 +82,20 @@ def _drive_and_tell(job: tuple[int, float]) -> dict[str, Told]:
     seed, seconds = job
     driven = drive(seed, seconds, (1.0, 0.5, 1.6)[seed % 3])
     vehicle = load_vehicle("compact_car")
-    speeds = _speeds(driven, vehicle)
-    return {name: tell(driven, vehicle, belief, speeds) for name, belief in BELIEFS.items()}
+    return {name: tell(driven, vehicle, belief) for name, belief in BELIEFS.items()}
 
 
-def _speeds(driven: GripDrive, vehicle: Vehicle) -> list[float]:
-    """Speeds of the car as wheel_slip tells them, where it knows them, else those of the median wheel [m/s]."""
-    estimator, radii = SlipEstimator(vehicle), np.array(vehicle.radii)
-    torques = np.array([wheel.brake_gain for wheel in vehicle.wheels]) * driven.pressure
-    late = round(PRESSURE_AGE / float(driven.time[1] - driven.time[0]))
-    speeds = []
-    for k, time in enumerate(driven.time.tolist()):
-        forward = vehicle.accelerometer.forward(_Reading(driven.forward[k], 0.0, 0.0))
-        known = torques[k - late].tolist() if k >= late else [nan] * len(radii)
-        stamp = round((time + 1.0) * NANOSECONDS)
-        told = estimator.update(stamp, driven.wheel_speed[k].tolist(), forward, torques=known)[0]
-        vague = not isfinite(told.vehicle_speed) or is_vague(told.vehicle_speed, told.vehicle_speed_variance**0.5)
-        speeds.append(float(np.median(driven.wheel_speed[k] * radii)) if vague else told.vehicle_speed)
-    return speeds
-
-
-def tell(driven: GripDrive, vehicle: Vehicle, parameters: FrictionGripParameters, speeds: Sequence[float]) -> Told:
-    """Estimate over a drive, with speeds of the car [m/s]."""
+def tell(driven: GripDrive, vehicle: Vehicle, parameters: FrictionGripParameters) -> Told:
+    """Estimate over a drive."""
     used = FrictionUsed(vehicle)
     tail = 1.0 - parameters.lower_probability
     road = RoadMemory(parameters.prior, parameters.change_distance, parameters.proof_distance, tail)
-    gains = np.array([wheel.brake_gain for wheel in vehicle.wheels])
+    gains, radii = np.array([wheel.brake_gain for wheel in vehicle.wheels]), np.array(vehicle.radii)
     travelled = np.append(0.0, np.cumsum(driven.speed[1:] * np.diff(driven.time)))
     window = round(_CHANGED / float(driven.time[1] - driven.time[0]))
     rows, roads, last = [], [], float(driven.time[0])
     for k, time in enumerate(driven.time.tolist()):
-        speed = abs(speeds[k])
+        speed = float(np.median(driven.wheel_speed[k] * radii))
         road.drive(speed * (time - last))
         last = time
         forward = vehicle.accelerometer.forward(_Reading(driven.forward[k], 0.0, 0.0))

@@ -5,12 +5,12 @@ from math import isnan, nan
 from typing import Any
 
 import pytest
-from friction_msgs.msg import FrictionCurve, Grip, TyreForce, Validity, WheelSlip
+from friction_msgs.msg import FrictionCurve, Grip, TyreForce, Validity
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_grip.parameters import FrictionGripParameters
 from friction_grip.ros.processor import GRIP, GripProcessor, build
-from friction_runtime.messages import header_at, to_nanoseconds
+from friction_runtime.messages import header_at
 from friction_runtime.processor import Level
 from vehicle_models.constants import GRAVITY
 from vehicle_models.reason import Reason
@@ -162,25 +162,3 @@ def test_health_shows_the_numbers() -> None:
     health = processor.health()
     assert health.level == Level.OK
     assert health.values["friction used"].startswith("0.3")
-
-
-def slips(k: int, speed: float, stddev: float) -> Stream:
-    return [
-        (
-            f"{name}/slip",
-            WheelSlip(header=header_at(k * STEP, name), wheel=name, vehicle_speed=speed, vehicle_speed_stddev=stddev),
-        )
-        for name in CAR.wheel_names
-    ]
-
-
-@pytest.mark.parametrize(("known", "stddev", "speed"), [(20.0, 0.1, 20.0), (20.0, 30.0, 5.0), (nan, nan, 5.0)])
-def test_while_all_wheels_slide_the_distance_is_that_of_the_speed_that_wheel_slip_knows(
-    known: float, stddev: float, speed: float
-) -> None:
-    stream: Stream = []
-    for k in range(1, 400):
-        stream += [imu(k, -2.0), *slips(k, known, stddev), wheels(k, 5.0)]
-    first, *_, last = told(made(), stream)
-    seconds = 1e-9 * (to_nanoseconds(last.header.stamp) - to_nanoseconds(first.header.stamp))
-    assert last.distance - first.distance == pytest.approx(speed * seconds, rel=0.02)

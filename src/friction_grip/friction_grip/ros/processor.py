@@ -5,7 +5,7 @@ from math import hypot, isfinite, nan
 from statistics import median
 from typing import Any, Final
 
-from friction_msgs.msg import FrictionCurve, Grip, GripUsed, TyreForce, WheelSlip
+from friction_msgs.msg import FrictionCurve, Grip, GripUsed, TyreForce
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_grip.friction_used import FrictionUsed, GripInUse, Used
@@ -13,7 +13,7 @@ from friction_grip.parameters import FrictionGripParameters
 from friction_grip.road_memory import RoadMemory
 from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
-from friction_runtime.messages import header_at, speed_is_known, to_nanoseconds, validity
+from friction_runtime.messages import header_at, to_nanoseconds, validity
 from friction_runtime.processor import Level, Output, Report, silent
 from friction_runtime.wheel_inputs import WHEEL_STATES, BrakeTorque, WheelSpeeds
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -44,7 +44,6 @@ class GripProcessor(AlignedProcessor[Speeds]):
         self._brakes = {(brake := BrakeTorque(vehicle, name)).topic: brake for name in vehicle.wheel_names}
         self._curves = tuple(f"{name}/friction_curve" for name in (*vehicle.wheel_names, "vehicle"))
         self._forces = tuple(f"{name}/tyre_force" for name in vehicle.wheel_names)
-        self._slips = tuple(f"{name}/slip" for name in vehicle.wheel_names)
         self.sensors: Mapping[str, type] = {
             WHEEL_STATES: JointState,
             IMU: Imu,
@@ -53,12 +52,11 @@ class GripProcessor(AlignedProcessor[Speeds]):
         self.estimates: Mapping[str, type] = {
             **dict.fromkeys(self._curves, FrictionCurve),
             **dict.fromkeys(self._forces, TyreForce),
-            **dict.fromkeys(self._slips, WheelSlip),
         }
         self.outputs: Mapping[str, type] = {GRIP: Grip}
         others = (*self._brakes, *self.estimates)
         aligned = [AlignedInput(topic) for topic in (IMU, *self._brakes)]
-        aligned += [AlignedInput(topic, optional=True) for topic in (*self._curves, *self._slips)]
+        aligned += [AlignedInput(topic, optional=True) for topic in self._curves]
         aligned += [AlignedInput(topic, _REVOLUTION, optional=True) for topic in self._forces]
         super().__init__("vehicle", Primary(WHEEL_STATES, "vehicle", report), aligned, parameters.deadline, others)
         self._used = FrictionUsed(vehicle)
@@ -87,9 +85,6 @@ class GripProcessor(AlignedProcessor[Speeds]):
             if not (abs(forward) <= _LARGEST and abs(leftward) <= _LARGEST):
                 return f"{IMU}: {forward} and {leftward} m/s^2 are no accelerations of a car"
             return self._aligner.offer(topic, stamp, (forward, leftward))
-        if topic in self._slips:
-            known = speed_is_known(message)
-            return self._aligner.offer(topic, stamp, (abs(message.vehicle_speed), 1.0) if known else (0.0, 0.0))
         brake = self._brakes.get(topic)
         if topic in self._forces:
             return self._aligner.offer(topic, stamp, _of_tyre(message))
@@ -106,9 +101,8 @@ class GripProcessor(AlignedProcessor[Speeds]):
         self._last = sample.stamp
         if not speeds:
             return self._unknown(sample.stamp, Reason.NO_WHEEL_SPEED, f"{WHEEL_STATES}: no wheel has a speed")
-        told = [values[0] for topic in self._slips if (values := sample.values.get(topic)) and values[1] == 1.0]
-        # a wheel that brakes turns slower, one that drives faster; while all of them slide, only wheel_slip knows
-        speed = median(told) if told else abs(median(speeds))
+        # a wheel that brakes turns slower, one that drives faster: the car is no slower than the median
+        speed = abs(median(speeds))
         self._road.drive(speed * min(step, _LONGEST_STEP))
         if imu is None:
             return self._unknown(sample.stamp, Reason.NO_ACCELERATION, sample.missing.get(IMU, f"{IMU}: no sample"))
