@@ -49,7 +49,7 @@ class Accelerometer:
         self.against_wheels.reset()
         self._is_frozen = False
         self._last: int | None = None
-        self._reference, self._moved = 0.0, False
+        self._reference, self._has_wheels = 0.0, False
         self.travelled = 0.0
         """Integral of the readings [m/s]."""
 
@@ -70,9 +70,9 @@ class Accelerometer:
         # where they were, as it is felt.
         by_wheels = max([abs(rim) for rim in known], default=0.0)
         dt = min(since / NANOSECONDS, 1.0)
-        fastest = self._reference + dt * HARDEST_BRAKING if self._moved else by_wheels
+        fastest = self._reference + dt * HARDEST_BRAKING if self._has_wheels else by_wheels
         self._reference = max(min(by_wheels, fastest), self._reference - dt * _FELT * abs(reading))
-        self._moved = bool(known)
+        self._has_wheels = bool(known)
         spin = by_wheels > self._reference + LOCKED
         if known and not spin and (by_wheels > LOCKED or self._reference < _MOVES):
             self._compare(stamp, reading, median(known))

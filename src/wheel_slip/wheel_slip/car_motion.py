@@ -39,7 +39,7 @@ from vehicle_models.physical_bounds import HARDEST_BRAKING
 from vehicle_models.vehicle import FRONT, STATED, Vehicle, absolute_deviation, deviation_of, specified_stddev
 from wheel_slip.filter_bank import FilterBank
 from wheel_slip.motion_noise import MotionNoise
-from wheel_slip.tyre_forces import LOCKED, TELLING, TyreForces
+from wheel_slip.tyre_forces import LOCKED, SLOWEST, TELLING, TyreForces
 from wheel_slip.tyre_slip import TyreSlip
 
 Array = NDArray[np.float64]
@@ -51,10 +51,8 @@ SLOPE_KEPT, SLOPE_CHANGED = range(2)
 
 _JITTER: Final = 100_000
 """By which stamps may be off their grid [ns]."""
-_SLOWEST: Final = 1.0
-"""Speed [m/s] that divides in place of a slower one."""
 _SLOWEST_TURN: Final = 3.0
-"""The same where a curve is told by it: below, a car can turn on the spot."""
+"""Speed [m/s] that divides in place of a slower one where a curve is told by it: a car can turn on the spot."""
 _STANDS: Final = 1.0
 """Time in which wheels that stand say once that the car does [s]."""
 
@@ -348,7 +346,7 @@ class CarMotion:
             covariance[:, :, V] += (covariance[:, :, [B, K, T]] @ f[:, :, None])[:, :, 0]
         covariance[:, U] *= turn
         covariance[:, :, U] *= turn
-        speed = max(abs(self._speed), _SLOWEST)
+        speed = max(abs(self._speed), SLOWEST)
         between = dt / max(self._samples, 1)
         noise = dt * between * p.acceleration**2 + dt * between**2 * p.jerk**2 / 3.0
         covariance[:, V, V] += noise if seen else dt * p.unknown_acceleration**2
@@ -368,13 +366,13 @@ class CarMotion:
         rates[~np.isfinite(rates)] = 0.0
         reading = (now.way - before.way) / span
         mean_speed, offset = float(bank.x[0, V]), float(self.mean[B])
-        speed = max(abs(mean_speed), _SLOWEST)
+        speed = max(abs(mean_speed), SLOWEST)
         behind = self._relaxation / speed
         unlike = reading - (offset if self._reading is not None else 0.0) - rates
         rest = np.maximum(np.abs(unlike) - 3.0 * sqrt(2.0 * self._rim_variance) / span, 0.0)
         locked = np.abs(then.rim_speeds) <= LOCKED
-        told = len(torques) == self._count and bool(np.isfinite(torques).all())
-        self._tyres.disturb(dt, rest, behind + (p.pressure_delay if told else p.correlation))
+        settles = p.pressure_delay if self._forces.told_by(torques) else p.correlation
+        self._tyres.disturb(dt, rest, behind + settles)
         forces = self._forces.of(
             reading, mean_speed, rates, torques, self._tyres.unrest, float(self.mean[F]), self._reading is None, locked
         )
@@ -434,7 +432,6 @@ class CarMotion:
             way: integral of the readings since then [m/s].
         """
         bank, wheels = self._bank, np.arange(self._count)
-        forgiven = exp(-self._noise.step / self._noise.failed)
         then, by_then = self._at(age, way)
         compliance = bank.x[:, C : self._e]
         of_radius = 1.0 - bank.x[:, self._e :]
@@ -447,10 +444,11 @@ class CarMotion:
         h[:, wheels, self._e + wheels] = -ground * roll
         h[:, ~use] = 0.0
         innovation = np.where(use, z - ground * roll, 0.0)
-        every = np.where(use, once + lasting * many, 1.0)
-        # One that has failed, or spins beyond any slip, is not explained by any state: it counts as a surprise at most.
-        every = every + self._failed
-        self._failed = (self._failed + bank.doubt(h, innovation, every, self._noise.surprise) - every) * forgiven
+        sound = np.where(use, once + lasting * many, 1.0)
+        # One that has failed, or spins beyond any slip, is not explained by any state, and is not believed for a while.
+        every = sound + self._failed
+        told = bank.doubt(h, innovation, every, self._noise.surprise)
+        self._failed = (told - sound) * exp(-self._noise.step / self._noise.failed)
         every = every + self._failed
         inner = bank.correct(h, innovation, every)
         # An error that lasts is one, not many: a step has its share of it.

@@ -43,6 +43,6 @@ class MotionNoise:
     pressure_delay: float = constant(0.012, "age of a pressure that is not known", unit="s")
     radius: float = constant(0.002, "what a wheel's speed is off by over its radius: bumps, as a share")
     radius_walk: float = constant(1e-4, "change of a radius in the square root of a second, as a share")
-    surprise: float = constant(6.0, "deviations of a wheel's speed beyond which it counts no more than these")
+    surprise: float = constant(6.0, "deviations from what the other wheels say beyond which a wheel counts the less")
     failed: float = constant(5.0, "time for which a wheel that was such a surprise is not believed", unit="s")
     unknown_acceleration: float = constant(5.0, "acceleration in the square root of a second, unseen", unit="m/s^2")

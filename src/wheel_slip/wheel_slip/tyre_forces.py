@@ -23,6 +23,8 @@ TELLING = 0.5
 """Force over load times g [m/s^2] from which on a tyre's slip has the sign of its force."""
 LOCKED = 0.6
 """Rim speed [m/s] below which an encoder reads zero."""
+SLOWEST = 1.0
+"""Speed [m/s] that divides in place of a slower one."""
 
 
 def free_wheels(vehicle: Vehicle) -> list[int]:
@@ -62,6 +64,10 @@ class TyreForces:
         self._radii = np.array(vehicle.radii)
         self._driven = np.array([wheel.driven for wheel in wheels], dtype=np.float64)
 
+    def told_by(self, torques: Sequence[float]) -> bool:
+        """Whether torques tell the forces: of all brakes, and known."""
+        return len(torques) == self._count and all([isfinite(torque) for torque in torques])
+
     def of(
         self,
         reading: float,
@@ -89,7 +95,7 @@ class TyreForces:
         load = np.maximum(self._load - self._transfer * (sign * reading), LEAST_SHARE * self._load)
         resistance = float(drag(self._vehicle, abs(speed))) / self._mass
         pull = -sign * reading - resistance
-        told, felt = len(torques) == self._count and all([isfinite(torque) for torque in torques]), nan
+        told, felt = self.told_by(torques), nan
         if told:
             at_rim = (np.array(torques) + self._inertia * rim_rates * sign / self._radii) / self._radii
             # The road holds a locked wheel, not its brake.

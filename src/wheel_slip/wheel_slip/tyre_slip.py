@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheel_slip.motion_noise import MotionNoise
-from wheel_slip.tyre_forces import TELLING, Forces
+from wheel_slip.tyre_forces import SLOWEST, TELLING, Forces
 
 Array = NDArray[np.float64]
 
@@ -77,11 +77,11 @@ class TyreSlip:
             dt: length of the step [s].
             speed: of the car [m/s].
             forces: that are measured; a change of them within their noise is not one of the tyre.
-            compliance: slip over force at most [s^2/m].
+            compliance: slip over force, no less than is expected [s^2/m].
             unlike: acceleration of the car less that of every rim [m/s^2].
             locked: which wheels stand.
         """
-        p, fast, step = self._noise, max(abs(speed), 1.0), forces.force - self.force
+        p, fast, step = self._noise, max(abs(speed), SLOWEST), forces.force - self.force
         change = step**3 / (step**2 + forces.fleeting**2)
         self.force = self.force + change
         size = np.abs(self.force)
