@@ -63,6 +63,7 @@ bags: build ## make the recorded experiments of bags/ again, from fixed seeds
 docs: build ## write parameter files, parameter tables and pictures, generated from the code
 	@$(run) python -m tools.docs
 	@$(run) python tools/draw_layers.py
+	@$(run) python -m tools.draw_slip_stop
 
 clean: ## remove the files that the targets above made
 	rm -rf .venv build install log out .mypy_cache .ruff_cache .pytest_cache .hypothesis

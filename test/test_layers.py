@@ -14,6 +14,7 @@ SOURCES = ROOT / "src"
 ALGORITHMS = (
     "friction_parameters",
     "vehicle_models",
+    "sensor_monitor",
     "corner_sim",
     "friction_adapter",
     "wheel_slip",

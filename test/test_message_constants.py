@@ -11,7 +11,7 @@ from typing import Any
 import friction_msgs.msg
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
-from friction_msgs.msg import BrakeCommand, FrictionCurveDebug, SupervisorState, Validity, WheelSlip
+from friction_msgs.msg import BrakeCommand, FrictionCurveDebug, SupervisorState, Validity
 
 import abs_supervisor.fsm
 import abs_supervisor.law.choice
@@ -21,7 +21,6 @@ import friction_curve_id.interface
 import friction_runtime.processor
 import vehicle_models.brake_actuator
 import vehicle_models.reason
-import wheel_slip.estimate
 
 SOURCES = Path(__file__).parents[1] / "src"
 MESSAGES = SOURCES / "friction_msgs" / "msg"
@@ -36,8 +35,6 @@ MIRRORED: list[tuple[type[IntEnum], Any, str]] = [
     (friction_curve_id.interface.RestartCause, FrictionCurveDebug, "RESTART_"),
     (friction_runtime.processor.Level, DiagnosticStatus, ""),
     (vehicle_models.reason.Reason, Validity, ""),
-    (wheel_slip.estimate.Mode, WheelSlip, "MODE_"),
-    (wheel_slip.estimate.SpeedSource, WheelSlip, "SPEED_"),
 ]
 """Enum, message, and which of its constants: those of a prefix, those named, or all but the ones with a prefix."""
 OF_OTHERS = {"STALE"}

@@ -83,7 +83,7 @@ def test_the_doctor_learns_the_car_of_the_log_and_its_estimates_become_right(tmp
         times = [1e-9 * (to_nanoseconds(each.header.stamp) - 1_700_000_000_000_000_000) for each in slips]
         true = np.interp(times, truth.time, truth.slip[:, 0])
         error[name] = float(np.sqrt(np.mean((np.array([each.slip for each in slips]) - true) ** 2)))
-    assert error["after"] < 0.004 < 0.01 < error["before"]
+    assert max(error.values()) < 0.004, "wheel_slip corrects the radius itself"
     for wheel in WHEELS:
         told = before[f"/{wheel}/friction_curve"]
         claimed = [each for each in told if each.validity.valid]

@@ -26,13 +26,14 @@ LAYERS = (
         "friction_grip",
         "friction_state",
     ),
+    ("sensor_monitor",),
     ("friction_runtime",),
     ("vehicle_models",),
     ("friction_parameters", "friction_msgs"),
 )
 """Product packages from the top; a package imports from layers below its own, and from no other."""
 _WIDTH, _BOX, _HEIGHT, _ROW = 1280, 150, 30, 100
-_COLOURS = ("#1b6ca8", "#b5651d", "#2e7d32", "#6a1b9a", "#ad1457", "#00796b", "#5d4037")
+_COLOURS = ("#1b6ca8", "#b5651d", "#2e7d32", "#6a1b9a", "#ad1457", "#00796b", "#5d4037", "#37474f")
 
 
 def imports(files: Iterable[Path]) -> set[str]:

@@ -24,8 +24,8 @@ from friction_bags.importers.table import Table
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
+from wheel_slip.estimate import SpeedSample
 from wheel_slip.estimator import EstimatorParameters, SlipEstimator
-from wheel_slip.speed_sample import SpeedSample
 
 _WHEELS = ("wheel_fl(kmph)", "wheel_fr(kmph)", "wheel_rl(kmph)", "wheel_rr(kmph)")
 _KMH = 1.0 / 3.6

@@ -1,12 +1,12 @@
 """Deceleration of one wheel from its newest samples, with its standard deviation.
 
-A straight line through the last few samples of the wheel speed. The noise of a sample is estimated from third
-differences, which a parabola does not enter: for white noise of variance s^2 the mean of their square is 20 s^2.
+A straight line through the last few samples of the wheel speed.
 """
 
 from math import nan, sqrt
 from typing import Final
 
+from sensor_monitor.signal_noise import SignalNoise
 from vehicle_models.nanoseconds import NANOSECONDS
 
 WINDOW: Final = 0.035
@@ -16,12 +16,6 @@ ORDINARY_STDDEV: Final = 0.07
 """[rad/s] of the wheel speed of section 8.3.2, taken before anything is learned."""
 _LEAST_STDDEV: Final = 0.02
 """[rad/s] no encoder is better."""
-_MEMORY: Final = 100.0
-"""Samples over which the noise is averaged."""
-_OUTLIER: Final = 16.0
-"""A squared third difference counts for at most so many times its mean: it is a jump of the brake, not noise."""
-_UNEVEN: Final = 0.2
-"""Sample times that differ by more than this share do not give a third difference."""
 
 
 class WheelMotion:
@@ -29,13 +23,14 @@ class WheelMotion:
 
     def __init__(self) -> None:
         """Start without samples."""
+        self._noise = SignalNoise(ORDINARY_STDDEV**2, _LEAST_STDDEV**2)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
         self._times: list[float] = []
         self._speeds: list[float] = []
-        self._variance = ORDINARY_STDDEV**2
+        self._noise.reset()
         self._origin: int | None = None
         self.rate = nan
         """[rad/s^2] of the wheel speed over the window; NaN until it is full."""
@@ -45,7 +40,7 @@ class WheelMotion:
     @property
     def noise(self) -> float:
         """Standard deviation of the noise of a sample [rad/s]."""
-        return sqrt(self._variance)
+        return sqrt(self._noise.variance)
 
     def update(self, stamp: int, wheel_speed: float) -> None:
         """Take the wheel speed [rad/s] at a stamp [ns], later than the last."""
@@ -61,22 +56,8 @@ class WheelMotion:
         while times[0] < time - WINDOW - 1e-6:
             times.pop(0)
             speeds.pop(0)
-        self._learn_noise()
+        self._noise.update(stamp, wheel_speed)
         self._fit()
-
-    def _learn_noise(self) -> None:
-        times, speeds = self._times, self._speeds
-        if len(times) < _FEWEST:
-            return
-        first, second, third = times[-3] - times[-4], times[-2] - times[-3], times[-1] - times[-2]
-        longest, shortest = max(max(first, second), third), min(min(first, second), third)
-        if longest - shortest > _UNEVEN * longest:
-            return
-        a, b, c, d = speeds[-4], speeds[-3], speeds[-2], speeds[-1]
-        third_difference = d - 3.0 * c + 3.0 * b - a
-        squared = third_difference * third_difference / 20.0
-        self._variance += (min(squared, _OUTLIER * self._variance) - self._variance) / _MEMORY
-        self._variance = max(self._variance, _LEAST_STDDEV**2)
 
     def _fit(self) -> None:
         times, speeds = self._times, self._speeds
@@ -93,4 +74,4 @@ class WheelMotion:
             spread += offset * offset
             moment += offset * speeds[index]
         self.rate = moment / spread
-        self.rate_stddev = sqrt(self._variance / spread)
+        self.rate_stddev = sqrt(self._noise.variance / spread)

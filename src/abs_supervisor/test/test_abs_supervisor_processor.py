@@ -71,13 +71,12 @@ def turning(stamp: int, slip: float = SLIP) -> list[tuple[str, Any]]:
     """Messages of a wheel with a slip; its speed is never the same twice, as that of a sensor that works."""
     header = Header(stamp=from_nanoseconds(stamp))
     speed = SPEED * (1.0 - slip) / 0.3 + 1e-3 * (stamp // STEP % 2)
-    source = WheelSlip.SPEED_SENSOR
     message = WheelSlip(
         header=header,
         slip=slip,
         slip_stddev=0.00316,
         vehicle_speed=SPEED,
-        speed_source=source,
+        speed_measured=True,
         validity=Validity(valid=True),
     )
     return [

@@ -188,7 +188,7 @@ def test_estimates_that_the_bag_holds_are_made_again(rows: Rows, tmp_path: Path)
     old = WheelSlip(wheel="front_left", slip=0.99)
     write(tmp_path / "bag", [*rows, ("front_left/slip", START + 1, old)])
     after = process(tmp_path / "bag", tmp_path / "out", estimators=("wheel_slip",), outputs_only=True)
-    assert set(after) == {f"/{wheel}/slip" for wheel in WHEELS}
+    assert set(after) == {"/vehicle_speed", *(f"/{wheel}/slip" for wheel in WHEELS)}
     assert encode(old) not in {data for _, data in after["/front_left/slip"]}
 
 

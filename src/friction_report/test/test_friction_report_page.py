@@ -92,7 +92,7 @@ def test_every_topic_of_the_bag_is_drawn_or_named(stop: str) -> None:
     assert data["not_drawn"] == ["/front_left/friction_curve_debug", "/imu/data"]
     drawn = {line["label"] for line in data["lines"]}
     assert {"front_left, ω r", "car, estimated", "car, speed sensor", "car, true"} <= drawn
-    assert {panel["key"] for panel in data["panels"]} == {panel.key for panel in PANELS} - {"grip"}
+    assert {panel["key"] for panel in data["panels"]} == {panel.key for panel in PANELS}
     assert {(strip["panel"], strip["group"]) for strip in data["strips"]} >= {
         *(("sign", group) for group in ("estimated", "true")),
         *(("supervisor", group) for group in ("state", "law", "release", "command")),

@@ -56,22 +56,18 @@ def test_a_speed_is_there_as_soon_as_wheels_and_accelerometer_are() -> None:
     assert np.all(np.abs(found[:, 0]) < 3.0 * found[:, 1])
 
 
-RADII = pytest.mark.xfail(strict=True, reason="radii that differ between the sides look like a long curve")
-
-
-@pytest.mark.parametrize("yaw_known", [True, pytest.param(False, marks=RADII)])
+@pytest.mark.parametrize("yaw_known", [True, False])
 def test_a_curve_is_no_slip_with_a_yaw_rate_and_without(yaw_known: bool) -> None:
     yaw_rate = 0.25
     motion, found = followed(np.full(2000, 15.0), yaw_rate, yaw_known=yaw_known)
     assert np.all(np.abs(found[200:, 0]) < 0.1)
-    assert motion.mean[3] == pytest.approx(yaw_rate, abs=0.02)
+    assert motion.mean[3] == pytest.approx(yaw_rate, abs=0.02 if yaw_known else 2.0 * motion.covariance[3, 3] ** 0.5)
     for wheel, truth in enumerate(rolling(CAR, 15.0, yaw_rate)):
         ground, variance = motion.wheel(wheel)[:2]
-        assert ground == pytest.approx(truth, abs=0.1)
+        assert ground == pytest.approx(truth, abs=0.1 if yaw_known else 0.15)
         assert abs(ground - truth) < 3.0 * variance**0.5
 
 
-@RADII
 def test_a_long_curve_without_a_yaw_rate_is_within_what_is_stated() -> None:
     motion, _ = followed(np.full(2000, 15.0), 0.25)
     assert abs(motion.mean[3] - 0.25) < 3.0 * motion.covariance[3, 3] ** 0.5

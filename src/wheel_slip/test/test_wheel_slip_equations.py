@@ -27,7 +27,16 @@ def test_variances_are_those_of_a_sample_of_small_errors() -> None:
     slips = 1.0 - (omega + e[:, 2]) * r / (v + e[:, 0])
     rates = r / (v + e[:, 0]) * ((omega + e[:, 2]) * (a + e[:, 1]) / (v + e[:, 0]) - omega_dot - e[:, 3])
     variances = [float(s**2) for s in sigma]
-    assert slip_variance(v, variances[0], omega, variances[2], r) == pytest.approx(slips.var(), rel=0.02)
+    exact = (r, 0.0)
+    assert slip_variance((v, variances[0]), (omega, variances[2]), exact, 0.0) == pytest.approx(slips.var(), rel=0.02)
     assert slip_rate_variance(
         (v, variances[0]), (a, variances[1]), (omega, variances[2]), (omega_dot, variances[3]), r
     ) == pytest.approx(rates.var(), rel=0.02)
+
+
+def test_an_error_of_the_radius_that_is_in_the_speed_too_is_not_in_the_slip() -> None:
+    share = 1e-4
+    speed = (20.0, 20.0**2 * share)
+    alone = slip_variance((20.0, 0.0), (60.0, 0.0), (1.0 / 3.0, share), 0.0)
+    assert alone == pytest.approx(share)
+    assert slip_variance(speed, (60.0, 0.0), (1.0 / 3.0, share), 20.0 * share) == pytest.approx(0.0, abs=1e-12)

@@ -16,12 +16,12 @@ from corner_sim.car.tyres import TYRES
 from corner_sim.parameters import SimParameters
 from corner_sim.ros.simulation import Simulation
 from friction_parameters.parameter import from_mapping
+from sensor_monitor.unit_check import UnitCheck
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.ros.processor import build
-from wheel_slip.unit_check import UnitCheck
 
 CAR = load_vehicle("chapter_car")
 RADIUS = 0.3
@@ -55,7 +55,7 @@ def answers(run: list[tuple[str, Any]], change: Change) -> list[WheelSlip]:
         if topic in topics:
             changed = deepcopy(message)
             change(topic, changed)
-            found += [answer for _, answer in processor.process(topic, changed)]
+            found += [answer for _, answer in processor.process(topic, changed) if isinstance(answer, WheelSlip)]
     return found
 
 

@@ -39,6 +39,7 @@ from vehicle_models.physical_bounds import HARDEST_BRAKING
 from vehicle_models.vehicle import FRONT, STATED, Vehicle, absolute_deviation, deviation_of, specified_stddev
 from wheel_slip.filter_bank import FilterBank
 from wheel_slip.motion_noise import MotionNoise
+from wheel_slip.radius_odds import RadiusOdds
 from wheel_slip.tyre_forces import LOCKED, SLOWEST, TELLING, TyreForces
 from wheel_slip.tyre_slip import TyreSlip
 
@@ -93,6 +94,7 @@ class CarMotion:
         self._e = C + self._count
         self._radii = np.array(vehicle.radii)
         self.set_noise(wheel_speed_stddev**2)
+        self.set_drift(0.0)
         self._forces, self._tyres = TyreForces(vehicle, noise), TyreSlip(self._count, noise)
         scale = specified_stddev(mounting.deviations, "scale")
         pitch = GRAVITY * deviation_of(mounting.deviations, "pitch_gain", 0.0)
@@ -103,15 +105,15 @@ class CarMotion:
         self._relaxation = np.array([wheel.relaxation_length for wheel in wheels])
         self._left = np.array([0.5 * vehicle.track * (1.0 if wheel.side == "left" else -1.0) for wheel in wheels])
         self._ahead = np.array([0.5 * vehicle.wheelbase**2 if wheel.axle == FRONT else 0.0 for wheel in wheels])
-        common = max(deviation_of(wheel.deviations, "radius", 0.0) / wheel.radius for wheel in wheels)
-        unstated = 0.5 * STATED["radius"]  # half is what all have in common
-        apart = [deviation_of(each.deviations, "radius", unstated * each.radius) / each.radius for each in wheels]
+        stated = [deviation_of(each.deviations, "radius", STATED["radius"] * each.radius) for each in wheels]
+        apart = np.array(stated) / self._radii
         prior = np.zeros((C + 2 * self._count,) * 2)
         prior[B, B], prior[K, K], prior[U, U] = self._offset**2, gain**2, (noise.lateral / _SLOWEST_TURN) ** 2
         prior[T, T], prior[F, F] = age**2, noise.pull**2
         alike = noise.compliance_alike
         prior[C : self._e, C : self._e] = noise.compliance_stddev**2 * (alike + (1.0 - alike) * np.eye(self._count))
-        prior[self._e :, self._e :] = common**2 + np.diag(np.square(apart))
+        self._radius_odds = RadiusOdds(float(apart.max()), 0.5 * apart, noise)
+        prior[self._e :, self._e :] = self._radius_odds.prior
         self._prior = prior
         self._expected = np.zeros(C + 2 * self._count)
         self._expected[C : self._e] = noise.compliance
@@ -140,20 +142,14 @@ class CarMotion:
         """Take the variance of a wheel speed [rad^2/s^2]."""
         self._rim_variance = variance * float(self._radii.max()) ** 2
 
+    def set_drift(self, variance: float) -> None:
+        """Take the variance that the noise of the accelerometer brings to the speed in a second [m^2/s^3]."""
+        self._drift = variance
+
     def set_age_variance(self, variance: float) -> None:
         """Take how far the accelerometer may be late beyond the vehicle file, as a variance [s^2]."""
         if variance > self.covariance[T, T]:
             self._bank.p[:, T, T] = np.maximum(self._bank.p[:, T, T], variance)
-
-    @property
-    def mean(self) -> Array:
-        """Mean of the states at the last step, shape (6 + 2 wheels,)."""
-        return self._bank.mean
-
-    @property
-    def covariance(self) -> Array:
-        """Of them, shape (6 + 2 wheels, 6 + 2 wheels)."""
-        return self._bank.covariance
 
     @property
     def probabilities(self) -> Array:
@@ -245,37 +241,34 @@ class CarMotion:
 
         None where nothing is known of that time.
         """
-        seen = self._back(stamp)
+        seen = self._back(self.mean, stamp)
         if seen is None:
             return None
-        (first, second), h = seen
-        share = self.probabilities
-        spread = float(share @ (h * (self._bank.p @ h[:, :, None])[:, :, 0]).sum(axis=1))
-        between = float(share[0] * share[1] * (second - first) ** 2)
-        return speed - float(share[0] * first + share[1] * second), spread + between + self._lasting
+        then, h = seen
+        return speed - float(then), float(h @ self.covariance @ h) + self._lasting
 
     def take_speed(self, stamp: int, speed: float, variance: float) -> None:
         """Correct by a speed [m/s] with its variance [m^2/s^2] that was measured at a stamp [ns]; or start at it."""
         if not self.started:
             self._begin_at(speed, variance)
             return
-        seen = self._back(stamp)
+        seen = self._back(self._bank.x, stamp)
         if seen is not None:
             then, h = seen
             self._bank.correct_one(h, speed - then, variance)
             self._tell()
 
-    def _back(self, stamp: float) -> tuple[Array, Array] | None:
-        """Return the speed at a stamp [ns] by each hypothesis [m/s], and its derivatives, shapes (2,), (2, states)."""
+    def _back(self, x: Array, stamp: float) -> tuple[Array, Array] | None:
+        """Return the speed at a stamp [ns] by states x, shape (..., states), and its derivatives by them."""
         then = next((way for when, way in reversed(self._ways) if when <= stamp), None)
-        return None if then is None else self._at((self._stepped - stamp) / NANOSECONDS, self._step_way - then)
+        return None if then is None else self._at(x, (self._stepped - stamp) / NANOSECONDS, self._step_way - then)
 
-    def _at(self, age: float, way: float) -> tuple[Array, Array]:
+    def _at(self, x: Array, age: float, way: float) -> tuple[Array, Array]:
         """Return the same some time [s] before the last step; `way`: integral of the readings since then [m/s]."""
-        x, h = self._bank.x, np.zeros_like(self._bank.x)
-        since, kept = way - age * x[:, B], 1.0 - x[:, K]
-        h[:, V], h[:, B], h[:, K] = 1.0, age * kept, since
-        return x[:, V] - since * kept, h
+        h = np.zeros_like(x)
+        since, kept = way - age * x[..., B], 1.0 - x[..., K]
+        h[..., V], h[..., B], h[..., K] = 1.0, age * kept, since
+        return x[..., V] - since * kept, h
 
     def _forward(self, since: float) -> float:
         """Return the change of the speed since the last step [m/s]."""
@@ -318,7 +311,18 @@ class CarMotion:
         if known.size and len(self._steps) == 3:
             speed = float(np.median(known))
             locked = abs(speed) <= LOCKED
+            if self._reading is not None and abs(self._reading) < TELLING:
+                p, c = self._noise, slice(C, self._e)
+                self._bank.p[:, c, c] *= (p.compliance_unlike * p.compliance / p.compliance_stddev) ** 2
+            self._bank.x[:, U] = self._turn(self._steps[-1].rim_speeds, speed)
             self._begin_at(speed, self._standing_variance() if locked else (0.5 * speed) ** 2)
+
+    def _turn(self, rim_speeds: Array, speed: float) -> float:
+        """Return the yaw rate at which wheels roll at a speed [rad/s], 0 where those of one side are missing."""
+        left, right = rim_speeds[self._left > 0.0], rim_speeds[self._left < 0.0]
+        found = float((np.mean(right) - np.mean(left)) / (2.0 * self._left.max())) if left.size and right.size else nan
+        most = 2.0 * self._noise.lateral / max(abs(speed), _SLOWEST_TURN)
+        return min(max(found, -most), most) if isfinite(found) else 0.0
 
     def _begin_at(self, speed: float, variance: float) -> None:
         self._bank.x[:, V], self._bank.p[:, V, V] = speed, variance
@@ -348,7 +352,7 @@ class CarMotion:
         covariance[:, :, U] *= turn
         speed = max(abs(self._speed), SLOWEST)
         between = dt / max(self._samples, 1)
-        noise = dt * between * p.acceleration**2 + dt * between**2 * p.jerk**2 / 3.0
+        noise = dt * max(between * p.acceleration**2, self._drift) + dt * between**2 * p.jerk**2 / 3.0
         covariance[:, V, V] += noise if seen else dt * p.unknown_acceleration**2
         covariance[SLOPE_KEPT, B, B] += dt * p.offset_walk**2
         unknown = max(2.0 * p.slope**2 - float(covariance[SLOPE_CHANGED, B, B]), 0.0)
@@ -383,7 +387,10 @@ class CarMotion:
         z = then.rim_speeds + behind * unlike
         once = self._rim_variance / then.samples * (1.0 + 2.0 * (behind / span) ** 2)
         compliance = np.maximum(self.mean[C : self._e], p.compliance)
-        bank.relax(slice(C, self._e), *self._tyres.change(dt, mean_speed, forces, compliance, unlike, locked))
+        bank.relax(
+            slice(C, self._e),
+            *self._tyres.change(dt, mean_speed, forces, compliance, np.copysign(rest, unlike), locked),
+        )
         bank.add(slice(self._e, None), dt * p.radius_walk**2)
         late = (((0.5 if forces.told else 1.0) * behind + p.pressure_delay) * self._tyres.unrest) ** 2
         # To second order: while neither slip over force nor the engine's force is known, their product is an error.
@@ -432,7 +439,7 @@ class CarMotion:
             way: integral of the readings since then [m/s].
         """
         bank, wheels = self._bank, np.arange(self._count)
-        then, by_then = self._at(age, way)
+        then, by_then = self._at(bank.x, age, way)
         compliance = bank.x[:, C : self._e]
         of_radius = 1.0 - bank.x[:, self._e :]
         roll = (1.0 - compliance * self._tyres.force) * of_radius
@@ -446,15 +453,25 @@ class CarMotion:
         innovation = np.where(use, z - ground * roll, 0.0)
         sound = np.where(use, once + lasting * many, 1.0)
         # One that has failed, or spins beyond any slip, is not explained by any state, and is not believed for a while.
-        every = sound + self._failed
-        told = bank.doubt(h, innovation, every, self._noise.surprise)
-        self._failed = (told - sound) * exp(-self._noise.step / self._noise.failed)
-        every = every + self._failed
+        lasts = self._noise.failed / self._noise.step
+        every = bank.doubt(h, innovation, sound, self._failed, self._noise.surprise, lasts)
+        self._failed = (every - sound) * exp(-1.0 / lasts)
+        before = bank.x
         inner = bank.correct(h, innovation, every)
+        self._turn_open_direction(before)
         # An error that lasts is one, not many: a step has its share of it.
         own = np.diagonal(inner, axis1=1, axis2=2) + np.where(use, once + lasting, 1.0)
         independent = np.where(use, (once + lasting) / every, 0.0)
         bank.weigh(-0.5 * ((innovation**2 / own + np.log(own)) @ independent))
+
+    def _turn_open_direction(self, before: Array) -> None:
+        """Keep open what rim speeds do not tell: an error of all radii alike, with speed and yaw rate in proportion."""
+        x, p, share = self._bank.x, self._bank.p, 1.0 / self._count
+        alike = 1.0 + share * (x - before)[:, self._e :].sum(axis=1)
+        for state in (V, U):
+            moved = (share * (x[:, state] - before[:, state] * alike))[:, None]
+            p[:, state] += moved * p[:, self._e :].sum(axis=1)
+            p[:, :, state] += moved * p[:, :, self._e :].sum(axis=2)
 
     def _keep_signs(self, late: Array) -> None:
         """Move a slip that is against its force to zero, with what goes with it; what is known stays as it is."""
@@ -476,7 +493,9 @@ class CarMotion:
     def _tell(self) -> None:
         """Take the hypotheses together, and keep what is told until the next step."""
         self._bank.collapse()
-        p, mean, covariance = self._noise, self._bank.mean, self._bank.covariance
+        self.mean, self.covariance, self.another_tyre = self._radius_odds.tell(self._bank.mean, self._bank.covariance)
+        """Mean and covariance of the states, shapes (6 + 2 wheels,) and twice that; and per wheel a probability."""
+        p, mean, covariance = self._noise, self.mean, self.covariance
         v = float(mean[V])
         self._speed, self._bias, self._kept = (
             v,

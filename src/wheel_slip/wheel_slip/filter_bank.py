@@ -59,26 +59,30 @@ class FilterBank:
         each = np.arange(self.x.shape[1])[states]
         self.p[:, each, each] += variance
 
-    def doubt(self, h: Array, innovation: Array, variance: Array, most: float) -> Array:
-        """Return variances with which no measurement is further off than `most` deviations from what the others say.
+    def doubt(self, h: Array, innovation: Array, sound: Array, before: Array, most: float, lasts: float) -> Array:
+        """Return variances with which a measurement counts the less, the more it is off from what the others say.
 
         Args:
             h: see `correct`.
             innovation: see `correct`.
-            variance: see `correct`.
-            most: deviations.
+            sound: variance of each where nothing is wrong with it, shape (measurements,).
+            before: what was to be added to that before, shape (measurements,).
+            most: deviations beyond which something is.
+            lasts: for how many measurements that is one error.
         """
         likely = int(self.probabilities.argmax())
         spread = h[likely] @ self.p[likely] @ h[likely].T
-        variance = variance.copy()
+        variance = sound + before
         for _ in variance:
             inverse = np.linalg.inv(spread + np.diag(variance))
             alone = 1.0 / np.diagonal(inverse)
-            off = np.square(inverse @ innovation[likely]) * alone
-            worst = int(off.argmax())
-            if off[worst] <= most**2 * (1.0 + 1e-9):
+            expected = alone - variance + sound
+            off = np.square(inverse @ innovation[likely] * alone) / (expected * most**2)
+            lacking = np.where(off > 1.0, lasts * expected * (off**2 - 1.0) + sound - variance, 0.0)
+            worst = int(np.where(lacking > 1e-9 * variance, off, 0.0).argmax())
+            if lacking[worst] <= 1e-9 * variance[worst]:
                 break
-            variance[worst] += alone[worst] * ((off[worst] / most**2) ** 2 - 1.0)
+            variance[worst] += lacking[worst]
         return variance
 
     def correct(self, h: Array, innovation: Array, variance: Array) -> Array:

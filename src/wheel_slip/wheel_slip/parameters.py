@@ -19,13 +19,6 @@ class SpeedSensorParameters:
     latency: float = parameter(
         0.0, "age of the speed at the stamp of vehicle_velocity", unit="s", minimum=0.0, maximum=0.5
     )
-    wait: float = parameter(
-        0.02,
-        "a sample of vehicle_velocity is used this long after its stamp; no output waits for it",
-        unit="s",
-        minimum=0.0,
-        maximum=0.5,
-    )
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 slip = (v - omega r) / v,    slip_rate = (r / v) (omega v_dot / v - omega_dot)
 
 The variances take speed, wheel speed and their rates as independent, which they are while the speed does not come from
-the wheel itself, and which is on the safe side while it does.
+the wheel itself, and which is on the safe side while it does. Only the error of its radius is known to be in both.
 """
 
 
@@ -13,23 +13,19 @@ def slip(speed: float, wheel_speed: float, radius: float) -> float:
 
 
 def slip_variance(
-    speed: float,
-    speed_variance: float,
-    wheel_speed: float,
-    wheel_speed_variance: float,
-    radius: float,
-    radius_variance: float = 0.0,
-    covariance: float = 0.0,
+    speed: tuple[float, float], wheel_speed: tuple[float, float], radius: tuple[float, float], covariance: float
 ) -> float:
-    """Variance [-] of slip from those of the speed [m^2/s^2], the wheel speed [rad^2/s^2] and the radius.
+    """Variance [-] of slip.
 
-    The radius' is that of its error as a share [-], and `covariance` that of this and the speed [m/s]: what a speed has
-    of a wheel's radius is not in the slip of this wheel.
+    Args:
+        speed: of the ground at the wheel [m/s], and its variance [m^2/s^2].
+        wheel_speed: [rad/s], and its variance [rad^2/s^2].
+        radius: [m], and the variance of its error as a share.
+        covariance: of speed and radius error [m/s]: that of a speed which wheels gave is in the slip of none of them.
     """
-    by_speed = wheel_speed * radius / speed**2
-    by_wheel = radius / speed
-    of_both = by_speed**2 * speed_variance + (by_speed * speed) ** 2 * (radius_variance - 2.0 * covariance / speed)
-    return max(of_both, 0.0) + by_wheel**2 * wheel_speed_variance
+    turned = wheel_speed[0] * radius[0] / speed[0]
+    of_share = speed[1] / speed[0] ** 2 + radius[1] - 2.0 * covariance / speed[0]
+    return turned**2 * max(of_share, 0.0) + (radius[0] / speed[0]) ** 2 * wheel_speed[1]
 
 
 def slip_rate(speed: float, acceleration: float, wheel_speed: float, wheel_acceleration: float, radius: float) -> float:

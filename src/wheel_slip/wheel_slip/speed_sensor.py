@@ -1,229 +1,118 @@
-"""Processing of the speed sensor: comparison with wheels and accelerometer, validation, use.
+"""Correction by a speed sensor, weighed by the probability that it is wrong.
 
-It owns what is known of the sensor (sensor_watch.py, sensor_age.py, sensor_skew.py) and changes the speed by it.
+A sensor that is right differs from the filter's speed by what both are uncertain; one that is wrong differs by anything
+up to some `_WRONG`. It seldom changes from one to the other. A sample counts with the probability that it is right. One
+that repeats the last to the last bit may be as old as the first of them: what the speed has changed since is in its
+variance. So is what it changes by within the age that a sample may have, as the accelerometer tells (signal_age.py); a
+sensor that is too late for that is left out. While nothing has shown that the radii of the wheels are as the vehicle
+file says, they may be what is wrong: the difference is then in the variance of the speed.
 """
 
-from collections.abc import Sequence
-from math import isfinite, sqrt
-from statistics import median
+from math import exp, log, nan
+from typing import Final
 
+from sensor_monitor.signal_age import SignalAge
 from vehicle_models.nanoseconds import NANOSECONDS
-from wheel_slip.outvoted import Outvoted
-from wheel_slip.radius_doubt import RadiusDoubt
-from wheel_slip.sensor_watch import SensorWatch
-from wheel_slip.slide_detector import SlideDetector
-from wheel_slip.speed_filter import SpeedFilter
-from wheel_slip.speed_sample import SpeedSample
-from wheel_slip.tuning import Tuning
+from wheel_slip.car_motion import CarMotion
+from wheel_slip.estimate import SpeedSample
+
+_WRONG: Final = 10.0
+"""Deviation of a sensor that is wrong [m/s]."""
+_FAILS: Final = 1e-4
+"""Rate at which a sensor that is right becomes wrong [1/s]: once in three hours."""
+_RECOVERS: Final = 0.01
+"""Rate at which one that is wrong becomes right [1/s]."""
+_AGE: Final = 0.07
+"""Deviation of the age of a sample, until a change of the acceleration has shown it [s]."""
+_ALIKE: Final = 0.2
+"""Time for which the errors of a sample are one [s]: those of age and filter of the sensor."""
+_BRAKING: Final = 3.0
+"""Time for which what the age of a sample does is one error [s]."""
+_PROVEN: Final = 1.0
+"""Time of agreement after which the radii are taken to be right [s]."""
+_NAMED: Final = 1.0
+"""Change of the speed under a value that stays, from which on that is named [m/s]."""
+_TIMEOUT: Final = NANOSECONDS // 2
+"""Silence after which the sensor is taken to be gone [ns]."""
 
 
 class SpeedSensor:
-    """The speed sensor of one car."""
+    """Speed sensor of one car."""
 
-    def __init__(
-        self, tuning: Tuning, timeout: float, car: SpeedFilter, slide: SlideDetector, radii: RadiusDoubt
-    ) -> None:
-        """Start without samples.
-
-        Args:
-            tuning: of the speed.
-            timeout: silence after which the wheels take over [s].
-            car: the speed, which is corrected.
-            slide: which wheels roll.
-            radii: how far the radii make wheels wrong.
-        """
-        self._p = tuning
-        self._timeout = timeout * NANOSECONDS
-        self._car = car
-        self._slide = slide
-        self._radii = radii
-        self._watch = SensorWatch(tuning.sensor)
+    def __init__(self) -> None:
+        """Start without samples."""
+        self._age = SignalAge(_AGE, accelerometer=False)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
-        self._watch.reset()
-        self._stamp: int | None = None
-        self._used: int | None = None
+        self._age.reset()
+        self._wrong = _FAILS / _RECOVERS
+        self._radii_unproven = 1.0
+        self._difference = self._stale = 0.0
+        self._first: SpeedSample | None = None
+        self._last: int | None = None
+
+    def follow(self, stamp: int, car: CarMotion) -> None:
+        """Take what the accelerometer has told of the motion of a car up to a stamp [ns]."""
+        self._age.follow(stamp, car.travelled)
+
+    def update(self, sample: SpeedSample, car: CarMotion) -> None:
+        """Correct the speed of a car by a sample."""
+        since = (sample.stamp - self._last) / NANOSECONDS if self._last is not None else 0.0
+        self._last = sample.stamp
+        if self._first is None or sample.speed != self._first.speed:
+            self._first = sample
+        self._age.compare(sample.stamp, sample.speed, car.acceleration, sample.variance)
+        self._stale = self._moved(sample, car)
+        since_then, by_age = self._age.moved(sample.stamp)
+        speed, by_age = sample.speed + since_then, by_age + self._stale
+        difference = car.compare(sample.stamp, speed) if car.started else None
+        if difference is not None:
+            self._judge(*difference, sample.variance + by_age, min(max(since, 0.0), 1.0))
+        if not self._age.text:
+            # What its age does is one error for as long as a braking lasts, not another one in each sample.
+            variance = sample.variance + by_age * max(_BRAKING / max(since, 1e-3), 1.0)
+            car.take_speed(sample.stamp, speed, variance / max(1.0 - self._wrong, 1e-9))
+
+    def wrong(self, stamp: int) -> float:
+        """Return the probability that it is wrong at a stamp [ns], NaN where there is no sensor."""
+        return max(self._wrong, self._age.wrong) if self.speaks(stamp) else nan
+
+    def speaks(self, stamp: int) -> bool:
+        """Whether there are samples at a stamp [ns]."""
+        return self._last is not None and stamp - self._last <= _TIMEOUT
+
+    @property
+    def undecided(self) -> float:
+        """Variance of the speed by what nothing decides: sensor or radii [m^2/s^2]."""
+        return self._wrong * self._radii_unproven * self._difference**2
 
     @property
     def text(self) -> str:
-        """Names what is wrong with the sensor, empty where nothing is."""
-        return self._watch.text
+        """Names what is wrong, empty where nothing is."""
+        if self._age.text:
+            return f"{self._age.text}, by the accelerometer; left out: speed_sensor.latency may take its age"
+        if self._stale > _NAMED**2:
+            return "repeats one value that wheels and accelerometer contradict; left out"
+        if self._wrong < 0.5:
+            return ""
+        radii = ", or the radii are wrong" if self._radii_unproven > 0.5 else ""
+        return f"{abs(self._difference):.1f} m/s from wheels and accelerometer; left out{radii}"
 
-    @property
-    def undecided_variance(self) -> float:
-        """Variance of the speed by what sensor and wheels differ by, and nothing decides which is right [m^2/s^2]."""
-        return 0.0 if self._watch.late else self._watch.undecided**2
+    def _moved(self, sample: SpeedSample, car: CarMotion) -> float:
+        """Square of what the speed has changed by since this value first came [m^2/s^2]."""
+        if self._first is None or sample is self._first or not car.started:
+            return 0.0
+        now, then = car.compare(sample.stamp, sample.speed), car.compare(self._first.stamp, sample.speed)
+        return car.speed**2 if now is None or then is None else (now[0] - then[0]) ** 2
 
-    @property
-    def age_variance(self) -> float:
-        """Variance of a speed of the sensor by its age [m^2/s^2]."""
-        return self._skew_variance + self._watch.age.error**2
-
-    @property
-    def _skew_variance(self) -> float:
-        return self._watch.skew.variance(self._slide.acceleration)
-
-    def speaks(self, stamp: int) -> bool:
-        """Whether a sample has come lately, and nothing is wrong with the sensor."""
-        return self._is_fresh(stamp) and not self._watch.left_out
-
-    def _is_fresh(self, stamp: int) -> bool:
-        return self._stamp is not None and stamp - self._stamp <= self._timeout
-
-    def follow(self, stamp: int) -> None:
-        """Follow the accelerometer up to a stamp [ns]."""
-        self._watch.skew.follow(stamp, self._car.travelled_at(stamp) or 0.0)
-
-    def take(
-        self, stamp: int, measured: Sequence[SpeedSample], smooth_rim_speeds: Sequence[float], gauged: bool
-    ) -> tuple[Sequence[SpeedSample], bool]:
-        """Learn the age of samples.
-
-        Args:
-            stamp: of the wheels [ns].
-            measured: the samples.
-            smooth_rim_speeds: filtered rim speeds [m/s], NaN where unknown.
-            gauged: whether there is an accelerometer.
-
-        Returns:
-            The samples that repeat no old one, and whether the speed must begin anew: it was made by old ones.
-        """
-        if not measured:
-            return measured, False
-        car, age, before = self._car, self._watch.age, self._watch.age.late
-        travelled = [car.travelled_at(each.stamp) if gauged else None for each in measured]
-        new = [
-            each
-            for each, so_far in zip(measured, travelled, strict=True)
-            if not self._watch.is_old(each, so_far, car.offset)
-        ]
-        if gauged:
-            self._learn_skew(new)
-        begins_anew = False
-        free = sorted([smooth_rim_speeds[index] for index in self._slide.free])
-        if len(free) > 1 and self._p.slide.are_alike(free):
-            speed = sum(free) / len(free)
-            for sample in measured:
-                change = car.change_since(sample.stamp)
-                if change is not None:
-                    age.update(sample.stamp, sample.speed + change - speed, speed, sample.variance)
-            if age.late and not before and self._is_fresh(stamp):
-                car.reset()
-                self._watch.skew.start_again()
-                self._stamp = None
-                begins_anew = True
-        return new, begins_anew
-
-    def _learn_skew(self, measured: Sequence[SpeedSample]) -> None:
-        """Compare samples with the accelerometer; where that shows that they are old, take away what they have done."""
-        skew = self._watch.skew
-        for sample in measured:
-            was_late = skew.late
-            skew.update(sample.stamp, sample.speed, sample.variance)
-            if skew.late and not was_late:
-                self._car.correct_course(*skew.motion())
-
-    def judge(
-        self,
-        measured: Sequence[SpeedSample],
-        at_wheels: tuple[float, list[int]] | None,
-        effort: float,
-        variance: float,
-        started: bool,
-        gauged: bool,
-    ) -> Sequence[SpeedSample]:
-        """Return the samples that may be used.
-
-        Args:
-            measured: the samples.
-            at_wheels: speed by the wheels that are believed [m/s] and which these are; None where they tell nothing.
-            effort: deceleration by which these slip [m/s^2].
-            variance: of the speed, as it is stated [m^2/s^2].
-            started: whether there is a speed.
-            gauged: whether there is an accelerometer.
-        """
-        usable = self._fitting(measured, at_wheels, effort, variance, gauged) if measured and started else measured
-        if self._watch.late:
-            usable = ()
-        if usable:
-            self._stamp = usable[-1].stamp
-        return usable
-
-    def _fitting(
-        self,
-        measured: Sequence[SpeedSample],
-        at_wheels: tuple[float, list[int]] | None,
-        effort: float,
-        variance: float,
-        gauged: bool,
-    ) -> Sequence[SpeedSample]:
-        car, watch, radii = self._car, self._watch, self._radii
-        usable: list[SpeedSample] = []
-        for sample in measured:
-            change = car.change_since(sample.stamp)
-            if change is None:
-                continue
-            noise = sample.variance + self._skew_variance
-            if at_wheels is not None and gauged and self._slide.has_rolled:
-                rolling = at_wheels[0] * (1.0 + self._p.speed_filter.compliance * effort)
-                shares = radii.common**2 + radii.of_mean + self._p.radius_uncertainty**2
-                deviation = sqrt(shares * rolling**2 + self._p.rolling.blind_stddev**2 + noise)
-                slip = abs(self._p.speed_filter.compliance_stddev * effort * rolling)
-                fits = watch.compare(sample.stamp, sample.speed + change - rolling, deviation, slip)
-            else:
-                of_both = sqrt(noise + variance)
-                fits = watch.fits(sample.stamp, sample.speed + change - car.speed, of_both)
-            if fits:
-                usable.append(sample)
-        return usable
-
-    def vote(
-        self,
-        votes: Outvoted,
-        stamp: int,
-        measured: Sequence[SpeedSample],
-        smooth_rim_speeds: Sequence[float],
-        rim_accelerations: Sequence[float],
-        variance: float,
-    ) -> None:
-        """Compare samples with the speed and with wheels that turn alike, and say so to those who count the votes.
-
-        Args:
-            votes: against the accelerometer.
-            stamp: of the wheels [ns].
-            measured: the samples.
-            smooth_rim_speeds: filtered rim speeds [m/s], NaN where unknown.
-            rim_accelerations: their rates [m/s^2].
-            variance: of the speed, as it is stated [m^2/s^2].
-        """
-        if not measured or self._watch.late:
-            return
-        car = self._car
-        known = [index for index, speed in enumerate(smooth_rim_speeds) if isfinite(speed)]
-        alike = self._p.slide.are_alike(sorted([smooth_rim_speeds[index] for index in known]))
-        middle = median([smooth_rim_speeds[index] for index in known]) if alike else 0.0
-        rate = median([rim_accelerations[index] for index in known]) if alike else 0.0
-        of_age = self._skew_variance
-        of_radii = (self._radii.common**2 + self._p.radius_uncertainty**2) * middle**2
-        for sample in measured:
-            change = car.change_since(sample.stamp)
-            if change is None:
-                continue
-            then = middle - rate * (stamp - sample.stamp) / NANOSECONDS
-            at_wheels = (sample.speed - then, of_radii + of_age) if alike else None
-            at_speed = (sample.speed + change - car.speed, variance + of_age)
-            votes.note(sample.stamp, sample.variance, at_speed, at_wheels)
-
-    def use(self, sample: SpeedSample, starting: bool) -> None:
-        """Correct the speed by a sample, or start it."""
-        if starting:
-            self._car.start(sample.speed, sample.variance, 0.0)
-        else:
-            # Over a short time an age is one error, as the slip of a rolling wheel is.
-            since = (sample.stamp - self._used) / NANOSECONDS if self._used is not None else 0.0
-            many = max(self._p.rolling.correlation / since, 1.0) if since > 0.0 else 1.0
-            of_age = many * self._watch.skew.spread if self._slide.acceleration is not None else 0.0
-            self._car.correct(sample.speed, sample.variance + of_age, sample.stamp, by_wheels=0.0)
-        self._used = sample.stamp
+    def _judge(self, difference: float, expected: float, variance: float, since: float) -> None:
+        right, off = expected + variance, expected + _WRONG**2
+        told = 0.5 * (difference**2 / right - difference**2 / off + log(right / off))
+        wrong = self._wrong + since * (_FAILS * (1.0 - self._wrong) - _RECOVERS * self._wrong)
+        share = min(since / _ALIKE, 1.0) if since else 1.0
+        odds = wrong / (1.0 - wrong) * exp(max(min(share * told, 50.0), -50.0))
+        self._wrong = min(max(odds / (1.0 + odds), 1e-9), 1.0 - 1e-9)
+        self._difference = difference
+        self._radii_unproven *= exp(-since * (1.0 - self._wrong) / _PROVEN)

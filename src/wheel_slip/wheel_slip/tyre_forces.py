@@ -107,7 +107,7 @@ class TyreForces:
             if braked > TELLING:
                 felt = -sign * (braked + resistance)
         else:
-            force = np.full(self._count, max(pull - p.blind_force, 0.0))
+            force = np.full(self._count, max(pull, 0.0) ** 3 / (pull**2 + p.blind_force**2))
             engine, unsure, least, uneven = min(pull, 0.0), 0.0, p.blind_force, p.unequal
             least += p.unread * abs(pull) if unread else 0.0
         share = p.engine**2 / (p.engine**2 + unsure**2)

@@ -1,4 +1,4 @@
-"""Tells how the slip of every tyre over its force changes: along its curve, beyond its peak, and back.
+"""Change of every tyre's slip over its force: along its curve, beyond its peak, and back.
 
 Where the force stays, slip over force stays. Where a tyre bends, at its peak, its slip creeps; where it dives, its slip
 goes on as fast as it goes. What such a change makes of slip over force is bounded: a tyre whose wheel comes back gives
@@ -32,6 +32,8 @@ _BEND: Final = np.exp(_SATURATION) / _RATIO - 1.0
 """Relative change of slip over force with that of the force at these."""
 _FULL: Final = 0.95
 """Share from which on a tyre may be beyond its peak."""
+_ANY_ROAD: Final = 1.0
+"""Force over load times g [m/s^2] that any road gives but wet ice."""
 _BEYOND: Final = 0.3
 _BEYOND_STDDEV: Final = 0.3
 """Slip of a tyre that is beyond its peak, and its deviation [-]: it may be locked."""
@@ -61,7 +63,7 @@ class TyreSlip:
         """Force of every tyre over its load, times g [m/s^2], braking positive, shape (wheels,)."""
         self.unrest = np.zeros(self._count)
         """By how much every wheel changes unlike the car, until tyre and pressure follow [m/s^2], shape (wheels,)."""
-        self._largest, self._doubt = np.zeros((2, self._count))
+        self._largest, self._doubt = np.full(self._count, _ANY_ROAD), np.zeros(self._count)
 
     def disturb(self, dt: float, rest: Array, settles: Array) -> None:
         """Take by how much wheels change unlike the car [m/s^2], and the time in which their forces settle [s]."""
@@ -78,7 +80,7 @@ class TyreSlip:
             speed: of the car [m/s].
             forces: that are measured; a change of them within their noise is not one of the tyre.
             compliance: slip over force, no less than is expected [s^2/m].
-            unlike: acceleration of the car less that of every rim [m/s^2].
+            unlike: acceleration of the car less that of every rim, beyond its noise [m/s^2].
             locked: which wheels stand.
         """
         p, fast, step = self._noise, max(abs(speed), SLOWEST), forces.force - self.force
@@ -97,7 +99,7 @@ class TyreSlip:
         self._doubt = self._doubt + again * (forces.doubt - self._doubt)
         towards, bound = self._on_curve(size, weight)
         share = np.where(locked, 1.0, np.minimum(grown / bound, 1.0))
-        share = np.where(forces.told & (self._largest > TELLING), share, 0.0)
+        share = np.where(forces.told | (self._largest <= _ANY_ROAD), share, 0.0)
         return SlipChange(np.sqrt(1.0 - share), towards, np.where(share > 0.0, share * bound, grown))
 
     def _on_curve(self, size: Array, weight: Array) -> tuple[Array, Array]:

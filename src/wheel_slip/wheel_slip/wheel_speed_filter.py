@@ -22,8 +22,8 @@ from math import nan, pi, sqrt
 from typing import Final
 
 from friction_parameters.parameter import parameter
+from sensor_monitor.missing_tooth import MissingTooth
 from vehicle_models.nanoseconds import NANOSECONDS
-from wheel_slip.ring_gap import RingGap
 
 _FIRST_ACCELERATION_VARIANCE: Final = 100.0**2
 """Variance of an unknown acceleration [rad^2/s^4]: ten times that of a wheel that rolls in a hard stop, squared."""
@@ -82,7 +82,7 @@ class WheelSpeedFilter:
             teeth: teeth of the encoder, missing ones included.
         """
         self._pitch = 2.0 * pi / teeth if parameters.edges else 0.0
-        self._gap = RingGap(parameters.missing_teeth, 2.0 * pi / teeth) if parameters.missing_teeth else None
+        self._gap = MissingTooth(parameters.missing_teeth, 2.0 * pi / teeth) if parameters.missing_teeth else None
         self._variance = parameters.speed_stddev**2
         self._jerk_density = parameters.jerk_density
         self._max_gap = max_gap

@@ -19,7 +19,6 @@ from vehicle_models.physical_bounds import HIGHEST_SLIP
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
-_SPEED_SENSOR = int(WheelSlip.SPEED_SENSOR)
 _TEXTS: Final = 20
 """Changes of the reason of a slip that are kept: a sample waits for its inputs far less long."""
 Reading = tuple[int, tuple[float, ...]]
@@ -81,7 +80,7 @@ class WheelInputs:
             if self._fine and message.validity.reason == Reason.UNCERTAIN:
                 slip, stddev = self._uncertain(message)
         known = abs(slip) <= HIGHEST_SLIP and 0.0 <= stddev < inf
-        measured = float(message.speed_source == _SPEED_SENSOR)
+        measured = float(message.speed_measured)
         flagged_slip = _flagged(slip if known else nan)
         car = _flagged(message.vehicle_speed if speed_is_known(message) else nan)
         return stamp, (*flagged_slip, stddev if known else 0.0, *car, measured)

@@ -160,8 +160,7 @@ def _slip(header: Header, wheel: str, sample: PlantSample, i: int) -> WheelSlip:
         slip_stddev=0.0,
         slip_rate_stddev=0.0,
         vehicle_speed_stddev=0.0,
-        speed_source=WheelSlip.SPEED_SENSOR,
-        mode=WheelSlip.MODE_SENSOR_ROLLING,
+        speed_measured=True,
         validity=_validity(wheel, moving),
     )
 

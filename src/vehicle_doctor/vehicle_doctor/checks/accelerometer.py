@@ -16,8 +16,7 @@ from vehicle_doctor.motion import Motion, free_rims, spread_of_rest
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import deviation_of, specified_stddev
-from wheel_slip.accelerometer_age import AccelerometerAge
-from wheel_slip.tuning import SlideTuning
+from wheel_slip.accelerometer import Accelerometer
 
 FLAT, CIRCUIT, UNKNOWN = "flat", "out-and-back", "unknown"
 ROADS = (UNKNOWN, FLAT, CIRCUIT)
@@ -40,7 +39,7 @@ def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift
     if not np.isfinite(motion.force).any():
         return [], None
     accelerometer = drive.vehicle.accelerometer
-    if late := _long_after_the_wheels(motion):
+    if late := _long_after_the_wheels(drive, motion):
         return [late], None
     found = _mounting(drive, motion)
     compared = against_wheels(drive, motion)
@@ -60,18 +59,19 @@ def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift
     return found, compared
 
 
-def _long_after_the_wheels(motion: Motion) -> Finding | None:
+def _long_after_the_wheels(drive: Drive, motion: Motion) -> Finding | None:
     """Return the finding of an accelerometer with which wheel_slip cannot do anything."""
-    watch = AccelerometerAge(SlideTuning())
+    watch = Accelerometer(drive.vehicle)
     known = np.isfinite(motion.force) & motion.complete
     for number in np.flatnonzero(known):
         stamp = round((number + 1) * motion.step * NANOSECONDS)
-        watch.update(stamp, motion.rims[number].tolist(), float(motion.force[number]))
-    if not watch.late:
+        watch.usable(stamp, float(motion.force[number]), motion.rims[number].tolist())
+    if not watch.text:
         return None
-    text = f"follows the wheels {watch.late:.1f} s late: not usable for the present motion"
+    late = watch.against_wheels.late
+    text = f"{watch.text}: not usable for the present motion"
     remedy = "look for a filter, or a queue, between the sensor and its messages; wheel_slip leaves it out"
-    return Finding("skew", IMU, Verdict.FAIL, text, 1e3 * watch.late, 1e3 * _COARSE_AGE, "ms", remedy)
+    return Finding("skew", IMU, Verdict.FAIL, text, 1e3 * late, 1e3 * _COARSE_AGE, "ms", remedy)
 
 
 def against_wheels(drive: Drive, motion: Motion) -> Shift | None:

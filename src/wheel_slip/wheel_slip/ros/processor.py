@@ -1,9 +1,10 @@
-"""wheel_states, imu/data, vehicle_velocity and <wheel>/brake_pressure in, <wheel>/slip out: one for the car."""
+"""wheel_states, imu/data, vehicle_velocity and <wheel>/brake_pressure in, <wheel>/slip and vehicle_speed out."""
 
 from collections.abc import Mapping
 from math import isfinite, nan, sqrt
 from typing import Final
 
+import numpy as np
 from friction_msgs.msg import WheelSlip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import FluidPressure, Imu, JointState
@@ -17,15 +18,22 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_ACCELERATION, HIGHEST_SPEED
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.estimate import Mode, WheelEstimate
+from wheel_slip.car_motion import B, U
+from wheel_slip.estimate import Hypotheses, SpeedSample, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.ros.brake_pressures import BrakePressures
 from wheel_slip.speed_queue import SpeedQueue
-from wheel_slip.speed_sample import SpeedSample
 
 IMU: Final = "imu/data"
 VEHICLE_VELOCITY: Final = "vehicle_velocity"
+VEHICLE_SPEED: Final = "vehicle_speed"
+_HIGHEST_YAW_RATE: Final = 5.0
+"""[rad/s] beyond which a reading is garbage: a car that turns on the spot on ice makes half of it."""
+_UNKNOWN: Final = 1e6
+"""Variance of what is not estimated of a twist, as consumers of covariances expect it."""
+_WAIT: Final = 0.02
+"""[s] of message time after which a sample of vehicle_velocity is used; no output waits for one."""
 _QUIET = (Reason.OK, Reason.LOW_SPEED)
 """Reasons that belong to ordinary driving."""
 
@@ -47,11 +55,13 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         self.sensors = {**self.sensors, **self._brakes.sensors}
         optional = (VEHICLE_VELOCITY, *self._brakes.sensors)
         self.estimates: Mapping[str, type] = {}
-        self.outputs: Mapping[str, type] = {f"{wheel}/slip": WheelSlip for wheel in self._wheels}
+        self._slips = [f"{wheel}/slip" for wheel in self._wheels]
+        of_car = {VEHICLE_SPEED: TwistWithCovarianceStamped}
+        self.outputs: Mapping[str, type] = {**dict.fromkeys(self._slips, WheelSlip), **of_car}
         primary = Primary(WHEEL_STATES, "car", report)
         super().__init__("car", primary, inputs, parameters.deadline, optional)
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
-        self._speeds: SpeedQueue[tuple[float, float]] = SpeedQueue(parameters.speed_sensor.wait)
+        self._speeds: SpeedQueue[tuple[float, float]] = SpeedQueue(_WAIT)
         self._estimator = SlipEstimator(vehicle, parameters.estimator)
         self._forget()
 
@@ -63,7 +73,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             return self._brakes.offer(topic, message)
         stamp = to_nanoseconds(message.header.stamp)
         if topic == IMU:
-            return self._aligner.offer(topic, stamp, (self._acceleration(message),))
+            return self._aligner.offer(topic, stamp, self._motion(message))
         return self._offer_speed(stamp, message)
 
     def _forget(self) -> None:
@@ -78,13 +88,13 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         self._estimator.reset()
 
     def _state(self) -> tuple[Level, str]:
-        if self._estimator.vehicle.mode is Mode.WAITING:
+        if not self._estimator.car.started:
             return Level.ERROR, "no vehicle speed"
         bad = [f"{wheel}: {estimate.text}" for wheel, estimate in self._last.items() if estimate.reason not in _QUIET]
-        if self._estimator.vehicle.accelerometer_text:
-            bad.append(f"{IMU}: {self._estimator.vehicle.accelerometer_text}; left out")
-        if self._estimator.vehicle.sensor_text:
-            bad.append(f"{VEHICLE_VELOCITY}: {self._estimator.vehicle.sensor_text}")
+        if self._estimator.accelerometer.text:
+            bad.append(f"{IMU}: {self._estimator.accelerometer.text}; left out")
+        if self._estimator.speed_sensor.text:
+            bad.append(f"{VEHICLE_VELOCITY}: {self._estimator.speed_sensor.text}")
         if self._estimator.radius_text:
             bad.append(self._estimator.radius_text)
         if self._missing:
@@ -92,23 +102,33 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         return Level.WARN if bad else Level.OK, "; ".join(bad)
 
     def _values(self) -> dict[str, str]:
-        car = self._estimator.vehicle
+        car, hypotheses = self._estimator.car, self._estimator.hypotheses
+        errors, stddevs = car.radius_errors
         values = {
-            **car.health_values(self._stamp),
-            "radii [m]": ", ".join(f"{radius:.4f}" for radius in self._estimator.radii),
-            "their relative standard deviations [%]": ", ".join(
-                f"{100.0 * sqrt(variance):.2f}" for variance in self._estimator.radius_variances
-            ),
+            "vehicle speed [m/s]": f"{car.speed:.3f}",
+            "vehicle speed standard deviation [m/s]": f"{sqrt(car.variance):.3f}",
+            "yaw rate [rad/s]": f"{float(car.mean[U]):.3f}",
+            "accelerometer offset [m/s^2]": f"{car.mean[B]:.3f}",
+            "accelerometer offset standard deviation [m/s^2]": f"{sqrt(car.covariance[B, B]):.3f}",
+            "errors of the radii [%]": ", ".join(f"{100.0 * error:.2f}" for error in errors),
+            "their standard deviations [%]": ", ".join(f"{100.0 * stddev:.2f}" for stddev in stddevs),
             "late samples of vehicle_velocity": str(self._speeds.late),
+            **{f"probability: {name}": f"{value:.3f}" for name, value in hypotheses._asdict().items()},
         }
         for wheel, estimate in self._last.items():
             values[f"{wheel} reason"] = estimate.text or "ok"
         return values
 
-    def _acceleration(self, message: Imu) -> float:
-        """Acceleration forward [m/s^2], NaN where it is garbage."""
+    def _motion(self, message: Imu) -> tuple[float, float, float]:
+        """Acceleration forward [m/s^2], NaN where it is garbage; yaw rate [rad/s], and 1.0 where that is known."""
         acceleration = self._accelerometer.forward(message.linear_acceleration)
-        return acceleration if abs(acceleration) <= HIGHEST_ACCELERATION else nan
+        yaw_rate = float(message.angular_velocity.z)
+        # REP 145: -1 says that the quantity is not measured. All that is exactly zero is not measured either.
+        known = abs(yaw_rate) <= _HIGHEST_YAW_RATE and message.angular_velocity_covariance[0] >= 0.0
+        rates = message.angular_velocity
+        known = known and bool(rates.x or rates.y or rates.z)
+        forward = acceleration if abs(acceleration) <= HIGHEST_ACCELERATION else nan
+        return forward, yaw_rate if known else 0.0, float(known)
 
     def _offer_speed(self, stamp: int, message: TwistWithCovarianceStamped) -> str | None:
         speed, variance = float(message.twist.twist.linear.x), float(message.twist.covariance[0])
@@ -126,14 +146,32 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         measured = [
             SpeedSample(when - latency, *value) for when, value in self._speeds.due(sample.stamp, sample.rewound)
         ]
-        acceleration = sample.values[IMU][0] if IMU in sample.values else None
+        acceleration, yaw_rate, known = sample.values.get(IMU, (None, None, 0.0))
         torques = self._brakes.torques(sample.stamp, sample.rewound)
-        estimates = self._estimator.update(sample.stamp, sample.payload, acceleration, measured, torques)
+        estimates = self._estimator.update(
+            sample.stamp, sample.payload, acceleration, measured, torques, yaw_rate if known == 1.0 else None
+        )
+        told, by_sensor = self._estimator.hypotheses, self._estimator.speed_sensor.speaks(sample.stamp)
         outputs: list[Output] = []
-        for wheel, topic, estimate in zip(self._wheels, self.outputs, estimates, strict=True):
+        for wheel, topic, estimate in zip(self._wheels, self._slips, estimates, strict=True):
             self._last[wheel] = estimate
-            outputs.append((topic, _message(sample.stamp, wheel, estimate)))
+            outputs.append((topic, _message(sample.stamp, wheel, estimate, told, by_sensor)))
+        if isfinite(estimates[0].vehicle_speed):
+            outputs.append((VEHICLE_SPEED, self._twist(sample.stamp)))
         return outputs
+
+    def _twist(self, stamp: int) -> TwistWithCovarianceStamped:
+        """Speed of the middle of the rear axle and yaw rate."""
+        car, message = self._estimator.car, TwistWithCovarianceStamped()
+        message.header = header_at(stamp, "base_link")
+        message.twist.twist.linear.x, message.twist.twist.angular.z = car.speed, float(car.mean[U])
+        covariance = np.diag([_UNKNOWN] * 6)
+        covariance[0, 0], covariance[5, 5] = (
+            car.variance + self._estimator.speed_sensor.undecided,
+            float(car.covariance[U, U]),
+        )
+        message.twist.covariance = covariance.ravel()
+        return message
 
 
 def build(parameters: WheelSlipParameters, vehicle: Vehicle, report: Report = silent) -> list[CarProcessor]:
@@ -141,7 +179,7 @@ def build(parameters: WheelSlipParameters, vehicle: Vehicle, report: Report = si
     return [CarProcessor(vehicle, parameters, report)]
 
 
-def _message(stamp: int, wheel: str, estimate: WheelEstimate) -> WheelSlip:
+def _message(stamp: int, wheel: str, estimate: WheelEstimate, told: Hypotheses, by_sensor: bool) -> WheelSlip:
     message = WheelSlip()
     message.header = header_at(stamp, wheel)
     message.wheel = wheel
@@ -152,7 +190,9 @@ def _message(stamp: int, wheel: str, estimate: WheelEstimate) -> WheelSlip:
     message.slip_stddev = sqrt(estimate.slip_variance)
     message.slip_rate_stddev = sqrt(estimate.slip_rate_variance)
     message.vehicle_speed_stddev = sqrt(estimate.vehicle_speed_variance)
-    message.speed_source = int(estimate.source)
-    message.mode = int(estimate.mode)
+    message.speed_measured = by_sensor and told.speed_sensor_wrong < 0.5
+    message.slope_changed_probability = told.slope_changed
+    message.accelerometer_wrong_probability = told.accelerometer_wrong
+    message.speed_sensor_wrong_probability = told.speed_sensor_wrong
     message.validity = validity(wheel, estimate.reason, estimate.text)
     return message

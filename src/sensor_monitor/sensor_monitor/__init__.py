@@ -1,0 +1,1 @@
+"""Monitors of sensor signals: noise, frozen values, missing teeth, units, age and sign."""
