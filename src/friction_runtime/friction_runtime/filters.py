@@ -45,22 +45,6 @@ def first_order_gain(dt: float, time_constant: float) -> float:
     return 1.0 - exp(-dt / time_constant)
 
 
-class FirstOrderFilter:
-    """Low-pass y' = (x - y) / T."""
-
-    __slots__ = ("_time_constant", "value")
-
-    def __init__(self, time_constant: float, value: float = 0.0) -> None:
-        """Set T, > 0, and where to start."""
-        self._time_constant = time_constant
-        self.value = value
-
-    def update(self, dt: float, value: float) -> float:
-        """Take a sample that comes `dt` after the last; return the filtered value."""
-        self.value += first_order_gain(dt, self._time_constant) * (value - self.value)
-        return self.value
-
-
 class SlidingWindow(Generic[Value]):
     """Samples that are no older than a horizon, the oldest first."""
 

@@ -12,6 +12,8 @@ _MEMORY: Final = 100.0
 """Samples over which the noise is averaged."""
 _OUTLIER: Final = 16.0
 """A squared third difference counts for at most so many times its mean: it is a jump, not noise."""
+MORE: Final = 9.0
+"""Times the expected variance from which on what is seen counts in its place."""
 _UNEVEN: Final = 0.2
 """Sample times that differ by more than this share do not give a third difference."""
 

@@ -12,6 +12,7 @@ from math import isfinite
 from typing import Final
 
 from friction_runtime.filters import first_order_gain
+from sensor_monitor.signal_noise import MORE
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _STEP: Final = NANOSECONDS // 20
@@ -21,8 +22,6 @@ _MEMORY: Final = 2.0
 """Time [s] of the mean."""
 _FIRST: Final = 10
 """Differences from which on there is one."""
-_MORE: Final = 9.0
-"""Times the stated variance, from which on what is seen counts in its place; a wheel filter of too much noise lags."""
 
 
 class WheelNoise:
@@ -69,4 +68,5 @@ class WheelNoise:
         seconds = (kept[2][0] - kept[1][0]) / NANOSECONDS
         self._seen += max(first_order_gain(seconds, _MEMORY), 1.0 / (self._count + 1.0)) * (found - self._seen)
         if self._count >= _FIRST:
-            self.variance = self._seen if self._seen > _MORE * self._stated else self._stated
+            # Not below: a wheel filter of too much noise lags.
+            self.variance = self._seen if self._seen > MORE * self._stated else self._stated

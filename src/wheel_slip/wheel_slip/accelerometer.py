@@ -7,10 +7,11 @@ from typing import Final
 
 from sensor_monitor.frozen_signal import FrozenSignal
 from sensor_monitor.signal_age import FAULTY, SignalAge
-from sensor_monitor.signal_noise import SignalNoise
+from sensor_monitor.signal_noise import MORE, SignalNoise
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HARDEST_BRAKING
 from vehicle_models.vehicle import Vehicle, absolute_deviation
+from wheel_slip.motion_noise import MotionNoise
 from wheel_slip.tyre_forces import LOCKED, free_wheels
 
 _AGE: Final = 0.01
@@ -27,9 +28,6 @@ _FELT: Final = 0.8
 """Share of the reading by which a car with locked wheels slows down at least: the rest may be a hill or its offset."""
 _MOVES: Final = 2.0
 """Speed from which on wheels that stand are locked [m/s]."""
-_NOISE: Final = 0.1
-_MORE: Final = 9.0
-"""Noise of a reading that is expected [m/s^2], and times its variance from which on what is measured counts."""
 _FREE: Final = 0.005
 """Share by which free wheels may differ from the speed: curves."""
 
@@ -43,7 +41,8 @@ class Accelerometer:
         self._delay = round(mounting.delay * NANOSECONDS)
         self._frozen = FrozenSignal()
         self._free = free_wheels(vehicle)
-        self._noise = SignalNoise(_NOISE**2, _NOISE**2)
+        self._expected_noise = MotionNoise().acceleration ** 2
+        self._noise = SignalNoise(self._expected_noise, self._expected_noise)
         self.against_wheels = SignalAge(max(absolute_deviation(mounting.deviations, "delay"), _AGE), True)
         """What the wheels say of it."""
         self.reset()
@@ -89,7 +88,7 @@ class Accelerometer:
     @property
     def drift(self) -> float:
         """Variance that noise beyond the expected brings to its integral in a second [m^2/s^3]."""
-        return self._noise.drift if self._noise.variance > _MORE * _NOISE**2 else 0.0
+        return self._noise.drift if self._noise.variance > MORE * self._expected_noise else 0.0
 
     @property
     def wrong(self) -> float:

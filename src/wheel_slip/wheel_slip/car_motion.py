@@ -311,7 +311,7 @@ class CarMotion:
         if known.size and len(self._steps) == 3:
             speed = float(np.median(known))
             locked = abs(speed) <= LOCKED
-            if self._reading is not None and abs(self._reading) < TELLING:
+            if self._reading is not None and abs(self._reading) < TELLING:  # rolls: its tyres begin on their curves
                 p, c = self._noise, slice(C, self._e)
                 self._bank.p[:, c, c] *= (p.compliance_unlike * p.compliance / p.compliance_stddev) ** 2
             self._bank.x[:, U] = self._turn(self._steps[-1].rim_speeds, speed)
@@ -458,13 +458,13 @@ class CarMotion:
         self._failed = (every - sound) * exp(-1.0 / lasts)
         before = bank.x
         inner = bank.correct(h, innovation, every)
-        self._turn_open_direction(before)
+        self._keep_open(before)
         # An error that lasts is one, not many: a step has its share of it.
         own = np.diagonal(inner, axis1=1, axis2=2) + np.where(use, once + lasting, 1.0)
         independent = np.where(use, (once + lasting) / every, 0.0)
         bank.weigh(-0.5 * ((innovation**2 / own + np.log(own)) @ independent))
 
-    def _turn_open_direction(self, before: Array) -> None:
+    def _keep_open(self, before: Array) -> None:
         """Keep open what rim speeds do not tell: an error of all radii alike, with speed and yaw rate in proportion."""
         x, p, share = self._bank.x, self._bank.p, 1.0 / self._count
         alike = 1.0 + share * (x - before)[:, self._e :].sum(axis=1)

@@ -7,11 +7,13 @@ time is thus used in the same output whether it overtook other topics or was ove
 
 from collections import deque
 from collections.abc import Iterator
-from typing import Generic, TypeVar
+from typing import Final, Generic, TypeVar
 
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import LATEST_STAMP, NEW_RUN
 
+WAIT: Final = 0.02
+"""Message time after which a sample of vehicle_velocity or of a brake pressure is used [s]."""
 Payload = TypeVar("Payload")
 
 

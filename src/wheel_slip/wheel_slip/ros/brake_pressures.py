@@ -2,17 +2,13 @@
 
 from collections.abc import Mapping
 from math import nan
-from typing import Final
 
 from sensor_msgs.msg import FluidPressure
 
 from friction_runtime.wheel_inputs import BrakeTorque
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.speed_queue import SpeedQueue
-
-_WAIT: Final = 0.02
-"""[s] of message time after which a pressure is used; no output waits for one."""
+from wheel_slip.speed_queue import WAIT, SpeedQueue
 
 
 class BrakePressures:
@@ -22,12 +18,12 @@ class BrakePressures:
         """Choose a car and the age [s] beyond which a pressure says nothing."""
         self._brakes = {brake.topic: brake for brake in (BrakeTorque(vehicle, wheel) for wheel in vehicle.wheel_names)}
         self.sensors: Mapping[str, type] = dict.fromkeys(self._brakes, FluidPressure)
-        self._oldest = round((oldest + _WAIT) * NANOSECONDS)
+        self._oldest = round((oldest + WAIT) * NANOSECONDS)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
-        self._queues: dict[str, SpeedQueue[float]] = {topic: SpeedQueue(_WAIT) for topic in self._brakes}
+        self._queues: dict[str, SpeedQueue[float]] = {topic: SpeedQueue(WAIT) for topic in self._brakes}
         self._newest: dict[str, tuple[int, float]] = {}
 
     def offer(self, topic: str, message: FluidPressure) -> str | None:
@@ -39,7 +35,7 @@ class BrakePressures:
         return None if refusal is None else f"{topic}: {refusal}"
 
     def torques(self, stamp: int, rewound: bool) -> list[float]:
-        """Return the torque of every brake _WAIT before a stamp [ns], in N m: NaN where unknown, empty if all are.
+        """Return the torque of every brake WAIT before a stamp [ns], in N m: NaN where unknown, empty if all are.
 
         `rewound`: whether it is the first stamp after a jump back in time.
         """

@@ -23,7 +23,7 @@ from wheel_slip.estimate import Hypotheses, SpeedSample, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.ros.brake_pressures import BrakePressures
-from wheel_slip.speed_queue import SpeedQueue
+from wheel_slip.speed_queue import WAIT, SpeedQueue
 
 IMU: Final = "imu/data"
 VEHICLE_VELOCITY: Final = "vehicle_velocity"
@@ -32,8 +32,6 @@ _HIGHEST_YAW_RATE: Final = 5.0
 """[rad/s] beyond which a reading is garbage: a car that turns on the spot on ice makes half of it."""
 _UNKNOWN: Final = 1e6
 """Variance of what is not estimated of a twist, as consumers of covariances expect it."""
-_WAIT: Final = 0.02
-"""[s] of message time after which a sample of vehicle_velocity is used; no output waits for one."""
 _QUIET = (Reason.OK, Reason.LOW_SPEED)
 """Reasons that belong to ordinary driving."""
 
@@ -61,7 +59,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         primary = Primary(WHEEL_STATES, "car", report)
         super().__init__("car", primary, inputs, parameters.deadline, optional)
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
-        self._speeds: SpeedQueue[tuple[float, float]] = SpeedQueue(_WAIT)
+        self._speeds: SpeedQueue[tuple[float, float]] = SpeedQueue(WAIT)
         self._estimator = SlipEstimator(vehicle, parameters.estimator)
         self._forget()
 
