@@ -54,6 +54,8 @@ _JITTER: Final = 100_000
 """By which stamps may be off their grid [ns]."""
 _SLOWEST_TURN: Final = 3.0
 """Speed [m/s] that divides in place of a slower one where a curve is told by it: a car can turn on the spot."""
+_JUDGED: Final = 1.0
+"""Time over which surprises tell how far the stated noise is too large [s]."""
 _STANDS: Final = 1.0
 """Time in which wheels that stand say once that the car does [s]."""
 
@@ -124,10 +126,11 @@ class CarMotion:
     def reset(self) -> None:
         """Forget everything."""
         self._bank = FilterBank(self._expected, self._prior, np.array([0.9, 0.1]), T)
+        self._surprise = 1.0
         self.started = False
         """Whether there is a speed."""
         self._tyres.reset()
-        self._failed = np.zeros(self._count)
+        self._failed, self._untold = np.zeros((2, self._count))
         self._steps: deque[_Step] = deque(maxlen=3)
         self._ways: deque[tuple[int, float]] = deque(maxlen=512)
         self._way = 0.0
@@ -387,17 +390,18 @@ class CarMotion:
         z = then.rim_speeds + behind * unlike
         once = self._rim_variance / then.samples * (1.0 + 2.0 * (behind / span) ** 2)
         compliance = np.maximum(self.mean[C : self._e], p.compliance)
-        bank.relax(
-            slice(C, self._e),
-            *self._tyres.change(dt, mean_speed, forces, compliance, np.copysign(rest, unlike), locked),
-        )
+        change = self._tyres.change(dt, mean_speed, forces, compliance, np.copysign(rest, unlike), locked)
+        bank.relax(slice(C, self._e), *change)
+        # An error by the engine's force lasts, and is told once, until the slip that it acts on is another one.
+        self._untold += dt / p.engine_time - self._untold * min(dt / p.correlation, 1.0)
+        self._untold = np.where(change.kept == 0.0, 1.0, np.minimum(self._untold, 1.0))
         bank.add(slice(self._e, None), dt * p.radius_walk**2)
         late = (((0.5 if forces.told else 1.0) * behind + p.pressure_delay) * self._tyres.unrest) ** 2
         # To second order: while neither slip over force nor the engine's force is known, their product is an error.
         unknown = np.diagonal(self.covariance)
         both = unknown[C : self._e] * unknown[F] * (forces.by_engine * speed) ** 2
         lasting = (compliance * forces.doubt * speed) ** 2 + late + (p.radius * speed) ** 2
-        lasting = lasting + both * (p.engine_time / p.correlation)
+        lasting = lasting + both / np.maximum(self._untold, p.correlation / p.engine_time)
         use = np.isfinite(z) & ~locked
         if use.any():
             way = self._step_way - then.way
@@ -459,10 +463,13 @@ class CarMotion:
         before = bank.x
         inner = bank.correct(h, innovation, every)
         self._keep_open(before)
-        # An error that lasts is one, not many: a step has its share of it.
-        own = np.diagonal(inner, axis1=1, axis2=2) + np.where(use, once + lasting, 1.0)
-        independent = np.where(use, (once + lasting) / every, 0.0)
-        bank.weigh(-0.5 * ((innovation**2 / own + np.log(own)) @ independent))
+        # The noise is stated as large as it can be. Were the wider hypothesis charged in full for what it allows, while
+        # nothing is as far off as either says, quiet alone would speak for the narrower one.
+        spread = inner + np.diag(every)
+        surprise = (innovation * np.linalg.solve(spread, innovation[:, :, None])[:, :, 0]).sum(axis=1)
+        seen = min(float(self.probabilities @ surprise) / np.count_nonzero(use), 1.0)
+        self._surprise += self._noise.step / _JUDGED * (seen - self._surprise)
+        bank.weigh(-0.5 * (surprise + self._surprise * np.linalg.slogdet(spread)[1]))
 
     def _keep_open(self, before: Array) -> None:
         """Keep open what rim speeds do not tell: an error of all radii alike, with speed and yaw rate in proportion."""
