@@ -11,15 +11,10 @@
 | c_i | slip of tyre i over its force, a share of its load times g | s^2/m | constant while the force is |
 | e_i | error of the radius of wheel i, as a share | - | constant: with `radius_walk` |
 
-A wheel at (x_i, y_i) from the middle of the rear axle rolls on ground that passes at g_i = v - u y_i + (u x_i)^2 / 2v:
-
-    z_i + (sigma_i / v)(v' - r omega_i') = g_i (1 - c_i d_i)(1 - e_i) + n_i
-
-in which the left side is the rim speed, ahead of the tyre by the relaxation length sigma_i, and d_i is g times the
-force of the tyre over its load (tyre_forces.py). One equation thus serves a wheel that rolls, slides, is released or
-locked. A slip is constant at a constant force and vanishes with it, so a change that stays is a slope, and the moments
-of little force of a wheel whose brake cycles tell the speed. Where a tyre bends, at its peak, the slip creeps at any
-force, and says little. An age of the accelerometer looks like slip that grows with the force, so t is only considered.
+A wheel is measured by one equation, whatever it does (wheel_equation.py). A slip is constant at a constant force and
+vanishes with it, so a change that stays is a slope, and the moments of little force of a wheel whose brake cycles tell
+the speed. Where a tyre bends, at its peak, the slip creeps at any force, and says little. An age of the accelerometer
+looks like slip that grows with the force, so t is only considered.
 
 The wheels correct once in a `step`, by their means over the step before the last: the pressures that belong to it have
 come by then, and their rates are known on both sides of it. Within a step the accelerometer carries the speed.
@@ -36,24 +31,22 @@ from numpy.typing import NDArray
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HARDEST_BRAKING
-from vehicle_models.vehicle import FRONT, STATED, Vehicle, absolute_deviation, deviation_of, specified_stddev
+from vehicle_models.vehicle import STATED, Vehicle, absolute_deviation, deviation_of, specified_stddev
 from wheel_slip.filter_bank import FilterBank
 from wheel_slip.motion_noise import MotionNoise
 from wheel_slip.radius_odds import RadiusOdds
+from wheel_slip.step import Means, Step
 from wheel_slip.tyre_forces import LOCKED, SLOWEST, TELLING, TyreForces
 from wheel_slip.tyre_slip import TyreSlip
+from wheel_slip.wheel_equation import SLOWEST_TURN, B, C, F, K, T, U, V, WheelEquation
 
 Array = NDArray[np.float64]
 
-V, B, K, U, T, F, C = range(7)
-"""Indices of the states; those of c begin at C, those of e follow."""
 SLOPE_KEPT, SLOPE_CHANGED = range(2)
 """The hypotheses: the road has the slope that was last seen, or has changed it since."""
 
 _JITTER: Final = 100_000
 """By which stamps may be off their grid [ns]."""
-_SLOWEST_TURN: Final = 3.0
-"""Speed [m/s] that divides in place of a slower one where a curve is told by it: a car can turn on the spot."""
 _JUDGED: Final = 1.0
 """Time over which surprises tell how far the stated noise is too large [s]."""
 _STANDS: Final = 1.0
@@ -75,16 +68,6 @@ class WheelMotion(NamedTuple):
     """Of ground speed and radius error [m/s]."""
 
 
-class _Step(NamedTuple):
-    """Means over one step."""
-
-    stamp: float
-    rim_speeds: Array
-    way: float
-    """Integral of the accelerometer's reading since the start [m/s]."""
-    samples: int
-
-
 class CarMotion:
     """Motion of one car; nothing is known before `started`."""
 
@@ -97,6 +80,7 @@ class CarMotion:
         self._radii = np.array(vehicle.radii)
         self.set_noise(wheel_speed_stddev**2)
         self.set_drift(0.0)
+        self._step = Step(self._count)
         self._forces, self._tyres = TyreForces(vehicle, noise), TyreSlip(self._count, noise)
         scale = specified_stddev(mounting.deviations, "scale")
         pitch = GRAVITY * deviation_of(mounting.deviations, "pitch_gain", 0.0)
@@ -105,12 +89,11 @@ class CarMotion:
         age = absolute_deviation(mounting.deviations, "delay")
         self._delay = mounting.delay
         self._relaxation = np.array([wheel.relaxation_length for wheel in wheels])
-        self._left = np.array([0.5 * vehicle.track * (1.0 if wheel.side == "left" else -1.0) for wheel in wheels])
-        self._ahead = np.array([0.5 * vehicle.wheelbase**2 if wheel.axle == FRONT else 0.0 for wheel in wheels])
+        self._equation = WheelEquation(vehicle)
         stated = [deviation_of(each.deviations, "radius", STATED["radius"] * each.radius) for each in wheels]
         apart = np.array(stated) / self._radii
         prior = np.zeros((C + 2 * self._count,) * 2)
-        prior[B, B], prior[K, K], prior[U, U] = self._offset**2, gain**2, (noise.lateral / _SLOWEST_TURN) ** 2
+        prior[B, B], prior[K, K], prior[U, U] = self._offset**2, gain**2, (noise.lateral / SLOWEST_TURN) ** 2
         prior[T, T], prior[F, F] = age**2, noise.pull**2
         alike = noise.compliance_alike
         prior[C : self._e, C : self._e] = noise.compliance_stddev**2 * (alike + (1.0 - alike) * np.eye(self._count))
@@ -131,14 +114,9 @@ class CarMotion:
         """Whether there is a speed."""
         self._tyres.reset()
         self._failed, self._untold = np.zeros((2, self._count))
-        self._steps: deque[_Step] = deque(maxlen=3)
-        self._ways: deque[tuple[int, float]] = deque(maxlen=512)
-        self._way = 0.0
-        self._reading: float | None = None
-        self._felt = 0.0
-        self._last: int | None = None
-        self._stepped = 0
-        self._begin_step()
+        self._steps: deque[Means] = deque(maxlen=3)
+        self._step.reset()
+        self._carried = 0.0
         self._tell()
 
     def set_noise(self, variance: float) -> None:
@@ -167,19 +145,19 @@ class CarMotion:
     @property
     def travelled(self) -> float:
         """Integral of the acceleration as it was felt [m/s], slope and bias included; begins anywhere."""
-        return self._way
+        return self._step.way
 
     @property
     def acceleration(self) -> float:
         """Acceleration along the road [m/s^2]."""
-        if self._reading is None:
-            return self._felt
-        return float((self._reading - self.mean[B]) * (1.0 - self.mean[K]))
+        if self._step.reading is None:
+            return self._step.felt
+        return float((self._step.reading - self.mean[B]) * (1.0 - self.mean[K]))
 
     @property
     def acceleration_variance(self) -> float:
         """Variance of it [m^2/s^4]."""
-        if self._reading is None:
+        if self._step.reading is None:
             return self._noise.unknown_acceleration**2
         p = self.covariance
         return float(p[B, B] + self._noise.acceleration**2 + p[K, K] * self.acceleration**2)
@@ -187,7 +165,7 @@ class CarMotion:
     @property
     def is_forceless(self) -> bool:
         """Whether no tyre has a force to speak of."""
-        return abs(self._reading or 0.0) < TELLING and bool(np.all(np.abs(self._tyres.force) < TELLING))
+        return abs(self._step.reading or 0.0) < TELLING and bool(np.all(np.abs(self._tyres.force) < TELLING))
 
     @property
     def radius_errors(self) -> tuple[Array, Array]:
@@ -216,28 +194,12 @@ class CarMotion:
             torques: of the brakes one step ago [N m], NaN where unknown; empty where no brake is known.
             yaw_rate: [rad/s], counter-clockwise positive, None if there is none.
         """
-        if self._last is not None and stamp - self._last > NANOSECONDS:
+        if self._step.pauses(stamp):
             self.reset()
-        dt = 0.0 if self._last is None else (stamp - self._last) / NANOSECONDS
-        self._last = stamp
-        moved = reading - self._reading if reading is not None and self._reading is not None else 0.0
-        self._reading = reading
-        if reading is not None:
-            self._felt = reading
-        self._way += dt * self._felt
-        self._moved += moved
-        self._ways.append((stamp, self._way))
-        self._sums += rim_speeds
-        self._torques.append(torques)
-        self._stamps += stamp - self._stepped
-        self._mean_way += self._way
-        self._samples += 1
-        if yaw_rate is not None:
-            self._yaw_rates.append(yaw_rate)
-        since = (stamp - self._stepped) / NANOSECONDS
-        self._carried = self._forward(since) if self.started else 0.0
-        if stamp - self._stepped >= self._noise.step * NANOSECONDS - _JITTER:
-            self._take_step(stamp, min(since, 1.0))
+        self._step.add(stamp, rim_speeds, reading, torques, yaw_rate)
+        self._carried = self._forward() if self.started else 0.0
+        if stamp - self._step.stamp >= self._noise.step * NANOSECONDS - _JITTER:
+            self._take_step(stamp, min(self._step.since, 1.0))
 
     def compare(self, stamp: int, speed: float) -> tuple[float, float] | None:
         """Return by how much a measured speed [m/s] differs from that at a stamp [ns], and the variance of that.
@@ -263,8 +225,8 @@ class CarMotion:
 
     def _back(self, x: Array, stamp: float) -> tuple[Array, Array] | None:
         """Return the speed at a stamp [ns] by states x, shape (..., states), and its derivatives by them."""
-        then = next((way for when, way in reversed(self._ways) if when <= stamp), None)
-        return None if then is None else self._at(x, (self._stepped - stamp) / NANOSECONDS, self._step_way - then)
+        gone = self._step.gone_since(stamp)
+        return None if gone is None else self._at(x, (self._step.stamp - stamp) / NANOSECONDS, gone)
 
     def _at(self, x: Array, age: float, way: float) -> tuple[Array, Array]:
         """Return the same some time [s] before the last step; `way`: integral of the readings since then [m/s]."""
@@ -273,39 +235,27 @@ class CarMotion:
         h[..., V], h[..., B], h[..., K] = 1.0, age * kept, since
         return x[..., V] - since * kept, h
 
-    def _forward(self, since: float) -> float:
+    def _forward(self) -> float:
         """Return the change of the speed since the last step [m/s]."""
-        return (self._way - self._step_way - self._bias * since) * self._kept + self._delay * self._moved
-
-    def _begin_step(self) -> None:
-        self._sums = np.zeros(self._count)
-        self._torques: list[Sequence[float]] = []
-        self._yaw_rates: list[float] = []
-        self._stamps, self._samples, self._mean_way, self._moved = 0, 0, 0.0, 0.0
-        self._step_way, self._carried = self._way, 0.0
+        step = self._step
+        return (step.gone - self._bias * step.since) * self._kept + self._delay * step.moved
 
     def _take_step(self, stamp: int, dt: float) -> None:
         """Go to a stamp [ns] and correct by the wheels; `dt`: since the last step [s]."""
-        count = self._samples
-        self._steps.append(
-            _Step(self._stepped + self._stamps / count, self._sums / count, self._mean_way / count, count)
-        )
+        self._steps.append(self._step.means)
         if not self.started:
             self._start()
         else:
             self._mix(dt)
             self._predict(dt)
-        torques, yaw_rates = self._torques, self._yaw_rates
-        self._stepped = stamp
-        self._begin_step()
+        torques, yaw_rate = self._step.torques, self._step.yaw_rate
+        self._step.begin(stamp)
+        self._carried = 0.0
         if self.started:
             if len(self._steps) == 3:
-                every = [each for each in torques if len(each) == self._count]
-                self._correct_by_wheels(stamp, dt, np.mean(every, axis=0).tolist() if len(every) == count else ())
-            if yaw_rates:
-                yaw_rate = sum(yaw_rates) / len(yaw_rates)
-                innovation = yaw_rate - self._bank.x[:, U]
-                self._bank.correct_one(self._of_yaw, innovation, self._noise.gyroscope**2)
+                self._correct_by_wheels(stamp, dt, torques)
+            if yaw_rate is not None:
+                self._bank.correct_one(self._of_yaw, yaw_rate - self._bank.x[:, U], self._noise.gyroscope**2)
             self._tell()
 
     def _start(self) -> None:
@@ -314,18 +264,13 @@ class CarMotion:
         if known.size and len(self._steps) == 3:
             speed = float(np.median(known))
             locked = abs(speed) <= LOCKED
-            if self._reading is not None and abs(self._reading) < TELLING:  # rolls: its tyres begin on their curves
+            reading = self._step.reading
+            if reading is not None and abs(reading) < TELLING:  # rolls: its tyres begin on their curves
                 p, c = self._noise, slice(C, self._e)
                 self._bank.p[:, c, c] *= (p.compliance_unlike * p.compliance / p.compliance_stddev) ** 2
-            self._bank.x[:, U] = self._turn(self._steps[-1].rim_speeds, speed)
+            most = 2.0 * self._noise.lateral / max(abs(speed), SLOWEST_TURN)
+            self._bank.x[:, U] = np.clip(self._equation.turn(self._steps[-1].rim_speeds), -most, most)
             self._begin_at(speed, self._standing_variance() if locked else (0.5 * speed) ** 2)
-
-    def _turn(self, rim_speeds: Array, speed: float) -> float:
-        """Return the yaw rate at which wheels roll at a speed [rad/s], 0 where those of one side are missing."""
-        left, right = rim_speeds[self._left > 0.0], rim_speeds[self._left < 0.0]
-        found = float((np.mean(right) - np.mean(left)) / (2.0 * self._left.max())) if left.size and right.size else nan
-        most = 2.0 * self._noise.lateral / max(abs(speed), _SLOWEST_TURN)
-        return min(max(found, -most), most) if isfinite(found) else 0.0
 
     def _begin_at(self, speed: float, variance: float) -> None:
         self._bank.x[:, V], self._bank.p[:, V, V] = speed, variance
@@ -342,25 +287,25 @@ class CarMotion:
     def _predict(self, dt: float) -> None:
         """Go on to the end of a step."""
         p, x, covariance = self._noise, self._bank.x, self._bank.p
-        seen, turn = self._reading is not None, exp(-dt / p.curve_time)
-        way, kept = self._way - self._step_way, 1.0 - x[:, K]
+        seen, turn = self._step.reading is not None, exp(-dt / p.curve_time)
+        way, kept = self._step.gone, 1.0 - x[:, K]
         by_offset = way - dt * x[:, B] if seen else np.full(2, way)
-        x[:, V] += by_offset * kept + self._delay * self._moved
+        x[:, V] += by_offset * kept + self._delay * self._step.moved
         x[:, U] *= turn
         if seen:
-            f = np.stack([-dt * kept, -by_offset, np.full(2, self._moved)], axis=1)
+            f = np.stack([-dt * kept, -by_offset, np.full(2, self._step.moved)], axis=1)
             covariance[:, V] += (f[:, None] @ covariance[:, [B, K, T]])[:, 0]
             covariance[:, :, V] += (covariance[:, :, [B, K, T]] @ f[:, :, None])[:, :, 0]
         covariance[:, U] *= turn
         covariance[:, :, U] *= turn
         speed = max(abs(self._speed), SLOWEST)
-        between = dt / max(self._samples, 1)
+        between = dt / max(self._step.samples, 1)
         noise = dt * max(between * p.acceleration**2, self._drift) + dt * between**2 * p.jerk**2 / 3.0
         covariance[:, V, V] += noise if seen else dt * p.unknown_acceleration**2
         covariance[SLOPE_KEPT, B, B] += dt * p.offset_walk**2
         unknown = max(2.0 * p.slope**2 - float(covariance[SLOPE_CHANGED, B, B]), 0.0)
         covariance[SLOPE_CHANGED, B, B] += dt * speed / p.slope_length * unknown
-        covariance[:, U, U] += (p.lateral / max(speed, _SLOWEST_TURN)) ** 2 * (1.0 - turn**2)
+        covariance[:, U, U] += (p.lateral / max(speed, SLOWEST_TURN)) ** 2 * (1.0 - turn**2)
 
     def _correct_by_wheels(self, stamp: int, dt: float, torques: Sequence[float]) -> None:
         """Take the means of the wheels over the step before the last."""
@@ -369,24 +314,25 @@ class CarMotion:
         span, age = (now.stamp - before.stamp) / NANOSECONDS, (stamp - then.stamp) / NANOSECONDS
         if not 0.0 < span <= 0.5:
             return
+        unread = self._step.reading is None
         rates = (now.rim_speeds - before.rim_speeds) / span
         rates[~np.isfinite(rates)] = 0.0
         reading = (now.way - before.way) / span
         mean_speed, offset = float(bank.x[0, V]), float(self.mean[B])
         speed = max(abs(mean_speed), SLOWEST)
         behind = self._relaxation / speed
-        unlike = reading - (offset if self._reading is not None else 0.0) - rates
+        unlike = reading - (0.0 if unread else offset) - rates
         rest = np.maximum(np.abs(unlike) - 3.0 * sqrt(2.0 * self._rim_variance) / span, 0.0)
         locked = np.abs(then.rim_speeds) <= LOCKED
         settles = p.pressure_delay if self._forces.told_by(torques) else p.correlation
         self._tyres.disturb(dt, rest, behind + settles)
         forces = self._forces.of(
-            reading, mean_speed, rates, torques, self._tyres.unrest, float(self.mean[F]), self._reading is None, locked
+            reading, mean_speed, rates, torques, self._tyres.unrest, float(self.mean[F]), unread, locked
         )
-        if self._reading is None:
+        if unread:
             felt = float(np.clip(np.median(rates), -HARDEST_BRAKING, HARDEST_BRAKING))
             share = dt / (p.correlation + dt)
-            self._felt += share * ((forces.felt if isfinite(forces.felt) else felt) - self._felt)
+            self._step.felt += share * ((forces.felt if isfinite(forces.felt) else felt) - self._step.felt)
         z = then.rim_speeds + behind * unlike
         once = self._rim_variance / then.samples * (1.0 + 2.0 * (behind / span) ** 2)
         compliance = np.maximum(self.mean[C : self._e], p.compliance)
@@ -404,7 +350,7 @@ class CarMotion:
         lasting = lasting + both / np.maximum(self._untold, p.correlation / p.engine_time)
         use = np.isfinite(z) & ~locked
         if use.any():
-            way = self._step_way - then.way
+            way = self._step.way - then.way
             self._apply(
                 np.where(use, z, 0.0), use, forces.by_engine, once, lasting, max(p.correlation / dt, 1.0), age, way
             )
@@ -415,7 +361,7 @@ class CarMotion:
     def _standing_variance(self) -> float:
         """Return the variance of a speed of zero by wheels that stand [m^2/s^2]: small, unless they are locked."""
         known = float(self.covariance[V, V]) + LOCKED**2
-        surprise = (self._felt / self._offset) ** 2 + self._speed**2 / known
+        surprise = (self._step.felt / self._offset) ** 2 + self._speed**2 / known
         once = (0.2 * LOCKED) ** 2 * exp(min(0.5 * surprise, 20.0))
         return once * _STANDS / self._noise.step  # however long they stand, that they are locked is one doubt
 
@@ -442,19 +388,11 @@ class CarMotion:
             age: of z at the last step [s].
             way: integral of the readings since then [m/s].
         """
-        bank, wheels = self._bank, np.arange(self._count)
+        bank = self._bank
         then, by_then = self._at(bank.x, age, way)
-        compliance = bank.x[:, C : self._e]
-        of_radius = 1.0 - bank.x[:, self._e :]
-        roll = (1.0 - compliance * self._tyres.force) * of_radius
-        ground, by_yaw = self._ground(then[:, None], bank.x[:, U, None])
-        h = roll[:, :, None] * by_then[:, None, :]
-        h[:, :, U] = roll * by_yaw
-        h[:, :, F] = -ground * compliance * by_engine * of_radius
-        h[:, wheels, C + wheels] = -ground * self._tyres.force * of_radius
-        h[:, wheels, self._e + wheels] = -ground * roll
+        expected, h = self._equation.expected(then, by_then, bank.x, self._tyres.force, by_engine)
         h[:, ~use] = 0.0
-        innovation = np.where(use, z - ground * roll, 0.0)
+        innovation = np.where(use, z - expected, 0.0)
         sound = np.where(use, once + lasting * many, 1.0)
         # One that has failed, or spins beyond any slip, is not explained by any state, and is not believed for a while.
         lasts = self._noise.failed / self._noise.step
@@ -492,11 +430,6 @@ class CarMotion:
             if x[m, C + i] < least:  # the move of a wheel before it has moved this one too
                 x[m] -= covariance[m, :, C + i] / covariance[m, C + i, C + i] * (x[m, C + i] - least)
 
-    def _ground(self, speed: Array, yaw_rate: Array) -> tuple[Array, Array]:
-        """Return the ground speed of every wheel [m/s] and its change with the yaw rate [m], in the last axis."""
-        bend = self._ahead * yaw_rate / np.maximum(np.abs(speed), _SLOWEST_TURN)
-        return speed + (bend - self._left) * yaw_rate, 2.0 * bend - self._left
-
     def _tell(self) -> None:
         """Take the hypotheses together, and keep what is told until the next step."""
         self._bank.collapse()
@@ -506,13 +439,13 @@ class CarMotion:
         v = float(mean[V])
         self._speed, self._bias, self._kept = (
             v,
-            float(mean[B]) if self._reading is not None else 0.0,
+            float(mean[B]) if self._step.reading is not None else 0.0,
             1.0 - float(mean[K]),
         )
         self._lasting = (p.radius * v) ** 2
         self.variance = float(covariance[V, V]) + self._lasting if self.started else nan
         """Variance of the speed [m^2/s^2], with the radii."""
-        ground, by_yaw = self._ground(mean[V : V + 1], mean[U])
+        ground, by_yaw = self._equation.ground(mean[V : V + 1], mean[U])
         of_ground = covariance[V, V] + by_yaw**2 * covariance[U, U] + 2.0 * by_yaw * covariance[V, U] + self._lasting
         both = covariance[V, self._e :] + by_yaw * covariance[U, self._e :]
         columns = (
@@ -523,5 +456,5 @@ class CarMotion:
             both,
         )
         self._wheels = [WheelMotion(*each) for each in zip(*[column.tolist() for column in columns], strict=True)]
-        if self._last is not None and self.started:
-            self._carried = self._forward((self._last - self._stepped) / NANOSECONDS)
+        if self.started:
+            self._carried = self._forward()
