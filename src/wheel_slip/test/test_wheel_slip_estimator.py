@@ -11,9 +11,9 @@ import pytest
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle, vehicle_path
-from wheel_slip.car_motion import B
 from wheel_slip.estimate import SpeedSample, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
+from wheel_slip.wheel_equation import B
 
 STEP = 5_000_000
 RADIUS = 0.3

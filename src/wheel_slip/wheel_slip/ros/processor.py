@@ -18,12 +18,12 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_ACCELERATION, HIGHEST_SPEED
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.car_motion import B, U
 from wheel_slip.estimate import Hypotheses, SpeedSample, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
 from wheel_slip.ros.brake_pressures import BrakePressures
 from wheel_slip.speed_queue import WAIT, SpeedQueue
+from wheel_slip.wheel_equation import B, U
 
 IMU: Final = "imu/data"
 VEHICLE_VELOCITY: Final = "vehicle_velocity"
