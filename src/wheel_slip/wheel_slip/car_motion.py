@@ -47,8 +47,6 @@ SLOPE_KEPT, SLOPE_CHANGED = range(2)
 
 _JITTER: Final = 100_000
 """By which stamps may be off their grid [ns]."""
-_JUDGED: Final = 1.0
-"""Time over which surprises tell how far the stated noise is too large [s]."""
 _STANDS: Final = 1.0
 """Time in which wheels that stand say once that the car does [s]."""
 
@@ -109,7 +107,6 @@ class CarMotion:
     def reset(self) -> None:
         """Forget everything."""
         self._bank = FilterBank(self._expected, self._prior, np.array([0.9, 0.1]), T)
-        self._surprise = 1.0
         self.started = False
         """Whether there is a speed."""
         self._tyres.reset()
@@ -401,13 +398,11 @@ class CarMotion:
         before = bank.x
         inner = bank.correct(h, innovation, every)
         self._keep_open(before)
-        # The noise is stated as large as it can be. Were the wider hypothesis charged in full for what it allows, while
-        # nothing is as far off as either says, quiet alone would speak for the narrower one.
+        # Were the wider hypothesis charged in full for what it allows, while both state more noise than there mostly is,
+        # quiet alone would speak for the narrower one.
         spread = inner + np.diag(every)
-        surprise = (innovation * np.linalg.solve(spread, innovation[:, :, None])[:, :, 0]).sum(axis=1)
-        seen = min(float(self.probabilities @ surprise) / np.count_nonzero(use), 1.0)
-        self._surprise += self._noise.step / _JUDGED * (seen - self._surprise)
-        bank.weigh(-0.5 * (surprise + self._surprise * np.linalg.slogdet(spread)[1]))
+        off = (innovation * np.linalg.solve(spread, innovation[:, :, None])[:, :, 0]).sum(axis=1)
+        bank.weigh(-0.5 * (off + self._noise.quiet * np.linalg.slogdet(spread)[1]))
 
     def _keep_open(self, before: Array) -> None:
         """Keep open what rim speeds do not tell: an error of all radii alike, with speed and yaw rate in proportion."""

@@ -45,6 +45,7 @@ class MotionNoise:
     radius_walk: float = constant(1e-4, "change of a radius in the square root of a second, as a share")
     another_radius: float = constant(0.05, "radius of another tyre than the vehicle file's, as a share")
     another_tyre: float = constant(0.06, "share of wheels that have one", unit="-")
+    quiet: float = constant(0.3, "variance of rim speeds where nothing happens, as a share of what is stated for them")
     surprise: float = constant(6.0, "deviations from what the other wheels say beyond which a wheel counts the less")
     failed: float = constant(5.0, "time for which a wheel that was such a surprise is not believed", unit="s")
     unknown_acceleration: float = constant(5.0, "acceleration in the square root of a second, unseen", unit="m/s^2")
