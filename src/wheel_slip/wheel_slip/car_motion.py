@@ -398,7 +398,7 @@ class CarMotion:
         before = bank.x
         inner = bank.correct(h, innovation, every)
         self._keep_open(before)
-        # Were the wider hypothesis charged in full for what it allows, while both state more noise than there mostly is,
+        # Were the wider hypothesis charged in full for what it allows, where both state more noise than there is,
         # quiet alone would speak for the narrower one.
         spread = inner + np.diag(every)
         off = (innovation * np.linalg.solve(spread, innovation[:, :, None])[:, :, 0]).sum(axis=1)
