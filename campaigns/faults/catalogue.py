@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from benchmarks.protocol import DT
-from campaigns.faults import sensors, transport
+from campaigns.faults import believed, sensors, transport
 from campaigns.faults.case import (
     BEFORE_BRAKING,
     CORNER,
@@ -112,6 +112,19 @@ GRAPH = (
     Case("slope_invalid", transport.invalid_slope, FIRST, none_within=FAIL_SAFE),
     Case("command_lost", partial(transport.lost, name="brake_command"), ALL),
 )
+BELIEVED = (
+    Case("slip_+0.3", partial(believed.slip_too_large, wheels=1), FIRST),
+    Case("all_slips_+0.3", believed.slip_too_large, ALL),
+    Case("speed_+30%", partial(believed.speed_too_high, wheels=1), FIRST),
+    Case("all_speeds_+30%", believed.speed_too_high, ALL),
+    Case("all_speeds_drift", believed.speed_drifts, ALL),
+    Case("curve_0.04", partial(believed.peak_too_early, wheels=1), FIRST),
+    Case("all_curves_0.04", believed.peak_too_early, ALL),
+    Case("all_curves_0.04_before", believed.peak_too_early, ALL, BEFORE_BRAKING),
+    Case("pressure_stuck", believed.pressure_stuck, FIRST),
+    Case("all_slips_+0.3_before", believed.slip_too_large, ALL, BEFORE_BRAKING),
+)
+"""Valid, consistent and wrong: what the law and the envelope have to believe."""
 IMU = (
     Case("imu_dead", sensors.imu_dead),
     Case("imu_dead_before", sensors.imu_dead, begin=BEFORE_BRAKING),
@@ -146,7 +159,7 @@ TRANSPORT = (
     Case("wheel_states_twice", transport.replayed_beside, ALL),
     Case("demand_twice", transport.second_demand, ALL),
 )
-FAULTS = (*NOISE, *WHEEL_SENSOR, *PRESSURE, *DEMAND, *GRAPH, *IMU, *STAMPS, *TRANSPORT)
+FAULTS = (*NOISE, *WHEEL_SENSOR, *PRESSURE, *DEMAND, *GRAPH, *BELIEVED, *IMU, *STAMPS, *TRANSPORT)
 """All of them."""
 LOCKED_START = Case("locked_start", partial(transport.lost, name="brake_command"), ALL, BEFORE_BRAKING, end=1.5)
 """Commands reach the brake only when the wheel has locked."""
@@ -181,4 +194,5 @@ def quick() -> Plan:
         (Manoeuvre(CORNER, "dry", 0.6), (NO_FAULT, *FAULTS)),
         (Manoeuvre(FOUR_WHEELS, "dry", 0.6), (NO_FAULT, *NOISE)),
         (Manoeuvre(FOUR_WHEELS, "dry", 1.5), (NO_FAULT, *WHEEL_SENSOR, *PRESSURE, *GRAPH, *IMU)),
+        (Manoeuvre(FOUR_WHEELS, "cobblestone", 0.6), BELIEVED),
     ]
