@@ -11,6 +11,7 @@ from abs_supervisor.release_caps import Cap, ReleaseCaps
 from abs_supervisor.release_evidence import Release, ReleaseEvidence, Wheel
 from abs_supervisor.road_torque import RoadTorque
 from abs_supervisor.tuning import EnvelopeTuning
+from abs_supervisor.witness import Witness
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import CornerParameters
@@ -34,6 +35,7 @@ class Envelope:
         self.caps = ReleaseCaps(parameters.caps, actuator)
         self._road = RoadTorque(corner.radius, corner.inertia)
         self._dive = FastDive(corner, actuator)
+        self._witness = Witness(parameters.evidence.evidence_time)
         self._line = BrakeLine(actuator)
         self._delay, self._apply_rate = round(actuator.delay * NANOSECONDS), actuator.apply_rate
         self._driver_below = parameters.caps.driver_below
@@ -45,6 +47,7 @@ class Envelope:
         self.caps.reset()
         self._road.reset()
         self._line.reset()
+        self._witness.reset()
         self._wanted = False
         self.release = Release.NOT_WANTED
         """Verdict on the release that the law asked for."""
@@ -115,7 +118,12 @@ class Envelope:
             if law is Command.NONE:
                 self._road.reset()
             return Command.NONE
+        self._witness.update(stamp, torque, self.evidence.diverges, self.evidence.fell)
         self.release = self.evidence.verdict if wanted else Release.NOT_WANTED
+        shown = self._road.is_known or self._witness.confirms or not self.evidence.by_slip_alone
+        looks = self._witness.looks(stamp, self.release not in (Release.NOT_WANTED, Release.REFUSED) and not shown)
+        if not shown and wanted:
+            self.release = Release.REFUSED
         trim = self.release is Release.REFUSED and self.may_trim(car_speed, torque)
         if trim:
             self.release = Release.BY_SLIP
@@ -133,7 +141,7 @@ class Envelope:
         if rolls:
             self.release = Release.REFERENCE
             return Command.DECREASE
-        dives = wanted and not release and self.evidence.dives
+        dives = wanted and not release and (self.evidence.dives or looks)
         near = self.evidence.allows_hold or (self.evidence.may_slip and self._road.is_near(coming))
         held = law is Command.HOLD and near
         full = law is Command.INCREASE and self.caps.cap is Cap.NONE and self._road.is_reached(torque)

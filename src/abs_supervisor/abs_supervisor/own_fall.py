@@ -17,6 +17,8 @@ _SMOOTH: Final = 0.02
 """[s] over which the wheel's speed is averaged."""
 _NOISE: Final = 0.5
 """Of the noise of a sample is left then."""
+_TELLS: Final = 0.5
+"""[m/s] of its speed from which on the share means anything."""
 _GAP: Final = 0.1
 """[s] after a longer gap it begins anew."""
 
@@ -33,6 +35,8 @@ class OwnFall:
         """Forget everything."""
         self.holds = False
         """Whether it has fallen behind."""
+        self.share = 0.0
+        """By how much, as a share of the speed that it would have."""
         self._carried = self._rim = nan
         self._stamp = 0
 
@@ -49,8 +53,10 @@ class OwnFall:
         self._stamp = stamp
         if dt > _GAP or not isfinite(car_deceleration + self._carried):
             self._carried = self._rim = rim
-            self.holds = False
+            self.holds, self.share = False, 0.0
             return
         self._rim += (rim - self._rim) * min(dt / _SMOOTH, 1.0)
-        self._carried = max(self._carried - (car_deceleration + _FORGETS) * dt, self._rim)
+        # A car that seems to gain speed under braking has a speed that jumps.
+        self._carried = max(self._carried - (max(car_deceleration, 0.0) + _FORGETS) * dt, self._rim)
         self.holds = self._carried - self._rim > _LEAST * self._carried + self._sigmas * _NOISE * noise
+        self.share = 1.0 - self._rim / self._carried if self._carried > _TELLS else 0.0

@@ -90,6 +90,10 @@ _CRAWLS: Final = 1.0
 """Rim speed [m/s] below which equal wheel speeds do not exclude lock-up."""
 _RECOVERING: Final = 2.0
 """[m/s^2] of the circumference of a wheel that recovers."""
+_DIVERGES: Final = 5.0
+"""[m/s^2] by which a wheel beyond its peak loses more speed than its car."""
+_FELL_BEHIND: Final = 0.25
+"""Share of its own speed by which a wheel before its peak never falls behind."""
 _PAST_PEAK: Final = 0.15
 """Share of its largest gain of speed by which a wheel gains less once it is before the peak again."""
 
@@ -136,6 +140,12 @@ class ReleaseEvidence:
         One that is not known may be."""
         self.grips = False
         """Whether the slip, as it is stated, is above the threshold without its error: more pressure gains little."""
+        self.by_slip_alone = False
+        """Whether slip is known, and what speaks for a release is slip and a curve."""
+        self.diverges = False
+        """Whether the wheel loses speed as one beyond its peak does, or one whose brake still rises."""
+        self.fell = False
+        """Whether it has lost more of its own speed than a wheel before its peak does, or others show as much."""
         self.release_slip = nan
         """[-] slip above which a release is allowed."""
         self.deceleration = nan
@@ -190,8 +200,11 @@ class ReleaseEvidence:
         # Where all wheels dive, a speed that comes from them falls faster than any car can.
         own = min(wheel.car_deceleration, HARDEST_BRAKING) if isfinite(wheel.car_deceleration) else 0.0
         self.release_deceleration = max(p.deceleration * GRAVITY, own + p.deceleration_margin * GRAVITY) + error
+        hardest = wheel.car_deceleration if 0.0 <= wheel.car_deceleration <= HARDEST_BRAKING else HARDEST_BRAKING
+        self.diverges = self.deceleration - hardest > _DIVERGES + error
+        self.fell = self._own.share > _FELL_BEHIND or max(lag, wheel.behind) > p.slip_without_curve
         base, doubt = self._slip_threshold(wheel)
-        known = isfinite(wheel.slip)
+        known = self.by_slip_alone = isfinite(wheel.slip)
         slip = self._slip = wheel.slip if known else wheel.behind
         self.allows_hold = slip + doubt > min(base, _HOLD_SLIP)
         self.may_slip = not known or max(slip, 0.0) + p.sigmas * doubt > min(base, _HOLD_SLIP)
