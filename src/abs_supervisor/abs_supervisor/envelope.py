@@ -105,6 +105,7 @@ class Envelope:
             demand: of the driver [N m].
             rolls: whether it is the turn of this wheel to show the speed of the car.
         """
+        self._witness.update(stamp, torque, self.evidence.diverges, self.evidence.fell)
         coming = self._line.torque_at(torque, stamp, stamp + self._delay)
         slow = car_speed < self._driver_below
         wanted = law is Command.DECREASE
@@ -118,7 +119,6 @@ class Envelope:
             if law is Command.NONE:
                 self._road.reset()
             return Command.NONE
-        self._witness.update(stamp, torque, self.evidence.diverges, self.evidence.fell)
         self.release = self.evidence.verdict if wanted else Release.NOT_WANTED
         shown = self._road.is_known or self._witness.confirms or not self.evidence.by_slip_alone
         looks = self._witness.looks(stamp, self.release not in (Release.NOT_WANTED, Release.REFUSED) and not shown)
@@ -131,7 +131,7 @@ class Envelope:
         release = wanted and self.release is not Release.REFUSED
         # The pressure takes its time: a wheel that is back before it needs it on its way.
         late = _LATE + self._delay / NANOSECONDS + self._road.lacks(coming) / self._apply_rate
-        deep = self.evidence.deep and self.evidence.back_in(car_speed) > late
+        deep = shown and self.evidence.deep and self.evidence.back_in(car_speed) > late
         command = self.caps.command(
             stamp, release, self.evidence.recovering, deep, self.evidence.stands, torque, demand
         )

@@ -117,7 +117,7 @@ class WheelCheck:
             self._back.reset()
         self._last = stamp
         torque = self._torque(stamp, around.torque)
-        found = self._jump(stamp, wheel_speed, torque) or self._released(stamp, wheel_speed, torque, around)
+        found = self._jump(stamp, wheel_speed, torque, around) or self._released(stamp, wheel_speed, torque, around)
         stuck = self._stuck(stamp, wheel_speed, around.torque)
         found = found or stuck or self._against_car(stamp, wheel_speed * self._radius, around)
         if found:
@@ -130,7 +130,7 @@ class WheelCheck:
         """Return the largest torque that may have acted of late [N m], inf where it is unknown."""
         return max(self._torques.update(stamp, torque if isfinite(torque) else inf), 0.0)
 
-    def _jump(self, stamp: int, speed: float, torque: float) -> str:
+    def _jump(self, stamp: int, speed: float, torque: float, around: Surroundings) -> str:
         stands = abs(speed) * self._radius < _STANDS
         if self._dead and not stands:
             self._dead = False
@@ -140,6 +140,8 @@ class WheelCheck:
             return ""
         dt = (stamp - good[0]) / NANOSECONDS
         hardest = (_TORQUE_MARGIN * torque + _SPARE_TORQUE) / self._inertia
+        if good[1] * self._radius > around.car_speed:  # the road brakes a wheel that turns faster than its car
+            hardest += self._grip / self._inertia
         lowest = min(good[1], 0.0) if torque == inf else good[1] - dt * hardest
         highest = good[1] + dt * self._grip / self._inertia
         possible = lowest - _JITTER <= speed <= highest + _JITTER

@@ -17,8 +17,8 @@ _SMOOTH: Final = 0.015
 """[s] over which a brake torque is averaged, to see whether it rises."""
 _NOISE, _NOISE_SHARE = 5.0, 0.02
 """[N m] and share of it by which a brake torque that does not rise may be above that."""
-_LOOK: Final = 0.1
-"""[s] for which a brake is held to see what the wheel does, and after which its pressure rises for as long."""
+_LOOK_TIME: Final = round(0.1 * NANOSECONDS)
+"""[ns] for which a brake is held to see what the wheel does, and after which its pressure rises for as long."""
 
 
 class Witness:
@@ -37,7 +37,7 @@ class Witness:
         self._still.reset()
         self._torque = nan
         self._stamp = 0
-        self._since: int | None = None
+        self._asked, self._since = -2 * _LOOK_TIME, 0
         self.confirms = False
         """Whether the wheel itself shows that it slips."""
 
@@ -65,8 +65,8 @@ class Witness:
         `asked` is whether slip and curve alone ask for a release.
         """
         if not asked:
-            self._since = None
             return False
-        if self._since is None:
+        if stamp - self._asked > _LOOK_TIME:
             self._since = stamp
-        return (stamp - self._since) % round(2.0 * _LOOK * NANOSECONDS) < _LOOK * NANOSECONDS
+        self._asked = stamp
+        return (stamp - self._since) % (2 * _LOOK_TIME) < _LOOK_TIME

@@ -18,6 +18,8 @@ from vehicle_models.vehicle_file import shipped_vehicles
 CAR = ("-p", "vehicle_file:=chapter_corner")
 STEP = 5_000_000
 PRESSURE = 5e6
+DIVED = 60
+"""Samples until the wheel has dived."""
 SPEED, SLIP = 20.0, 0.4
 """Of the car [m/s], and of its braked wheel: beyond every peak."""
 
@@ -36,11 +38,11 @@ class Inputs:
         self._publishers = {topic: qos.publish(client.node, kind, topic) for topic, kind in kinds.items()}
         client.until(lambda: all(each.get_subscription_count() == 1 for each in self._publishers.values()))
 
-    def send(self, sample: int, indicator: float) -> None:
+    def send(self, sample: int, indicator: float, share: float = 1.0) -> None:
         header = Header(stamp=from_nanoseconds(sample * STEP))
-        rolling = SPEED * (1.0 - SLIP) / 0.3
+        rolling = SPEED * (1.0 - share * SLIP) / 0.3
         slip = WheelSlip(
-            header=header, slip=SLIP, slip_stddev=0.00316, vehicle_speed=SPEED, validity=Validity(valid=True)
+            header=header, slip=share * SLIP, slip_stddev=0.00316, vehicle_speed=SPEED, validity=Validity(valid=True)
         )
         for topic, message in {
             # A sensor that works never reads the same twice.
@@ -73,14 +75,18 @@ def test_node_commands_a_release_and_falls_back_when_the_votes_go_silent() -> No
         inputs = Inputs(client)
         client.until(lambda: client.node.count_publishers("front_left/brake_command") == 1)
         client.until_known_to("abs_supervisor")
-        for k in range(1, 11):
+        for k in range(1, DIVED + 11):
             last = time.monotonic()
-            inputs.send(k, 500.0 if k < 6 else -5000.0)
-        client.until(lambda: len(commands) >= 11)
-        client.until(lambda: len(states) >= 11)
+            # It rolls, and dives: a wheel that does not fall is not released.
+            inputs.send(k, 500.0 if k < DIVED + 6 else -5000.0, min(max(k - DIVED + 20, 0) / 15, 1.0))
+        client.until(lambda: len(commands) >= DIVED + 11)
+        client.until(lambda: len(states) >= DIVED + 11)
         output = stop(process)
     increase, decrease, none = BrakeCommand.INCREASE, BrakeCommand.DECREASE, BrakeCommand.NONE
-    assert [message.command for message in commands] == [increase] * 5 + [decrease] * 5 + [none]
+    given = [message.command for message in commands]
+    assert given[: DIVED - 20] == [increase] * (DIVED - 20)
+    assert given[DIVED + 5 :] == [decrease] * 5 + [none]
+    assert decrease not in given[: DIVED + 5]
     assert commands[-1].header.stamp == commands[-2].header.stamp
     assert arrived[-1] - last >= stale_after - 0.02
     assert states[-1].cause == SupervisorState.CAUSE_FAIL_SAFE

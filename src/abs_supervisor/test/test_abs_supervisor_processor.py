@@ -90,6 +90,10 @@ def pressure(stamp: int, torque: float) -> tuple[str, Any]:
     return "front_left/brake_pressure", FluidPressure(header=header, fluid_pressure=torque / K)
 
 
+BEFORE = 50
+"""Samples before a test begins."""
+
+
 class Bench:
     """A processor with a brake that obeys it, fed sample by sample; keeps its outputs and reports."""
 
@@ -104,14 +108,15 @@ class Bench:
         self.counter = 0
         self.slip = SLIP
         self.brake = BrakeActuator(1, STEP * 1e-9)
-        for _ in range(4):  # slip is evidence after a time
-            self.sample(0.0, torque=0.0)
+        for k in range(BEFORE):  # it rolls, and dives: slip is evidence after a time, where the wheel itself falls
+            self.slip = SLIP * min(max(k - 30, 0) / 15, 1.0)
+            self.sample(0.0, torque=0.0, felt=60.0 if k >= 30 else None)
 
-    def sense(self, torque: float) -> None:
-        """All inputs but the vote, at the present stamp."""
+    def sense(self, torque: float, felt: float | None = None) -> None:
+        """All inputs but the vote, at the present stamp; `felt`: torque of the brake, its own where None."""
         self.processor.process("brake_demand", demand(self.stamp, torque))
-        felt = float(self.brake.step(torque, self.command or 0)[0])
-        for topic, message in (*turning(self.stamp, self.slip), pressure(self.stamp, felt)):
+        acts = float(self.brake.step(torque, self.command or 0)[0])
+        for topic, message in (*turning(self.stamp, self.slip), pressure(self.stamp, acts if felt is None else felt)):
             assert self.processor.process(topic, message) == []
 
     def take(self, outputs: Any) -> None:
@@ -129,9 +134,16 @@ class Bench:
                 assert (message.counter, message.valid_for) == (self.counter + 1, 0.1)
                 self.counter = message.counter
 
-    def sample(self, indicator: float, torque: float = 500.0, growing: int = 1, reason: int = Reason.OK) -> str:
+    def sample(
+        self,
+        indicator: float,
+        torque: float = 500.0,
+        growing: int = 1,
+        reason: int = Reason.OK,
+        felt: float | None = None,
+    ) -> str:
         self.stamp += STEP
-        self.sense(torque)
+        self.sense(torque, felt)
         self.take(self.processor.process(VOTE, vote(self.stamp, indicator, growing, reason)))
         return self.name
 
@@ -166,7 +178,7 @@ def test_a_cycle_is_commanded_counted_and_logged_with_its_causes() -> None:
     transitions = [text for severity, text in bench.said if severity == "debug"]
     causes = [text.split("cause ")[1] for text in transitions]
     assert causes == ["braking", "instability", "wait_over", "stability", "braking_over"]
-    lasted = f"{(bench.stamp - 6 * STEP) / 1e9:.2f} s"
+    lasted = f"{(bench.stamp - (BEFORE + 2) * STEP) / 1e9:.2f} s"
     told = [each for each in bench.said if each[0] != "debug"]
     assert told == [("info", f"front_left: braked for {lasted}, releases: 1, last cause: braking_over")]
     values = bench.processor.health().values
@@ -214,7 +226,7 @@ def test_one_bad_sample_does_not_end_a_release() -> None:
 def test_vote_that_is_merely_not_measurable_keeps_the_state(reason: int) -> None:
     bench = Bench()
     bench.sample(500.0)
-    for _ in range(100):
+    for _ in range(400):  # the pressure of the test before is forgotten
         assert bench.sample(nan if reason == Reason.NOT_BRAKING else 0.0, reason=reason) == "S1"
     assert bench.state.validity.valid
 
@@ -298,7 +310,7 @@ def test_jump_back_in_time_returns_to_s0_and_goes_on() -> None:
     for _ in range(40):
         bench.sample(500.0)
     bench.brake_into_s22()
-    lasted = f"{(bench.stamp - 5 * STEP) / 1e9:.2f} s"
+    lasted = f"{(bench.stamp - (BEFORE + 1) * STEP) / 1e9:.2f} s"
     bench.stamp = 0
     bench.sample(500.0, torque=0.0)
     assert bench.name == "S0"
@@ -518,7 +530,9 @@ def test_after_a_release_a_brake_that_is_slower_than_a_dive_is_held_at_the_slip_
     for _ in range(130):
         bench.sample(500.0, torque=strong)
     assert bench.command == BrakeCommand.INCREASE
-    bench.slip = 0.3
+    for k in range(1, 13):
+        bench.slip = 0.025 * k
+        bench.sample(500.0, torque=strong)
     before = [bench.sample(500.0, torque=strong) and bench.command for _ in range(4)]
     assert set(before) == {BrakeCommand.INCREASE}, "nothing has been released"
     while bench.sample(-200.0, torque=strong) != "S22":
@@ -532,11 +546,9 @@ def test_after_a_release_a_brake_that_is_slower_than_a_dive_is_held_at_the_slip_
 
 
 def test_curve_lowers_the_slip_that_a_release_needs_once_it_is_50_ms_old() -> None:
-    bench = Bench()
-    bench.slip = 0.15
-    came = 0
+    bench, came = Bench(), 0
     for k in range(40):
-        bench.sample(-1e5)
+        bench.sample(500.0)
         if k == 10:
             header = Header(stamp=from_nanoseconds(bench.stamp))
             curve = FrictionCurve(
@@ -544,10 +556,8 @@ def test_curve_lowers_the_slip_that_a_release_needs_once_it_is_50_ms_old() -> No
             )
             assert bench.processor.process("front_left/friction_curve", curve) == []
             came = bench.stamp
-        expected = BrakeCommand.DECREASE if came and bench.stamp >= came + 60_000_000 else BrakeCommand.INCREASE
         if not came or bench.stamp - came not in range(50_000_000, 60_000_000):
-            assert bench.command == expected or bench.name == "S1"
-    assert bench.state.release == SupervisorState.RELEASE_BY_SLIP
+            assert (bench.debug.release_slip < 0.15) == (came > 0 and bench.stamp >= came + 60_000_000)
 
 
 @pytest.mark.parametrize("real_time", [False, True])
@@ -578,6 +588,8 @@ def test_a_curve_that_counts_is_waited_for_where_no_clock_tells_that_it_has_come
 def test_curve_counts_for_15_m_after_the_last_one_that_had_a_peak() -> None:
     bench = Bench()
     bench.slip = 0.05
+    for _ in range(40):  # the dive before is forgotten
+        bench.sample(500.0)
     came = {}
     for k in range(260):
         bench.sample(500.0)

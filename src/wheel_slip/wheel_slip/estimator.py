@@ -6,6 +6,7 @@ from math import isfinite, nan, sqrt
 from typing import NamedTuple
 
 from friction_parameters.parameter import group, max_gap_parameter, minimum_speed_parameter, parameter
+from sensor_monitor.frozen_wheel import FrozenWheels
 from sensor_monitor.unit_check import UnitCheck
 from sensor_monitor.wheel_noise import WheelNoise
 from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
@@ -42,6 +43,7 @@ class SlipEstimator:
         self._wheels = [WheelSpeedFilter(p, parameters.max_gap, each.encoder_teeth) for each in vehicle.wheels]
         self._radii = vehicle.radii
         self._units = UnitCheck(sum(vehicle.radii) / len(vehicle.radii))
+        self._frozen = FrozenWheels()
         self._noise = WheelNoise(p.speed_stddev**2)
         self.car = CarMotion(vehicle, p.speed_stddev)
         """Motion of the car."""
@@ -57,6 +59,7 @@ class SlipEstimator:
             wheel.reset()
         self._units.reset()
         self._noise.reset()
+        self._frozen.reset()
         self.car.reset()
         self.speed_sensor.reset()
         self.accelerometer.reset()
@@ -90,6 +93,8 @@ class SlipEstimator:
             if isfinite(measured):
                 wheel.update(stamp, measured)
             rims.append(measured * radius if isfinite(measured) and not wheel.in_gap else nan)
+        frozen = self._frozen.update(stamp, rims)
+        rims = [nan if dead else rim for rim, dead in zip(rims, frozen, strict=True)]
         left_out = self.accelerometer.text
         reading = self.accelerometer.usable(stamp, acceleration, rims)
         if self.accelerometer.text and not left_out:
@@ -112,7 +117,7 @@ class SlipEstimator:
         self._units.update(stamp, smooth, rates, reading, measured_speeds[-1].speed if measured_speeds else None)
         known = self._car_known()
         return [
-            self._estimate(wheel, measured, self.car.wheel(index), known)
+            self._estimate(wheel, measured, self.car.wheel(index), _FROZEN if frozen[index] else known)
             for index, (wheel, measured) in enumerate(zip(self._wheels, wheel_speeds, strict=True))
         ]
 
@@ -198,3 +203,6 @@ class _Known(NamedTuple):
     reason: Reason
     text: str
     """The reason in words."""
+
+
+_FROZEN = _Known(Reason.WHEEL_SENSOR, "wheel speed repeats itself while the others change: stuck")
