@@ -437,3 +437,17 @@ def test_an_offset_is_as_uncertain_as_the_vehicle_file_states_and_as_a_slope_mak
     file.write_text(shipped.replace("bias: {value: 0.0, stddev: 0.17}", f"bias: {{value: 0.0, stddev: {stated}}}"))
     estimator = SlipEstimator(load_vehicle(file))
     assert f"{estimator.car.covariance[B, B] ** 0.5:.3f}" == expected
+
+
+def test_a_wheel_that_repeats_its_speed_in_a_braking_is_named_and_does_not_draw_the_speed_of_the_car() -> None:
+    found, estimator = hard_stop(), SlipEstimator(CAR)
+    stuck = round(3.5 / 0.005)
+    errors, reasons = [], []
+    for k, (wheels, acceleration) in enumerate(zip(found.wheel_speed, found.acceleration, strict=True)):
+        read = [float(found.wheel_speed[min(k, stuck), 0]), *wheels[1:].tolist()]
+        estimates = estimator.update((k + 1) * STEP, read, float(acceleration))
+        if k >= stuck + 20 and found.speed[k] > 5.0:
+            reasons.append(estimates[0].reason)
+            errors.append((estimator.car.speed - found.speed[k]) / sqrt(estimator.car.variance))
+    assert set(reasons) == {Reason.WHEEL_SENSOR}
+    assert np.abs(errors).max() < 2.0
