@@ -60,6 +60,7 @@ class Thresholds:
         unit="rad/s^3",
         minimum=-1e5,
         maximum=-1e-3,
+        read_only=True,
     )
     h_stability: float = parameter(
         8000.0,
@@ -67,9 +68,14 @@ class Thresholds:
         unit="rad/s^3",
         minimum=1e-3,
         maximum=1e6,
+        read_only=True,
     )
-    wait: float = parameter(0.035, "n: least time in S21, for the release to act", unit="s", minimum=0.0, maximum=1.0)
-    release_timeout: float = parameter(0.165, "longest time in S22", unit="s", minimum=0.005, maximum=10.0)
+    wait: float = parameter(
+        0.035, "n: least time in S21, for the release to act", unit="s", minimum=0.0, maximum=1.0, read_only=True
+    )
+    release_timeout: float = parameter(
+        0.165, "longest time in S22", unit="s", minimum=0.005, maximum=10.0, read_only=True
+    )
 
     def __post_init__(self) -> None:
         """Refuse thresholds of the wrong sign."""

@@ -77,7 +77,7 @@ class SupervisorParameters:
         maximum=5.0,
         read_only=True,
     )
-    deadline: float = deadline_parameter(0.02)
+    deadline: float = deadline_parameter(0.02, read_only=True)
     tuning: Tuning = constants(Tuning())
 
     def __post_init__(self) -> None:

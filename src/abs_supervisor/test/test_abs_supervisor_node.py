@@ -9,6 +9,7 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.qos import ReliabilityPolicy
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
+from std_srvs.srv import Trigger
 
 from friction_runtime import qos
 from friction_runtime.messages import from_nanoseconds
@@ -79,6 +80,8 @@ def test_node_commands_a_release_and_falls_back_when_the_votes_go_silent() -> No
             last = time.monotonic()
             # It rolls, and dives: a wheel that does not fall is not released.
             inputs.send(k, 500.0 if k < DIVED + 6 else -5000.0, min(max(k - DIVED + 20, 0) / 15, 1.0))
+            if k == DIVED + 8:
+                refused = client.call(Trigger, "/abs_supervisor/reset", Trigger.Request())
         client.until(lambda: len(commands) >= DIVED + 11)
         client.until(lambda: len(states) >= DIVED + 11)
         output = stop(process)
@@ -87,6 +90,7 @@ def test_node_commands_a_release_and_falls_back_when_the_votes_go_silent() -> No
     assert given[: DIVED - 20] == [increase] * (DIVED - 20)
     assert given[DIVED + 5 :] == [decrease] * 5 + [none]
     assert decrease not in given[: DIVED + 5]
+    assert not refused.success, "in the middle of a braking nothing is forgotten"
     assert commands[-1].header.stamp == commands[-2].header.stamp
     assert arrived[-1] - last >= stale_after - 0.02
     assert states[-1].cause == SupervisorState.CAUSE_FAIL_SAFE
@@ -109,17 +113,12 @@ def test_node_commands_nothing_unless_started_to_do_so() -> None:
         request = SetParameters.Request(parameters=[Parameter(name="shadow", value=false)])
         answer = client.call(SetParameters, "/abs_supervisor/set_parameters", request)
         assert [result.successful for result in answer.results] == [False]
-        # Only the thresholds may change. The processors are then made again, without a command.
+        # What a brake's safety hangs on is read at the start.
         wait = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=0.04)
-        for name, value, taken in (
-            ("tolerance", wait, False),
-            ("actuator.delay", wait, False),
-            ("demand_timeout", wait, False),
-            ("thresholds.wait", wait, True),
-        ):
-            request = SetParameters.Request(parameters=[Parameter(name=name, value=value)])
+        for name in ("tolerance", "actuator.delay", "demand_timeout", "deadline", "thresholds.wait"):
+            request = SetParameters.Request(parameters=[Parameter(name=name, value=wait)])
             answer = client.call(SetParameters, "/abs_supervisor/set_parameters", request)
-            assert [result.successful for result in answer.results] == [taken]
+            assert [result.successful for result in answer.results] == [False]
         assert client.node.count_publishers("front_left/brake_command") == 0
         output = stop(process)
     assert process.returncode == 0

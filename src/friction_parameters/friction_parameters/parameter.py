@@ -108,9 +108,10 @@ def minimum_speed_parameter(default: float) -> Any:
     return parameter(default, "no estimate below this vehicle speed", unit="m/s", minimum=0.1, maximum=50.0)
 
 
-def deadline_parameter(default: float = 0.05) -> Any:
+def deadline_parameter(default: float = 0.05, read_only: bool = False) -> Any:
     """Parameter that many nodes have: message time for which the primary input waits for the others [s]."""
-    return parameter(default, "message time a sample waits for the other inputs", unit="s", minimum=0.001, maximum=1.0)
+    said = "message time a sample waits for the other inputs"
+    return parameter(default, said, unit="s", minimum=0.001, maximum=1.0, read_only=read_only)
 
 
 @dataclass(frozen=True)

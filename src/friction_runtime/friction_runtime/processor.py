@@ -111,6 +111,10 @@ class CommandingProcessor(Processor, Protocol):
         Empty where nothing follows the clock of the machine: a command then waits for as long as it takes.
         """
 
+    @property
+    def acts(self) -> bool:
+        """Whether it has a part in what a brake does now: it is not started again then for a service."""
+
     def hand_over(self) -> Sequence[Output]:
         """Return the commands that give the brake back to the driver, whatever state the processor is in."""
 

@@ -66,8 +66,8 @@ class ProcessorNode(Node, Generic[Parameters]):
     """A node around processors: it moves messages and holds no estimate.
 
     Topics of processors are relative, so a namespace and remapping work; those of the node have their full names.
-    `~/reset` (std_srvs/Trigger) resets every processor. Staleness is by the steady clock of the machine; everything
-    else is by message stamps.
+    `~/reset` (std_srvs/Trigger) resets every processor, unless one has a part in what a brake does now. Staleness is by
+    the steady clock of the machine; everything else is by message stamps.
     """
 
     def __init__(
@@ -216,6 +216,11 @@ class ProcessorNode(Node, Generic[Parameters]):
         return {topic: now - self._arrivals.get(topic, -inf) for topic in self._readers}
 
     def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        acting = [each for each in self._processors if _acts(each)]
+        if acting:
+            response.success = False
+            response.message = f"{self.get_name()}: not while a brake is applied"
+            return response
         for processor in self._processors:
             processor.reset()
         self._say()
@@ -263,6 +268,10 @@ class ProcessorNode(Node, Generic[Parameters]):
 
 def _commands(processor: Processor) -> Mapping[str, float]:
     return processor.commands if isinstance(processor, CommandingProcessor) else {}
+
+
+def _acts(isolated: FaultIsolatedProcessor) -> bool:
+    return isinstance(isolated.processor, CommandingProcessor) and isolated.processor.acts
 
 
 def _offered(processor: Processor, topic: str) -> QoSProfile:

@@ -45,6 +45,8 @@ class Supervisor(Estimator):
 
     commands: Mapping[str, float] = {"brake_command": 0.1}
 
+    acts = False
+
     def hand_over(self) -> Sequence[Output]:
         return [("brake_command", f"none after {self.count}")]
 

@@ -125,6 +125,11 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         self._commanded = False
         return outputs
 
+    @property
+    def acts(self) -> bool:
+        """Whether it commands, and the brake is applied: a reset would empty the caps in the middle of a stop."""
+        return not self._p.shadow and self._supervisor.state is not State.S0
+
     def hand_over(self) -> Sequence[Output]:
         """Return NONE for the newest sample: the brake is the driver's."""
         self._command = Command.NONE
