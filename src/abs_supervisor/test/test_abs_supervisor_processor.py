@@ -305,6 +305,18 @@ def test_in_shadow_mode_there_is_no_command_topic_at_all() -> None:
     assert bench.state.shadow
 
 
+def test_in_shadow_mode_a_demand_that_never_comes_is_a_warning_said_once() -> None:
+    said: list[tuple[str, str]] = []
+    processor = WheelProcessor("front_left", VEHICLE, replace(P, shadow=True), lambda *each: said.append(each))
+    for k in range(1, 200):
+        for topic, message in (*turning(k * STEP), pressure(k * STEP, 0.0)):
+            processor.process(topic, message)
+        processor.process(VOTE, vote(k * STEP, 500.0))
+    assert processor.health().level is Level.WARN
+    assert "brake_demand" in processor.health().message
+    assert [severity for severity, text in said if "brake_demand" in text] == ["warning"]
+
+
 def test_jump_back_in_time_returns_to_s0_and_goes_on() -> None:
     bench = Bench()
     for _ in range(40):

@@ -39,6 +39,7 @@ _MISMATCH = Reason.PRESSURE_MISMATCH
 _USABLE = (*_QUIET, _MISMATCH)
 """Reasons with which the law goes on; the others bring the fail-safe."""
 _BROKEN = tuple(set(Reason) - set(_USABLE))
+_MISSING = (Reason.NO_DEMAND, Reason.NO_PRESSURE, Reason.NO_WHEEL_SPEED, Reason.NO_SLOPE)
 _UNMEASURED = (Reason.NOT_BRAKING, Reason.NO_EXCITATION)
 """Reasons of a vote with which the machine goes on although there is no indicator."""
 _CURVE_GAP: Final = 0.02
@@ -98,6 +99,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         super().__init__(wheel, primary, aligned, parameters.deadline, optional=(inputs.curve,))
         self._supervisor = Supervisor(parameters.thresholds, parameters.tolerance)
         self._log = BrakingLog(wheel, report)
+        self._report = report
         self._hysteresis = TorqueWithHysteresis(parameters.braking_torque, parameters.pressure)
         obeyed = by_demand and not parameters.shadow
         self._guard = Guard(vehicle.corner(wheel), parameters.tuning.envelope, parameters.actuator, obeyed)
@@ -179,6 +181,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         self._held: tuple[int, float] | None = None
         self._stamp = 0
         self._reason, self._text = Reason.NO_SLOPE, f"{self._vote}: no message yet"
+        self._warned: Reason | None = None
         self._indicator = self._torque = nan
         self._seen = Seen(nan, nan, nan)
         self._command = Command.NONE
@@ -201,6 +204,8 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
 
     def _state(self) -> tuple[Level, str]:
         level = level_of(self._reason, _QUIET, _BROKEN)
+        if self._p.shadow and self._reason in _MISSING:
+            level = Level.WARN  # beside a stack that has no such topic nothing is broken
         if self._reason is Reason.LOW_SPEED and self._gives_up():
             level = Level.WARN
         return level, self._text or self._supervisor.state.name
@@ -254,6 +259,9 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
             self._command = Command.NONE
             return self._fail(loss, loss[1]) or self._outputs()
         self._reason, self._text = self._judge(sample, torque)
+        if self._p.shadow and self._reason in _MISSING and self._reason is not self._warned:
+            self._warned = self._reason
+            self._report("warning", f"{self._wheel}: {self._text}")
         h, indicator = vote.h, vote.indicator if vote.validity.valid else nan
         if vote.validity.reason == Reason.LOW_SPEED and self._guard.slides:
             h, indicator = nan, self._p.thresholds.h_instability
