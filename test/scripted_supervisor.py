@@ -13,6 +13,7 @@ from friction_msgs.msg import BrakeCommand
 from sensor_msgs.msg import JointState
 
 from friction_runtime import qos
+from friction_runtime.command_checksum import sealed
 from friction_runtime.messages import to_nanoseconds
 
 WHEEL = "front_left"
@@ -35,7 +36,9 @@ def main(counted: int) -> None:
         releases = to_nanoseconds(message.header.stamp) // _HALF_CYCLE % 2
         command = BrakeCommand.DECREASE if releases else BrakeCommand.INCREASE
         publisher.publish(
-            BrakeCommand(header=message.header, wheel=WHEEL, command=command, counter=counter, valid_for=VALID_FOR)
+            sealed(
+                BrakeCommand(header=message.header, wheel=WHEEL, command=command, counter=counter, valid_for=VALID_FOR)
+            )
         )
 
     qos.subscribe(node, JointState, "wheel_states", answer, qos.SENSOR)

@@ -20,6 +20,7 @@ from corner_sim.ros import messages
 from corner_sim.sensors import Measurement, SensorNoise
 from friction_curve_id.parameters import SHIPPED as SHIPPED_CURVE
 from friction_curve_id.ros.processor import build as curve_processors
+from friction_runtime.command_checksum import sealed
 from friction_runtime.processor import Health, Output, Processor, ProcessorGraph
 from friction_slope.parameters import SHIPPED as SHIPPED_SLOPE
 from friction_slope.parameters import FrictionSlopeParameters
@@ -240,7 +241,7 @@ class ThresholdAbs:
             return []
         command = BrakeCommand(header=message.header, wheel=self._wheel, valid_for=1.0)
         command.command = int(self._command(message))
-        return [(f"{self._wheel}/brake_command", command)]
+        return [(f"{self._wheel}/brake_command", sealed(command))]
 
     def _command(self, message: WheelSlip) -> Command:
         self._speeds.append(message.wheel_speed)

@@ -14,6 +14,7 @@ from corner_sim.car_plant import CarModelParameters
 from corner_sim.parameters import SimParameters
 from corner_sim.ros import messages
 from corner_sim.ros.simulation import Simulation
+from friction_runtime.command_checksum import sealed
 from friction_runtime.messages import from_nanoseconds
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
@@ -43,7 +44,7 @@ def run(
 
 def release(simulation: Simulation, wheel: str, command: int) -> None:
     header = Header(stamp=from_nanoseconds(simulation.stamp))
-    order = BrakeCommand(header=header, wheel=wheel, command=command, counter=simulation.index, valid_for=0.1)
+    order = sealed(BrakeCommand(header=header, wheel=wheel, command=command, counter=simulation.index, valid_for=0.1))
     assert simulation.take_command(wheel, order) is None
 
 

@@ -9,6 +9,7 @@ from friction_msgs.msg import BrakeCommand, BrakeDemand
 from std_msgs.msg import Header
 
 from corner_sim.ros.commands import CommandInbox, DemandInbox
+from friction_runtime.command_checksum import sealed
 from vehicle_models.brake_actuator import Command
 
 WHEELS = ("front_left", "front_right")
@@ -20,7 +21,7 @@ def command(
     order: int, stamp: int, counter: int = 1, wheel: str = "front_left", valid_for: float = 0.1
 ) -> BrakeCommand:
     header = Header(stamp=Time(sec=stamp // SECOND, nanosec=stamp % SECOND))
-    return BrakeCommand(header=header, wheel=wheel, command=order, counter=counter, valid_for=valid_for)
+    return sealed(BrakeCommand(header=header, wheel=wheel, command=order, counter=counter, valid_for=valid_for))
 
 
 def inbox_with(message: BrakeCommand) -> CommandInbox:
@@ -170,3 +171,13 @@ def test_a_bad_demand_is_refused_by_name_and_changes_nothing(message: BrakeDeman
     assert refusal is not None
     assert "brake_demand" in refusal
     np.testing.assert_array_equal(inbox.pressure, [2e6, 2e6])
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("command", BrakeCommand.DECREASE), ("counter", 7), ("valid_for", 0.5), ("checksum", 0)]
+)
+def test_a_command_that_was_changed_on_the_way_is_refused(field: str, value: float) -> None:
+    message, inbox = command(BrakeCommand.HOLD, SECOND), CommandInbox(WHEELS)
+    setattr(message, field, value)
+    assert "checksum" in (inbox.take("front_left", message, SECOND) or "")
+    assert inbox.commands(SECOND).tolist() == [BrakeCommand.NONE] * 2

@@ -20,6 +20,7 @@ from corner_sim.parameters import SimParameters
 from corner_sim.ros import messages
 from corner_sim.ros.simulation import Simulation
 from friction_runtime import qos
+from friction_runtime.command_checksum import sealed
 from friction_runtime.messages import to_nanoseconds
 from friction_test_support.dds_client import DdsClient, dds_client, stop
 from vehicle_models.vehicle_file import load_vehicle
@@ -76,7 +77,9 @@ def supervise(client: DdsClient) -> list[JointState]:
         seen.append(message)
         order = BrakeCommand.DECREASE if message.velocity[0] < 60.0 else BrakeCommand.INCREASE
         publisher.publish(
-            BrakeCommand(header=message.header, wheel="front_left", command=order, counter=len(seen), valid_for=0.1)
+            sealed(
+                BrakeCommand(header=message.header, wheel="front_left", command=order, counter=len(seen), valid_for=0.1)
+            )
         )
 
     qos.subscribe(client.node, JointState, "wheel_states", answer, qos.SENSOR)
@@ -302,8 +305,10 @@ def test_diagnostics_say_when_a_supervisor_falls_silent(client: DdsClient) -> No
             answered.append(message)
             command = BrakeCommand.DECREASE
             publisher.publish(
-                BrakeCommand(
-                    header=message.header, wheel="front_left", command=command, counter=len(answered), valid_for=1.0
+                sealed(
+                    BrakeCommand(
+                        header=message.header, wheel="front_left", command=command, counter=len(answered), valid_for=1.0
+                    )
                 )
             )
 

@@ -12,6 +12,7 @@ from std_msgs.msg import Header
 from corner_sim.parameters import SimParameters
 from corner_sim.ros import messages
 from corner_sim.ros.simulation import Simulation
+from friction_runtime.command_checksum import sealed
 from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.reason import Reason
@@ -42,7 +43,9 @@ def run(
         if supervisor is not None:
             header = Header(stamp=from_nanoseconds(simulation.stamp))
             for wheel in vehicle.wheel_names:
-                order = BrakeCommand(header=header, wheel=wheel, command=supervisor(k), counter=k, valid_for=0.1)
+                order = sealed(
+                    BrakeCommand(header=header, wheel=wheel, command=supervisor(k), counter=k, valid_for=0.1)
+                )
                 assert simulation.take_command(wheel, order) is None
         simulation.advance()
     return found

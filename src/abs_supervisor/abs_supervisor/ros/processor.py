@@ -22,6 +22,7 @@ from abs_supervisor.supervisor import Evidence, Supervisor
 from abs_supervisor.wheel_pair import WheelPair, wheel_pairs
 from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.command_checksum import sealed
 from friction_runtime.messages import from_nanoseconds, header_at, to_nanoseconds, validity
 from friction_runtime.processor import Level, Output, Report, level_of, silent
 from friction_runtime.reports import of_topic, without_wheel
@@ -414,7 +415,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         command.command = int(self._command)
         command.counter = self._counter
         command.valid_for = self._p.valid_for
-        return self._command_topic, command
+        return self._command_topic, sealed(command)
 
 
 def build(parameters: SupervisorParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:

@@ -8,6 +8,7 @@ import numpy as np
 from friction_msgs.msg import BrakeCommand, BrakeDemand
 from numpy.typing import NDArray
 
+from friction_runtime.command_checksum import checksum
 from friction_runtime.messages import to_nanoseconds
 from vehicle_models.brake_actuator import Command
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -50,6 +51,8 @@ class CommandInbox:
         topic = f"{wheel}/brake_command"
         if message.wheel != wheel:
             return f"{topic}: message is for wheel '{message.wheel}', refused"
+        if message.checksum != checksum(message):
+            return f"{topic}: checksum is not that of its contents, refused"
         if message.command not in tuple(Command):
             return f"{topic}: unknown command {message.command}, refused"
         valid_for = message.valid_for
