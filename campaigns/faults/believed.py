@@ -1,4 +1,4 @@
-"""Faults that say they are none: valid, consistent and wrong slips, speeds, curves and pressures."""
+"""Valid, consistent and wrong slips, speeds, curves and pressures as faults of the campaign."""
 
 from math import inf
 from typing import Any

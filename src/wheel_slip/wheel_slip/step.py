@@ -1,4 +1,4 @@
-"""One step of the filter of the car's motion: means of what the sensors say, and the way that acceleration makes."""
+"""One step of the filter of the car's motion: means of the samples, and the way that acceleration makes."""
 
 from collections import deque
 from collections.abc import Sequence
