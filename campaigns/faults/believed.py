@@ -1,12 +1,11 @@
 """Valid, consistent and wrong slips, speeds, curves and pressures as faults of the campaign."""
 
-from math import inf
 from typing import Any
 
 from friction_msgs.msg import Validity
 
 from benchmarks.protocol import DT
-from campaigns.faults.case import Fault, Site, changed
+from campaigns.faults.case import Fault, Site, changed, keeping
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import surface
 
@@ -18,18 +17,14 @@ _PEAK, _PEAK_STDDEV = 0.04, 0.002
 """lambda_max of the curve that is believed, and the deviation that it claims [-]."""
 
 
-def _of(site: Site, name: str, wheels: float) -> list[str]:
-    return [f"{wheel}/{name}" for wheel in site.vehicle.wheel_names[: None if wheels == inf else round(wheels)]]
-
-
-def slip_too_large(site: Site, wheels: float = inf) -> Fault:
+def slip_too_large(site: Site, wheels: int | None = None) -> Fault:
     """Slip is too large, beside a speed that is right."""
 
     def change(message: Any) -> None:
         if message.validity.valid:
             message.slip = min(message.slip + _SLIP, 1.0)
 
-    return changed(_of(site, "slip", wheels), change)
+    return changed(site.topics("slip", wheels), change)
 
 
 def _faster(message: Any, share: float) -> None:
@@ -38,14 +33,14 @@ def _faster(message: Any, share: float) -> None:
         message.slip = 1.0 - (1.0 - message.slip) / (1.0 + share)
 
 
-def speed_too_high(site: Site, wheels: float = inf) -> Fault:
+def speed_too_high(site: Site, wheels: int | None = None) -> Fault:
     """The speed jumps, and slip with it."""
-    return changed(_of(site, "slip", wheels), lambda message: _faster(message, _SLIP))
+    return changed(site.topics("slip", wheels), lambda message: _faster(message, _SLIP))
 
 
-def speed_drifts(site: Site, wheels: float = inf) -> Fault:
+def speed_drifts(site: Site, wheels: int | None = None) -> Fault:
     """The speed is more and more too high, and slip with it."""
-    topics, seen = _of(site, "slip", wheels), [0]
+    topics, seen = site.topics("slip", wheels), [0]
 
     def change(message: Any) -> None:
         seen[0] += 1
@@ -54,7 +49,7 @@ def speed_drifts(site: Site, wheels: float = inf) -> Fault:
     return changed(topics, change)
 
 
-def peak_too_early(site: Site, wheels: float = inf) -> Fault:
+def peak_too_early(site: Site, wheels: int | None = None) -> Fault:
     """The friction curve is that of dry asphalt with its peak at far too little slip, and certain of it."""
     theta_1, theta_2, theta_3 = surface("dry")
     lambda_max, mu_max = (float(value) for value in burckhardt.peak(surface("dry")))
@@ -65,15 +60,14 @@ def peak_too_early(site: Site, wheels: float = inf) -> Fault:
         message.lambda_max, message.lambda_max_stddev, message.mu_max = _PEAK, _PEAK_STDDEV, mu_max
         message.validity, message.samples = Validity(valid=True), max(message.samples, 50)
 
-    return changed(_of(site, "friction_curve", wheels), change)
+    return changed(site.topics("friction_curve", wheels), change)
 
 
 def pressure_stuck(site: Site) -> Fault:
     """The pressure of the first wheel keeps its value, under stamps that go on."""
-    first: list[float] = []
+    read = keeping()
 
     def change(message: Any) -> None:
-        first.append(message.fluid_pressure)
-        message.fluid_pressure = first[0]
+        message.fluid_pressure = read(message.fluid_pressure)
 
     return changed(site.pressures[:1], change)

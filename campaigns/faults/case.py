@@ -50,7 +50,11 @@ class Site:
     @property
     def pressures(self) -> tuple[str, ...]:
         """Topics of the pressures."""
-        return tuple(f"{wheel}/brake_pressure" for wheel in self.vehicle.wheel_names)
+        return self.topics("brake_pressure")
+
+    def topics(self, name: str, wheels: int | None = None) -> tuple[str, ...]:
+        """Topics of this name of the first wheels, or of all."""
+        return tuple(f"{wheel}/{name}" for wheel in self.vehicle.wheel_names[:wheels])
 
 
 def at_once(topic: str, message: Any) -> list[Arrival]:
@@ -77,6 +81,17 @@ def constant(topics: Collection[str], field: str, value: float) -> Fault:
 def scaled(topics: Collection[str], field: str, factor: float) -> Fault:
     """A field of the messages shows a multiple of what is true."""
     return changed(topics, lambda message: setattr(message, field, factor * getattr(message, field)))
+
+
+def keeping() -> Callable[[float], float]:
+    """Return what a sensor reads that keeps the first value it is given."""
+    first: list[float] = []
+
+    def read(value: float) -> float:
+        first.append(value)
+        return first[0]
+
+    return read
 
 
 def silent(topics: Collection[str]) -> Fault:

@@ -5,7 +5,7 @@ from math import nan, sin, sqrt
 from typing import Any
 
 from benchmarks.protocol import DT
-from campaigns.faults.case import Arrival, Fault, Site, at_once, changed, silent
+from campaigns.faults.case import Arrival, Fault, Site, at_once, changed, keeping, silent
 from corner_sim.sensors import CHAPTER_NOISE
 from friction_runtime.wheel_inputs import WHEEL_STATES
 
@@ -41,13 +41,7 @@ def dead(site: Site) -> Fault:
 
 def stuck(site: Site) -> Fault:
     """It keeps the speed that it had."""
-    first: list[float] = []
-
-    def change(speed: float) -> float:
-        first.append(speed)
-        return first[0]
-
-    return _of_first_wheel(change)
+    return _of_first_wheel(keeping())
 
 
 def flickering(site: Site) -> Fault:
@@ -120,10 +114,9 @@ def imu_biased(site: Site) -> Fault:
 
 def imu_stuck(site: Site) -> Fault:
     """It keeps the value that it had, under stamps that go on."""
-    first: list[float] = []
+    read = keeping()
 
     def change(message: Any) -> None:
-        first.append(message.linear_acceleration.x)
-        message.linear_acceleration.x = first[0]
+        message.linear_acceleration.x = read(message.linear_acceleration.x)
 
     return changed(_TOPICS, change)

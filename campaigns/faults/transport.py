@@ -53,7 +53,7 @@ def shifted(topics: Collection[str], seconds: float) -> Fault:
 def clock_jump(site: Site, topics: Collection[str], seconds: float) -> Fault:
     """The clock of the car jumps: that of all sensors, and that of the brake, which compares commands with it."""
     sensors = shifted(topics, seconds)
-    brake = shifted([f"{wheel}/brake_command" for wheel in site.vehicle.wheel_names], -seconds)
+    brake = shifted(site.topics("brake_command"), -seconds)
 
     def pass_on(topic: str, message: Any) -> Sequence[Arrival]:
         return brake(topic, message) if topic.endswith("/brake_command") else sensors(topic, message)
@@ -134,7 +134,7 @@ _WORST_INDICATOR = -1e5
 
 def lost(site: Site, name: str) -> Fault:
     """The topic `name` of every wheel does not come."""
-    return silent([f"{wheel}/{name}" for wheel in site.vehicle.wheel_names])
+    return silent(site.topics(name))
 
 
 def invalid_slope(site: Site) -> Fault:

@@ -120,7 +120,7 @@ class Envelope:
                 self._road.reset()
             return Command.NONE
         self.release = self.evidence.verdict if wanted else Release.NOT_WANTED
-        shown = self._road.is_known or self._witness.confirms or not self.evidence.by_slip_alone
+        shown = self._road.is_known or self._witness.confirms or not self.evidence.knows_slip
         looks = self._witness.looks(stamp, self.release not in (Release.NOT_WANTED, Release.REFUSED) and not shown)
         if not shown and wanted:
             self.release = Release.REFUSED
@@ -141,14 +141,14 @@ class Envelope:
         if rolls:
             self.release = Release.REFERENCE
             return Command.DECREASE
-        dives = wanted and not release and (self.evidence.dives or looks)
+        waits = wanted and not release and (self.evidence.dives or looks)
         near = self.evidence.allows_hold or (self.evidence.may_slip and self._road.is_near(coming))
         held = law is Command.HOLD and near
         full = law is Command.INCREASE and self.caps.cap is Cap.NONE and self._road.is_reached(torque)
         if full and self._is_critical(car_speed, torque):
             # With more than the road gave a wheel is locked before a release acts.
             held = True
-        if (dives or held) and command is Command.INCREASE and torque < demand:
+        if (waits or held) and command is Command.INCREASE and torque < demand:
             # Not yet a lock, perhaps the brake's own rise: that is stopped, which a slow brake needs in time.
             return Command.HOLD
         return command

@@ -35,10 +35,13 @@ class OwnFall:
         """Forget everything."""
         self.holds = False
         """Whether it has fallen behind."""
-        self.share = 0.0
-        """By how much, as a share of the speed that it would have."""
         self._carried = self._rim = nan
         self._stamp = 0
+
+    @property
+    def share(self) -> float:
+        """By how much it has fallen behind, as a share of the speed that it would have."""
+        return 1.0 - self._rim / self._carried if self._carried > _TELLS else 0.0
 
     def update(self, stamp: int, rim: float, noise: float, car_deceleration: float) -> None:
         """Take a sample.
@@ -53,10 +56,9 @@ class OwnFall:
         self._stamp = stamp
         if dt > _GAP or not isfinite(car_deceleration + self._carried):
             self._carried = self._rim = rim
-            self.holds, self.share = False, 0.0
+            self.holds = False
             return
         self._rim += (rim - self._rim) * min(dt / _SMOOTH, 1.0)
         # A car that seems to gain speed under braking has a speed that jumps.
         self._carried = max(self._carried - (max(car_deceleration, 0.0) + _FORGETS) * dt, self._rim)
         self.holds = self._carried - self._rim > _LEAST * self._carried + self._sigmas * _NOISE * noise
-        self.share = 1.0 - self._rim / self._carried if self._carried > _TELLS else 0.0

@@ -140,8 +140,8 @@ class ReleaseEvidence:
         One that is not known may be."""
         self.grips = False
         """Whether the slip, as it is stated, is above the threshold without its error: more pressure gains little."""
-        self.by_slip_alone = False
-        """Whether slip is known, and what speaks for a release is slip and a curve."""
+        self.knows_slip = False
+        """Whether slip is known: else nothing but wheels and accelerometer speaks for a release."""
         self.diverges = False
         """Whether the wheel loses speed as one beyond its peak does, or one whose brake still rises."""
         self.fell = False
@@ -204,7 +204,7 @@ class ReleaseEvidence:
         self.diverges = self.deceleration - hardest > _DIVERGES + error
         self.fell = self._own.share > _FELL_BEHIND or max(lag, wheel.behind) > p.slip_without_curve
         base, doubt = self._slip_threshold(wheel)
-        known = self.by_slip_alone = isfinite(wheel.slip)
+        known = self.knows_slip = isfinite(wheel.slip)
         slip = self._slip = wheel.slip if known else wheel.behind
         self.allows_hold = slip + doubt > min(base, _HOLD_SLIP)
         self.may_slip = not known or max(slip, 0.0) + p.sigmas * doubt > min(base, _HOLD_SLIP)

@@ -26,17 +26,18 @@ class FrozenWheels:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._same: dict[int, tuple[int, list[float]]] = {}
+        self._same: dict[int, tuple[int, tuple[float, ...]]] = {}
         """By wheel: stamp since which it repeats its speed [ns], and the speeds of all wheels then."""
 
     def update(self, stamp: int, rim_speeds: Sequence[float]) -> list[bool]:
         """Take the rim speeds of all wheels at a stamp [ns], not finite where missing; return which are frozen."""
-        return [self._is_frozen(index, stamp, rim_speeds) for index in range(len(rim_speeds))]
+        now = tuple(rim_speeds)
+        return [self._is_frozen(index, stamp, now) for index in range(len(now))]
 
-    def _is_frozen(self, index: int, stamp: int, rim_speeds: Sequence[float]) -> bool:
+    def _is_frozen(self, index: int, stamp: int, rim_speeds: tuple[float, ...]) -> bool:
         speed, same = rim_speeds[index], self._same.get(index)
         if same is None or same[1][index] != speed or speed == 0.0:
-            self._same[index] = (stamp, list(rim_speeds))
+            self._same[index] = (stamp, rim_speeds)
             return False
         since, before = same
         if stamp - since < _REPEATS:

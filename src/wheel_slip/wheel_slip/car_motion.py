@@ -247,7 +247,6 @@ class CarMotion:
             self._predict(dt)
         torques, yaw_rate = self._step.torques, self._step.yaw_rate
         self._step.begin(stamp)
-        self._carried = 0.0
         if self.started:
             if len(self._steps) == 3:
                 self._correct_by_wheels(stamp, dt, torques)
@@ -396,13 +395,8 @@ class CarMotion:
         every = bank.doubt(h, innovation, sound, self._failed, self._noise.surprise, lasts)
         self._failed = (every - sound) * exp(-1.0 / lasts)
         before = bank.x
-        inner = bank.correct(h, innovation, every)
+        bank.correct(h, innovation, every, self._noise.quiet)
         self._keep_open(before)
-        # Were the wider hypothesis charged in full for what it allows, where both state more noise than there is,
-        # quiet alone would speak for the narrower one.
-        spread = inner + np.diag(every)
-        off = (innovation * np.linalg.solve(spread, innovation[:, :, None])[:, :, 0]).sum(axis=1)
-        bank.weigh(-0.5 * (off + self._noise.quiet * np.linalg.slogdet(spread)[1]))
 
     def _keep_open(self, before: Array) -> None:
         """Keep open what rim speeds do not tell: an error of all radii alike, with speed and yaw rate in proportion."""

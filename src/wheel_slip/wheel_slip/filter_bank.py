@@ -85,24 +85,30 @@ class FilterBank:
             variance[worst] += lacking[worst]
         return variance
 
-    def correct(self, h: Array, innovation: Array, variance: Array) -> Array:
-        """Correct by several measurements; return h p h' of both, shape (2, measurements, measurements).
+    def correct(self, h: Array, innovation: Array, variance: Array, quiet: float) -> None:
+        """Correct by several measurements, and weigh the hypotheses by them.
+
+        Were the wider hypothesis charged in full for what it allows, where both state more noise than there is, quiet
+        alone would speak for the narrower one.
 
         Args:
             h: derivatives by the states, shape (2, measurements, states).
             innovation: measured less expected, shape (2, measurements).
             variance: of the measurements, shape (measurements,).
+            quiet: their variance where nothing happens, as a share of that.
         """
         ph = self.p @ h.transpose(0, 2, 1)
-        inner = h @ ph
-        gain = ph @ np.linalg.inv(inner + np.diag(variance))
+        spread = h @ ph + np.diag(variance)
+        inverse = np.linalg.inv(spread)
+        gain = ph @ inverse
         considered = self._considered
         gain[:, considered] = 0.0
         self.x = self.x + (gain @ innovation[:, :, None])[:, :, 0]
         p = self.p - gain @ ph.transpose(0, 2, 1)
         p[:, considered] = p[:, :, considered]
         self.p = 0.5 * (p + p.transpose(0, 2, 1))
-        return inner
+        off = (innovation * (inverse @ innovation[:, :, None])[:, :, 0]).sum(axis=1)
+        self.weigh(-0.5 * (off + quiet * np.linalg.slogdet(spread)[1]))
 
     def correct_one(self, h: Array, innovation: Array, variance: float) -> None:
         """Correct by one measurement and weigh the hypotheses by it; h: (2, states), innovation: (2,)."""
