@@ -20,8 +20,8 @@ from std_msgs.msg import Header
 
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import write_bag
+from friction_bags.results.recorded_run import RecordedRun, read_run
 from friction_bringup.__main__ import main
-from friction_report.recorded_run import RecordedRun, read_run
 from friction_runtime.installed import shipped_file
 from friction_runtime.messages import from_nanoseconds
 from friction_test_support.dds_client import PATIENCE
@@ -91,7 +91,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Finished:
 
 
 def test_demo_prints_the_summary_and_leaves_plot_page_and_bag_and_no_process(demo: Finished) -> None:
-    for text in ("crossings of the peak", "ideal distance", "adhesion utilisation", "front_left/friction_slope"):
+    for text in ("crossings of the peak", "ideal distance", "front_left/friction_slope", "Brakings of", "µ_max"):
         assert text in demo.output
     assert (demo.directory / "drive.png").read_bytes().startswith(b"\x89PNG")
     assert (demo.directory / "page.html").read_text().startswith("<!DOCTYPE html>")
@@ -100,7 +100,7 @@ def test_demo_prints_the_summary_and_leaves_plot_page_and_bag_and_no_process(dem
 
 def test_demo_shows_each_quantity_while_it_runs(demo: Finished) -> None:
     lines = [line for line in demo.output.splitlines() if re.match(r" +\d+\.\d\d ", line)]
-    shown = r"slip +0\.\d{3} slope [+−?] +curve 0\.\d{3} +(increase|hold|decrease) +\d+\.\d bar"
+    shown = r"slip +0\.\d{3} slope [+−?] λ +[–.\d]+ µ +[–.\d]+ +curve 0\.\d{3} +(increase|hold|decrease) +\d+\.\d bar"
     assert any(re.search(shown, line) for line in lines), demo.output
 
 

@@ -19,9 +19,11 @@ from friction_bags.importers.signal_list import ListedSignal, list_signals
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_bags.progress_bars import bars
+from friction_bags.results.braking_table import add_table_arguments, show_brakings
+from friction_bags.results.brakings import braking_rows
+from friction_bags.results.recorded_run import read_run
 from friction_parameters.parameter import ParameterError
 from friction_report.page import write_page
-from friction_report.recorded_run import read_run
 from friction_report.summary import print_summary
 from friction_runtime.wheel_inputs import WHEEL_STATES
 from vehicle_doctor.checks.accelerometer import UNKNOWN
@@ -41,6 +43,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--dbc", type=Path, metavar="FILE", help="DBC file of a CAN log (default: that of the map)")
     add_vehicle_argument(parser, "that of the map, or of the bag")
     parser.add_argument("--out", type=Path, metavar="DIR", help="directory of the results (default: LOG_analysis)")
+    add_table_arguments(parser)
 
 
 def run(options: Namespace) -> int:
@@ -75,6 +78,7 @@ def run(options: Namespace) -> int:
     page = out / "page.html"
     write_page(read, page, log.resolve().name)
     print_summary(Console(), read)
+    show_brakings(options, {log.resolve().name: braking_rows(read)}, Console())
     for problem in dict.fromkeys((*result.problems, *read.problems)):
         print(f"damaged: {problem}", file=sys.stderr)
     print(f"page  {page}")

@@ -17,22 +17,24 @@ import rclpy
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
-from rich.live import Live
 
 from friction_adapter.map_file import add_map_argument, load_map
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_vehicle import vehicle_for
 from friction_bags.offline.plan import SayOnce
 from friction_bags.remapped_bag import RemappedBag, write_remapped
+from friction_bags.results.braking_table import add_table_arguments, show_brakings
+from friction_bags.results.brakings import braking_rows
+from friction_bags.results.recorded_run import read_run, require_samples
 from friction_bringup import graph
 from friction_bringup.demo_drive import CARS, ROADS
 from friction_bringup.demo_graph import DemoError, DemoGraph, DemoOptions
-from friction_bringup.live_view import LiveView, wheels_view
+from friction_bringup.live_view import LiveView
+from friction_bringup.monitor import show_live
 from friction_bringup.processes import AT_ONCE
 from friction_parameters.parameter import ParameterError
 from friction_report.page import write_page
 from friction_report.picture import write_picture
-from friction_report.recorded_run import read_run, require_samples
 from friction_report.summary import print_summary
 from friction_runtime.installed import shipped_file
 from friction_runtime.processor import silent
@@ -50,8 +52,6 @@ _PATIENCE = 20.0
 _INTERRUPTED = 130
 """Exit code after an interruption."""
 _FILE_WIDTH = 120
-_LINE_PERIOD = 0.25
-_TABLE_PERIOD = 0.1
 
 SpinUntil = Callable[[Callable[[], bool], float], None]
 """Spins until a condition holds, for at most a time [s]; raises KeyboardInterrupt after a signal."""
@@ -71,13 +71,14 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--params", type=Path, help="parameter file (default: that of the demo, or the one the bag names)"
     )
     parser.add_argument("--out", type=Path, default=Path("out"), help="directory for the results (default: out)")
+    add_table_arguments(parser)
 
 
 def run(options: Namespace) -> int:
     """Run the demo of the command line; return the exit code: 1 where it failed."""
     try:
         with _mapped(options) as native:
-            return run_demo(_demo_options(native))
+            return run_demo(_demo_options(native), native)
     except DemoError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
@@ -121,8 +122,12 @@ def _demo_options(options: Namespace) -> DemoOptions:
     return DemoOptions(options.surface, options.law, options.bag, vehicle, params.absolute(), options.out)
 
 
-def run_demo(options: DemoOptions) -> int:
+def run_demo(options: DemoOptions, files: Namespace) -> int:
     """Run the demo.
+
+    Args:
+        options: what is run.
+        files: options of add_table_arguments.
 
     Returns:
         Exit code: 0, 130 after an interruption.
@@ -165,7 +170,7 @@ def run_demo(options: DemoOptions) -> int:
         for number in (signal.SIGINT, signal.SIGTERM):
             # Nothing is left to end; an exception in the middle of drawing would surface as any error.
             signal.signal(number, lambda *_: os._exit(_INTERRUPTED))
-        _report(console, demo, directory, what)
+        _report(console, demo, directory, what, files)
         return 0
     finally:
         take_down(view, executor)  # last: it may end this process
@@ -191,17 +196,7 @@ def _watch(console: Console, demo: DemoGraph, view: LiveView, what: str, spin_un
     """Show the graph until its source ends and all messages have arrived."""
     with console.status("starting the processes and waiting for them to find each other"):
         _bring_up(demo, view, spin_until)
-    if console.is_terminal:
-        with Live(console=console, auto_refresh=False) as live:
-
-            def show() -> None:
-                shown = wheels_view(view.wheels, time.monotonic(), console.width, view.title(what))
-                live.update(shown, refresh=True)
-
-            _follow(demo, view, spin_until, _TABLE_PERIOD, show)
-    else:
-        print(view.header())
-        _follow(demo, view, spin_until, _LINE_PERIOD, lambda: print(view.line(), flush=True))
+    show_live(console, view, what, lambda period: spin_until(lambda: demo.done, period), lambda: demo.done)
     samples = -1
     while samples != view.samples:
         samples = view.samples
@@ -220,20 +215,12 @@ def _bring_up(demo: DemoGraph, view: LiveView, spin_until: SpinUntil) -> None:
         raise DemoError(f"no wheel_states in time from {demo.source}")
 
 
-def _follow(demo: DemoGraph, view: LiveView, spin_until: SpinUntil, period: float, show: Callable[[], None]) -> None:
-    shown = 0
-    while not demo.done:
-        spin_until(lambda: False, period)
-        if view.samples != shown:
-            shown = view.samples
-            show()
-
-
-def _report(console: Console, demo: DemoGraph, directory: Path, what: str) -> None:
+def _report(console: Console, demo: DemoGraph, directory: Path, what: str, files: Namespace) -> None:
     run = read_run(demo.bag, demo.wheels)
     print_summary(console, run)
     picture = directory / "drive.png"
     write_picture(run, picture, what)
+    show_brakings(files, {directory.name: braking_rows(run)}, console)
     console.print(f"plot  {picture}", soft_wrap=True)
     page = directory / "page.html"
     write_page(run, page, directory.name)

@@ -13,12 +13,12 @@ from std_srvs.srv import Trigger
 
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE
+from friction_bags.results.recorded_run import has_wheel_states
 from friction_bringup import graph
 from friction_bringup.demo_drive import CALIBRATION, WAITED_FOR, plant_of_demo
 from friction_bringup.discovery import local_discovery
 from friction_bringup.node_start import WATCHING, Decided, commanding, composed_arguments, left_to_file, node_starts
 from friction_bringup.processes import ProcessGroup
-from friction_report.recorded_run import has_wheel_states
 from friction_runtime.domain import free_domain_id
 from vehicle_models.vehicle_file import load_vehicle
 

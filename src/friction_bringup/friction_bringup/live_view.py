@@ -1,4 +1,4 @@
-"""Present messages of the graph, wheel by wheel: a table on a terminal, lines elsewhere."""
+"""Present messages of the graph, wheel by wheel: a table with 95 % intervals on a terminal, lines elsewhere."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from sensor_msgs.msg import FluidPressure, JointState
 from friction_bringup.graph import VEHICLE
 from friction_runtime import qos
 from friction_runtime.messages import to_nanoseconds
-from friction_runtime.reports import plain_reason
+from friction_runtime.reports import INTERVAL_95, plain_reason
 from vehicle_models.nanoseconds import NANOSECONDS
 
 TOPICS: dict[str, type] = {
@@ -62,10 +62,10 @@ _CAPS = {
 }
 _DISCOVERY_PERIOD = 0.1
 """Period of looking for new topics [s]."""
-_LINE_CELL = 19
+_LINE_CELL = 34
 _STALE = 0.5
 """Age [s] from which a topic counts as silent."""
-_FORCE = "tyre_force"
+_FORCE, _CURVE = "tyre_force", "friction_curve"
 
 
 @dataclass
@@ -203,12 +203,16 @@ class LiveView(Node):
         return f"  t [s]  v [m/s]  {'  '.join(f'{wheel:{_LINE_CELL}}' for wheel in self._real_wheels)}"
 
     def line(self) -> str:
-        """Return the wheels as one line: slip, sign of the slope, forces; of a single wheel the supervisor's state."""
+        """Return the wheels as one line: slip, slope and peak; of a single wheel the supervisor's state too."""
         cells = []
         for view in self._real_wheels.values():
-            slip = view.number("slip", "slip", ".3f")
-            forces = "  Fx {:>6} Fz {:>5} kN".format(*_forces(view)) if "tyre_force" in view.messages else ""
-            cells.append(f"slip {slip:>6} slope {view.sign.plain}".ljust(_LINE_CELL) + forces)
+            if "slip" in view.messages or _FORCE not in view.messages:
+                peak = [view.number(_CURVE, "lambda_max", ".3f"), view.number(_CURVE, "mu_max", ".2f")]
+                slip = view.number("slip", "slip", ".3f")
+                cells.append("slip {:>6} slope {} λ {:>5} µ {:>4}".format(slip, view.sign.plain, *peak))
+            else:
+                forces = [view.number(_FORCE, name, ".2f", 1e-3) for name in ("fx", "fz")]
+                cells.append("Fx {:>6} Fz {:>5} kN".format(*forces).ljust(_LINE_CELL))
         if len(cells) == 1:
             pressure = view.number("brake_pressure", "fluid_pressure", ".1f", 1e-5)
             cells.append(f"{view.state.plain:11}  {view.command:8}  {pressure:>6} bar")
@@ -224,10 +228,6 @@ def number(value: float, form: str) -> str:
     return f"{value:{form}}" if isfinite(value) else "–"
 
 
-def _forces(view: WheelView) -> list[str]:
-    return [view.number("tyre_force", name, ".2f", 1e-3) for name in ("fx", "fz")]
-
-
 @dataclass(frozen=True)
 class _Column:
     """A column of the table."""
@@ -241,22 +241,21 @@ class _Column:
 
 
 _COLUMNS = (
-    _Column("v [m/s]", lambda view: view.number("slip", "vehicle_speed", ".2f"), 100),
     _Column("slip", lambda view: view.number("slip", "slip", ".3f")),
     _Column("sign", lambda view: view.sign),
     _Column("state", lambda view: view.state),
     _Column("command", lambda view: _with_release(view)),
     _Column("p [bar]", lambda view: view.number("brake_pressure", "fluid_pressure", ".1f", 1e-5), 100),
-    _Column("λ_max", lambda view: view.number("friction_curve", "lambda_max", ".3f"), 0, 130),
-    _Column("λ_max", lambda view: _with_deviation(view, "friction_curve", "lambda_max", ".3f"), 130),
-    _Column("µ_max", lambda view: view.number("friction_curve", "mu_max", ".2f"), 100, 130),
-    _Column("µ_max", lambda view: _with_deviation(view, "friction_curve", "mu_max", ".2f"), 130),
+    _Column("µ_max", lambda view: view.number(_CURVE, "mu_max", ".2f"), 0, 100),
+    _Column("µ_max", lambda view: _with_interval(view, _CURVE, "mu_max", ".2f"), 100),
+    _Column("λ_max", lambda view: view.number(_CURVE, "lambda_max", ".3f"), 0, 100),
+    _Column("λ_max", lambda view: _with_interval(view, _CURVE, "lambda_max", ".3f"), 100),
 )
 _FORCE_COLUMNS = (
     _Column("Fx [kN]", lambda view: view.number(_FORCE, "fx", ".2f", 1e-3), 0, 130),
     _Column("Fz [kN]", lambda view: view.number(_FORCE, "fz", ".2f", 1e-3), 0, 130),
-    _Column("Fx [kN]", lambda view: _with_deviation(view, _FORCE, "fx", ".2f", 1e-3), 130),
-    _Column("Fz [kN]", lambda view: _with_deviation(view, _FORCE, "fz", ".2f", 1e-3), 130),
+    _Column("Fx [kN]", lambda view: _with_interval(view, _FORCE, "fx", ".2f", 1e-3), 130),
+    _Column("Fz [kN]", lambda view: _with_interval(view, _FORCE, "fz", ".2f", 1e-3), 130),
 )
 
 
@@ -273,7 +272,7 @@ def wheels_view(wheels: dict[str, WheelView], now: float, width: int, title: str
     chosen = (*_COLUMNS, *(_FORCE_COLUMNS if forces else ()))
     columns = [each for each in chosen if each.from_width <= width < each.below_width]
     table = Table(title=escape(title), title_justify="left", box=None, collapse_padding=True, pad_edge=False)
-    for heading in ("wheel", *(each.heading for each in columns), "age [s]"):
+    for heading in ("wheel", *(each.heading for each in columns), "age"):
         table.add_column(escape(heading), no_wrap=True)
     said: list[Text] = []
     for wheel, view in wheels.items():
@@ -283,7 +282,7 @@ def wheels_view(wheels: dict[str, WheelView], now: float, width: int, title: str
         table.add_row(
             wheel,
             *(each.cell(view) for each in columns),
-            Text(f"{youngest:.2f}", style="bold red" if youngest > _STALE else ""),
+            Text(f"{youngest:.1f} s", style="bold red" if youngest > _STALE else ""),
             style="dim" if youngest > _STALE else "",
         )
         reasons = (plain_reason(reason, wheel) for reason in view.reasons)
@@ -305,6 +304,6 @@ def _refused(view: WheelView) -> list[str]:
     return [f"releases refused so far: {count}"] if count else []
 
 
-def _with_deviation(view: WheelView, topic: str, name: str, form: str, scale: float = 1.0) -> str:
+def _with_interval(view: WheelView, topic: str, name: str, form: str, scale: float = 1.0) -> str:
     value = view.number(topic, name, form, scale)
-    return value if value == "–" else f"{value} ± {view.number(topic, f'{name}_stddev', form, scale)}"
+    return value if value == "–" else f"{value}±{view.number(topic, f'{name}_stddev', form, scale * INTERVAL_95)}"

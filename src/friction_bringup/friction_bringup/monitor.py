@@ -1,4 +1,4 @@
-"""A view of every wheel on a terminal of any width, lines elsewhere; it keeps running when nodes end."""
+"""A view of every wheel while the graph runs, for the monitor and the demo; it keeps running when nodes end."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from friction_bringup.live_view import LiveView, wheels_view
 from friction_runtime.spin import stop_on_signals, take_down
 
 _PERIOD = 0.1
-_LINE_PERIOD = 0.5
+_LINE_PERIOD = 0.25
 """Time between two lines where the output is no terminal [s]."""
 
 
@@ -48,26 +48,43 @@ def run(_: Namespace, of_ros: Sequence[str]) -> int:
             executor.spin_once(timeout_sec=remaining)
 
     try:
-        if console.is_terminal:
-            with _pressed_keys() as key, Live(console=console, auto_refresh=False, screen=True) as live:
-                while key() != "q" and not stop.is_set():
-                    spin(_PERIOD)
-                    live.update(
-                        wheels_view(view.wheels, monotonic(), console.width, "Friction graph (q quits)"), refresh=True
-                    )
-        else:
-            _print_lines(view, spin, stop.is_set)
+        with _pressed_keys() as key:
+            show_live(console, view, "q quits", spin, lambda: stop.is_set() or key() == "q", screen=True)
     finally:
         take_down(view, executor)
     return 0
 
 
-def _print_lines(view: LiveView, spin: Callable[[float], None], stopped: Callable[[], bool]) -> None:
-    """Print a line for the wheels now and then, and the header before it where the wheels are others."""
-    header = ""
-    while not stopped():
+def show_live(
+    console: Console,
+    view: LiveView,
+    name: str,
+    spin: Callable[[float], None],
+    done: Callable[[], bool],
+    *,
+    screen: bool = False,
+) -> None:
+    """Show the graph until `done`: a table on a terminal; elsewhere a line now and then, and a header for new wheels.
+
+    Args:
+        console: where it is shown.
+        view: the node that listens.
+        name: begins the title.
+        spin: lets the node listen for a time [s].
+        done: returns whether it is enough.
+        screen: whether the table has the whole terminal, and leaves nothing behind.
+    """
+    if console.is_terminal:
+        with Live(console=console, auto_refresh=False, screen=screen) as live:
+            while not done():
+                spin(_PERIOD)
+                live.update(wheels_view(view.wheels, monotonic(), console.width, view.title(name)), refresh=True)
+        return
+    header, shown = "", 0
+    while not done():
         spin(_LINE_PERIOD)
-        if view.samples and not stopped():
+        if view.samples != shown and not done():
+            shown = view.samples
             if view.header() != header:
                 header = view.header()
                 print(header)

@@ -34,7 +34,7 @@ def view() -> WheelView:
         "slip": WheelSlip(slip=0.1234, vehicle_speed=21.5, validity=Validity(valid=True)),
         "friction_slope": FrictionSlope(sign=-1, validity=Validity(valid=True)),
         "friction_curve": FrictionCurve(
-            lambda_max=0.17, lambda_max_stddev=0.02, mu_max=1.17, validity=Validity(valid=True)
+            lambda_max=0.17, lambda_max_stddev=0.02, mu_max=1.17, mu_max_stddev=0.03, validity=Validity(valid=True)
         ),
         "abs_supervisor": SupervisorState(state=SupervisorState.S21, validity=Validity(valid=True)),
         "brake_command": BrakeCommand(command=BrakeCommand.DECREASE),
@@ -43,9 +43,9 @@ def view() -> WheelView:
     return WheelView(messages=messages, arrivals=dict.fromkeys(messages, 10.0))
 
 
-def test_every_estimate_is_shown_with_its_deviation(view: WheelView) -> None:
+def test_every_estimate_is_shown_with_its_95_percent_interval(view: WheelView) -> None:
     text = shown(view, 10.1)
-    for part in ("rear_left", "21.50", "0.123", "−", "S21", "decrease", "0.170 ± 0.020", "-2.50 ± –", "0.10"):
+    for part in ("rear_left", "0.123", "−", "S21", "decrease", "0.170±0.039", "1.17±0.06", "-2.50±–", "0.1 s"):
         assert part in text
     assert "silent for" not in text
 
@@ -53,7 +53,7 @@ def test_every_estimate_is_shown_with_its_deviation(view: WheelView) -> None:
 @pytest.mark.parametrize("width", [80, 100, 160])
 def test_no_number_is_cut_on_a_terminal_of_any_width(view: WheelView, width: int) -> None:
     text = shown(view, 10.1, width)
-    for part in ("rear_left", "0.123", "−", "S21 wait", "decrease", "0.170", "-2.50", "4.00", "0.10"):
+    for part in ("rear_left", "0.123", "−", "S21 wait", "decrease", "0.170", "1.17", "-2.50", "4.00", "0.1 s"):
         assert part in text
     assert "…" not in text
     assert max(map(len, text.splitlines())) <= width

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_report.recorded_run import CrossingEvent
+from friction_bags.results.recorded_run import CrossingEvent
 from vehicle_models.constants import GRAVITY
 
 Array = NDArray[np.float64]

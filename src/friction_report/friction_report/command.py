@@ -12,14 +12,18 @@ from os import cpu_count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from rich.console import Console
+
 from friction_adapter.map_file import add_map_argument
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_vehicle import CAR_OTHERWISE
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
 from friction_bags.progress_bars import bars
+from friction_bags.results.braking_table import add_table_arguments, show_brakings
+from friction_bags.results.brakings import braking_rows
+from friction_bags.results.recorded_run import read_run
 from friction_report.page import refuse_existing, write_page
-from friction_report.recorded_run import read_run
 from vehicle_models.vehicle_file import add_vehicle_argument
 
 _ABOUT = "Show a drive as one page for a browser."
@@ -48,6 +52,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
         write_page(read, args.out, args.bag.resolve().name, remarks)
     for problem in read.problems:
         print(f"damaged: {problem}", file=sys.stderr)
+    show_brakings(args, {args.bag.resolve().name: braking_rows(read)}, Console())
     print(f"page  {args.out}  {args.out.stat().st_size / 1e6:.1f} MB, {len(read.series)} topics")
     return 1 if read.problems else 0
 
@@ -62,6 +67,7 @@ def _parser() -> ArgumentParser:
     parser.add_argument(
         "--params-file", type=Path, action="append", default=[], help="ROS parameter file of the estimators; repeatable"
     )
+    add_table_arguments(parser)
     return parser
 
 

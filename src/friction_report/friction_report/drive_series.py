@@ -9,7 +9,8 @@ import numpy as np
 from friction_msgs.msg import BrakeCommand, SupervisorState
 from numpy.typing import NDArray
 
-from friction_report.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
+from friction_bags.results.brakings import Fit, fits_of
+from friction_bags.results.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
 from friction_runtime.reports import plain_reason
 
 _DEVIATIONS = 2.0
@@ -126,47 +127,6 @@ def curves_of(run: RecordedRun) -> Iterator[Curves]:
     for fit in fits_of(run, "truth/"):
         theta = np.stack([fit.curve[f"theta_{i}"] for i in (1, 2, 3)], axis=1)
         yield _curves(fit, "truth", np.any(np.diff(theta, axis=0, prepend=np.nan) != 0.0, axis=1))
-
-
-@dataclass(frozen=True)
-class Fit:
-    """Friction curves of a wheel or the vehicle over time."""
-
-    label: str
-    of: str
-    """Wheel or VEHICLE."""
-    topic: str
-    curve: Series
-
-
-def fits_of(run: RecordedRun, start: str) -> list[Fit]:
-    """Return the friction curves of topics that begin with `start`; of wheels that have the same ones, a single one."""
-    topics = {of: f"{start}{of}/friction_curve" for of in (*run.wheels, VEHICLE)}
-    fits = [Fit(of, of, topic, curve) for of, topic in topics.items() if (curve := run.get(topic)) is not None]
-    wheels = [fit for fit in fits if fit.of != VEHICLE]
-    if len(wheels) > 1 and all(_same(wheels[0].curve, fit.curve) for fit in wheels[1:]):
-        return [Fit("all wheels", VEHICLE, wheels[0].topic, wheels[0].curve), *fits[len(wheels) :]]
-    return fits
-
-
-def _same(one: Series, other: Series) -> bool:
-    """Whether two friction curves, where valid, are equal at all times."""
-    if not np.array_equal(one.time, other.time) or not np.array_equal(one["valid"], other["valid"]):
-        return False
-    valid = one["valid"] > 0.0
-    names = ("lambda_max", "mu_max", "lambda_max_stddev", "mu_max_stddev")
-    return all(np.array_equal(one[name][valid], other[name][valid], equal_nan=True) for name in names)
-
-
-def vehicle_speed(run: RecordedRun) -> tuple[Array, Array] | None:
-    """Return time [s] and speed [m/s] of the vehicle: as estimated, else as measured, else true; None where unknown."""
-    for wheel in run.wheels:
-        if (slip := run.get(f"{wheel}/slip")) is not None and np.any(np.isfinite(slip["vehicle_speed"])):
-            return slip.time, slip["vehicle_speed"]
-    for topic in ("vehicle_velocity", "truth/vehicle_velocity"):
-        if (velocity := run.get(topic)) is not None:
-            return velocity.time, velocity["twist.twist.linear.x"]
-    return None
 
 
 def signs(slope: Series) -> Array:

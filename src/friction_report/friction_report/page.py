@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_bags.bag_io.bag_format import BagError
-from friction_report.brakings import BrakingRow, braking_rows
+from friction_bags.results.brakings import BrakingRow, Part, braking_rows
+from friction_bags.results.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
 from friction_report.drive_series import (
     DRIVER,
     Curves,
@@ -28,9 +29,8 @@ from friction_report.drive_series import (
     lines_of,
     strips_of,
 )
-from friction_report.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
 from friction_report.thinning import bucket_edges, decimate, last_of_buckets
-from friction_runtime.reports import plain_reason, report_kind
+from friction_runtime.reports import INTERVAL_95, plain_reason, report_kind
 
 _COARSE, _FINE = 2000, 6000
 """Buckets over the whole drive, and in its brakings: with both, an hour of four wheels stays below 20 MB."""
@@ -346,17 +346,27 @@ def _facts(run: RecordedRun, duration: float) -> list[list[str]]:
 
 
 def _braking(row: BrakingRow) -> dict[str, Any]:
-    peaks = [[peak.of, _number(peak.lambda_max, 4), _number(peak.stddev, 4)] for peak in row.peaks]
+    parts = [
+        {"of": part.of, "valid": _number(part.valid, 3), "reason": _short(part.reason)}
+        | {name: _with_reach(part, name) for name in ("mu_used", "mu_max", "lambda_max")}
+        for part in row.parts
+    ]
     return {
         "start": _number(row.start, 3),
         "end": _number(row.end, 3),
         "from": _number(row.from_speed, 2),
         "to": _number(row.to_speed, 2),
         "deceleration": _number(row.mean_deceleration, 2),
+        "hardest": _number(row.largest_deceleration, 2),
         "slip": _number(row.largest_slip, 3),
         "slip_of": row.slip_of,
-        "peaks": peaks,
+        "parts": parts,
     }
+
+
+def _with_reach(part: Part, name: str) -> list[float | None]:
+    """Return a value and half the width of its 95 % interval."""
+    return [_number(getattr(part, name), 4), _number(INTERVAL_95 * getattr(part, f"{name}_stddev"), 4)]
 
 
 def _topic(topic: str, series: Series) -> dict[str, Any]:

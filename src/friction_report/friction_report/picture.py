@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from friction_report.brakings import hardest_braking
-from friction_report.drive_series import Line, lines_of, vehicle_speed
+from friction_bags.results.brakings import hardest_braking, vehicle_speed
+from friction_bags.results.recorded_run import RecordedRun
+from friction_report.drive_series import Line, lines_of
 from friction_report.page import PANELS
-from friction_report.recorded_run import RecordedRun
 
 _PANELS = ("speed", "slip", "lambda_max", "mu_max", "pressure", "grip", "fx", "fz")
 _COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:brown", "tab:pink", "tab:olive")

@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from friction_bags.results.recorded_run import CrossingEvent, RecordedRun
 from friction_report.braking_metrics import (
     Braking,
     JudgedCrossing,
@@ -16,7 +17,6 @@ from friction_report.braking_metrics import (
     release_times,
     right_signs,
 )
-from friction_report.recorded_run import VEHICLE, CrossingEvent, RecordedRun
 from friction_runtime.reports import plain_reason
 
 _SHOWN_CROSSINGS = 16
@@ -26,7 +26,7 @@ _ENDING_CAPS = (SupervisorState.CAP_CONTINUOUS, SupervisorState.CAP_SHARE, Super
 
 
 def print_summary(console: Console, run: RecordedRun) -> None:
-    """Print the summary of a run: crossings and braking where the truth is known, validity everywhere."""
+    """Print crossings and utilisation where the truth is known, releases, and validity everywhere."""
     for wheel in run.wheels:
         curve, truth = run.get(f"truth/{wheel}/friction_curve"), run.crossings(f"truth/{wheel}/friction_slope")
         if curve is not None:
@@ -34,8 +34,6 @@ def print_summary(console: Console, run: RecordedRun) -> None:
             judged = judge_crossings(found, truth, curve.time, curve["lambda_max"])
             console.print(crossing_table(wheel, judged, truth))
             console.print(sign_text(run, wheel))
-    console.print(grip_text(run))
-    console.print(curve_table(run))
     braking = braking_of(run)
     if isinstance(braking, Braking):
         console.print(braking_table(braking))
@@ -100,42 +98,6 @@ def sign_text(run: RecordedRun, wheel: str) -> str:
         found.time, found["sign"], found["valid"] > 0.0, found["delay"], truth.time, truth["sign"]
     )
     return f"{wheel}: {right} of {valid} valid slope signs are the true ones" if valid else f"{wheel}: no valid sign"
-
-
-def grip_text(run: RecordedRun) -> str:
-    """Return a sentence on the friction that a run used and proved."""
-    grip = run.get("grip")
-    if grip is None or not np.isfinite(grip["vehicle.mu_used"]).any():
-        return "Grip: no word on friction, for lack of an accelerometer"
-    place = int(np.nanargmax(grip["vehicle.mu_used"]))
-    used, stddev = grip["vehicle.mu_used"][place], grip["vehicle.mu_used_stddev"][place]
-    proven = np.nanmax(grip["mu_proven"]) if np.isfinite(grip["mu_proven"]).any() else 0.0
-    valid = float(np.mean(grip["valid"]))
-    at = f"at {grip.time[place]:.1f} s"
-    return f"Grip: used up to {used:.2f} ± {stddev:.2f} {at}, proven up to {proven:.2f}, valid {valid:.0%} of the time"
-
-
-def curve_table(run: RecordedRun) -> Table:
-    """Return a table of the last valid friction curve of each wheel, or of the vehicle, beside the truth."""
-    table = Table(title="Friction curve, the last valid estimate", title_justify="left")
-    table.add_column("of")
-    for heading in ("first valid at [s]", "λ_max ± σ", "true", "µ_max ± σ", "true"):
-        table.add_column(escape(heading), justify="right")
-    for name in (*run.wheels, VEHICLE):
-        if (curve := run.get(f"{name}/friction_curve")) is None:
-            continue
-        valid = np.flatnonzero(curve["valid"] > 0.0)
-        if not valid.size:
-            table.add_row(name, "never", "–", "", "–", "")
-            continue
-        truth, last = run.get(f"truth/{name}/friction_curve"), valid[-1]
-        cells = [name, f"{curve.time[valid[0]]:.2f}"]
-        for quantity in ("lambda_max", "mu_max"):
-            cells.append(f"{curve[quantity][last]:.3f} ± {curve[f'{quantity}_stddev'][last]:.3f}")
-            true = None if truth is None else np.interp(curve.time[last], truth.time, truth[quantity])
-            cells.append("–" if true is None else f"{true:.3f}")
-        table.add_row(*cells)
-    return table
 
 
 def braking_table(braking: Braking) -> Table:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from friction_bags.results.recorded_run import CrossingEvent
 from friction_report.braking_metrics import (
     judge_crossings,
     measure_braking,
     release_times,
 )
-from friction_report.recorded_run import CrossingEvent
 from vehicle_models.constants import GRAVITY
 
 TIME = np.arange(0.0, 12.0, 0.005, dtype=np.float64)

@@ -7,7 +7,7 @@ import pytest
 from friction_msgs.msg import BrakeCommand, SupervisorState
 from rich.console import Console
 
-from friction_report.recorded_run import RecordedRun, Series
+from friction_bags.results.recorded_run import RecordedRun, Series
 from friction_report.summary import release_table, sign_text
 
 TIME = np.arange(0.0, 2.0, 0.01)

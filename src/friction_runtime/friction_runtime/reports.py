@@ -3,6 +3,9 @@
 import re
 from math import inf
 
+INTERVAL_95 = 1.96
+"""Half width of a 95 % interval [standard deviations]: all tables and plots show this one."""
+
 
 def of_wheel(wheel: str, text: str) -> str:
     """Return a text that names the wheel; unchanged where it is empty or begins with the wheel or one of its topics."""

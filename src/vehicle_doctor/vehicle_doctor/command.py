@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from rich.console import Console
+
 from friction_adapter.map_file import add_map_argument, load_map
 from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
@@ -14,6 +16,7 @@ from friction_bags.bag_io.cdr import decode, type_name
 from friction_bags.bag_vehicle import vehicle_for
 from friction_bags.importers.import_log import is_bag, open_log
 from friction_bags.offline.plan import SayOnce, open_bag
+from friction_bags.results.braking_table import print_brakings, rows_of_bag
 from friction_parameters.parameter import ParameterError
 from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import silent
@@ -53,7 +56,10 @@ def run(options: Namespace, of_ros: list[str]) -> int:
         raise ParameterError("give a bag, a log or --live SECONDS, and one of these")
     if options.live is None:
         drive, source = read_drive(options.drive, options.map, options.vehicle, options.dbc)
-        return _examine(drive, source, str(options.drive), options)
+        code = _examine(drive, source, str(options.drive), options)
+        if not options.map and (brakings := rows_of_bag(options.drive, "/", lambda _: None)):
+            print_brakings(Console(), options.drive.resolve().name, brakings)
+        return code
     if options.map:
         raise ParameterError("--live hears the topics of this graph: start friction_adapter with the map beside it")
     source = vehicle_path(options.vehicle)

@@ -10,6 +10,8 @@ from multiprocessing import active_children, get_context
 from os import cpu_count
 from pathlib import Path
 
+from rich.console import Console
+
 from friction_adapter.map_file import add_map_argument
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_vehicle import CAR_OTHERWISE
@@ -17,6 +19,7 @@ from friction_bags.offline.estimators import ESTIMATORS
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import ProcessResult, process_bag
 from friction_bags.progress_bars import bars
+from friction_bags.results.braking_table import add_table_arguments, rows_of_bag, show_brakings
 from friction_parameters.command_line import count
 from friction_parameters.parameter import ParameterError
 from vehicle_models.vehicle_file import add_vehicle_argument
@@ -43,6 +46,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--jobs", type=count, default=cpu_count() or 1, help="processes at once (default: one per core)"
     )
+    add_table_arguments(parser)
 
 
 def run(args: Namespace) -> int:
@@ -68,17 +72,24 @@ def run(args: Namespace) -> int:
     if len(set(outs)) < len(outs):
         raise BagError("two bags have the same name")
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    return _report(_process_all(list(zip(args.bags, outs, strict=True)), options, args.jobs))
+    code, made = _report(outs, _process_all(list(zip(args.bags, outs, strict=True)), options, args.jobs))
+    brakings = {}
+    for out in made:
+        with bars([f"reading {out.name}"]) as show:
+            brakings[out.name] = rows_of_bag(out, options.prefix, partial(show, 0))
+    show_brakings(args, brakings, Console())
+    return code
 
 
-def _report(results: Iterable[ProcessResult | Exception]) -> int:
-    """Print what was done to each bag; return the exit code."""
-    code = 0
-    for result in results:
+def _report(outs: Sequence[Path], results: Iterable[ProcessResult | Exception]) -> tuple[int, list[Path]]:
+    """Print what was done to each bag; return the exit code, and the bags that were written."""
+    code, made = 0, []
+    for out, result in zip(outs, results, strict=True):
         if isinstance(result, Exception):
             print(f"error: {result}", file=sys.stderr)
             code = 2
             continue
+        made.append(out)
         for problem in result.problems:
             print(f"damaged: {problem}", file=sys.stderr)
             code = max(code, 1)
@@ -87,7 +98,7 @@ def _report(results: Iterable[ProcessResult | Exception]) -> int:
             f"{result.seconds:.1f} s ({result.duration / result.seconds:.1f} times real time)",
             flush=True,
         )
-    return code
+    return code, made
 
 
 def _process_all(

@@ -452,17 +452,22 @@
   function fillBrakings() {
     const table = find("#brakings table");
     if (!drive.brakings.length) {
-      find("#brakings .hint").textContent = "No braking: the car's speed is not known, or it never decelerates by more than 1 m/s².";
+      find("#brakings .hint").textContent = "No braking: the car's speed is not known, or it never falls by 1 m/s with more than 1 m/s².";
       return;
     }
     const body = headings(table, [["start", "[s]"], ["duration", "[s]"], ["from", "[m/s]"], ["to", "[m/s]"],
-      ["mean deceleration", "[m/s²]"], ["largest slip", "above 5 m/s [-]"], ["λ_max at its end", "± σ [-]", "long"]]);
+      ["deceleration", "mean / largest [m/s²]"], ["grip used", "largest [-]"], ["µ_max", "last valid [-]"], ["λ_max", "last valid [-]"],
+      ["largest slip", "above 5 m/s [-]"]]);
     for (const b of drive.brakings) {
       const row = add(body, "tr", undefined, { tabindex: "0" });
-      for (const [value, digits] of [[b.start, 2], [b.end - b.start, 2], [b.from, 1], [b.to, 1], [b.deceleration, 1]])
+      for (const [value, digits] of [[b.start, 2], [b.end - b.start, 2], [b.from, 1], [b.to, 1]])
         add(row, "td", number(value, digits));
+      add(row, "td", `${number(b.deceleration, 1)} / ${number(b.hardest, 1)}`);
+      for (const [name, digits] of [["mu_used", 2], ["mu_max", 3], ["lambda_max", 3]]) {
+        const cell = add(row, "td");
+        for (const part of b.parts) if (part[name][0] !== null || (part.reason && name === "mu_max")) add(cell, "div", valueOf(part, name, digits, b.parts.length > 1));
+      }
       add(row, "td", b.slip === null ? "–" : `${number(b.slip, 3)} ${b.slip_of}`);
-      add(row, "td", peaksOf(b.peaks), { class: "long" });
       const choose = () => {
         chooseRow(row);
         const margin = Math.max(0.3, 0.1 * (b.end - b.start));
@@ -474,8 +479,12 @@
     }
   }
 
-  const peaksOf = (peaks) => peaks.map(([of, peak, deviation]) =>
-    `${number(peak, 3)}${deviation === null ? "" : ` ± ${number(deviation, 3)}`} ${of}`).join("; ") || "not identified";
+  /** A value with half of its 95 % interval, or the reason why there is none; the part of the car where there are several. */
+  const valueOf = (part, name, digits, several) => {
+    const [value, reach] = part[name];
+    const text = value === null ? part.reason : reach === null ? number(value, digits) : `${number(value, digits)} ± ${number(reach, digits)}`;
+    return several ? `${part.of}: ${text}` : text;
+  };
 
   function fillTopics() {
     const body = headings(find("#topics table"), [["topic", "", "text"], ["messages", ""], ["valid", ""], ["why not", "most frequent first", "long"]]);

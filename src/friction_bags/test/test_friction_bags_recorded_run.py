@@ -10,20 +10,17 @@ from friction_msgs.msg import FrictionSlope
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import write_bag
-from friction_report.picture import write_picture
-from friction_report.recorded_run import read_run, require_samples
+from friction_bags.results.recorded_run import read_run, require_samples
 
 TYRES = Path(__file__).parents[3] / "bags" / "tyre_dynamic_2_0_bar"
 
 
-def test_bag_of_tyres_alone_begins_with_its_first_message_and_has_a_picture(tmp_path: Path) -> None:
+def test_bag_of_tyres_alone_begins_with_its_first_message() -> None:
     run = read_run(TYRES, ("front_left", "rear_left"))
     forces = run.series["truth/rear_left/tyre_force"]
     assert run.samples.size == 0
     assert forces.time[0] == 0.0
     assert forces.time.size == 500
-    write_picture(run, tmp_path / "drive.png", "tyres")
-    assert (tmp_path / "drive.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_bag_without_wheels_and_tyres_is_refused(tmp_path: Path) -> None:

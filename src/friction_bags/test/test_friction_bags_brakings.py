@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from friction_report.brakings import all_brakings, hardest_braking
+from friction_bags.results.brakings import all_brakings, hardest_braking
 
 TIME = np.arange(0.0, 12.0, 0.005)
 

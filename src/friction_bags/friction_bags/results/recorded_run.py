@@ -40,7 +40,9 @@ _PROGRESS_EVERY = 5000
 
 _VALID = "validity.valid"
 
-_COLUMNS: Mapping[str, tuple[str, ...]] = {
+Columns = Mapping[str, tuple[str, ...]]
+"""Fields that are read, by the type of the message."""
+COLUMNS: Columns = {
     "friction_msgs/msg/WheelSlip": ("slip", "slip_rate", "vehicle_speed", "wheel_speed", _VALID),
     "friction_msgs/msg/FrictionSlope": (
         *("sign", "h", "indicator", _VALID, "crossings", "crossing_sign", "slip_at_crossing", "delay"),
@@ -57,8 +59,8 @@ _COLUMNS: Mapping[str, tuple[str, ...]] = {
     ),
     "friction_msgs/msg/SupervisorDebug": ("torque_set_point",),
     "friction_msgs/msg/Grip": (
-        *("vehicle.mu_used", "vehicle.mu_used_stddev", "front.mu_used", "rear.mu_used", "distance"),
-        *("mu_proven", "mu_lower", "mu_upper", "evidence", _VALID),
+        *(f"{part}.{name}" for part in ("vehicle", "front", "rear") for name in ("mu_used", "mu_used_stddev")),
+        *("distance", "mu_proven", "mu_lower", "mu_upper", "evidence", _VALID),
     ),
     "friction_msgs/msg/VehicleFit": ("brakings", _VALID),
     "friction_msgs/msg/ContactPatch": ("length", "shift", _VALID),
@@ -138,8 +140,8 @@ class RecordedRun:
 class _Rows:
     """The messages of one topic as they come."""
 
-    def __init__(self, topic: Topic) -> None:
-        self._columns = _COLUMNS.get(topic.type, ())
+    def __init__(self, topic: Topic, columns: Columns) -> None:
+        self._columns = columns.get(topic.type, ())
         self._kind = message_class(topic.type)
         self._get = [attrgetter(column) for column in self._columns]
         self._judged = _VALID in self._columns
@@ -210,6 +212,7 @@ def read_run(
     wheels: Sequence[str] | None = None,
     prefix: str = "/",
     progress: Callable[[float], None] = lambda _: None,
+    columns: Columns = COLUMNS,
 ) -> RecordedRun:
     """Read a bag of the graph.
 
@@ -218,13 +221,14 @@ def read_run(
         wheels: names of the wheels of the car; None for those that the topics name.
         prefix: namespace of the topics, with a slash at either end.
         progress: called with the share that has been read, 0 to 1.
+        columns: what is read of it, by default all that can be shown.
 
     Raises:
         BagError: the bag cannot be read, or holds no message that can be shown.
     """
     with BagReader(bag) as reader:
         named = {topic: topic.name.removeprefix(prefix) for topic in reader.counts if topic.name.startswith(prefix)}
-        rows = _rows_of(reader, named, progress)
+        rows = _rows_of(reader, named, progress, columns)
         notes, problems = reader.custom_data, list(reader.problems)
         others = [_named_other(topic, topic in rows) for topic in reader.counts if topic not in rows or not rows[topic]]
     if max((int(each.stamps.max(initial=0)) for each in rows.values()), default=0) > _UNSET:
@@ -245,9 +249,12 @@ def read_run(
     return RecordedRun(tuple(wheels), start, series, samples, notes, tuple(problems), tuple(sorted(others)))
 
 
-def _rows_of(reader: BagReader, named: Mapping[Topic, str], progress: Callable[[float], None]) -> dict[Topic, _Rows]:
+def _rows_of(
+    reader: BagReader, named: Mapping[Topic, str], progress: Callable[[float], None], columns: Columns
+) -> dict[Topic, _Rows]:
     """Read the topics of which something is shown."""
-    rows = {topic: _Rows(topic) for topic, name in named.items() if topic.type in _COLUMNS or _is_samples(topic, name)}
+    taken = [topic for topic, name in named.items() if topic.type in columns or _is_samples(topic, name)]
+    rows = {topic: _Rows(topic, columns) for topic in taken}
     total = max(reader.message_count, 1)
     for number, (topic, _, data) in enumerate(reader.messages(rows)):
         rows[topic].take(data)
