@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import hypot, nan
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -241,7 +242,7 @@ def _curve_part(run: RecordedRun, fit: Fit, start: float, end: float) -> Part | 
         codes = fit.curve[WHY][inside].astype(np.int64)
         reason = list(fit.curve.reasons)[int(np.bincount(codes).argmax()) - 1]
         return replace(part, reason=plain_reason(reason, fit.topic.rpartition("/")[0]))
-    last = {name: float(fit.curve[name][inside][valid][-1]) for name in _CURVE}
+    last: dict[str, Any] = {name: float(fit.curve[name][inside][valid][-1]) for name in _CURVE}
     return replace(part, **last, valid_at=at)
 
 
