@@ -74,6 +74,13 @@ def test_wheels_with_one_curve_are_the_car_and_axles_or_sides_that_differ_have_l
     assert set(diagonal) == {"car", "front_left, rear_right", "front_right, rear_left"}
 
 
+def test_sides_of_a_split_road_have_their_own_truth_where_no_curve_was_valid() -> None:
+    run = run_with({wheel: curve(0.17, valid_from=5.0) for wheel in WHEELS})
+    truths = {f"truth/{wheel}/friction_curve": curve(0.17 if "left" in wheel else 0.06) for wheel in WHEELS}
+    (row,) = braking_rows(RecordedRun(WHEELS, 0, {**run.series, **truths}, TIME))
+    assert {part.of: part.true_lambda_max for part in row.parts[1:]} == {"left": 0.17, "right": 0.06}
+
+
 def test_share_of_valid_curves_and_the_reason_where_none_was_are_given() -> None:
     known = parts_of({"front_left": curve(0.17, valid_from=3.0)})["car"]
     assert known.valid == pytest.approx(0.5, abs=0.06)

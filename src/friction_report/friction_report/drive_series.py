@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from friction_bags.results.brakings import Fit, fits_of
 from friction_bags.results.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
-from friction_runtime.reports import plain_reason
+from friction_runtime.reports import INTERVAL_95, plain_reason
 
-_DEVIATIONS = 2.0
-"""Half width of a band in standard deviations."""
+_GRIP_DELAY = 0.1
+"""Age [s] of the friction used at its stamp: half of the time over which it is a mean."""
 SIGNS = {-1: "beyond the peak", 0: "not known", 1: "stable side"}
 STATES = {
     SupervisorState.S0: "S0, no braking",
@@ -52,7 +52,7 @@ class Line:
     values: Array
     """Shape (n,); NaN where there is none."""
     band: tuple[Array, Array] | None = None
-    """Lower and upper end at two standard deviations, each of shape (n,)."""
+    """Lower and upper end of the 95 % interval, each of shape (n,)."""
 
 
 @dataclass(frozen=True)
@@ -100,10 +100,13 @@ def lines_of(run: RecordedRun) -> Iterator[Line]:
 
 def strips_of(run: RecordedRun) -> Iterator[Strip]:
     """Yield every strip of a run."""
-    for wheel in run.wheels:
-        if (slope := run.get(f"{wheel}/friction_slope")) is not None:
-            yield Strip("sign", "estimated", wheel, slope.time, signs(slope), SIGNS)
-    for wheel in run.wheels:
+    slopes = {wheel: slope for wheel in run.wheels if (slope := run.get(f"{wheel}/friction_slope")) is not None}
+    signed = {wheel: slope for wheel, slope in slopes.items() if np.any(slope["valid"] > 0.0)}
+    for wheel, slope in signed.items():
+        time = _own_time(slope)
+        order = np.argsort(time, kind="stable")
+        yield Strip("sign", "estimated", wheel, time[order], signs(slope)[order], SIGNS)
+    for wheel in run.wheels if signed or not slopes else ():
         if (truth := run.get(f"truth/{wheel}/friction_slope")) is not None:
             yield Strip("sign", "true", wheel, truth.time, truth["sign"], SIGNS)
     for group, column, meanings in (("state", "state", STATES), ("law", "law", LAWS)):
@@ -127,6 +130,13 @@ def curves_of(run: RecordedRun) -> Iterator[Curves]:
     for fit in fits_of(run, "truth/"):
         theta = np.stack([fit.curve[f"theta_{i}"] for i in (1, 2, 3)], axis=1)
         yield _curves(fit, "truth", np.any(np.diff(theta, axis=0, prepend=np.nan) != 0.0, axis=1))
+
+
+def _own_time(slope: Series) -> Array:
+    """Return the times [s] at which the signs were those of the wheel: stamp minus delay."""
+    delay = slope["delay"]
+    known = np.isfinite(delay)
+    return slope.time - np.where(known, delay, np.median(delay[known]) if known.any() else 0.0)
 
 
 def signs(slope: Series) -> Array:
@@ -192,8 +202,9 @@ def _grip(run: RecordedRun) -> Iterator[Line]:
     grip = run.get("grip")
     if grip is None:
         return
-    used, reach = grip["vehicle.mu_used"], _DEVIATIONS * grip["vehicle.mu_used_stddev"]
-    yield Line("grip", "used", VEHICLE, "sensor", "grip", grip.time, used, (used - reach, used + reach))
+    used, reach = grip["vehicle.mu_used"], INTERVAL_95 * grip["vehicle.mu_used_stddev"]
+    time = grip.time - _GRIP_DELAY
+    yield Line("grip", "used", VEHICLE, "sensor", "grip", time, used, (used - reach, used + reach))
     yield Line("grip", "proven within 100 m", VEHICLE, "estimate", "grip", grip.time, grip["mu_proven"])
     for name in ("lower", "upper"):
         yield Line("grip", f"{name} bound", VEHICLE, "bound", "grip", grip.time, grip[f"mu_{name}"])
@@ -226,9 +237,9 @@ def _forces(run: RecordedRun, wheel: str) -> Iterator[Line]:
 
 
 def _banded(panel: str, label: str, of: str, kind: str, topic: str, series: Series, column: str, unit: float) -> Line:
-    """Return a line of valid values with a band of two standard deviations."""
+    """Return a line of valid values with their 95 % interval."""
     values = unit * np.where(series["valid"] > 0.0, series[column], np.nan)
-    reach = _DEVIATIONS * unit * series[f"{column}_stddev"]
+    reach = INTERVAL_95 * unit * series[f"{column}_stddev"]
     return Line(panel, label, of, kind, topic, series.time, values, (values - reach, values + reach))
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.results.brakings import BrakingRow, Part, braking_rows
+from friction_bags.results.brakings import BrakingRow, Part, braking_rows, main_reason
 from friction_bags.results.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
 from friction_report.drive_series import (
     DRIVER,
@@ -31,6 +31,7 @@ from friction_report.drive_series import (
 )
 from friction_report.thinning import bucket_edges, decimate, last_of_buckets
 from friction_runtime.reports import INTERVAL_95, plain_reason, report_kind
+from vehicle_models.nanoseconds import NANOSECONDS
 
 _COARSE, _FINE = 2000, 6000
 """Buckets over the whole drive, and in its brakings: with both, an hour of four wheels stays below 20 MB."""
@@ -45,6 +46,10 @@ _USUAL_STEPS = 10.0
 _LARGEST = 2.0**53
 """Beyond it JSON's readers know no whole numbers; nothing that is measured comes near."""
 _SHOWN_REASONS = 3
+_ESTIMATED = ("estimate", "points")
+"""Kinds of lines without which the truth alone makes no panel."""
+_EARLIEST_DATE = 1e9
+"""Stamp [s] from which on it is a date, of 2001: a simulation or a log of relative times begins near 0."""
 _LONGEST_TEXT = 200
 _REASON_TONES = 8
 _CURVE_DIGITS = {
@@ -152,24 +157,29 @@ def page_data(run: RecordedRun, title: str, remarks: Sequence[str] = ()) -> dict
     start, end = (min(t[0] for t in times), max(t[-1] for t in times)) if times else (0.0, 0.0)
     thin = _Thinning(bucket_edges(start, end, [(row.start, row.end) for row in brakings], _COARSE, _FINE))
     drawn = [line for line in lines if np.any(np.isfinite(line.values))]
+    never_valid = {line.panel for line in lines if line.kind in _ESTIMATED}
+    never_valid -= {line.panel for line in drawn if line.kind in (*_ESTIMATED, "sensor", "bound")}
+    drawn = [line for line in drawn if line.panel not in never_valid]
     meanings = _Meanings(strips)
-    filled = {line.panel for line in drawn} | {strip.panel for strip in strips} | ({"curve"} if curves else set())
+    filled = {line.panel for line in drawn} | {strip.panel for strip in strips}
+    filled |= {"curve"} if curves and "lambda_max" in filled else set()
     shown = [panel for panel in PANELS if panel.key in filled]
     encoded = [thin.line(line) for line in drawn]
     return {
         "title": _short(title),
         "facts": [*_facts(run, end - start), *([text, ""] for text in remarks)],
-        "absent": [_absent(panel, run, lines) for panel in PANELS if panel.key not in filled],
+        "absent": [_absent(panel, run, brakings) for panel in PANELS if panel.key not in filled],
         "problems": [_short(text) for text in run.problems],
         "not_drawn": [_short(text) for text in run.not_read],
         "span": [round(start, _TIME_DIGITS), round(end, _TIME_DIGITS)],
         "wheels": [*run.wheels, *({VEHICLE, DRIVER} & {line.of for line in drawn})],
-        "panels": [_panel(panel, run, lines, drawn) for panel in shown],
+        "panels": [_panel(panel, run, lines, drawn, brakings) for panel in shown],
         "lines": encoded,
         "strips": [thin.strip(strip, meanings) for strip in strips],
         "meanings": meanings.listed,
         "curves": [thin.curves(each) for each in curves],
         "times": thin.times,
+        "interval": INTERVAL_95,
         "brakings": [_braking(row) for row in brakings],
         "topics": [_topic(topic, series) for topic, series in sorted(run.series.items())],
     }
@@ -319,28 +329,42 @@ def _whole(scaled: Array) -> list[int | None]:
     return numbers
 
 
-def _panel(panel: Panel, run: RecordedRun, lines: Sequence[Line], drawn: Sequence[Line]) -> dict[str, Any]:
+def _panel(
+    panel: Panel, run: RecordedRun, lines: Sequence[Line], drawn: Sequence[Line], brakings: Sequence[BrakingRow]
+) -> dict[str, Any]:
     empty = [line for line in lines if line.panel == panel.key and not any(line is each for each in drawn)]
-    remarks = [f"{line.label}: {_why_empty(run, line)}" for line in empty if line.kind != "aim"]
+    remarks = [
+        f"{line.label}: {_why_empty(run.series[line.topic], line.of, brakings)}" for line in empty if line.kind != "aim"
+    ]
     made: dict[str, Any] = {"key": panel.key, "title": panel.title, "axis": panel.axis}
     return made | {"remarks": [_short(text) for text in remarks]}
 
 
-def _absent(panel: Panel, run: RecordedRun, lines: Sequence[Line]) -> str:
-    for line in lines:
-        if line.panel == panel.key:
-            return _short(f"{panel.title} ({_why_empty(run, line)})")
+def _absent(panel: Panel, run: RecordedRun, brakings: Sequence[BrakingRow]) -> str:
+    """Return a panel's title, and why there is nothing to show: the reason of its first estimate, in brakings if any."""
+    held = panel.holds.split(", ")
+    for topic, series in run.series.items():
+        of, _, name = topic.rpartition("/")
+        if name in held and not topic.startswith("truth/"):
+            return _short(f"{panel.title} ({_why_empty(series, of, brakings)})")
     return f"{panel.title} (no {panel.holds})"
 
 
-def _why_empty(run: RecordedRun, line: Line) -> str:
-    reasons = run.series[line.topic].reasons
-    return f"never valid: {plain_reason(reasons.most_common(1)[0][0], line.of)}" if reasons else "no value"
+def _why_empty(series: Series, of: str, brakings: Sequence[BrakingRow]) -> str:
+    if not series.reasons:
+        return "no value"
+    inside = np.zeros(series.time.shape, dtype=np.bool_)
+    for row in brakings:
+        inside |= (series.time >= row.start) & (series.time < row.end)
+    return f"never valid: {main_reason(series, of, inside)}"
 
 
 def _facts(run: RecordedRun, duration: float) -> list[list[str]]:
-    begun = datetime(1970, 1, 1, tzinfo=timezone.utc) + timedelta(microseconds=run.start // 1000)
-    facts = [["begin", f"{begun:%Y-%m-%d %H:%M:%S} UTC"], ["duration", f"{duration:.1f} s"]]
+    begin = f"stamp {run.start / NANOSECONDS:.3f} s, no date"
+    if run.start > _EARLIEST_DATE * NANOSECONDS:
+        begun = datetime(1970, 1, 1, tzinfo=timezone.utc) + timedelta(microseconds=run.start // 1000)
+        begin = f"{begun:%Y-%m-%d %H:%M:%S} UTC"
+    facts = [["begin", begin], ["duration", f"{duration:.1f} s"]]
     facts += [["wheels", ", ".join(run.wheels) or "none"]]
     return [[_short(name), _short(text)] for name, text in [*facts, *run.notes.items()]]
 

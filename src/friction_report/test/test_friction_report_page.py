@@ -224,7 +224,9 @@ def test_values_that_are_no_numbers_are_gaps_and_absurd_ones_too() -> None:
 def test_gap_of_the_messages_breaks_lines_and_strips() -> None:
     time = np.concatenate([np.arange(100), np.arange(2000, 2100)]) / 100.0
     ones = np.ones(200)
-    series = {"front_left/friction_slope": Series(time, {"sign": ones, "valid": ones, WHY: 0.0 * ones})}
+    series = {
+        "front_left/friction_slope": Series(time, {"sign": ones, "valid": ones, "delay": 0.0 * ones, WHY: 0.0 * ones})
+    }
     velocity = {"vehicle_velocity": Series(time, {"twist.twist.linear.x": np.sin(time)})}
     data = page_data(RecordedRun(("front_left",), 0, {**series, **velocity}, time), "gap")
     (line,) = data["lines"]
@@ -236,6 +238,48 @@ def test_gap_of_the_messages_breaks_lines_and_strips() -> None:
         "stable side",
     ]
     assert np.cumsum(data["times"][strip["t"]]) / 1e4 == pytest.approx([0.0, 0.99, 20.0, 20.99], abs=0.01)
+
+
+def test_sign_is_drawn_at_its_own_time() -> None:
+    """The sign turns in the message at 1 s, which states a delay of 0.1 s; before it had none to state."""
+    time = np.arange(200) / 100.0
+    valid, delay = np.where(time > 0.295, 1.0, 0.0), np.where(time > 0.295, 0.1, np.nan)
+    columns = {"sign": np.where(time < 0.995, 1.0, -1.0), "valid": valid, "delay": delay, WHY: 1.0 - valid}
+    run = RecordedRun(
+        ("front_left",), 0, {"front_left/friction_slope": Series(time, columns, Counter(["young"]))}, time
+    )
+    data = page_data(run, "delay")
+    (strip,) = (each for each in data["strips"] if each["panel"] == "sign")
+    assert np.cumsum(data["times"][strip["t"]]) / 1e4 == pytest.approx([-0.1, 0.2, 0.9, 1.89], abs=1e-3)
+
+
+def test_what_was_never_valid_has_no_section_and_its_reason_is_listed() -> None:
+    """The truth alone fills no section that is about estimates."""
+    time = np.arange(100) / 100.0
+    truth = {name: np.full(100, 0.2) for name in ("theta_1", "theta_2", "theta_3", "lambda_max", "mu_max")}
+    truth |= {f"{name}_stddev": np.full(100, np.nan) for name in ("lambda_max", "mu_max")}
+    never = {"valid": np.zeros(100), WHY: np.ones(100)}
+    why = Counter({"front_left: waiting for the wheel to pass the peak": 100})
+    nothing = {"sign": np.zeros(100), "delay": np.full(100, np.nan), **never}
+    series = {
+        "front_left/friction_curve": Series(time, {**{name: np.full(100, np.nan) for name in truth}, **never}, why),
+        "truth/front_left/friction_curve": Series(time, truth),
+        "front_left/friction_slope": Series(time, nothing, why),
+        "truth/front_left/friction_slope": Series(time, {"sign": np.ones(100)}),
+    }
+    data = page_data(RecordedRun(("front_left",), 0, series, time), "never")
+    assert {panel["key"] for panel in data["panels"]} == {"validity"}
+    for title in ("Slip at the peak", "Friction at the peak", "Friction curve at", "Sign of the slope"):
+        (text,) = (each for each in data["absent"] if each.startswith(title))
+        assert "never valid: waiting for the wheel to pass the peak" in text
+
+
+@pytest.mark.parametrize(
+    ("start", "begin"), [(1000.0, "stamp 1000.000 s, no date"), (1.7e9, "2023-11-14 22:13:20 UTC")]
+)
+def test_synthetic_stamps_have_no_date(start: float, begin: str) -> None:
+    velocity = {"vehicle_velocity": Series(np.arange(2.0), {"twist.twist.linear.x": np.ones(2)})}
+    assert ["begin", begin] in page_data(RecordedRun((), int(start * 1e9), velocity, np.empty(0)), "date")["facts"]
 
 
 def test_reasons_that_differ_in_numbers_only_are_one() -> None:
@@ -293,7 +337,7 @@ def hour(rate: float) -> RecordedRun:
     judged = {"valid": valid, WHY: why}
     shared = {
         "slip": {"slip": noisy(0.15, 0.02), "vehicle_speed": speed, "wheel_speed": 3.0 * speed, **judged},
-        "friction_slope": {"sign": np.sign(noisy(0.0, 1.0)), **judged},
+        "friction_slope": {"sign": np.sign(noisy(0.0, 1.0)), "delay": np.full(time.size, 0.06), **judged},
         "abs_supervisor": {
             **{"state": code(3), "law": code(1), "release": code(3), "cap": code(0), "demand_torque": noisy(3e3, 10.0)},
             **{"slip_set_point": noisy(0.16, 0.01), **judged},

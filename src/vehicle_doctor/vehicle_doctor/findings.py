@@ -10,6 +10,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from friction_runtime.reports import INTERVAL_95
+
 
 class Verdict(Enum):
     """How a finding is to be taken."""
@@ -72,7 +74,7 @@ _STYLES = {Verdict.OK: "green", Verdict.NOTE: "dim", Verdict.WARN: "yellow", Ver
 def print_findings(title: str, findings: Sequence[Finding]) -> None:
     """Print the table and, last, what there is to do."""
     table = Table(title=escape(title))
-    for heading in ("", "check", "of", "value", "", "what to change"):
+    for heading in ("", "check", "of", "value ± 95 %", "", "what to change"):
         table.add_column(heading, overflow="fold")
     for each in findings:
         verdict = f"[{_STYLES[each.verdict]}]{each.verdict.value}[/]"
@@ -112,5 +114,5 @@ def _known(value: float) -> float | None:
 def _number(finding: Finding) -> str:
     if not isfinite(finding.value):
         return ""
-    uncertainty = f" ± {finding.stddev:.2g}" if isfinite(finding.stddev) else ""
+    uncertainty = f" ± {INTERVAL_95 * finding.stddev:.2g}" if isfinite(finding.stddev) else ""
     return f"{finding.value:.4g}{uncertainty} {finding.unit}".rstrip()

@@ -91,21 +91,44 @@ class Fit:
 
 
 def fits_of(run: RecordedRun, start: str) -> list[Fit]:
-    """Return the friction curves of topics that begin with `start`; of wheels that have the same ones, a single one."""
-    topics = {of: f"{start}{of}/friction_curve" for of in (*run.wheels, VEHICLE)}
-    fits = [Fit(of, of, topic, curve) for of, topic in topics.items() if (curve := run.get(topic)) is not None]
+    """Return the friction curves of topics that begin with `start`.
+
+    Wheels that all have the same peak are a single one, with the widest intervals.
+    """
+    fits = _all_fits(run, start)
     wheels = [fit for fit in fits if fit.of != VEHICLE]
     if len(wheels) > 1 and all(_same(wheels[0].curve, fit.curve) for fit in wheels[1:]):
-        return [Fit("all wheels", VEHICLE, wheels[0].topic, wheels[0].curve), *fits[len(wheels) :]]
+        widest = {name: np.fmax.reduce([fit.curve[name] for fit in wheels]) for name in _CURVE if "stddev" in name}
+        curve = replace(wheels[0].curve, columns={**wheels[0].curve.columns, **widest})
+        return [Fit("all wheels", VEHICLE, wheels[0].topic, curve), *fits[len(wheels) :]]
     return fits
 
 
+def main_reason(series: Series, of: str, inside: NDArray[np.bool_]) -> str:
+    """Return the most frequent reason among the messages inside, else among all; empty where all were valid.
+
+    Args:
+        series: messages with a validity.
+        of: wheel or vehicle that the reason need not name.
+        inside: which messages count, shape (n,).
+    """
+    codes = series[WHY].astype(np.int64)
+    given = codes[inside & (codes > 0)] if np.any(inside & (codes > 0)) else codes[codes > 0]
+    return plain_reason(list(series.reasons)[int(np.bincount(given).argmax()) - 1], of) if given.size else ""
+
+
+def _all_fits(run: RecordedRun, start: str) -> list[Fit]:
+    topics = {of: f"{start}{of}/friction_curve" for of in (*run.wheels, VEHICLE)}
+    return [Fit(of, of, topic, curve) for of, topic in topics.items() if (curve := run.get(topic)) is not None]
+
+
 def _same(one: Series, other: Series) -> bool:
-    """Whether two friction curves, where valid, are equal at all times."""
+    """Whether the peaks of two friction curves, where valid, are equal at all times."""
     if not np.array_equal(one.time, other.time) or not np.array_equal(one["valid"], other["valid"]):
         return False
     valid = one["valid"] > 0.0
-    return all(np.array_equal(one[name][valid], other[name][valid], equal_nan=True) for name in _CURVE)
+    names = (name for name in _CURVE if "stddev" not in name)
+    return all(np.array_equal(one[name][valid], other[name][valid], equal_nan=True) for name in names)
 
 
 def vehicle_speed(run: RecordedRun) -> tuple[Array, Array] | None:
@@ -213,7 +236,7 @@ def _largest_slip(run: RecordedRun, start: float, end: float) -> tuple[float, st
 def _parts(run: RecordedRun, start: float, end: float) -> tuple[Part, ...]:
     """Return the friction of the car, then of axles and wheels that differ; those alike have the widest interval."""
     alike: dict[str, list[Part]] = {}
-    for fit in fits_of(run, ""):
+    for fit in _all_fits(run, ""):
         if (part := _curve_part(run, fit, start, end)) is not None:
             numbers = (part.lambda_max, part.mu_max, part.valid, part.true_lambda_max, part.true_mu_max)
             alike.setdefault(f"{part.reason} {' '.join(f'{each:.3f}' for each in numbers)}", []).append(part)
@@ -239,9 +262,8 @@ def _curve_part(run: RecordedRun, fit: Fit, start: float, end: float) -> Part | 
         lambda_max, mu_max = (float(np.interp(at, true.time, true[name])) for name in ("lambda_max", "mu_max"))
         part = replace(part, true_lambda_max=lambda_max, true_mu_max=mu_max)
     if not valid.any():
-        codes = fit.curve[WHY][inside].astype(np.int64)
-        reason = list(fit.curve.reasons)[int(np.bincount(codes).argmax()) - 1]
-        return replace(part, reason=plain_reason(reason, fit.topic.rpartition("/")[0]))
+        braked = (fit.curve.time >= start) & (fit.curve.time < end)
+        return replace(part, reason=main_reason(fit.curve, fit.topic.rpartition("/")[0], braked))
     last: dict[str, Any] = {name: float(fit.curve[name][inside][valid][-1]) for name in _CURVE}
     return replace(part, **last, valid_at=at)
 

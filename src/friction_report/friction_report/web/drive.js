@@ -36,6 +36,7 @@
     return steps.map((step) => (ticks += step) / 1e4);
   });
   const KINDS = ["sensor", "estimate", "points", "bound", "aim", "demand", "truth"];
+  const INTERVAL_95 = drive.interval;  // half width of a 95 % interval in standard deviations
   const MOST_DOTS = 3000;  // more of them hide each other and take seconds to draw
   const DASHES = { truth: [6, 3], bound: [1, 3], aim: [2, 3], demand: [9, 3, 2, 3] };
   const DASH_TEXTS = { truth: "dashed: true", bound: "finely dotted: believed bound", aim: "dotted: set-point of the law", demand: "dash-dotted: driver's demand" };
@@ -184,7 +185,7 @@
     options.scales.y = { range: (_, low, high) => (low === null ? [0, 1] : uPlot.rangeNum(low, high, 0.08, true)) };
     const plot = overTime(new uPlot(options, [time, ...columns.map((column) => column.values)], box));
     const dashed = KINDS.filter((kind) => DASH_TEXTS[kind] && lines.some((line) => line.kind === kind));
-    const told = [...dashed.map((kind) => DASH_TEXTS[kind]), ...(bands.length ? ["bands: ± 2 standard deviations"] : [])];
+    const told = [...dashed.map((kind) => DASH_TEXTS[kind]), ...(bands.length ? ["bands: 95 % intervals"] : [])];
     if (told.length) add(box, "p", told.join("; "), { class: "remark" });
     plot.onVisible = () => columns.forEach(({ line }, i) => {
       if (plot.series[i + 1].show !== visible(line)) plot.setSeries(i + 1, { show: visible(line) });
@@ -322,9 +323,9 @@
 
   const burckhardt = (c, slip) => c.theta_1 * (1 - Math.exp(-c.theta_2 * slip)) - c.theta_3 * slip;
 
-  /** Lower and upper end of the curves whose peak lies two standard deviations around the fitted one. */
+  /** Lower and upper end of the curves whose peak lies in the 95 % interval of the fitted one. */
   function bandAt(c, slip) {
-    const across = (2 * (c.lambda_max_stddev ?? 0)) / c.lambda_max, up = (2 * (c.mu_max_stddev ?? 0)) / c.mu_max;
+    const across = (INTERVAL_95 * (c.lambda_max_stddev ?? 0)) / c.lambda_max, up = (INTERVAL_95 * (c.mu_max_stddev ?? 0)) / c.mu_max;
     let low = Infinity, high = -Infinity;
     for (const a of [-1, -0.5, 0, 0.5, 1]) {
       const value = burckhardt(c, slip / Math.max(1 + a * across, 0.05));
@@ -359,7 +360,7 @@
       for (const c of found) {
         if (c.kind === "truth" || c.lambda_max === null || c.mu_max === null) continue;
         const x = (slip) => u.valToPos(slip, "x", true), y = (mu) => u.valToPos(mu, "y", true);
-        const dx = 2 * (c.lambda_max_stddev ?? 0), dy = 2 * (c.mu_max_stddev ?? 0);
+        const dx = INTERVAL_95 * (c.lambda_max_stddev ?? 0), dy = INTERVAL_95 * (c.mu_max_stddev ?? 0);
         ctx.strokeStyle = ctx.fillStyle = colour(colourName(c.of));
         ctx.beginPath();
         ctx.moveTo(x(c.lambda_max - dx), y(c.mu_max)); ctx.lineTo(x(c.lambda_max + dx), y(c.mu_max));
@@ -413,10 +414,10 @@
   }
 
   function tellCurve(c) {
-    const value = (name, digits) => `${number(c[name], digits)}${c[`${name}_stddev`] === null ? "" : ` ± ${number(2 * c[`${name}_stddev`], digits)}`}`;
+    const value = (name, digits) => `${number(c[name], digits)}${c[`${name}_stddev`] === null ? "" : ` ± ${number(INTERVAL_95 * c[`${name}_stddev`], digits)}`}`;
     const age = c.age > 0.05 ? `, valid until ${c.age.toFixed(1)} s before` : "";
     const shape = c.theta_1 === null ? "; the method fits no curve of Burckhardt's form" : "";
-    return `${c.label}: λ_max ${value("lambda_max", 3)}, µ_max ${value("mu_max", 2)} (± 2 σ)${age}${shape}`;
+    return `${c.label}: µ_max ${value("mu_max", 3)}, λ_max ${value("lambda_max", 3)} (95 % intervals)${age}${shape}`;
   }
 
   // --- the page --------------------------------------------------------------------------------------------------------
@@ -455,18 +456,20 @@
       find("#brakings .hint").textContent = "No braking: the car's speed is not known, or it never falls by 1 m/s with more than 1 m/s².";
       return;
     }
-    const body = headings(table, [["start", "[s]"], ["duration", "[s]"], ["from", "[m/s]"], ["to", "[m/s]"],
-      ["deceleration", "mean / largest [m/s²]"], ["grip used", "largest [-]"], ["µ_max", "last valid [-]"], ["λ_max", "last valid [-]"],
-      ["largest slip", "above 5 m/s [-]"]]);
+    const body = headings(table, [["start", "[s]"], ["grip used", "largest [-]"], ["µ_max", "last valid [-]"], ["λ_max", "last valid [-]"],
+      ["valid", "of the time"], ["speed", "[m/s]"], ["deceleration", "mean / largest [m/s²]"], ["duration", "[s]"], ["largest slip", "above 5 m/s [-]"]]);
     for (const b of drive.brakings) {
       const row = add(body, "tr", undefined, { tabindex: "0" });
-      for (const [value, digits] of [[b.start, 2], [b.end - b.start, 2], [b.from, 1], [b.to, 1]])
-        add(row, "td", number(value, digits));
-      add(row, "td", `${number(b.deceleration, 1)} / ${number(b.hardest, 1)}`);
+      add(row, "td", number(b.start, 2));
       for (const [name, digits] of [["mu_used", 2], ["mu_max", 3], ["lambda_max", 3]]) {
         const cell = add(row, "td");
         for (const part of b.parts) if (part[name][0] !== null || (part.reason && name === "mu_max")) add(cell, "div", valueOf(part, name, digits, b.parts.length > 1));
       }
+      const valid = add(row, "td");
+      for (const part of b.parts) if (part.valid !== null) add(valid, "div", `${(100 * part.valid).toFixed(0)} %`);
+      add(row, "td", `${number(b.from, 1)} – ${number(b.to, 1)}`);
+      add(row, "td", `${number(b.deceleration, 1)} / ${number(b.hardest, 1)}`);
+      add(row, "td", number(b.end - b.start, 2));
       add(row, "td", b.slip === null ? "–" : `${number(b.slip, 3)} ${b.slip_of}`);
       const choose = () => {
         chooseRow(row);
@@ -483,7 +486,7 @@
   const valueOf = (part, name, digits, several) => {
     const [value, reach] = part[name];
     const text = value === null ? part.reason : reach === null ? number(value, digits) : `${number(value, digits)} ± ${number(reach, digits)}`;
-    return several ? `${part.of}: ${text}` : text;
+    return several ? `${part.of} ${text}` : text;
   };
 
   function fillTopics() {
