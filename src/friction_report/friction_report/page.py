@@ -341,7 +341,7 @@ def _panel(
 
 
 def _absent(panel: Panel, run: RecordedRun, brakings: Sequence[BrakingRow]) -> str:
-    """Return a panel's title, and why there is nothing to show: the reason of its first estimate, in brakings if any."""
+    """Return a panel's title, and why there is nothing to show: the reason of its first estimate, in brakings."""
     held = panel.holds.split(", ")
     for topic, series in run.series.items():
         of, _, name = topic.rpartition("/")

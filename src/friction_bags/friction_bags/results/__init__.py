@@ -1,1 +1,1 @@
-"""What a drive has shown: recorded messages as arrays, its brakings, and the table of both."""
+"""Results of a drive: recorded messages as arrays, its brakings, and the table of both."""
