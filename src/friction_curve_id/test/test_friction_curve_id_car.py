@@ -263,7 +263,7 @@ def test_a_gap_in_a_braking_ends_the_estimate_until_the_brakes_are_released() ->
     found = follow(stream)
     last = found[-1][0]
     assert isinstance(last, Refusal) and last.reason is Reason.NO_EXCITATION
-    assert "start of the braking" in last.text
+    assert "waiting for the next braking" in last.text
 
 
 def test_a_car_that_is_first_heard_with_its_brakes_on_is_followed_once_they_are_released() -> None:
@@ -274,8 +274,8 @@ def test_a_car_that_is_first_heard_with_its_brakes_on_is_followed_once_they_are_
         refused = estimator.update(CarSample(0.005 * k, np.full(4, speed / 0.3), np.full(4, force * 5.6e5), -force))[0]
         assert isinstance(refused, Refusal)
         said.append(refused.text)
-    assert "start of the braking" in said[50]
-    assert said[-1] == "no braking"
+    assert "waiting for the next braking" in said[50]
+    assert said[-1] == "waiting for a braking"
 
 
 def test_memory_and_answers_stay_bounded_in_a_long_braking() -> None:

@@ -140,7 +140,7 @@ def test_what_was_learned_is_told_once_a_second_and_after_a_braking() -> None:
     found = fits(made(), released())
     assert [message.brakings for message in found] == [0, 0, 0, 1, 1]
     assert [message.validity.valid for message in found] == [False, False, False, True, True]
-    assert "no braking" in found[0].validity.text and found[0].gain_over_mass_front > 0.0
+    assert "waiting for a braking" in found[0].validity.text and found[0].gain_over_mass_front > 0.0
     assert found[3].gain_over_mass_front_stddev < 0.5 * found[0].gain_over_mass_front_stddev
     car = random_car(70_001, "wet", "pacejka").parameters
     truth = car.brake_gain[0] / car.mass * CAR.wheels[0].radius / car.radius[0]

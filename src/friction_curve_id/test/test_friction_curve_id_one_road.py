@@ -131,4 +131,4 @@ def test_a_split_road_is_refused_with_its_reason_and_a_plain_one_is_not(split: b
                 if "different roads" in answer.text:
                     assert not answer.valid and np.isnan(answer.probability_beyond_peak)
     assert (Reason.OK in reasons) is not split
-    assert ("the sides of the car are on different roads" in texts) is split
+    assert ("the sides of the car are on different roads: waiting for one road" in texts) is split

@@ -153,12 +153,12 @@ class SlipEstimator:
         if self._units.text:
             return _Known(Reason.BAD_INPUT, self._units.text)
         if not car.started:
-            return _Known(Reason.NO_SPEED, "no vehicle speed: neither wheels nor speed sensor yet")
+            return _Known(Reason.NO_SPEED, "waiting for wheel speeds or a speed sensor")
         stddev = sqrt(car.variance + self.speed_sensor.undecided)
         if is_vague(car.speed, stddev):
-            return _Known(Reason.UNCERTAIN, f"standard deviation of the vehicle speed is {stddev:.1f} m/s")
+            return _Known(Reason.UNCERTAIN, f"waiting for a rolling wheel: speed deviation {stddev:.1f} m/s")
         if car.speed < self._p.minimum_speed:
-            return _Known(Reason.LOW_SPEED, f"vehicle speed is below {self._p.minimum_speed} m/s")
+            return _Known(Reason.LOW_SPEED, f"waiting for a speed above {self._p.minimum_speed} m/s")
         return _Known(Reason.OK, "")
 
     def _estimate(
@@ -175,14 +175,17 @@ class SlipEstimator:
         if not isfinite(measured):
             reason, text = Reason.BAD_INPUT, "wheel speed is missing or not finite"
         elif not wheel.settled and wheel.restarted_by_gap:
-            reason, text = Reason.GAP, "wheel speed had a gap"
+            reason, text = Reason.GAP, "wheel speed had a gap: waiting for new samples"
         elif not wheel.settled:
-            reason, text = Reason.NOT_READY, "too few samples since start"
+            reason, text = Reason.NOT_READY, "waiting for the first samples"
         elif reason is Reason.OK:
             found = slip(speed[0], omega[0], motion.radius)
             variance = slip_variance(speed, omega, (motion.radius, motion.radius_variance), motion.covariance)
             if variance > self._p.max_slip_stddev**2:
-                reason, text = Reason.UNCERTAIN, f"standard deviation of the slip is {sqrt(variance):.3f}"
+                reason, text = (
+                    Reason.UNCERTAIN,
+                    f"waiting for more speed: slip deviation {sqrt(variance):.3f}",
+                )
             elif abs(found) > HIGHEST_SLIP:
                 reason, text = Reason.BAD_INPUT, f"slip of {found:.2f}: the wheel spins, or the speed is wrong"
             else:

@@ -124,7 +124,7 @@ class CarEstimator:
         if not self._present:
             return (Refusal(Reason.BAD_INPUT, "no wheel has both a speed and a brake pressure"),) * count
         if self._braking and self._with_accelerometer and not isfinite(checked.acceleration):
-            return (Refusal(Reason.NO_ACCELERATION, "the acceleration is missing during a braking"),) * count
+            return (Refusal(Reason.NO_ACCELERATION, "acceleration is missing: check imu/data"),) * count
         answer = self._take(checked)
         if isinstance(answer, Refusal):
             return (answer,) * count
@@ -182,11 +182,12 @@ class CarEstimator:
             self._gathered_time, self._gained = 0.0, 0.0
             self._gathered_turn = np.zeros(len(index))
         if float((self._radii[index] * speed).max()) < self._p.minimum_speed and not self._braking:
-            return Refusal(Reason.LOW_SPEED, f"the car is slower than {self._p.minimum_speed} m/s")
+            return Refusal(Reason.LOW_SPEED, f"waiting for a speed above {self._p.minimum_speed} m/s")
         self._watch_brakes(sample.time, braking_by, speed)
         if not self._braking:
-            text = "the speed at the start of the braking is not known" if self._unknown_start else "no braking"
-            return Refusal(Reason.NO_EXCITATION, text)
+            if self._unknown_start:
+                return Refusal(Reason.NO_EXCITATION, "waiting for the next braking: the speed before this is unknown")
+            return Refusal(Reason.NO_EXCITATION, "waiting for a braking")
         on_its_way = any(fit.promise > _PROMISE for fit in self._fits)
         if complete and sample.time - self._stepped_at >= _STEP_INTERVAL * len(index) * (0.5 if on_its_way else 1.0):
             self._step(sample.time)
@@ -383,7 +384,7 @@ class CarEstimator:
         count = self._samples.count
         peak = self._peak
         if peak is None:
-            text = f"{time - self._began_at:.2f} s of braking are too short"
+            text = "waiting for the first fit of this braking"
             return [CurveEstimate(count, nan, restart_cause=cause, text=text)] * len(self._index)
         slips, beyond = self._slips(time, speed, peak)
         reason, text = self._reason(time, peak)
@@ -441,24 +442,28 @@ class CarEstimator:
     def _reason(self, time: float, peak: Peak) -> tuple[Reason, str]:
         since = time - self._began_at
         if since < _EARLIEST_VALID and self._earliest_valid == _EARLIEST_VALID:
-            return Reason.NOT_READY, f"{since:.2f} s of braking are too short"
+            return Reason.NOT_READY, f"waiting for {_EARLIEST_VALID} s of braking"
+        if not self._passing.begun:
+            return Reason.PEAK_NOT_PASSED, "waiting for a wheel to pass the peak"
         if not (self._passing.seen and self._passing.long_ago(time - self._start.time)):
-            lasted = self._passing.time_beyond
-            return Reason.PEAK_NOT_PASSED, f"slips were surely beyond the peak for {lasted:.2f} s only"
+            return Reason.PEAK_NOT_PASSED, "a wheel has just passed the peak: waiting for 0.1 s beyond it"
         best = int(np.argmax(peak.weights))
         if since < self._earliest_valid:
-            return Reason.UNCERTAIN, f"the wheels came to another road {since:.2f} s ago"
+            return Reason.UNCERTAIN, f"waiting for {self._earliest_valid} s on the new road"
         if self._astray.unexplained or not self._astray.calm(time):
-            return Reason.UNCERTAIN, "the car does not move as its vehicle file says"
+            return Reason.UNCERTAIN, "the car does not move as its vehicle file says: run vehicle_doctor"
         if self._two_roads:
             return Reason.UNCERTAIN, self._two_roads
         if self._move[best] > _SETTLED:
-            return Reason.UNCERTAIN, "the fit has not settled"
+            return Reason.UNCERTAIN, "waiting for the fit to settle"
         if self._fits[best].load_variation == LOAD_VARIATIONS.size - 1:
-            return Reason.UNCERTAIN, "the wheels do not move as one curve for the car says"
+            return (
+                Reason.UNCERTAIN,
+                "the wheels follow no common curve: run vehicle_doctor",
+            )
         stddev = hypot(peak.log_lambda_stddev, self._unresolved)
         if stddev > _LARGEST_STDDEV:
-            return Reason.UNCERTAIN, f"standard deviation of lambda_max is {100.0 * stddev:.0f} %"
+            return Reason.UNCERTAIN, f"waiting for slips around the peak: lambda_max has a deviation of {stddev:.0%}"
         return Reason.OK, ""
 
 

@@ -141,9 +141,9 @@ class RoadWatch:
             self._misfits = abs(misfit) > (STILL_MISFIT if self._misfits else MOST_MISFIT)
         found = ""
         if self._different:
-            found = "the sides of the car are on different roads"
+            found = "the sides of the car are on different roads: waiting for one road"
         elif self._changed:
-            found = "the road has changed during the braking"
+            found = "the road has changed in this braking: waiting for the next"
         since = min(float(time[-1]) - self._updated, _STEP)
         self._updated = float(time[-1])
         if not found:
@@ -153,5 +153,5 @@ class RoadWatch:
         if self._lasted >= _LASTING:
             self._lasting = found
         if not found and self._misfits:
-            found = "the newest friction near the peak is not that of the curve"
+            found = "waiting for the curve to follow the newest friction near the peak"
         return self._lasting or found

@@ -47,6 +47,11 @@ class Passing:
         self.time_beyond = float((beyond * nodes.interval).sum())
 
     @property
+    def begun(self) -> bool:
+        """Whether a wheel has been beyond the peak for any time."""
+        return self.time_beyond > 0.0
+
+    @property
     def seen(self) -> bool:
         """Whether the peak has been seen."""
         return self.time_beyond >= _TIME

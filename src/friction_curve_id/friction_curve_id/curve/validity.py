@@ -27,15 +27,20 @@ class ValidityLimits:
             stddev: standard deviation of lambda_max [-], NaN where it is unknown.
         """
         if samples < self.min_samples:
-            return Reason.NOT_READY, f"{samples} of {self.min_samples} samples"
+            return Reason.NOT_READY, f"waiting for {self.min_samples} samples: there are {samples}"
         if not isfinite(lambda_max):
             return Reason.NO_PEAK, "the fitted curve has no peak in (0, 1)"
         smallest, largest = slip_span
         if largest < lambda_max:
-            text = f"slip has not passed the peak: it reached {largest:.3f}, the peak is expected at {lambda_max:.3f}"
-            return Reason.PEAK_NOT_PASSED, text
+            return (
+                Reason.PEAK_NOT_PASSED,
+                f"waiting for slip beyond the peak near {lambda_max:.3f}: so far {largest:.3f}",
+            )
         if smallest > lambda_max:
-            return Reason.UNCERTAIN, f"all slips lie beyond the peak, from {smallest:.3f} on"
+            return Reason.UNCERTAIN, f"waiting for slip below the peak: all are beyond it, from {smallest:.3f} on"
         if not stddev <= self.max_relative_stddev * lambda_max:
-            return Reason.UNCERTAIN, f"lambda_max {lambda_max:.3f} has a standard deviation of {stddev:.3f}"
+            return (
+                Reason.UNCERTAIN,
+                f"waiting for slips around the peak: lambda_max is {lambda_max:.3f} +- {stddev:.3f}",
+            )
         return Reason.OK, ""

@@ -178,6 +178,6 @@ def vehicle_fit(found: GainOverMass, stamp: int) -> VehicleFit:
     message.gain_over_mass_rear = found.rear
     message.gain_over_mass_rear_stddev = found.rear_stddev
     message.brakings, message.refused, message.restarts = found.brakings, found.refused, found.restarts
-    text = "" if found.brakings else "no braking has been learned from"
+    text = "" if found.brakings else "waiting for a braking to learn from"
     message.validity = validity("vehicle", found.reason, text)
     return message
