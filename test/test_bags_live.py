@@ -276,13 +276,13 @@ def test_a_prompt_topic_is_waited_for_also_while_another_answers_three_samples_l
     assert max(unanswered) == 1
 
 
-def test_a_part_of_a_bag_is_replayed_under_another_name_in_a_loop(
+def test_a_part_of_a_bag_is_replayed_under_another_name_and_namespace_in_a_loop(
     node: Node, start: Callable[..., Command], bag: Path
 ) -> None:
-    wheels = Listener(node, JointState, "other")
-    slip = Listener(node, WheelSlip, "front_left/slip")
+    wheels = Listener(node, JointState, "/car/other")
+    slip = Listener(node, WheelSlip, "/car/front_left/slip")
     arguments = ("--start-offset", "0.5", "--duration", "0.25", "--rate", "10")
-    renamed = ("--ros-args", "-r", "/wheel_states:=/other")
+    renamed = ("--namespace", "car", "--ros-args", "-r", "/car/wheel_states:=/car/other")
     player = start("play", str(bag), "--topics", "wheel_states", "--loop", *arguments, "--wait", "20", *renamed)
     wait_for(lambda: wheels.take() >= 150)
     assert player.stop(signal.SIGTERM) == 0

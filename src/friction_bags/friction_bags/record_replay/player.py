@@ -54,6 +54,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--ahead", type=count, default=1, metavar="N", help="stamps --follow lets go unanswered (default 1)"
     )
+    parser.add_argument("--namespace", default="", metavar="NS", help="put before every topic of the bag, such as /car")
     parser.add_argument("--loop", action="store_true", help="start again at the end")
     parser.add_argument("--start-offset", type=not_negative, default=0.0, metavar="S", help="start S s into the bag")
     parser.add_argument("--duration", type=positive, metavar="S", help="replay only S seconds of the bag")
@@ -108,7 +109,8 @@ def run(args: Namespace, ros_args: list[str]) -> int:
 def _play(args: Namespace, node: Node, reader: BagReader, stop: StopFlag) -> int:
     selection = selection_of(args, node.get_namespace())
     topics = [topic for topic in reader.counts if selection.wants(topic.name)]
-    player = made(lambda: Player(node, reader, topics))
+    namespace = f"/{args.namespace.strip('/')}".rstrip("/")
+    player = made(lambda: Player(node, reader, topics, namespace))
     for name, reason in player.skipped.items():
         print(f"skipping {name}: {reason}", file=sys.stderr)
     if not player.topics:
@@ -125,7 +127,7 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: StopFlag) -> int
     for name in player.wait_for_subscribers(wanted, others, args.wait, stop, args.settle):
         print(f"{name}: less than {wanted.get(name, others)} subscribers after {args.wait} s", file=sys.stderr)
     rate = inf if args.as_fast_as_possible else args.rate
-    flow = _flow_control(args, node, stop) if args.follow else None
+    flow = _flow_control(args, node, namespace or node.get_namespace(), stop) if args.follow else None
     if flow is not None and not flow.topics:
         raise ParameterError(f"no publisher of {' '.join(args.follow)}: start the nodes first")
     begun = monotonic()
@@ -148,10 +150,10 @@ def _play(args: Namespace, node: Node, reader: BagReader, stop: StopFlag) -> int
     return 0 if delivered and not reader.problems else 1
 
 
-def _flow_control(args: Namespace, node: Node, stop: StopFlag) -> FlowControl:
+def _flow_control(args: Namespace, node: Node, namespace: str, stop: StopFlag) -> FlowControl:
     """Follow the topics that appear within the time for discovery, which ends once all named ones have appeared."""
     flow = FlowControl(node, args.ahead)
-    selection = TopicSelection(args.follow, (), node.get_namespace())
+    selection = TopicSelection(args.follow, (), namespace)
     end = monotonic() + args.wait
     while not selection.is_complete(flow.topics) and monotonic() < end and not stop.is_set():
         flow.follow(selection)
@@ -188,13 +190,14 @@ class Span:
 class Player:
     """Publishes the messages of a bag when they are due."""
 
-    def __init__(self, node: Node, reader: BagReader, topics: Sequence[Topic]) -> None:
+    def __init__(self, node: Node, reader: BagReader, topics: Sequence[Topic], namespace: str = "") -> None:
         """Make the publishers.
 
         Args:
             node: node that publishes.
             reader: the bag.
             topics: topics to replay.
+            namespace: put before the names of the bag; with a leading slash, without one at the end.
         """
         self._node = node
         self._reader = reader
@@ -210,7 +213,7 @@ class Player:
             except UnknownTypeError as error:
                 self.skipped[topic.name] = str(error)
                 continue
-            self._publishers[topic] = node.create_publisher(kind, topic.name, replayed(topic.qos))
+            self._publishers[topic] = node.create_publisher(kind, namespace + topic.name, replayed(topic.qos))
 
     @property
     def topics(self) -> list[Topic]:
