@@ -38,7 +38,7 @@ lint: setup ## ruff and mypy
 test: build lint ## everything that must hold: lint, format, types, tests
 	@$(run) pytest -n auto --dist loadfile --max-worker-restart 0
 
-demo: build ## a car braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow|split|"dry snow" CAR=car|corner LAW=curve|slope_sign, or BAG=path [MAP=name|file] to replay; VEHICLE=name|file
+demo: build ## a car braking in the loop over DDS: SURFACE=dry|wet|cobblestone|snow|split|"dry snow"|"1.28,24,0.52" CAR=car|corner LAW=curve|slope_sign, or BAG=path [MAP=name|file] to replay; VEHICLE=name|file
 	@$(run) python -m friction_bringup demo $(if $(BAG),--bag "$(BAG)",--surface "$(SURFACE)" --car $(CAR)) --law $(LAW) \
 		$(if $(MAP),--map "$(MAP)") $(if $(VEHICLE),--vehicle "$(VEHICLE)") --out "$(OUT)/demo"
 

@@ -9,14 +9,14 @@ from corner_sim.car.car import Car
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
 from corner_sim.car.driving import peak_pressures
 from corner_sim.car.measured_car import MeasuredCar
-from corner_sim.car.tyres import TYRES, Tyre
+from corner_sim.car.tyres import TYRES, Burckhardt, Tyre
 from corner_sim.driver import Throttle
 from corner_sim.plant import SAMPLE_TIME, SLIP_MIN_SPEED, PlantSample
 from corner_sim.road import Road
 from corner_sim.sensors import Measurement, SensorNoise
 from friction_parameters.parameter import constant, parameter
 from vehicle_models.brake_actuator import ActuatorParameters, BrakeActuator
-from vehicle_models.surfaces import SURFACES
+from vehicle_models.surfaces import SURFACES, surface
 from vehicle_models.vehicle import Vehicle, four_wheels
 
 Array = NDArray[np.float64]
@@ -116,14 +116,14 @@ class CarPlant:
         family = TYRES[parameters.tyre]
         right = () if parameters.right_surface == SAME else (parameters.right_surface,)
         for which, names in (("surfaces", road.names), ("car.right_surface", right)):
-            if unknown := [name for name in names if name not in family]:
+            if unknown := [name for name in names if name in SURFACES and name not in family]:
                 raise ValueError(f"parameter '{which}': 'model' = 'car' has {', '.join(family)}, not {unknown[0]}")
         if speed <= 0.0:
             raise ValueError(f"parameter 'initial_speed' = {speed} m/s: 'model' = 'car' needs a speed to begin with")
         if vehicle.engine_drag_torque and any(wheel.driven for wheel in vehicle.wheels[:2]):
             raise ValueError("'engine_drag_torque': 'model' = 'car' has it at the rear wheels, not at the front")
         self._vehicle, self._road = vehicle, road
-        self._tyres: list[Tyre] = [family[name] for name in (*road.names, *right)]
+        self._tyres: list[Tyre] = [family.get(name) or Burckhardt(*surface(name)) for name in (*road.names, *right)]
         self._right = len(road.names) if right else None
         self._lever = 0.5 * vehicle.track * np.array([1.0, -1.0, 1.0, -1.0])
         self._behind = np.array([0.0, 0.0, vehicle.wheelbase, vehicle.wheelbase])

@@ -7,7 +7,7 @@ from corner_sim.car_plant import CarModelParameters
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import constant, group, parameter
 from vehicle_models.brake_actuator import ActuatorParameters
-from vehicle_models.surfaces import SURFACES
+from vehicle_models.surfaces import SURFACES, surface
 from vehicle_models.vehicle_file import vehicle_file_parameter
 
 
@@ -24,7 +24,9 @@ class SimParameters:
     )
     initial_speed: float = parameter(30.0, "speed at the start, rolling freely", unit="m/s", minimum=0.0, maximum=150.0)
 
-    surfaces: tuple[str, ...] = parameter(("dry",), "surfaces of the road in order", choices=tuple(SURFACES))
+    surfaces: tuple[str, ...] = parameter(
+        ("dry",), f"surfaces of the road in order: {', '.join(SURFACES)}, or theta as '1.28,24,0.52'"
+    )
     surface_distances: tuple[float, ...] = parameter((0.0,), "distance at which each begins", unit="m", minimum=0.0)
 
     demand_source: str = parameter(
@@ -106,6 +108,11 @@ class SimParameters:
         Raises:
             ValueError: parameters do not fit each other; the message names them.
         """
+        for name in self.surfaces:
+            try:
+                surface(name)
+            except ValueError as error:
+                raise ValueError(f"parameter 'surfaces': {error}") from None
         if self.real_time_factor == 0.0 and not self.lock_step:
             raise ValueError("parameter 'real_time_factor' = 0 needs lock_step: nothing else would hold the plant back")
 

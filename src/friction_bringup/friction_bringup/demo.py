@@ -27,7 +27,7 @@ from friction_bags.results.braking_table import add_table_arguments, show_brakin
 from friction_bags.results.brakings import braking_rows
 from friction_bags.results.recorded_run import read_run, require_samples
 from friction_bringup import graph
-from friction_bringup.demo_drive import CARS, ROADS
+from friction_bringup.demo_drive import CARS, ROAD_TEXT
 from friction_bringup.demo_graph import DemoError, DemoGraph, DemoOptions
 from friction_bringup.live_view import LiveView
 from friction_bringup.monitor import show_live
@@ -59,7 +59,7 @@ SpinUntil = Callable[[Callable[[], bool], float], None]
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options of this command."""
-    parser.add_argument("--surface", choices=ROADS, default="dry", help="road of the plant (default: dry)")
+    parser.add_argument("--surface", default="dry", metavar="ROAD", help=f"{ROAD_TEXT} (default: dry)")
     parser.add_argument("--car", choices=CARS, default="car", help="a whole car, or the corner of the chapter")
     parser.add_argument(
         "--law", choices=graph.LAWS, default=graph.LAWS[0], help="what commands the brake (default: curve)"

@@ -11,7 +11,7 @@ from friction_bringup.graph import PLANT, ParameterValue, plant_calibration
 from friction_parameters.parameter import ParameterError
 from vehicle_models import burckhardt
 from vehicle_models.constants import AIR_DENSITY, GRAVITY
-from vehicle_models.surfaces import TABLE_8_1, surface
+from vehicle_models.surfaces import SURFACES, TABLE_8_1, surface
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -51,7 +51,8 @@ _ROADS = {
     "dry snow": _Road(("dry", "snow")),
 }
 ROADS = tuple(_ROADS)
-"""Roads of the demo: one surface all the way, two sides, or one behind the other."""
+"""Named roads of the demo: one surface all the way, two sides, or one behind the other."""
+ROAD_TEXT = f"road of the plant: {', '.join(ROADS)}, or theta of Burckhardt's curve as 1.28,24,0.52"
 
 
 def plant_of_demo(road: str, vehicle_file: str) -> Mapping[str, Mapping[str, ParameterValue]]:
@@ -61,18 +62,29 @@ def plant_of_demo(road: str, vehicle_file: str) -> Mapping[str, Mapping[str, Par
     brakes to standstill. Any other brakes from the speed in its parameter file, at once.
 
     Args:
-        road: one of ROADS.
+        road: one of ROADS, or theta of a surface such as "1.28,24,0.52".
         vehicle_file: path or name of the vehicle file.
 
     Raises:
-        ParameterError: there is no such vehicle file, or the road has two sides and the car has not.
+        ParameterError: there is no such road or vehicle file, or the road has two sides and the car has not.
     """
-    vehicle = load_vehicle(vehicle_file)
+    vehicle, surfaces = load_vehicle(vehicle_file), _road(road)
     if not _has_four_wheels(vehicle):
-        if road not in TABLE_8_1:
+        if surfaces != _Road((road,)):
             raise ParameterError(f"surface '{road}' needs a car with four wheels, which '{vehicle.name}' has not")
         return {PLANT: {"surfaces": [road]}}
-    return {PLANT: _drive(_ROADS[road], vehicle), SMART_TYRE: {CALIBRATION: str(plant_calibration())}}
+    return {PLANT: _drive(surfaces, vehicle), SMART_TYRE: {CALIBRATION: str(plant_calibration())}}
+
+
+def _road(name: str) -> _Road:
+    if name in _ROADS:
+        return _ROADS[name]
+    try:
+        if name not in SURFACES and surface(name).size:
+            return _Road((name,))
+    except ValueError as error:
+        raise ParameterError(f"{error} ({ROAD_TEXT})") from None
+    raise ParameterError(f"surface '{name}' is no road of the demo ({ROAD_TEXT})")
 
 
 def _has_four_wheels(vehicle: Vehicle) -> bool:

@@ -11,7 +11,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction
 
 from friction_bags.offline.estimators import SMART_TYRE
 from friction_bringup import graph
-from friction_bringup.demo_drive import CALIBRATION, CARS, ROADS, WAITED_FOR, plant_of_demo
+from friction_bringup.demo_drive import CALIBRATION, CARS, ROAD_TEXT, WAITED_FOR, plant_of_demo
 from friction_bringup.launching import (
     argument,
     common_arguments,
@@ -41,9 +41,7 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
 
 
 def generate_launch_description() -> LaunchDescription:
-    surface = DeclareLaunchArgument(
-        "surface", default_value="dry", choices=list(ROADS), description="road of the plant"
-    )
+    surface = DeclareLaunchArgument("surface", default_value="dry", description=ROAD_TEXT)
     law = DeclareLaunchArgument(
         "law", default_value=graph.LAWS[0], choices=list(graph.LAWS), description="what commands the brake"
     )

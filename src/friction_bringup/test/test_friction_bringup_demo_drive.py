@@ -20,6 +20,7 @@ from friction_parameters.parameter import ParameterError, from_mapping
 from friction_report.braking_metrics import right_signs
 from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import ProcessorGraph, silent
+from vehicle_models import burckhardt
 from vehicle_models.vehicle_file import load_vehicle
 
 
@@ -44,9 +45,25 @@ def test_car_rolls_for_its_zero_then_drives_up_with_at_most_half_of_the_grip(roa
     assert max(used) <= 0.5
 
 
-@pytest.mark.parametrize("road", ROADS)
+@pytest.mark.parametrize("road", [*ROADS, "1.1,30,0.4"])
 def test_every_road_makes_a_plant(road: str) -> None:
     Simulation(from_mapping(SimParameters, plant(road)), in_order(load_vehicle(CARS["car"])), 10**12)
+
+
+def test_own_road_has_the_peak_of_its_theta_under_either_car() -> None:
+    theta = np.array([1.1, 30.0, 0.4])
+    for car in CARS:
+        given = replace(from_mapping(SimParameters, plant("1.1,30,0.4", car)), tyre_signals=False)
+        sample = Simulation(
+            given, in_order(load_vehicle(CARS[car])) if car == "car" else load_vehicle(CARS[car]), 1
+        ).sample
+        assert sample.peak[0] == pytest.approx([float(each) for each in burckhardt.peak(theta)])
+
+
+@pytest.mark.parametrize("road", ["ice", "off_road", "1.1,30", "1.1,30,nan", "1.1,0.1,0.4"])
+def test_road_that_is_none_is_refused_with_those_there_are(road: str) -> None:
+    with pytest.raises(ParameterError, match=r"dry.*or theta"):
+        plant(road)
 
 
 def test_second_road_begins_while_the_car_brakes() -> None:

@@ -9,6 +9,8 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicle_models import burckhardt
+
 SURFACES: MappingProxyType[str, NDArray[np.float64]] = MappingProxyType(
     {
         "dry": np.array([1.28, 23.99, 0.52]),
@@ -23,11 +25,18 @@ TABLE_8_1 = ("dry", "wet", "cobblestone", "snow")
 
 
 def surface(name: str) -> NDArray[np.float64]:
-    """Return theta, shape (3,), of the road `name`.
+    """Return theta, shape (3,), of the road `name`: one of SURFACES, or three numbers such as "1.28,24,0.52".
 
     Raises:
-        ValueError: the name is not one of SURFACES.
+        ValueError: the name is neither, or the numbers have no peak at a slip in (0, 1).
     """
-    if name not in SURFACES:
-        raise ValueError(f"unknown surface '{name}': one of {', '.join(SURFACES)}")
-    return SURFACES[name].copy()
+    if name in SURFACES:
+        return SURFACES[name].copy()
+    try:
+        theta = np.array([float(number) for number in name.split(",")])
+        peaked = theta.shape == (3,) and bool(0.0 < burckhardt.peak(theta)[0] < 1.0)
+    except ValueError:
+        raise ValueError(f"unknown surface '{name}': one of {', '.join(SURFACES)}, or theta as 1.28,24,0.52") from None
+    if not peaked:
+        raise ValueError(f"surface '{name}': theta_1,theta_2,theta_3 with a peak at a slip in (0, 1) are needed")
+    return theta
