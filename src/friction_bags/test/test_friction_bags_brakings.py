@@ -46,3 +46,11 @@ def test_a_bump_is_no_braking() -> None:
 @pytest.mark.parametrize("time", [[], [1.0], [0.0, 0.001, 0.002], [0.0, 1.7e9, 1.7e9 + 1.0]])
 def test_few_and_far_samples_are_no_braking_and_no_burden(time: list[float]) -> None:
     assert all_brakings(np.array(time), np.full(len(time), 3.0)) == []
+
+
+def test_a_short_braking_counts_where_a_curve_was_valid_in_it() -> None:
+    """On snow, 0.4 s of braking lose 0.7 m/s."""
+    speed = np.interp(TIME, [5.0, 5.4], [20.0, 19.3])
+    assert all_brakings(TIME, speed) == []
+    assert len(all_brakings(TIME, speed, np.array([5.3]))) == 1
+    assert all_brakings(TIME, speed, np.array([8.0])) == []

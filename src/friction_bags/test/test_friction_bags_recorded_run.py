@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from friction_msgs.msg import FrictionSlope
+from friction_msgs.msg import FrictionSlope, Validity, WheelSlip
 
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
@@ -27,3 +27,13 @@ def test_bag_without_wheels_and_tyres_is_refused(tmp_path: Path) -> None:
     write_bag(tmp_path / "bag", [("/front_left/friction_slope", FrictionSlope())], {})
     with BagReader(tmp_path / "bag") as reader, pytest.raises(BagError, match="no tyre signals"):
         require_samples(reader)
+
+
+def test_reason_keeps_only_the_numbers_that_all_its_messages_have(tmp_path: Path) -> None:
+    texts = ["speed 1.5 is below 2.0 m/s"] * 2 + ["slip is 0.1", "slip is 0.2", "slip is 0.3"]
+    messages = [("/front_left/slip", WheelSlip(validity=Validity(text=text))) for text in texts]
+    write_bag(tmp_path / "bag", messages, {})
+    assert read_run(tmp_path / "bag").series["front_left/slip"].reasons == {
+        "speed 1.5 is below 2.0 m/s": 2,
+        "slip is …": 3,
+    }

@@ -149,7 +149,9 @@ def test_damage_is_said_on_the_page_and_by_the_exit_code(tmp_path: Path, capsys:
     (tmp_path / "bag" / "bag.mcap").write_bytes(next((BAGS / "abs_stop").glob("*.mcap")).read_bytes())
     out = tmp_path / "new" / "page.html"
     assert main([str(tmp_path / "bag"), "--out", str(out)]) == 1
-    assert "damaged: " in capsys.readouterr().err
+    said = capsys.readouterr()
+    assert "damaged: " in said.err
+    assert "Brakings of" in said.out
     data = shown(out.read_text())
     assert any("metadata.yaml" in text for text in data["problems"])
     assert data["lines"]

@@ -30,6 +30,7 @@ _BRAKING = (
     *("start", "end", "from_speed", "to_speed", "mean_deceleration", "largest_deceleration"),
     *("largest_slip", "slip_of"),
 )
+_MOST_STARTS = 5
 QUANTITIES = ("mu_used", "mu_max", "lambda_max")
 
 
@@ -93,11 +94,11 @@ def print_brakings(console: Console, name: str, rows: Sequence[BrakingRow]) -> N
     table = Table(title=title, title_justify="left", box=None, pad_edge=False, padding=(0, 1, 0, 0))
     for heading in ("time [s]", "v [m/s]", "a [m/s²]", "of", "grip used", "µ_max", "λ_max", "valid"):
         table.add_column(escape(heading), no_wrap=heading != "of")
-    reasons: list[str] = []
+    reasons: dict[str, list[str]] = {}
     for row in rows:
         begin = (
             f"{row.start:.1f}–{row.end:.1f}",
-            f"{row.from_speed:.0f}–{row.to_speed:.0f}",
+            f"{round(row.from_speed)}–{round(row.to_speed)}",
             f"{row.mean_deceleration:.1f}/{row.largest_deceleration:.1f}",
         )
         for part in row.parts:
@@ -107,11 +108,12 @@ def print_brakings(console: Console, name: str, rows: Sequence[BrakingRow]) -> N
                 table.add_row("", "", "", "true", "", f"{part.true_mu_max:.3f}", f"{part.true_lambda_max:.3f}", "")
             begin = ("", "", "")
             if part.reason:
-                reasons.append(f"{row.start:.1f} s, {part.of}: no valid curve: {part.reason}")
+                reasons.setdefault(f"{part.of}: no valid curve: {part.reason}", []).append(f"{row.start:.1f}")
     console.print(table)
     console.print("a: deceleration, mean/largest; µ_max, λ_max: last valid; valid: share of time", highlight=False)
-    for reason in reasons:
-        console.print(escape(reason), soft_wrap=True, highlight=False)
+    for reason, starts in reasons.items():
+        when = f"{', '.join(starts[:_MOST_STARTS])}{', …' if len(starts) > _MOST_STARTS else ''} s"
+        console.print(escape(f"{when}, {reason}"), soft_wrap=True, highlight=False)
 
 
 def with_interval(part: Part, quantity: str) -> str:

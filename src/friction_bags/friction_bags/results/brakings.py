@@ -26,6 +26,7 @@ _JOINED = 0.5
 """Brakings with less time [s] between them are one: a supervisor releases for no longer."""
 _LOSS = 1.0
 """Least loss of speed [m/s] of a braking: what is less is a bump or noise."""
+_NO_CURVES: Array = np.empty(0)
 CAR = "car"
 """Name of the part that holds what all wheels have in common."""
 _CURVE = ("lambda_max", "lambda_max_stddev", "mu_max", "mu_max_stddev")
@@ -159,14 +160,15 @@ def hardest_braking(time: Array, speed: Array) -> Span | None:
     return next((span for span in _above(at, deceleration, _HARD) if span[0] <= peak <= span[1]), None)
 
 
-def all_brakings(time: Array, speed: Array) -> list[Span]:
-    """Find every braking: where the deceleration is above 1 m/s^2 and at least 1 m/s is lost.
+def all_brakings(time: Array, speed: Array, curves: Array = _NO_CURVES) -> list[Span]:
+    """Find every braking: where the deceleration is above 1 m/s^2, and at least 1 m/s is lost or a curve was valid.
 
     Pauses below 0.5 s do not end a braking.
 
     Args:
         time: time of the samples [s], shape (n,), increasing; gaps are bridged.
         speed: vehicle speed [m/s], shape (n,); NaN where unknown.
+        curves: times at which a friction curve was valid [s], shape (k,): those of short brakings on snow count.
 
     Returns:
         Begin and end [s] of each, in the order of time.
@@ -179,7 +181,8 @@ def all_brakings(time: Array, speed: Array) -> list[Span]:
         else:
             joined.append((begin, end))
     lost = [-np.diff(np.interp(span, at, mean))[0] for span in joined]
-    return [span for span, each in zip(joined, lost, strict=True) if each >= _LOSS]
+    learned = [np.any((curves >= begin) & (curves <= end)) for begin, end in joined]
+    return [span for span, each, curve in zip(joined, lost, learned, strict=True) if each >= _LOSS or curve]
 
 
 def braking_rows(run: RecordedRun) -> list[BrakingRow]:
@@ -188,7 +191,9 @@ def braking_rows(run: RecordedRun) -> list[BrakingRow]:
         return []
     rows = []
     at, mean, deceleration = _decelerations(*speed)
-    for start, end in all_brakings(*speed):
+    fits = _all_fits(run, "")
+    learned = np.concatenate([_NO_CURVES, *(fit.curve.time[fit.curve["valid"] > 0.0] for fit in fits)])
+    for start, end in all_brakings(*speed, learned):
         before, after = map(float, np.interp((start, end), at, mean))
         inside = (at >= start) & (at <= end)
         falling = -np.minimum.accumulate(mean[inside])

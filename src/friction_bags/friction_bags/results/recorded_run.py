@@ -92,7 +92,7 @@ class Series:
     """Time since the start of the run [s]."""
     columns: Mapping[str, Array]
     reasons: Counter[str] = field(default_factory=Counter)
-    """How often each reason was given where a message was not valid: the first text of its kind, in WHY's order."""
+    """How often each reason was given where a message was not valid: in the order of WHY; … for numbers that vary."""
 
     def __getitem__(self, column: str) -> Array:
         """Return a field over time."""
@@ -151,6 +151,7 @@ class _Rows:
         self._texts: dict[str, str] = {}
         self._numbers: dict[str, float] = {}
         self._reasons: Counter[str] = Counter()
+        self._varying: set[str] = set()
         self._without_unset = False
         self.refused = 0
         """Messages that could not be decoded."""
@@ -193,7 +194,12 @@ class _Rows:
         columns = {column.removeprefix("validity."): table[:, i] for i, column in enumerate(self._columns)}
         if self._judged:
             columns[WHY] = np.array(self._why)[order]
-        return Series((stamps[order] - start) / NANOSECONDS, columns, self._reasons)
+        reasons = {self._shown(text): count for text, count in self._reasons.items()}
+        return Series((stamps[order] - start) / NANOSECONDS, columns, Counter(reasons))
+
+    def _shown(self, text: str) -> str:
+        """Return a reason, without the numbers that were not the same in all messages."""
+        return report_kind(text).replace("#", "…") if text in self._varying else text
 
     def _kept(self, stamps: NDArray[np.int64]) -> NDArray[np.bool_]:
         return (stamps != 0) | (not self._without_unset)
@@ -203,6 +209,8 @@ class _Rows:
         if kind not in self._texts:
             self._texts[kind] = text if len(self._texts) < _MOST_REASONS else _OTHERS
         reason = self._texts[kind]
+        if reason not in (text, _OTHERS):
+            self._varying.add(reason)
         self._reasons[reason] += 1
         return self._numbers.setdefault(reason, 1.0 + len(self._numbers))
 

@@ -128,7 +128,7 @@ class VehicleSamples:
             self._relax(slips, per_second, (sample.time - last) * sample.speed / self._relaxation_lengths)
             self._rates = (self._slips - before) / (sample.time - last)
         if -sample.acceleration < p.min_deceleration:
-            return Refusal(Reason.NO_EXCITATION, f"deceleration {-sample.acceleration:.2f} m/s^2: not braking")
+            return Refusal(Reason.NO_EXCITATION, f"waiting for a deceleration above {p.min_deceleration} m/s^2")
         starts = self._braked_at is None or not 0.0 <= sample.time - self._braked_at <= _RELEASED
         after_gap, self._after_gap, self._braked_at = self._after_gap, False, sample.time
         deceleration = -sample.acceleration / GRAVITY
@@ -155,7 +155,7 @@ class VehicleSamples:
         if abs(sample.acceleration) > HIGHEST_ACCELERATION:
             return Refusal(Reason.BAD_INPUT, f"acceleration is {sample.acceleration:.3g} m/s^2")
         if sample.speed < p.minimum_speed:
-            return Refusal(Reason.LOW_SPEED, f"vehicle speed {sample.speed:.2f} m/s is below {p.minimum_speed:.2f} m/s")
+            return Refusal(Reason.LOW_SPEED, f"waiting for a speed above {p.minimum_speed} m/s")
         if self._last is not None and abs(sample.time - self._last) < _REPEATED:
             return Refusal(Reason.BAD_INPUT, f"stamp {sample.time:.6f} s repeats {self._last:.6f} s")
         slips = 1.0 - np.array(sample.wheel_speeds) * self._radii / sample.speed
