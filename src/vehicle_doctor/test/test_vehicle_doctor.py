@@ -192,6 +192,11 @@ def test_a_drive_and_live_topics_are_one_or_the_other(car: Path, given: tuple[st
     assert main([*given, "--vehicle", str(car)]) == 2
 
 
+def test_a_bag_with_brakings_ends_with_their_table(capsys: pytest.CaptureFixture[str]) -> None:
+    main([str(Path(__file__).parents[3] / "bags" / "abs_stop")])
+    assert "Brakings of abs_stop" in capsys.readouterr().out
+
+
 def test_a_car_that_stands_is_no_problem_and_no_crash(tmp_path: Path, car: Path) -> None:
     stamps = [(k + 1) * 5_000_000 for k in range(1000)]
     states = [JointState(name=FOUR, velocity=[0.0] * 4) for _ in stamps]
