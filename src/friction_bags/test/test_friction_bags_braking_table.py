@@ -13,8 +13,8 @@ import pytest
 from rich.console import Console
 
 from friction_bags.__main__ import main
+from friction_bags.results.braking_rows import Part, braking_rows
 from friction_bags.results.braking_table import print_brakings, show_brakings
-from friction_bags.results.brakings import Part, braking_rows
 from friction_bags.results.recorded_run import WHY, RecordedRun, Series
 
 TIME = np.arange(0.0, 6.0, 0.01)

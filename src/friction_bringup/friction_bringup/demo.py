@@ -23,8 +23,8 @@ from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_vehicle import vehicle_for
 from friction_bags.offline.plan import SayOnce
 from friction_bags.remapped_bag import RemappedBag, write_remapped
+from friction_bags.results.braking_rows import braking_rows
 from friction_bags.results.braking_table import add_table_arguments, show_brakings
-from friction_bags.results.brakings import braking_rows
 from friction_bags.results.recorded_run import read_run, require_samples
 from friction_bringup import graph
 from friction_bringup.demo_drive import CARS, ROAD_TEXT

@@ -9,7 +9,7 @@ import numpy as np
 from friction_msgs.msg import BrakeCommand, SupervisorState
 from numpy.typing import NDArray
 
-from friction_bags.results.brakings import Fit, fits_of
+from friction_bags.results.braking_rows import Fit, fits_of
 from friction_bags.results.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
 from friction_runtime.reports import INTERVAL_95, plain_reason
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_bags.bag_io.bag_format import BagError
-from friction_bags.results.brakings import BrakingRow, Part, braking_rows, main_reason
+from friction_bags.results.braking_rows import BrakingRow, Part, braking_rows, main_reason
 from friction_bags.results.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
 from friction_report.drive_series import (
     DRIVER,

@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from friction_bags.results.brakings import hardest_braking, vehicle_speed
+from friction_bags.results.braking_rows import vehicle_speed
+from friction_bags.results.brakings import hardest_braking
 from friction_bags.results.recorded_run import RecordedRun
 from friction_report.drive_series import Line, lines_of
 from friction_report.page import PANELS
