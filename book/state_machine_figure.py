@@ -9,7 +9,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, FancyBboxPatch
 
-from abs_supervisor.fsm import COMMANDS, Cause, Inputs, State, Thresholds, transition
+from abs_supervisor.state_machine import COMMANDS, Cause, Inputs, State, Thresholds, transition
 
 Transitions = dict[tuple[State, State], tuple[Cause, ...]]
 """Causes of each transition, by the states before and after."""

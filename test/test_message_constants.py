@@ -13,10 +13,9 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from friction_msgs.msg import BrakeCommand, FrictionCurveDebug, SupervisorState, Validity
 
-import abs_supervisor.fsm
-import abs_supervisor.law.choice
-import abs_supervisor.release_caps
-import abs_supervisor.release_evidence
+import abs_supervisor.arbitration
+import abs_supervisor.intervention
+import abs_supervisor.state_machine
 import friction_curve_id.interface
 import friction_runtime.processor
 import vehicle_models.brake_actuator
@@ -26,12 +25,13 @@ SOURCES = Path(__file__).parents[1] / "src"
 MESSAGES = SOURCES / "friction_msgs" / "msg"
 MIRRORED: list[tuple[type[IntEnum], Any, str]] = [
     (vehicle_models.brake_actuator.Command, BrakeCommand, ""),
-    (abs_supervisor.fsm.Cause, SupervisorState, "CAUSE_"),
-    (abs_supervisor.fsm.State, SupervisorState, "S0 S1 S21 S22"),
-    (abs_supervisor.law.choice.Change, SupervisorState, "CHANGE_"),
-    (abs_supervisor.law.choice.Law, SupervisorState, "LAW_"),
-    (abs_supervisor.release_caps.Cap, SupervisorState, "CAP_"),
-    (abs_supervisor.release_evidence.Release, SupervisorState, "RELEASE_"),
+    (abs_supervisor.state_machine.Cause, SupervisorState, "CAUSE_"),
+    (abs_supervisor.state_machine.State, SupervisorState, "S0 S1 S21 S22"),
+    (abs_supervisor.arbitration.Change, SupervisorState, "CHANGE_"),
+    (abs_supervisor.arbitration.Law, SupervisorState, "LAW_"),
+    (abs_supervisor.intervention.Limit, SupervisorState, "LIMIT_"),
+    (abs_supervisor.intervention.Phase, SupervisorState, "STANDBY ACTIVE RETURN"),
+    (abs_supervisor.intervention.Release, SupervisorState, "RELEASE_"),
     (friction_curve_id.interface.RestartCause, FrictionCurveDebug, "RESTART_"),
     (friction_runtime.processor.Level, DiagnosticStatus, ""),
     (vehicle_models.reason.Reason, Validity, ""),

@@ -14,6 +14,7 @@ from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 
+from abs_supervisor.plausibility import CHECKS
 from book import state_machine_figure
 from friction_bringup import graph
 from friction_parameters.generated import ShippedFile, parameter_file, parameter_table
@@ -46,6 +47,8 @@ def generated_texts() -> Iterator[tuple[Path, str]]:
             yield ROOT / "src" / node / "config" / f"{name}.yaml", parameter_file(node, file)
         readme = ROOT / "src" / node / "README.md"
         yield readme, with_block(readme, "parameters", parameter_table(shipped[node]))
+    readme = ROOT / "src" / "abs_supervisor" / "README.md"
+    yield readme, with_block(readme, "plausibility", plausibility_table())
     readme = ROOT / "src" / "vehicle_models" / "README.md"
     yield readme, with_block(readme, "vehicle", vehicle_table())
     yield ROOT / "docs" / "reasons.md", reason_list()
@@ -64,6 +67,12 @@ def with_block(file: Path, name: str, block: str) -> str:
     if not (found and found_end) or text.count(begin) != 1 or text.count(end) != 1:
         raise ValueError(f"{file}: it must hold the lines {begin.strip()} and {end.strip()} once")
     return f"{before}{begin}\n{block}\n{end}{after}"
+
+
+def plausibility_table() -> str:
+    """Return the checks of a wheel speed as a table."""
+    rows = [f"| {check.name} | {check.condition} | {1e3 * check.lasts:.0f} ms |" for check in CHECKS]
+    return "\n".join(("| check | condition | for |", "|---|---|---|", *rows)) + "\n"
 
 
 def reason_list() -> str:

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from abs_supervisor.law.curve_law import CurveLaw
-from abs_supervisor.law.road_curve import RoadCurve
-from abs_supervisor.law.usable_curve import CurveReport, Estimate
+from abs_supervisor.brake_model import BrakeModel
+from abs_supervisor.measurements import Measurements
+from abs_supervisor.road_curve import RoadCurve
+from abs_supervisor.slip_control import SlipController
 from benchmarks.abs.car import CarSetup, car_parameters
 from benchmarks.abs.controllers import ROLLING
 from benchmarks.abs.panic_stop import (
@@ -141,38 +142,29 @@ def car_bound(setup: CarSetup) -> ActuatorBound:
     )
 
 
-_SEEN = 3
-"""Valid reports after which the law takes the peak as seen."""
-
-
 def ideal_controller(surface: str, perturbation: Perturbation) -> PanicStops:
     """Return the stop of the ideal controller, arrays of shape (1,); a load that varies does not count."""
     plant = PanicPlant(surface, perturbation.steady, np.zeros((1, 1)))
     corner = plant.corner
-    law = CurveLaw(plant.parameters, perturbation.actuator)
+    actuator = perturbation.actuator
+    model = BrakeModel(actuator)
+    controller = SlipController(plant.parameters, actuator, model)
     thetas = plant.way.theta(np.array(plant.way.distances))
     values = np.column_stack((thetas, burckhardt.peak(thetas)[0])).tolist()
     curves = [RoadCurve(theta_1, theta_2, theta_3, peak) for theta_1, theta_2, theta_3, peak in values]
 
     def brake(running: Flags) -> Commands:
         stamp = round(plant.since * 1e9) + STEP
-        now = int(plant.way.index(plant.braked_way)[0])
-        for _ in range(_SEEN):
-            # A fit of its own for each sample: what is known leaves no torque unexplained.
-            law.learn(CurveReport(stamp, Estimate.VALID, curves[now], 0.0, 0.0, 1000, stamp))
-        speed = float(corner.speed[0])
+        curve = curves[int(plant.way.index(plant.braked_way)[0])]
+        speed, slip, torque = float(corner.speed[0]), float(corner.slip[0]), float(plant.torque[0])
         demand = plant.demand * plant.gain
-        asked = law.ask(
-            stamp,
-            float(corner.wheel_speed[0]),
-            speed,
-            float(corner.slip[0]),
-            float(plant.torque[0]),
-            demand,
-            True,
-        )
-        given = Command.NONE if asked is None else asked
-        law.commanded(stamp, given, demand)
+        # What is known leaves no torque unexplained.
+        controller.forget_disturbance()
+        model.update(stamp, torque, obeys=False)
+        measured = Measurements(float(corner.wheel_speed[0]), torque, demand, slip=slip, car_speed=speed)
+        controller.observe(stamp, measured, curve)
+        given = controller.ask(slip, demand, curve, seen=True)
+        model.order(stamp, given, demand)
         commands = np.array([int(given)])
         plant.advance(plant.demand, commands)
         return commands

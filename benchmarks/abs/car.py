@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from friction_msgs.msg import BrakeCommand
 
-from abs_supervisor.wheel_pair import NO_AXLE
+from abs_supervisor.axle import NO_AXLE
 from benchmarks.abs.controllers import OFFSET, ROLLING
 from benchmarks.abs.panic_stop import (
     DEMAND_RATIO,
@@ -53,6 +53,8 @@ class CarSetup:
     perturbation: Perturbation = NONE
     right_surface: str = SAME
     """Of the right wheels."""
+    tyre: str = "burckhardt"
+    """Family of its tyres."""
     select_low: str = NO_AXLE
     """Axle whose wheels get the same pressure."""
     yaw_moment_rate: float = 0.0
@@ -99,7 +101,13 @@ class CarSetup:
             acceleration_bias=OFFSET,
             vehicle_velocity=False,
             actuator=self.perturbation.actuator,
-            car=CarModelParameters(right_surface=self.right_surface, hill=self.perturbation.hill, hill_distance=_HILL),
+            car=CarModelParameters(
+                tyre=self.tyre,
+                load_variation=self.perturbation.load_variation,
+                right_surface=self.right_surface,
+                hill=self.perturbation.hill,
+                hill_distance=_HILL,
+            ),
         )
 
     def simulation(self, seed: int) -> Simulation:

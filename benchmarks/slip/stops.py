@@ -2,8 +2,8 @@
 
 The car cruises first (the engine holds the speed on the slope), then the driver demands 1.5 times the peak torque,
 split between the wheels in proportion to their gains. Every wheel has its own detector of votes and supervisor, with
-the shipped parameters. Its states command the brake without the envelope: the stops are manoeuvres with strong slip for
-the estimators, no result about the supervisor. Sensor noise is drawn per run from its seed.
+the shipped parameters. Its states command the brake without the intervention: the stops are manoeuvres with strong slip
+for the estimators, no result about the supervisor. Sensor noise is drawn per run from its seed.
 """
 
 from collections.abc import Callable
@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from abs_supervisor.fsm import COMMANDS
-from abs_supervisor.supervisor import Evidence, Supervisor
+from abs_supervisor.state_machine import COMMANDS, Evidence, StateMachine
 from benchmarks.abs.controllers import shipped as shipped_supervisor
 from benchmarks.abs.panic_stop import DEMAND_RATIO
 from benchmarks.measured import BMW_M8
@@ -166,7 +165,7 @@ def _stop(name: str, seed: int, grade_step: float, vehicle: Vehicle) -> Stop:
 class _Controller:
     """The shipped algorithms of vote and abs_supervisor of one wheel."""
 
-    def __init__(self, detector: SlopeDetector, supervisor: Supervisor) -> None:
+    def __init__(self, detector: SlopeDetector, supervisor: StateMachine) -> None:
         self._detector = detector
         self._supervisor = supervisor
 
@@ -184,7 +183,7 @@ def _controllers(vehicle: Vehicle) -> list[_Controller]:
     return [
         _Controller(
             SlopeDetector(vehicle.corner(wheel.name), Method.NO_SLIP, voting, slope.vote.no_slip),
-            Supervisor(supervisor.thresholds, supervisor.tolerance),
+            StateMachine(supervisor.thresholds, supervisor.tolerance),
         )
         for wheel in vehicle.wheels
     ]

@@ -13,7 +13,7 @@ from matplotlib.path import Path as PlotPath
 from matplotlib.text import Text
 from PIL import Image
 
-from abs_supervisor.fsm import Cause, State
+from abs_supervisor.state_machine import Cause, State
 from book.state_machine_figure import CONDITIONS, description, draw, figure, find_transitions
 
 OUT = (Cause.BRAKING_OVER, Cause.FAIL_SAFE, Cause.LOW_SPEED)

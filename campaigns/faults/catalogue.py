@@ -124,7 +124,7 @@ BELIEVED = (
     Case("pressure_stuck", believed.pressure_stuck, FIRST),
     Case("all_slips_+0.3_before", believed.slip_too_large, ALL, BEFORE_BRAKING),
 )
-"""Valid, consistent and wrong: what the law and the envelope have to believe."""
+"""Valid, consistent and wrong: what law and slip monitor have to believe."""
 IMU = (
     Case("imu_dead", sensors.imu_dead),
     Case("imu_dead_before", sensors.imu_dead, begin=BEFORE_BRAKING),

@@ -1,18 +1,59 @@
-"""Parameters of abs_supervisor: of the node, the bag runner and the parameter file."""
+"""Parameters of abs_supervisor, of the node, the bag runner and the parameter file; detection of braking."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from abs_supervisor.braking import PressureParameters
-from abs_supervisor.fsm import Thresholds
-from abs_supervisor.tuning import Tuning
-from abs_supervisor.wheel_pair import NO_AXLE, SELECT_LOW
+from abs_supervisor.axle import NO_AXLE, SELECT_LOW
+from abs_supervisor.state_machine import Thresholds
 from friction_parameters.generated import ShippedFile
-from friction_parameters.parameter import constants, deadline_parameter, group, parameter
+from friction_parameters.parameter import constant, deadline_parameter, group, parameter
 from vehicle_models.brake_actuator import ActuatorParameters
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle_file import vehicle_file_parameter
 
 SLOPE_SIGN, CURVE = "slope_sign", "curve"
+
+
+@dataclass(frozen=True)
+class PressureParameters:
+    """When braking is over, judged by the wheel's own brake pressure."""
+
+    release_torque: float = parameter(
+        20.0, "braking is over some time below this torque", unit="N m", minimum=0.0, maximum=1e4, read_only=True
+    )
+    release_hold: float = constant(0.2, "that time, longer than the supervisor's own release", unit="s")
+
+
+class TorqueWithHysteresis:
+    """Whether the driver brakes, from the wheel's own torque; for a car without a demand topic.
+
+    The supervisor's release takes that torque to zero. So braking begins at the upper threshold, and is over when the
+    torque has been below the lower one for the hold time, which is longer than a release.
+    """
+
+    def __init__(self, begin: float, end: PressureParameters) -> None:
+        """Start not braking.
+
+        Args:
+            begin: T-bar [N m], above the release torque.
+            end: when braking is over.
+        """
+        self._begin, self._end, self._hold_ns = begin, end.release_torque, round(end.release_hold * NANOSECONDS)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self._braking = False
+        self._last_braked: int | None = None
+
+    def update(self, stamp: int, torque: float) -> bool:
+        """Take the torque [N m] at a stamp [ns]; return whether the driver brakes."""
+        if torque >= (self._end if self._braking else self._begin):
+            self._braking = True
+            self._last_braked = stamp
+        elif self._last_braked is None or stamp - self._last_braked > self._hold_ns:
+            self._braking = False
+        return self._braking
 
 
 @dataclass(frozen=True)
@@ -39,6 +80,11 @@ class SupervisorParameters:
         NO_AXLE,
         "axle whose wheels both get the pressure of the one with less grip",
         choices=SELECT_LOW,
+        read_only=True,
+    )
+    speed_probe: bool = parameter(
+        True,
+        "brake one rear wheel less for a moment, where the speed of the car is unsure in a long slide",
         read_only=True,
     )
     braking_source: str = parameter(
@@ -78,7 +124,6 @@ class SupervisorParameters:
         read_only=True,
     )
     deadline: float = deadline_parameter(0.02, read_only=True)
-    tuning: Tuning = constants(Tuning())
 
     def __post_init__(self) -> None:
         """Refuse a hysteresis whose thresholds are in the wrong order."""

@@ -19,9 +19,9 @@ from friction_msgs.msg import (
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Header
 
-from abs_supervisor.fsm import Thresholds
 from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.ros.processor import WheelProcessor
+from abs_supervisor.state_machine import Thresholds
 from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from friction_runtime.processor import Level
 from vehicle_models.reason import Reason

@@ -50,15 +50,15 @@ _LIMITED = "bold red"
 _RELEASES = {
     SupervisorState.RELEASE_NOT_WANTED: ("–", "dim"),
     SupervisorState.RELEASE_BY_SLIP: ("slip", "yellow"),
-    SupervisorState.RELEASE_BY_DECELERATION: ("decel.", "yellow"),
+    SupervisorState.RELEASE_BY_ROAD_TORQUE: ("torque", "yellow"),
     SupervisorState.RELEASE_REFUSED: ("refused", _LIMITED),
-    SupervisorState.RELEASE_REFERENCE: ("reference", "yellow"),
+    SupervisorState.RELEASE_SPEED_PROBE: ("probe", "yellow"),
 }
-_CAPS = {
-    SupervisorState.CAP_CONTINUOUS: ("too long", _LIMITED),
-    SupervisorState.CAP_SHARE: ("too often", _LIMITED),
-    SupervisorState.CAP_RETURN: ("return", _LIMITED),
-    SupervisorState.CAP_LOW_SPEED: ("driver", "dim"),
+_LIMITS = {
+    SupervisorState.LIMIT_NO_SPIN_UP: ("no spin-up", _LIMITED),
+    SupervisorState.LIMIT_BUDGET: ("budget", _LIMITED),
+    SupervisorState.LIMIT_RETURN: ("return", _LIMITED),
+    SupervisorState.LIMIT_LOW_SPEED: ("driver", "dim"),
 }
 _DISCOVERY_PERIOD = 0.1
 """Period of looking for new topics [s]."""
@@ -107,11 +107,11 @@ class WheelView:
 
     @property
     def release(self) -> Text:
-        """What the envelope lets a release pass by, or the cap in force; a dash where there is neither."""
+        """Verdict on a release, or the limit in force; a dash where there is neither."""
         supervisor = self.messages.get("abs_supervisor")
         if supervisor is None:
             return Text("–")
-        text, style = _CAPS.get(supervisor.cap, _RELEASES[supervisor.release])
+        text, style = _LIMITS.get(supervisor.limit, _RELEASES[supervisor.release])
         return Text(text, style=style)
 
     @property
@@ -293,7 +293,7 @@ def wheels_view(wheels: dict[str, WheelView], now: float, width: int, title: str
 
 
 def _with_release(view: WheelView) -> Text:
-    """Return the command, and below it the verdict of the envelope if the law requests a release."""
+    """Return the command, and below it the verdict of the intervention if the law requests a release."""
     release = view.release
     return Text(view.command) if release.plain == "–" else Text.assemble(view.command, "\n", release)
 

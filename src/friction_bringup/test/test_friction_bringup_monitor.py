@@ -81,15 +81,18 @@ def test_forces_have_columns_only_where_there_are_any(view: WheelView) -> None:
     [
         (SupervisorState(), "–"),
         (SupervisorState(release=SupervisorState.RELEASE_BY_SLIP), "slip"),
-        (SupervisorState(release=SupervisorState.RELEASE_BY_DECELERATION), "decel."),
+        (SupervisorState(release=SupervisorState.RELEASE_BY_ROAD_TORQUE), "torque"),
         (SupervisorState(release=SupervisorState.RELEASE_REFUSED), "refused"),
-        (SupervisorState(release=SupervisorState.RELEASE_BY_SLIP, cap=SupervisorState.CAP_CONTINUOUS), "too long"),
-        (SupervisorState(release=SupervisorState.RELEASE_REFUSED, cap=SupervisorState.CAP_SHARE), "too often"),
-        (SupervisorState(cap=SupervisorState.CAP_RETURN), "return"),
-        (SupervisorState(cap=SupervisorState.CAP_LOW_SPEED), "driver"),
+        (
+            SupervisorState(release=SupervisorState.RELEASE_BY_SLIP, limit=SupervisorState.LIMIT_NO_SPIN_UP),
+            "no spin-up",
+        ),
+        (SupervisorState(release=SupervisorState.RELEASE_REFUSED, limit=SupervisorState.LIMIT_BUDGET), "budget"),
+        (SupervisorState(limit=SupervisorState.LIMIT_RETURN), "return"),
+        (SupervisorState(limit=SupervisorState.LIMIT_LOW_SPEED), "driver"),
     ],
 )
-def test_the_cap_in_force_is_shown_before_the_verdict_on_a_release(state: SupervisorState, text: str) -> None:
+def test_the_limit_in_force_is_shown_before_the_verdict_on_a_release(state: SupervisorState, text: str) -> None:
     assert WheelView({"abs_supervisor": state}).release.plain == text
 
 

@@ -30,8 +30,9 @@ COMMANDS = {
     BrakeCommand.HOLD: "hold",
     BrakeCommand.DECREASE: "decrease",
 }
-ENVELOPE = {0: "no release asked for", 1: "release allowed", 2: "release refused", 3: "cap"}
-"""Verdict of the envelope on what the law asks for."""
+VERDICTS = {0: "no release asked for", 1: "release allowed", 2: "release refused", 3: "limit"}
+"""Verdict of the intervention on what the law asks for."""
+INTERVENTION = {0: "standby", 1: "active", 2: "return"}
 DRIVER = "driver"
 """Stands for the name of a wheel in what the driver asks for."""
 
@@ -115,7 +116,9 @@ def strips_of(run: RecordedRun) -> Iterator[Strip]:
                 yield Strip("supervisor", group, wheel, supervisor.time, supervisor[column], meanings)
     for wheel in run.wheels:
         if (supervisor := run.get(f"{wheel}/abs_supervisor")) is not None:
-            yield Strip("supervisor", "release", wheel, supervisor.time, verdicts(supervisor), ENVELOPE)
+            phase = supervisor["intervention"]
+            yield Strip("supervisor", "intervention", wheel, supervisor.time, phase, INTERVENTION)
+            yield Strip("supervisor", "release", wheel, supervisor.time, verdicts(supervisor), VERDICTS)
     for wheel in run.wheels:
         if (command := run.get(f"{wheel}/brake_command")) is not None:
             yield Strip("supervisor", "command", wheel, command.time, command["command"], COMMANDS)
@@ -145,11 +148,11 @@ def signs(slope: Series) -> Array:
 
 
 def verdicts(supervisor: Series) -> Array:
-    """Return the key of ENVELOPE at every sample of an abs_supervisor: the cap in force, else the evidence."""
+    """Return the key of VERDICTS at every sample of an abs_supervisor: the limit in force, else the evidence."""
     release = supervisor["release"]
     asked = np.where(release == SupervisorState.RELEASE_REFUSED, 2.0, 1.0)
     judged = np.where(release == SupervisorState.RELEASE_NOT_WANTED, 0.0, asked)
-    return np.where(supervisor["cap"] == SupervisorState.CAP_NONE, judged, 3.0)
+    return np.where(supervisor["limit"] == SupervisorState.LIMIT_NONE, judged, 3.0)
 
 
 def _speeds(run: RecordedRun) -> Iterator[Line]:

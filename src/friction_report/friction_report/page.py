@@ -60,7 +60,8 @@ _TONES = {
     **{"stable side": "good", "beyond the peak": "bad", "not known": "none"},
     **{"slope sign": "reason1", "curve": "good"},
     **{"increase": "good", "hold": "middle", "decrease": "bad"},
-    **{"no release asked for": "none", "release allowed": "good", "release refused": "middle", "cap": "bad"},
+    **{"no release asked for": "none", "release allowed": "good", "release refused": "middle", "limit": "bad"},
+    **{"standby": "none", "active": "good", "return": "bad"},
     "valid": "good",
 }
 _STATE_TONES = {"S0": "none", "S1": "good", "S21": "middle", "S22": "bad"}

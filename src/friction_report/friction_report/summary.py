@@ -21,7 +21,7 @@ from friction_runtime.reports import plain_reason
 
 _SHOWN_CROSSINGS = 16
 _SHOWN_REASONS = 3
-_ENDING_CAPS = (SupervisorState.CAP_CONTINUOUS, SupervisorState.CAP_SHARE, SupervisorState.CAP_RETURN)
+_ENDING_LIMITS = (SupervisorState.LIMIT_NO_SPIN_UP, SupervisorState.LIMIT_BUDGET, SupervisorState.LIMIT_RETURN)
 """In force from the end of a release until the pressure is back."""
 
 
@@ -117,18 +117,18 @@ def braking_table(braking: Braking) -> Table:
 
 
 def release_table(run: RecordedRun) -> Table:
-    """Return a table of what the envelope did with the releases that the law of each wheel asked for."""
+    """Return a table of what the intervention did with the releases that the law of each wheel asked for."""
     commanded = any(run.get(f"{wheel}/brake_command") is not None for wheel in run.wheels)
     title = "Releases of the brake" if commanded else "Releases of the brake that would be commanded: shadow mode"
     table = Table(title=title, title_justify="left")
     table.add_column("wheel")
-    for heading in ("released [s]", "longest [s]", "refused", "ended by a cap"):
+    for heading in ("released [s]", "longest [s]", "refused", "ended by a limit"):
         table.add_column(escape(heading), justify="right")
     for wheel in run.wheels:
         if (series := run.get(f"{wheel}/abs_supervisor")) is None:
             continue
         times = release_times(series.time, series["command"] == BrakeCommand.DECREASE)
-        refused, capped = series["refused_releases"][-1], np.isin(series["cap"], _ENDING_CAPS)
+        refused, capped = series["refused_releases"][-1], np.isin(series["limit"], _ENDING_LIMITS)
         ended = np.count_nonzero(np.diff(capped, prepend=False) & capped)
         table.add_row(wheel, f"{np.sum(times):.2f}", f"{np.max(times, initial=0.0):.2f}", f"{refused:.0f}", str(ended))
     return table

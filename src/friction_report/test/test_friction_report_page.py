@@ -341,7 +341,14 @@ def hour(rate: float) -> RecordedRun:
         "slip": {"slip": noisy(0.15, 0.02), "vehicle_speed": speed, "wheel_speed": 3.0 * speed, **judged},
         "friction_slope": {"sign": np.sign(noisy(0.0, 1.0)), "delay": np.full(time.size, 0.06), **judged},
         "abs_supervisor": {
-            **{"state": code(3), "law": code(1), "release": code(3), "cap": code(0), "demand_torque": noisy(3e3, 10.0)},
+            **{
+                "state": code(3),
+                "law": code(1),
+                "release": code(3),
+                "limit": code(0),
+                "intervention": code(3),
+                "demand_torque": noisy(3e3, 10.0),
+            },
             **{"slip_set_point": noisy(0.16, 0.01), **judged},
         },
         "abs_supervisor_debug": {"torque_set_point": noisy(1500.0, 50.0)},

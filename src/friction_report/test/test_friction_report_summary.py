@@ -17,8 +17,8 @@ def run_with_releases(*, shadow: bool) -> RecordedRun:
     """One wheel, released from 0.5 to 0.7 s and from 1.0 to 1.3 s; five releases refused, one ended by a cap."""
     released = ((TIME > 0.495) & (TIME < 0.695)) | ((TIME > 0.995) & (TIME < 1.295))
     command = np.where(released, float(BrakeCommand.DECREASE), float(BrakeCommand.INCREASE))
-    cap = np.where((TIME > 1.295) & (TIME < 1.6), float(SupervisorState.CAP_CONTINUOUS), 0.0)
-    counts = {"refused_releases": np.where(TIME < 1.5, 2.0, 5.0), "cap": cap}
+    cap = np.where((TIME > 1.295) & (TIME < 1.6), float(SupervisorState.LIMIT_NO_SPIN_UP), 0.0)
+    counts = {"refused_releases": np.where(TIME < 1.5, 2.0, 5.0), "limit": cap}
     series = {"front_left/abs_supervisor": Series(TIME, {"command": command, **counts})}
     if not shadow:
         series["front_left/brake_command"] = Series(TIME, {"command": command})

@@ -1,7 +1,6 @@
 """Log of a braking: one line when it is over, and each failure of the inputs."""
 
-from abs_supervisor.fsm import Cause, State
-from abs_supervisor.supervisor import Supervisor
+from abs_supervisor.state_machine import Cause, State, StateMachine
 from friction_runtime.processor import Report
 from friction_runtime.reports import of_wheel
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -21,7 +20,7 @@ class BrakingLog:
         self._begun = 0
         self._releases_before = 0
 
-    def note(self, machine: Supervisor, stamp: int, reason: str) -> None:
+    def note(self, machine: StateMachine, stamp: int, reason: str) -> None:
         """Take a transition that `machine` has just made.
 
         Args:

@@ -1,11 +1,11 @@
-"""<wheel>/friction_curve as a report for the law."""
+"""<wheel>/friction_curve as a report for the curve selector."""
 
 from math import isnan
 
 from friction_msgs.msg import FrictionCurve
 
-from abs_supervisor.law.road_curve import RoadCurve, curve_through
-from abs_supervisor.law.usable_curve import CurveReport, Estimate
+from abs_supervisor.curve_selector import CurveReport, Estimate
+from abs_supervisor.road_curve import RoadCurve, curve_through
 from friction_runtime.messages import to_nanoseconds
 from vehicle_models.reason import Reason
 
@@ -17,6 +17,8 @@ _ESTIMATES: dict[int, Estimate] = {
     Reason.NO_EXCITATION: Estimate.QUIET,
     Reason.LOW_SPEED: Estimate.QUIET,
 }
+_OF_THE_TYRE = "car"
+"""Method whose friction is that of the tyre."""
 
 
 def curve_report(message: FrictionCurve) -> CurveReport:
@@ -36,6 +38,7 @@ def curve_report(message: FrictionCurve) -> CurveReport:
         message.probability_beyond_peak,
         message.samples,
         message.restarts,
+        message.method == _OF_THE_TYRE,
     )
 
 

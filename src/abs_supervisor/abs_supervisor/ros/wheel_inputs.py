@@ -1,15 +1,15 @@
-"""Inputs of the safety monitor: wheel speeds, slip, pressure and friction curve of one wheel."""
+"""Inputs of the supervisor of one wheel: wheel speeds, slip, pressure and motion of the car, from messages."""
 
 from collections import deque
 from collections.abc import Mapping
-from math import inf, isfinite, nan
+from math import inf, isfinite, isnan, nan
 from typing import Any, Final
 
 from friction_msgs.msg import FrictionCurve, SlopeVote, WheelSlip
-from sensor_msgs.msg import FluidPressure, JointState
+from sensor_msgs.msg import FluidPressure, Imu, JointState
 
-from abs_supervisor.guard import Seen
-from abs_supervisor.ros.known_curve import KnownCurve
+from abs_supervisor.measurements import Measurements
+from abs_supervisor.speed_probe import CURVE_LATERAL, CURVE_YAW_RATE
 from friction_runtime.aligner import AlignedSample
 from friction_runtime.messages import speed_is_known, to_nanoseconds
 from friction_runtime.processor import Report, silent
@@ -19,8 +19,11 @@ from vehicle_models.physical_bounds import HIGHEST_SLIP
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
+IMU: Final = "imu/data"
 _TEXTS: Final = 20
 """Changes of the reason of a slip that are kept: a sample waits for its inputs far less long."""
+_CONSISTENT: Final = 0.02
+"""[-] by which a slip may differ from that of the speeds in its message."""
 Reading = tuple[int, tuple[float, ...]]
 
 
@@ -30,8 +33,8 @@ class WheelInputs:
     def __init__(self, wheel: str, vehicle: Vehicle, report: Report, fine: bool) -> None:
         """Choose a wheel of the car; messages without its speed go to `report`.
 
-        With `fine`, as a law that trims the pressure needs it, a slip that wheel_slip is not sure of and a peak that
-        the fit foresees count, with their standard deviations.
+        With `fine`, as slip control needs it, a slip that wheel_slip is not sure of counts with its standard deviation,
+        and the motion of the car in a curve is read.
         """
         self._fine = fine
         self.brake = BrakeTorque(vehicle, wheel)
@@ -39,22 +42,19 @@ class WheelInputs:
         self.pressure = self.brake.topic
         self.sensors: Mapping[str, type] = {WHEEL_STATES: JointState, self.pressure: FluidPressure}
         self.estimates: Mapping[str, type] = {self.slip: WheelSlip, self.curve: FrictionCurve}
+        if fine:
+            self.sensors = {**self.sensors, IMU: Imu}
+        self._across = "x" if vehicle.accelerometer.axis == "y" else "y"
         self._index = vehicle.wheel_names.index(wheel)
         self._radii = vehicle.radii
         # Reports on the other wheels are left to the processors of these.
         self._own = WheelSpeeds(vehicle, (wheel,), report)
         self._all = WheelSpeeds(vehicle, vehicle.wheel_names, silent)
-        self._curve = KnownCurve(foresees=fine)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
-        self._curve.reset()
         self._slip_texts: deque[tuple[int, str]] = deque(maxlen=_TEXTS)
-
-    def take_curve(self, message: FrictionCurve) -> int:
-        """Take a curve; return from which stamp on it counts [ns]."""
-        return self._curve.take(message)
 
     def read(self, topic: str, message: Any) -> Reading | str:
         """Return stamp [ns] and values of a message for the aligner, or why it is refused.
@@ -65,6 +65,10 @@ class WheelInputs:
             read = self.brake.read(message)
             return read if isinstance(read, str) else (read[0], (read[1],))
         stamp = to_nanoseconds(message.header.stamp)
+        if topic == IMU:
+            lateral = float(getattr(message.linear_acceleration, self._across))
+            turns = abs(lateral) > CURVE_LATERAL or abs(message.angular_velocity.z) > CURVE_YAW_RATE
+            return stamp, (float(turns),)
         if topic == WHEEL_STATES:
             speeds = self._all.read(message)
             if not isfinite(speeds[self._index]):
@@ -79,11 +83,16 @@ class WheelInputs:
             slip, stddev = nan, nan
             if self._fine and message.validity.reason == Reason.UNCERTAIN:
                 slip, stddev = self._uncertain(message)
+        elif self._contradicts_itself(message):
+            self._keep_text(stamp, f"{slip:.3f} contradicts the speeds in the same message")
+            slip, stddev = nan, nan
         known = abs(slip) <= HIGHEST_SLIP and 0.0 <= stddev < inf
         measured = float(message.speed_measured)
+        inertial = float(message.speed_measured or not isnan(message.accelerometer_wrong_probability))
         flagged_slip = _flagged(slip if known else nan)
         car = _flagged(message.vehicle_speed if speed_is_known(message) else nan)
-        return stamp, (*flagged_slip, stddev if known else 0.0, *car, measured)
+        doubt = message.vehicle_speed_stddev if car[1] and message.vehicle_speed_stddev < inf else 0.0
+        return stamp, (*flagged_slip, stddev if known else 0.0, *car, measured, inertial, doubt)
 
     def _keep_text(self, stamp: int, text: str) -> None:
         """Keep why a slip is not valid, from a stamp [ns] on: a sample is told what holds for it, not the last."""
@@ -98,6 +107,12 @@ class WheelInputs:
                 return text or "not valid"
         return "not valid"
 
+    def _contradicts_itself(self, message: WheelSlip) -> bool:
+        """Whether slip is not that of the speeds beside it."""
+        speed = message.vehicle_speed
+        by_speeds = 1.0 - self._radii[self._index] * message.wheel_speed / speed if speed > 0.0 else nan
+        return abs(message.slip - by_speeds) > _CONSISTENT
+
     def _uncertain(self, message: WheelSlip) -> tuple[float, float]:
         """Return slip [-] and its standard deviation where wheel_slip is not sure of it: here its error is weighed."""
         speed, radius = message.vehicle_speed, self._radii[self._index]
@@ -110,7 +125,7 @@ class WheelInputs:
         """Whether the values that were read from a topic say something of this wheel: its own speed may be missing."""
         return topic != WHEEL_STATES or values[2 * self._index + 1] == 1.0
 
-    def observe(self, sample: AlignedSample[SlopeVote], demand: float) -> Seen:
+    def observe(self, sample: AlignedSample[SlopeVote], demand: float) -> Measurements:
         """Return what is known at the stamp of a sample, with the driver's demand [N m], NaN where unknown."""
         own = nan
         others: list[float] = []
@@ -122,23 +137,22 @@ class WheelInputs:
                 own = flagged[2 * index]
             else:
                 others.append(flagged[2 * index] * self._radii[index])
-        slip, known, stddev, car, car_known, measured = sample.values.get(self.slip, (0.0,) * 6)
+        slip, known, stddev, car, car_known, measured, inertial, doubt = sample.values.get(self.slip, (0.0,) * 8)
         text = ""
         if known != 1.0:
             slip, text = nan, sample.missing.get(self.slip) or of_topic(self.slip, self._slip_text(sample.stamp))
-        car_speed = car if car_known == 1.0 else nan
-        lambda_max, doubt = self._curve.at(sample.stamp, car_speed)
-        return Seen(
+        return Measurements(
             wheel_speed=own,
             demand=demand,
             others=others,
             torque=sample.values.get(self.pressure, (nan,))[0],
             slip=slip,
             slip_stddev=stddev if known == 1.0 else nan,
-            car_speed=car_speed,
-            car_is_measured=measured == 1.0,
-            lambda_max=lambda_max,
-            lambda_max_stddev=doubt,
+            car_speed=car if car_known == 1.0 else nan,
+            car_speed_stddev=doubt if car_known == 1.0 else nan,
+            car_speed_measured=measured == 1.0,
+            inertial=inertial == 1.0,
+            in_curve=sample.values.get(IMU, (0.0,))[0] > 0.0,
             slip_text=text,
         )
 

@@ -54,7 +54,7 @@ COLUMNS: Columns = {
         *("slip", "mu", "probability_beyond_peak", _VALID),
     ),
     "friction_msgs/msg/SupervisorState": (
-        *("state", "demand_torque", "command", "release", "cap", "refused_releases", _VALID),
+        *("state", "demand_torque", "command", "intervention", "release", "limit", "refused_releases", _VALID),
         *("law", "slip_set_point"),
     ),
     "friction_msgs/msg/SupervisorDebug": ("torque_set_point",),

@@ -1,1 +1,0 @@
-"""Slip control on the identified friction curve, below the safety envelope. No ROS."""
