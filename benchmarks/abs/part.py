@@ -97,7 +97,7 @@ def stops(
     return result
 
 
-_UTILISATION = {"dry": 0.798, "wet": 0.850, "cobblestone": 0.742, "snow": 0.777}
+_UTILISATION = {"dry": 0.92, "wet": 0.93, "cobblestone": 0.88, "snow": 0.93}
 """Smallest mean utilisation of the chapter's corner."""
 _FIRST_SEED = 20_000
 """Far from the seeds of the tuning."""
