@@ -129,11 +129,13 @@ class WheelSupervisor:
             law = Command.NONE
         torque = measured.torque if isfinite(measured.torque) else 0.0
         demand = measured.demand if isfinite(measured.demand) else 0.0
-        probes = law is not Command.NONE and self._probes(stamp)
+        most = Command.INCREASE
+        if self._axle is not None:
+            most = self._axle.most(self._wheel, stamp, measured.torque, self.degraded)
+        probes = law is not Command.NONE and most is not Command.DECREASE and self._probes(stamp)
         coming = self.brake.torque_at(torque, stamp - self.brake.late, stamp + self.brake.delay)
         command = self.intervention.judge(stamp, law, self.slip, self.car.speed, torque, coming, demand, probes)
         if self._axle is not None and not probes:
-            most = self._axle.most(self._wheel, stamp, measured.torque, self.degraded)
             if command is Command.INCREASE or (command is Command.HOLD and most is Command.DECREASE):
                 command = most
             released = self.intervention.release is Release.BY_SLIP
