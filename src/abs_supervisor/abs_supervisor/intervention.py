@@ -2,7 +2,7 @@
 
     STANDBY --slip that the wheel itself confirms--> ACTIVE --budget spent--> RETURN --refilled--> ACTIVE
 
-and back to STANDBY when the driver has the pressure that he asks for, brakes no more, or a fail-safe acts.
+and back to STANDBY when the torque of the road is forgotten, the driver brakes no more, or a fail-safe acts.
 
 In STANDBY nothing is lowered. In ACTIVE the law may lower the brake to 0.9 of the torque that the road gave at the
 last proof; deeper needs proof now. A release spends the budget, time refills it. No healthy brake is released, whatever
@@ -43,7 +43,7 @@ PAUSE: Final = 0.1
 OPEN_FRICTION, SPINS_UP = 0.05, 0.1
 """[-] friction of ice, and [s] in which a wheel gains speed whose brake is opener than that."""
 LOOK: Final = 0.1
-"""[s] for which a brake is held in STANDBY to see what its wheel does, and for which it rises after that."""
+"""[s] for which a brake is held to see what its wheel does, and for which it rises after that."""
 # Driver
 DRIVER_BELOW: Final = 1.5
 """[m/s] speed of the car below which nothing is lowered."""
@@ -148,7 +148,7 @@ class Intervention:
                 return Command.HOLD
             self.phase, self.road_torque, self._opened = Phase.STANDBY, nan, 0.0
             return Command.NONE
-        self._remember(slip, car_speed * dt if car_speed > 0.0 else 0.0, torque, demand)
+        self._remember(slip, car_speed * dt if car_speed > 0.0 else 0.0, torque)
         if self.phase is Phase.RETURN and not self._has_returned(dt, torque, demand):
             self.limit = Limit.RETURN
             return self._slowly()
@@ -183,7 +183,7 @@ class Intervention:
         trims = self._is_near(coming) and (self._trims or (slip.falls and torque >= TRIM * self.road_torque))
         return Release.BY_ROAD_TORQUE if trims else Release.REFUSED
 
-    def _remember(self, slip: SlipMonitor, way: float, torque: float, demand: float) -> None:
+    def _remember(self, slip: SlipMonitor, way: float, torque: float) -> None:
         """Keep the torque that the road gave: r Fx = T - J a / r, with a the deceleration of the circumference."""
         same = torque <= SAME * self.road_torque
         if not (same and slip.slips):

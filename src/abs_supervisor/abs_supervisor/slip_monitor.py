@@ -52,8 +52,8 @@ DIVERGES: Final = 5.0
 TORQUE_STEP, TORQUE_RATIO = 5.0, 0.02
 """[N m] and share of the torque by which one that does not rise may be above its average."""
 STILL, LASTING = 0.02, 0.8
-"""[s] over which a brake does not rise, and [-] what is then left of the wheel's deceleration beyond that of its car: a
-wheel before its peak has followed its brake by half, with the time constant of its tyre, at most 25 ms."""
+"""[s] over which a brake does not rise, and [-] of the wheel's deceleration beyond that of its car that is left then:
+before its peak a wheel follows its brake with the time constant of its tyre, at most 45 ms, which leaves 0.65."""
 FELL: Final = 0.3
 """[-] of its own speed by which a wheel before its peak never falls behind."""
 FALLS: Final = 0.05
