@@ -115,14 +115,7 @@ class SupervisorParameters:
         maximum=60.0,
         read_only=True,
     )
-    demand_timeout: float = parameter(
-        0.08,
-        "demand or pressure is held this long where no newer one comes",
-        unit="s",
-        minimum=0.0,
-        maximum=5.0,
-        read_only=True,
-    )
+    demand_timeout: float = constant(0.08, "demand or pressure is held this long where no newer one comes", unit="s")
     deadline: float = deadline_parameter(0.02, read_only=True)
 
     def __post_init__(self) -> None:

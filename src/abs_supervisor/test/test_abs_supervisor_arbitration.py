@@ -1,4 +1,4 @@
-"""Which of the two laws is in force, and why it changes."""
+"""Arbitration between the two laws: which is in force, and the cause of each change."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Which friction curve counts: valid and vague fits, another road, the order of arrival."""
+"""Selection of the friction curve: valid and vague fits, another road, the order of arrival."""
 
 from itertools import permutations
 from math import isnan, nan

@@ -115,7 +115,7 @@ def test_node_commands_nothing_unless_started_to_do_so() -> None:
         assert [result.successful for result in answer.results] == [False]
         # What a brake's safety hangs on is read at the start.
         wait = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=0.04)
-        for name in ("tolerance", "actuator.delay", "demand_timeout", "deadline", "thresholds.wait"):
+        for name in ("tolerance", "actuator.delay", "deadline", "thresholds.wait"):
             request = SetParameters.Request(parameters=[Parameter(name=name, value=wait)])
             answer = client.call(SetParameters, "/abs_supervisor/set_parameters", request)
             assert [result.successful for result in answer.results] == [False]
