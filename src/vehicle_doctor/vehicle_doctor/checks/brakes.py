@@ -26,6 +26,8 @@ _FADE_ENDS = (0.15, 0.3, 0.5, 1.0)
 """Shares of the work of the drive after which the gain falls no more."""
 _BRAKES = -1.0
 """Acceleration [m/s^2] below which a car is braking."""
+_ROLLS = 0.5
+"""Time [s] with the brake released that its pressure at rest needs: a wheel that is released in a stop gives less."""
 
 
 def check(drive: Drive, motion: Motion, accelerometer: Shift | None) -> list[Finding]:
@@ -64,10 +66,11 @@ def _signals(drive: Drive, motion: Motion, there: list[int]) -> tuple[list[Findi
     for i in there:
         topic = pressure_topic(vehicle.wheel_names[i])
         signal = motion.smooth(pressure[:, i], 0.1)
-        rest = np.nanmedian(signal[rolls]) if np.isfinite(signal[rolls]).any() else 0.0
+        enough = np.isfinite(signal[rolls]).sum() * motion.step >= _ROLLS
+        rest = np.nanmedian(signal[rolls]) if enough else 0.0
         change = _correlation(signal - rest, slow, motion.moving)
         size = float(np.nanmedian((signal - rest)[brakes]))
-        if not isfinite(change) or abs(change) < 0.4:
+        if not isfinite(change) or abs(change) < 0.4 or size * change >= 0.0:
             text = "does not brake: it does not rise and fall with the car's deceleration"
             found.append(failure("pressure", topic, text, "look at its sensor, and at the field in the signal map"))
             continue
