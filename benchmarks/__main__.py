@@ -9,6 +9,7 @@ from benchmarks.runner import main_of
 
 PARTS = {
     "slope": "delay, false alarms and slip at detection of the slope sign, both methods, all surfaces",
+    "slope_position": "slope signs in ABS stops of whole cars, straight and in curves, on a plant of its own",
     "abs": "closed loop with the supervisor: adhesion utilisation, stopping distance, wheel lock",
     "identification": "Monte Carlo of lambda_max: the chapter's methods and exact_vehicle, beside the Cramer-Rao bound",
     "real_car": "friction curves of cars that are not known exactly, on a plant of its own",

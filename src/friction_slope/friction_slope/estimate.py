@@ -7,8 +7,9 @@ from vehicle_models.reason import Reason
 
 
 class Method(Enum):
-    """Source of the sign of the slip rate; the values are those of the parameter and of friction_msgs/FrictionSlope."""
+    """Source of the sign; the values are those of the parameter and of friction_msgs/FrictionSlope."""
 
+    SLIP_POSITION = "slip_position"
     SLIP = "slip"
     NO_SLIP = "no_slip"
 
@@ -63,6 +64,7 @@ class SlopeEstimate:
         load_transfer: bool,
         reason: Reason,
         text: str,
+        probability: float = nan,
     ) -> None:
         """Hold what is estimated.
 
@@ -80,6 +82,7 @@ class SlopeEstimate:
             load_transfer: whether h is without the part of a changing vertical load.
             reason: why the sign may not be used.
             text: the reason in words, empty where it is OK.
+            probability: that the wheel is beyond the peak [-], NaN where unknown and of the equations.
         """
         self.sign = sign
         self.h = h
@@ -93,3 +96,4 @@ class SlopeEstimate:
         self.load_transfer = load_transfer
         self.reason = reason
         self.text = text
+        self.probability = probability

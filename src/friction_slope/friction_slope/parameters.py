@@ -17,8 +17,8 @@ class FrictionSlopeParameters:
 
     vehicle_file: str = vehicle_file_parameter()
     method: str = parameter(
-        "slip",
-        "sign of the slip rate: measured (8.4), or that of eta (8.5), also used while the slip is lost",
+        Method.SLIP_POSITION.value,
+        "where the slip stands on the curve; or by the sign of the slip rate: measured (8.4), or of eta (8.5)",
         choices=tuple(method.value for method in Method),
     )
     detector: DetectorParameters = group(DetectorParameters())
@@ -29,7 +29,7 @@ class FrictionSlopeParameters:
     @property
     def takes_slip(self) -> bool:
         """Whether <wheel>/slip is an input."""
-        return self.method == "slip" or self.no_slip.slip_at_crossing
+        return self.method != "no_slip" or self.no_slip.slip_at_crossing
 
 
 SHIPPED: Mapping[str, ShippedFile] = {

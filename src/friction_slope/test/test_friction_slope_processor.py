@@ -32,7 +32,7 @@ CONFIG = Path(__file__).parents[1] / "config"
 STEP = 5_000_000
 PRESSURE, SLIP, IMU = "front_left/brake_pressure", "front_left/slip", "imu/data"
 VEHICLE = load_vehicle("chapter_corner")
-P = FrictionSlopeParameters(detector=DetectorParameters(window=5, rate_window=5, least_growth=0.0))
+P = FrictionSlopeParameters(method="slip", detector=DetectorParameters(window=5, rate_window=5, least_growth=0.0))
 NO_SLIP = replace(P, method="no_slip")
 ALONE = replace(NO_SLIP, no_slip=NoSlipParameters(slip_at_crossing=False))
 Fed = tuple[str, Any]
@@ -369,13 +369,21 @@ def test_hostile_streams_give_consistent_messages_and_no_exception(fed: list[Any
             assert not message.validity.valid or (np.isfinite(message.indicator) and message.sign in (-1, 1))
 
 
-def test_shipped_parameter_file_holds_the_defaults_and_makes_a_vote_and_an_estimate() -> None:
+def test_shipped_parameter_file_holds_the_defaults_and_makes_a_vote_of_each_wheel_and_estimates_of_the_car() -> None:
     parameters = load(FrictionSlopeParameters, CONFIG / "friction_slope.yaml", "friction_slope")
     assert parameters == SHIPPED["friction_slope"].parameters == FrictionSlopeParameters()
     assert ignored(parameters) == []
-    (processor,) = build(parameters, VEHICLE)
+    wheel, car = build(parameters, VEHICLE)
+    assert wheel.outputs == {"front_left/slope_vote": SlopeVote}
+    assert car.outputs == {"front_left/friction_slope": FrictionSlope}
+
+
+@pytest.mark.parametrize("method", ["slip", "no_slip"])
+def test_each_wheel_has_its_vote_and_its_estimate_by_the_equations(method: str) -> None:
+    (processor,) = build(replace(P, method=method), VEHICLE)
+    assert isinstance(processor, WheelProcessor)
     assert processor.outputs == {"front_left/slope_vote": SlopeVote, "front_left/friction_slope": FrictionSlope}
-    assert run(processor, stream(40))[-1].method == "slip"
+    assert run(processor, stream(40))[-1].method == method
 
 
 def test_vote_is_predicted_by_the_method_without_slip_and_the_estimate_is_not() -> None:
@@ -459,7 +467,9 @@ def test_every_wheel_of_the_car_has_a_processor_that_reads_its_joint() -> None:
     fed = [(topic, given) for topic, given in stream(30) if topic != "wheel_states"]
     fed += [speed(k * STEP, 90.0 + 30.0 * (0.005 * (k - 1)) ** 2, name="car::front_left") for k in range(1, 31)]
     straight = run(WheelProcessor("front_left", VEHICLE, P), stream(30))
-    assert repr(run(processors[0], fed)) == repr(straight)
+    first = processors[0]
+    assert isinstance(first, WheelProcessor)
+    assert repr(run(first, fed)) == repr(straight)
 
 
 def test_pressure_is_taken_for_the_time_at_which_it_acted() -> None:

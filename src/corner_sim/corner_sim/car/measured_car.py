@@ -129,8 +129,10 @@ class Measurement:
 class MeasuredCar:
     """Car, brakes and sensors."""
 
-    def __init__(self, parameters: CarParameters, speed: float, seed: int) -> None:
+    def __init__(self, parameters: CarParameters, speed: float, seed: int, car: Car | None = None) -> None:
         """Begin rolling freely at `speed` [m/s] > 0; `seed` is that of the noise and of the road.
+
+        `car` is one that is made of the same three; None: one that stays on its path.
 
         Raises:
             ValueError: the sample rate is no divisor of 1000 Hz.
@@ -138,7 +140,7 @@ class MeasuredCar:
         p, s = parameters, parameters.sensors
         if round(1.0 / STEP) % s.sample_rate:
             raise ValueError(f"sample_rate = {s.sample_rate} Hz must divide {round(1.0 / STEP)} Hz")
-        self.car = Car(p, speed, seed)
+        self.car = Car(p, speed, seed) if car is None else car
         self.steps_per_sample = round(1.0 / STEP) // s.sample_rate
         self._p, self._s = p, s
         self._rng = np.random.default_rng([seed, 0])

@@ -173,6 +173,7 @@ def _slope(header: Header, wheel: str, sample: PlantSample, crossings: SlopeCros
         wheel=wheel,
         method="truth",
         sign=int(np.sign(sample.slope[i])) if moving else 0,
+        probability_beyond_peak=float(sample.tyre_slip[i] > sample.peak[i][0]) if moving else nan,
         h=float(sample.h[i]),
         indicator=float(sample.h[i] * np.sign(sample.slip_rate[i])),
         delay=0.0,

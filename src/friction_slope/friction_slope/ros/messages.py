@@ -13,6 +13,7 @@ def estimate_message(wheel: str, stamp: int, estimate: SlopeEstimate) -> Frictio
     message = _common(FrictionSlope, wheel, stamp, estimate)
     message.method = estimate.method.value
     message.sign = estimate.sign
+    message.probability_beyond_peak = estimate.probability
     message.crossings = estimate.crossings
     message.crossing_sign = estimate.crossing_sign
     message.slip_at_crossing = estimate.slip_at_crossing

@@ -16,6 +16,7 @@ from friction_slope.detector import SlopeDetector
 from friction_slope.doubt import doubt_of
 from friction_slope.estimate import Method, SlopeEstimate, SlopeSample
 from friction_slope.parameters import FrictionSlopeParameters
+from friction_slope.ros.car_processor import CarProcessor
 from friction_slope.ros.messages import estimate_message, vote_message
 from vehicle_models.physical_bounds import HIGHEST_ACCELERATION
 from vehicle_models.reason import Reason
@@ -219,6 +220,10 @@ class WheelProcessor(AlignedProcessor[float]):
         return estimate_message(self._wheel, whole.stamp, estimate)
 
 
-def build(parameters: FrictionSlopeParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:
-    """Make the processors, one for each wheel."""
-    return [WheelProcessor(wheel, vehicle, parameters, report) for wheel in vehicle.wheel_names]
+def build(
+    parameters: FrictionSlopeParameters, vehicle: Vehicle, report: Report = silent
+) -> list[WheelProcessor | CarProcessor]:
+    """Make the processors: one for each wheel, and one for the car with the method slip_position."""
+    by_car = Method(parameters.method) is Method.SLIP_POSITION
+    wheels = [WheelProcessor(wheel, vehicle, parameters, report, not by_car) for wheel in vehicle.wheel_names]
+    return [*wheels, CarProcessor(vehicle, parameters, report)] if by_car else [*wheels]

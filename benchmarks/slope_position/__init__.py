@@ -1,0 +1,1 @@
+"""Slope sign of whole cars in ABS stops, on a plant that shares no code with the estimators."""

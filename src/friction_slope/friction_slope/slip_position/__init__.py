@@ -1,0 +1,1 @@
+"""Slope sign by the position of the slip on the friction curve: a bank of hypotheses about the curve of each wheel."""

@@ -1,0 +1,228 @@
+"""Probability that each wheel of a car is beyond the peak of its friction curve, sample by sample.
+
+Samples move slips and loads; each block of them is evidence for the hypotheses; and at every sample
+
+    P(beyond) = sum over h of w_h Phi((sigma - lambda_h) / stddev)
+
+where sigma is the combined slip that the tyre has built up. The probability is of the stamp: it has no delay.
+"""
+
+from dataclasses import dataclass
+from math import isfinite, nan
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_slope.slip_position.blocks import SLOWEST, SPEED_AGE, WHEEL_SPEED_STDDEV, Blocks
+from friction_slope.slip_position.common_road import joint_weights, own_weights
+from friction_slope.slip_position.curve_shapes import LAMBDA_MAX, SHAPES, STEP
+from friction_slope.slip_position.hypotheses import MU, SPEED, Hypotheses
+from friction_slope.slip_position.lateral_slip import LateralSlip
+from friction_slope.slip_position.wheel_loads import WheelLoads
+from vehicle_models.constants import GRAVITY
+from vehicle_models.nanoseconds import NANOSECOND
+from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION
+from vehicle_models.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+SLOWEST_EVIDENCE: Final = 2.5
+"""Speed of the car up to which blocks are no evidence [m/s]."""
+_GRID: Final = 0.3 * STEP
+"""Deviation of lambda_max within a step of the hypotheses, relative."""
+_PER_SLIP: Final = (-1, LAMBDA_MAX.size, len(SHAPES))
+_HARDEST: Final = HIGHEST_ROAD_FRICTION * GRAVITY
+_LEAST_WEIGHT: Final = 1e-200
+
+
+@dataclass(frozen=True)
+class CarSample:
+    """Sample of a car, arrays of shape (n,) in the order of its wheels."""
+
+    stamp: int
+    """[ns]"""
+    wheel_speed: Array
+    """[rad/s]"""
+    torque: Array
+    """Of the brakes [N m]; NaN: not known, as all that follow."""
+    slip: Array
+    """Kinematic slips, braking positive [-]."""
+    slip_stddev: Array
+    ground_speed: Array
+    """Of the car at each wheel [m/s]."""
+    forward: float = nan
+    """Acceleration of the car [m/s^2]."""
+    leftward: float = nan
+    """Its lateral acceleration [m/s^2]."""
+    yaw_rate: float = nan
+    """Counter-clockwise [rad/s]."""
+
+
+class SlipPosition:
+    """Where the slips of all wheels stand."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        """Begin without evidence."""
+        self._n = len(vehicle.wheels)
+        self._mass, self._track = vehicle.mass, vehicle.track
+        self._length = np.array([wheel.relaxation_length for wheel in vehicle.wheels])
+        self._radius = np.array(vehicle.radii)
+        self._left = np.array([wheel.side == "left" for wheel in vehicle.wheels])
+        driven = np.array([wheel.driven for wheel in vehicle.wheels])
+        self._drag = np.where(driven, vehicle.engine_drag_torque, 0.0)
+        self._loads, self._lateral = WheelLoads(vehicle), LateralSlip(vehicle)
+        self._blocks, self._hypotheses = Blocks(vehicle), Hypotheses(vehicle)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        for part in (self._loads, self._lateral, self._blocks):
+            part.reset()
+        self._stamp: int | None = None
+        self._known = np.zeros(self._n, dtype=bool)
+        self._braked = np.zeros(self._n, dtype=bool)
+        self.slip: Array = np.zeros(self._n)
+        """Slip along each wheel that its tyre has built up [-], shape (n,)."""
+        self._kinematic: Array = np.zeros(self._n)
+        self._growth: Array = np.zeros(self._n)
+        """What the tyre has built up of the rest of its slip within the age of a wheel speed [-], shape (n,)."""
+        self._forces = np.zeros(self._n)
+        self._seen = np.zeros(self._n, dtype=bool)
+        """Wheels with evidence since the braking began or the road changed; a locked wheel needs none."""
+        self._speed_variance = np.zeros(self._n)
+        for wheel in range(self._n):
+            self._hypotheses.begin(wheel, 0.0)
+        self._weigh()
+
+    @property
+    def unevenness(self) -> Array:
+        """Relative deviation of the loads that explains the measured frictions [-], shape (n,)."""
+        return self._hypotheses.unevenness
+
+    def update(self, sample: CarSample, braked: Flags) -> Array:
+        """Take a sample, later than the last; return P(beyond the peak), shape (n,), NaN without evidence.
+
+        Args:
+            sample: what is measured.
+            braked: wheels that count as braked, shape (n,).
+        """
+        known = np.isfinite(sample.slip) & np.isfinite(sample.wheel_speed) & np.isfinite(sample.torque)
+        torque = np.where(known, sample.torque, 0.0) + self._drag
+        speed = np.maximum(np.where(known, sample.ground_speed, SLOWEST), SLOWEST)
+        kinematic = np.where(known, np.minimum(sample.slip, 1.0), self._kinematic)
+        wheel_speed = np.where(known, sample.wheel_speed, 0.0)
+        stddev = np.where(known, sample.slip_stddev * speed, 0.0)
+        begun, self._braked = braked & ~self._braked, braked.copy()
+        for wheel in np.flatnonzero(begun):
+            self._hypotheses.begin(int(wheel), float(stddev[wheel]))
+        self._seen &= ~begun
+        self._speed_variance = np.where(begun, stddev**2, self._speed_variance)
+        if begun.any():
+            self._weigh()
+        if self._stamp is not None:
+            dt = (sample.stamp - self._stamp) * NANOSECOND
+            self._relax(dt, speed, kinematic, known)
+            measured = self._move(dt, sample, speed, known)
+            if braked.any() and known.any() and float(speed.mean()) > SLOWEST_EVIDENCE:
+                self._gather(dt, wheel_speed, torque, kinematic, speed, stddev, known & braked, measured)
+            else:
+                self._blocks.begin(wheel_speed, torque, kinematic)
+        else:
+            self.slip = kinematic.copy()
+            self._blocks.begin(wheel_speed, torque, kinematic)
+        self._stamp, self._known, self._kinematic = sample.stamp, known, kinematic
+        judged = known & braked & (self._seen | (self.slip > LAMBDA_MAX[-1]))
+        return np.where(judged, self._probability(kinematic, speed), nan)
+
+    def _relax(self, dt: float, speed: Array, kinematic: Array, known: Flags) -> None:
+        """Let the tyres follow the slips, which change linearly in the step; one that comes back begins anew."""
+        rolled = dt * speed / self._length
+        kept = np.exp(-rolled)
+        mean = (1.0 - kept) / rolled
+        self._growth = SPEED_AGE * dt * speed / self._length
+        followed = kept * self.slip + (mean - kept) * self._kinematic + (1.0 - mean) * kinematic
+        self.slip = np.where(known & self._known, followed, kinematic)
+
+    def _move(self, dt: float, sample: CarSample, speed: Array, known: Flags) -> bool:
+        """Move loads and lateral forces; return whether the motion across is measured."""
+        forward = sample.forward
+        if not isfinite(forward):
+            forward = -float(self._forces.sum()) / self._mass
+        yaw_rate, leftward = sample.yaw_rate, sample.leftward
+        measured = isfinite(yaw_rate) and isfinite(leftward)
+        if not measured:
+            yaw_rate = 0.0
+            if self._lateral.known and known.all():
+                yaw_rate = float(speed[~self._left].mean() - speed[self._left].mean()) / self._track
+            leftward = yaw_rate * float(speed.mean())
+        forward, leftward = (min(max(each, -_HARDEST), _HARDEST) for each in (forward, leftward))
+        self._loads.update(dt, forward, leftward)
+        if self._lateral.known:
+            self._lateral.move(dt, yaw_rate, leftward, self._forces)
+        return measured
+
+    def _gather(
+        self,
+        dt: float,
+        wheel_speed: Array,
+        torque: Array,
+        kinematic: Array,
+        speed: Array,
+        stddev: Array,
+        used: Flags,
+        measured: bool,
+    ) -> None:
+        """Add a sample to the block, and take the block as evidence where it is long enough."""
+        lateral, loads, found = self._lateral, self._loads, self._hypotheses
+        if not self._blocks.add(dt, torque, self.slip, lateral.slip, loads.loads, loads.delayed, used):
+            return
+        mu = found.x[MU]
+        block, forces = self._blocks.end(wheel_speed, kinematic, speed, lateral.slip, lateral.stddev, mu)
+        self._forces = np.where(used, forces, 0.0)
+        variance = stddev**2
+        changed = found.update(block, np.maximum(variance - self._speed_variance, 0.0))
+        self._speed_variance = variance
+        self._seen = (self._seen | block.used) & ~changed
+        for wheel in np.flatnonzero(changed):
+            found.change_road(int(wheel), float(stddev[wheel]))
+        self._weigh()
+        if lateral.known:
+            lateral.solve(block.duration, self.slip, mu, loads.loads, self._weights, measured)
+        self._sum_up()
+
+    def _weigh(self) -> None:
+        found = self._hypotheses
+        own = own_weights(found.log_weights)
+        self._weights = joint_weights(own, found.x[MU], found.p[MU, MU], self._braked)
+        self._sum_up()
+
+    def _sum_up(self) -> None:
+        """Sum over the shapes, for each slip of the peak: weight, speed error and lateral slip with their variances."""
+        weights = self._weights.reshape(_PER_SLIP)
+        self._weight = weights.sum(axis=2)
+        share = weights / np.maximum(self._weight, _LEAST_WEIGHT)[:, :, np.newaxis]
+        found, lateral = self._hypotheses, self._lateral
+
+        def moments(mean: Array, variance: Array) -> tuple[Array, Array]:
+            mean, variance = mean.reshape(_PER_SLIP), variance.reshape(_PER_SLIP)
+            middle = (share * mean).sum(axis=2)
+            return middle, (share * (variance + mean**2)).sum(axis=2) - middle**2
+
+        self._speed_error, self._speed_error_variance = moments(found.x[SPEED], found.p[SPEED, SPEED])
+        self._lateral_slip, self._lateral_variance = moments(lateral.slip, lateral.stddev**2)
+
+    def _probability(self, kinematic: Array, speed: Array) -> Array:
+        along = self.slip[:, np.newaxis]
+        sigma = np.maximum(np.hypot(along, self._lateral_slip), 1e-5)
+        by_speed = ((1.0 - kinematic) / speed)[:, np.newaxis] * along / sigma
+        noise = (self._radius * WHEEL_SPEED_STDDEV / speed)[:, np.newaxis] ** 2
+        variance = by_speed**2 * self._speed_error_variance + (self._lateral_slip / sigma) ** 2 * self._lateral_variance
+        grown = (self._growth * (kinematic - self.slip))[:, np.newaxis] * along / sigma
+        away = sigma + grown + by_speed * self._speed_error - LAMBDA_MAX
+        z = away / np.sqrt(variance + grown**2 + noise + (_GRID * LAMBDA_MAX) ** 2)
+        z = np.clip(z, -6.0, 6.0)
+        # the normal distribution to 2e-4
+        beyond = 0.5 + 0.5 * np.tanh(z * (0.7978846 + 0.0356774 * z * z))
+        return np.asarray((self._weight * beyond).sum(axis=1))

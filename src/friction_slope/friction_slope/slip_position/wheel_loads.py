@@ -1,0 +1,65 @@
+"""Vertical loads of the wheels by the accelerations of the car, with what is not known of their delay.
+
+Dampers pass load to the other axle at once, springs as the body pitches; which share each has is not known. The load is
+the mean of both, and their difference, times a share between -1/2 and 1/2, is left to the bank.
+"""
+
+from math import pi
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_runtime.filters import first_order_gain
+from vehicle_models.constants import GRAVITY
+from vehicle_models.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+
+PITCH_DAMPING: Final = 0.4
+"""Damping ratio of the pitch of a body, tyres and seals included [-]."""
+DAMPED: Final = 0.03
+"""Time constant with which dampers and stiff bushings pass load on [s]."""
+ROLLED: Final = 0.1
+"""Time constant of the lateral load transfer [s]."""
+LEAST_SHARE: Final = 0.15
+"""Least load of a wheel over that at rest [-]."""
+
+
+class WheelLoads:
+    """Loads of all wheels, sample by sample."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        """Begin at rest."""
+        weight = vehicle.mass * GRAVITY
+        self._at_rest = weight * np.array(vehicle.load_shares)
+        self._along = -vehicle.mass * np.array(vehicle.transfer_shares)
+        sides = np.array([1.0 if wheel.side == "left" else -1.0 for wheel in vehicle.wheels])
+        lever = vehicle.centre_of_gravity_height / vehicle.track
+        self._across = -2.0 * sides * np.array(vehicle.load_shares) * vehicle.mass * lever
+        if len(vehicle.wheels) < 4:
+            self._across = np.zeros(len(vehicle.wheels))
+        self._frequency = 2.0 * pi * vehicle.pitch_frequency
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self._damped = self._pitched = self._rate = self._rolled = 0.0
+        self._begun = False
+        self.loads = self._at_rest.copy()
+        """[N], shape (n,)."""
+        self.delayed = np.zeros_like(self._at_rest)
+        """Load by springs alone less that by dampers alone [N], shape (n,)."""
+
+    def update(self, dt: float, forward: float, leftward: float) -> None:
+        """Take accelerations of the car [m/s^2] after a time step [s], shorter than the period of the pitch."""
+        if not self._begun:
+            self._begun, self._damped, self._pitched, self._rolled = True, forward, forward, leftward
+        w = self._frequency
+        self._damped += first_order_gain(dt, DAMPED) * (forward - self._damped)
+        self._rate += dt * w * (w * (forward - self._pitched) - 2.0 * PITCH_DAMPING * self._rate)
+        self._pitched += dt * self._rate
+        self._rolled += first_order_gain(dt, ROLLED) * (leftward - self._rolled)
+        moved = 0.5 * (self._damped + self._pitched) * self._along + self._rolled * self._across
+        self.loads = np.maximum(self._at_rest + moved, LEAST_SHARE * self._at_rest)
+        self.delayed = (self._pitched - self._damped) * self._along
