@@ -239,4 +239,4 @@ def test_in_curves_and_on_a_split_road_signs_are_right_or_there_are_none(
     found, beyond = corner(lateral, measured, tyres)
     assert np.mean(~beyond[found > 0]) > 0.95
     assert not (found < 0).any() or np.mean(beyond[found < 0]) > 0.95
-    assert (found != 0).mean() > 0.3
+    assert (found != 0).mean() > (0.3 if measured else 0.0)

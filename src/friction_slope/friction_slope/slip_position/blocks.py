@@ -112,6 +112,8 @@ class Blocks:
         secant = ratio / sigma
         by_slip = slope * along**2 + secant * (1.0 - along**2)
         by_lateral = (slope - secant) * along * across
+        # the same for all hypotheses: an error of s_y is no evidence against those that it matters to
+        across_spread = ((mu * by_lateral * lateral_stddev) ** 2).mean(axis=1)
         slip_rate = (kinematic - first_slip) / duration
         friction = (spin + torque) / lever
         noise = (np.sqrt(2.0) * self._inertia * WHEEL_SPEED_STDDEV / duration) ** 2 + TORQUE_STDDEV**2 / self._samples
@@ -120,7 +122,7 @@ class Blocks:
             used=self._used & (kinematic < LOCKED) & (wheel_speed * self._radius > 0.5),
             friction=friction,
             variance=(noise + (age * torque_rate) ** 2) / lever**2,
-            spread=mu**2 * ((by_slip * (age * slip_rate)[:, np.newaxis]) ** 2 + (by_lateral * lateral_stddev) ** 2),
+            spread=(mu * by_slip * (age * slip_rate)[:, np.newaxis]) ** 2 + across_spread[:, np.newaxis],
             ratio=self._ratio / duration,
             by_speed=by_slip * ((1.0 - kinematic) / np.maximum(speed, SLOWEST))[:, np.newaxis],
             by_delay=-torque_rate / lever,
