@@ -7,6 +7,7 @@ from os import cpu_count
 import numpy as np
 
 from benchmarks.runner import Row, at_least, in_processes
+from benchmarks.slope_position.driving import driving_rows, make_drive
 from benchmarks.slope_position.stops import CASES, Case, Stop, make_stop
 from friction_parameters.command_line import count
 from friction_slope.estimate import Method
@@ -20,19 +21,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seeds", type=count, default=20, help="stops of each case")
     parser.add_argument("--first-seed", type=int, default=5000, help="seed of the first")
     parser.add_argument("--cases", nargs="+", choices=tuple(CASES), default=tuple(CASES), help="default: all")
+    parser.add_argument("--drives", type=int, default=8, help="drives of 3 minutes in ordinary traffic")
     methods = tuple(method.value for method in Method)
     parser.add_argument("--method", choices=methods, default=methods[0])
     parser.add_argument("--processes", type=count, default=cpu_count() or 1)
 
 
 def run(options: argparse.Namespace) -> list[Row]:
-    """Make all stops; return two rows a case."""
+    """Make all stops; return two rows a case, and those of ordinary driving."""
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     jobs = [(name, options.method, seed) for name in options.cases for seed in seeds]
     stops = in_processes(make_stop, jobs, "stops", options.processes)
     rows: list[Row] = []
     for k, name in enumerate(options.cases):
         rows += case_rows(CASES[name], stops[k * len(seeds) : (k + 1) * len(seeds)])
+    drives = [(options.method, seed) for seed in range(options.first_seed, options.first_seed + options.drives)]
+    if drives:
+        rows += driving_rows(in_processes(make_drive, drives, "drives", options.processes))
     return rows
 
 

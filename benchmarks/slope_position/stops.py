@@ -98,6 +98,9 @@ def _cases() -> Iterator[Case]:
         yield Case(f"{road} to {after}", road, after=after)
 
 
+Told = dict[tuple[str, int], tuple[int, float]]
+"""Valid sign, 0 where none, and delay [s] by wheel and stamp [ns]."""
+
 CASES: Final = {case.name: case for case in _cases()}
 
 
@@ -169,17 +172,15 @@ def _car(case: Case, seed: int) -> tuple[CarParameters, Cycling]:
 
 
 def _follow(case: Case, parameters: CarParameters, cycling: Cycling, vehicle: Vehicle, method: str, seed: int) -> Stop:
-    slope = changed(SHIPPED["friction_slope"].parameters, {"method": method})
-    readers: list[Any] = [CarProcessor(vehicle, SHIPPED_SLIP["wheel_slip"].parameters)]
-    readers += [each for each in build(slope, vehicle) if any(t is FrictionSlope for t in each.outputs.values())]
-    answers: dict[tuple[str, int], tuple[int, float]] = {}
+    readers = readers_of(vehicle, method)
+    answers: Told = {}
     truth = []
     stamps = []
     for stamp, sample, row in _drive(case, parameters, cycling, seed):
         stamps.append(stamp)
         truth.append(row)
         for message in sample:
-            _feed(readers, message, answers)
+            feed(readers, message, answers)
     table = np.array(truth)
     time = table[:, 0]
     told_at = np.zeros((len(time), 4))
@@ -193,18 +194,46 @@ def _follow(case: Case, parameters: CarParameters, cycling: Cycling, vehicle: Ve
     return Stop(time, table[:, 1:5] > table[:, 5:9], judged, sign, told_at)
 
 
-def _feed(readers: Sequence[Any], given: tuple[str, Any], answers: dict[tuple[str, int], tuple[int, float]]) -> None:
-    """Pass a message on, and what comes of it; note the signs by wheel and stamp."""
+def readers_of(vehicle: Vehicle, method: str) -> list[Any]:
+    """Return wheel_slip and friction_slope of a car, without the votes where they are apart."""
+    slope = changed(SHIPPED["friction_slope"].parameters, {"method": method})
+    estimates = [each for each in build(slope, vehicle) if FrictionSlope in each.outputs.values()]
+    return [CarProcessor(vehicle, SHIPPED_SLIP["wheel_slip"].parameters), *estimates]
+
+
+def feed(readers: Sequence[Any], given: tuple[str, Any], told: Told) -> None:
+    """Pass a message on, and what comes of it; note the signs."""
     topic, message = given
     if isinstance(message, FrictionSlope):
         stamp = message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
         delay = message.delay if np.isfinite(message.delay) else 0.0
-        answers[message.wheel, stamp] = (message.sign if message.validity.valid else 0, delay)
+        told[message.wheel, stamp] = (message.sign if message.validity.valid else 0, delay)
         return
     for reader in readers:
         if topic in reader.sensors or topic in reader.estimates:
             for made in reader.process(topic, message):
-                _feed(readers, made, answers)
+                feed(readers, made, told)
+
+
+def sensor_messages(
+    measured: MeasuredCar, car: CorneringCar, vehicle: Vehicle, bias: float, offset: float, rng: np.random.Generator
+) -> tuple[int, list[tuple[str, Any]]]:
+    """Return stamp [ns] and messages of a sample; the IMU has three axes, with a bias [m/s^2] and an offset [rad/s]."""
+    reading = measured.measure()
+    taken = Measurement(
+        wheel_speed=np.array(reading.wheel_speed),
+        brake_pressure=np.array(reading.brake_pressure),
+        speed=np.nan,
+        acceleration=reading.acceleration,
+    )
+    stamp = round((reading.time + 1.0) * NANOSECONDS)
+    made = messages.sensors(stamp, vehicle, taken, CHAPTER_NOISE, _ACCELERATION_VARIANCE)
+    imu = dict(made)["imu/data"]
+    rolled = 0.04 * car.roll.angle
+    imu.linear_acceleration.y = car.lateral_acceleration + rolled + bias + 0.05 * float(rng.normal())
+    imu.angular_velocity.z = car.yaw_rate + offset + 0.003 * float(rng.normal())
+    imu.angular_velocity_covariance[0] = 0.0
+    return stamp, [each for each in made if each[0] != "vehicle_velocity"]
 
 
 def _drive(
@@ -224,22 +253,13 @@ def _drive(
     for step in range(round((cycling.start + DURATION) / STEP)):
         time = measured.time
         if step % measured.steps_per_sample == 0:
-            reading = measured.measure()
-            taken = Measurement(
-                wheel_speed=np.array(reading.wheel_speed),
-                brake_pressure=np.array(reading.brake_pressure),
-                speed=np.nan,
-                acceleration=reading.acceleration,
-            )
-            stamp = round((time + 1.0) * NANOSECONDS)
-            made = messages.sensors(stamp, vehicle, taken, CHAPTER_NOISE, _ACCELERATION_VARIANCE)
-            across = _across(car, bias, offset, rng)
-            if case.across:
+            stamp, made = sensor_messages(measured, car, vehicle, bias, offset, rng)
+            if not case.across:
                 imu = dict(made)["imu/data"]
-                imu.linear_acceleration.y, imu.angular_velocity.z = across
-                imu.angular_velocity_covariance[0] = 0.0
+                imu.linear_acceleration.y, imu.angular_velocity.z = 0.0, 0.0
+                imu.angular_velocity_covariance[0] = -1.0
             row = [time, *np.abs(car.tyre_slip).tolist(), *peaks, car.speed]
-            yield stamp, [each for each in made if each[0] != "vehicle_velocity"], row
+            yield stamp, made, row
         if car.speed < LEAST_SPEED or abs(car.lateral_speed) > MOST_SIDESLIP * car.speed:
             return
         if braked_at is None and time >= cycling.start:
@@ -250,10 +270,3 @@ def _drive(
                     car.tyres[wheel], peaks[wheel] = after, peak_after
         curvature = case.lateral * GRAVITY * min(time / BEND, 1.0) / max(car.speed, 5.0) ** 2
         measured.step(pedal.pressure(time, STEP, car), 0.0, 0.0, curvature)
-
-
-def _across(car: CorneringCar, bias: float, offset: float, rng: np.random.Generator) -> tuple[float, float]:
-    """Readings of lateral acceleration [m/s^2], with gravity by the roll of the body, and of the yaw rate [rad/s]."""
-    rolled = 0.04 * car.roll.angle
-    lateral = car.lateral_acceleration + rolled + bias + 0.05 * float(rng.normal())
-    return lateral, car.yaw_rate + offset + 0.003 * float(rng.normal())

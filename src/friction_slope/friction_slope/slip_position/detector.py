@@ -114,9 +114,10 @@ class CarDetector:
                 reason, text = Reason.NOT_BRAKING, self._not_braking
             elif isnan(probability):
                 reason, text = Reason.NOT_READY, "braking or road is new"
+            elif self._position.slides:
+                reason, text = Reason.UNCERTAIN, "car slides sideways"
             elif uneven > MOST_UNEVENNESS:
                 reason, text = Reason.UNCERTAIN, "friction varies more than by slip and the load on any road"
-                probability = nan
             else:
                 sign = wheel.judge(probability, relaxed, sample.stamp)
                 if sign == 0:

@@ -101,6 +101,11 @@ class SlipPosition:
         """Relative deviation of the loads that explains the measured frictions [-], shape (n,)."""
         return self._hypotheses.unevenness
 
+    @property
+    def slides(self) -> bool:
+        """Whether the car slides sideways since it brakes."""
+        return self._lateral.slides
+
     def update(self, sample: CarSample, braked: Flags) -> Array:
         """Take a sample, later than the last; return P(beyond the peak), shape (n,), NaN without evidence.
 
@@ -114,6 +119,8 @@ class SlipPosition:
         kinematic = np.where(known, np.minimum(sample.slip, 1.0), self._kinematic)
         wheel_speed = np.where(known, sample.wheel_speed, 0.0)
         stddev = np.where(known, sample.slip_stddev * speed, 0.0)
+        if braked.any() and not self._braked.any():
+            self._lateral.begin_braking()
         begun, self._braked = braked & ~self._braked, braked.copy()
         for wheel in np.flatnonzero(begun):
             self._hypotheses.begin(int(wheel), float(stddev[wheel]))
@@ -160,7 +167,7 @@ class SlipPosition:
         forward, leftward = (min(max(each, -_HARDEST), _HARDEST) for each in (forward, leftward))
         self._loads.update(dt, forward, leftward)
         if self._lateral.known:
-            self._lateral.move(dt, yaw_rate, leftward, self._forces)
+            self._lateral.move(dt, float(speed.mean()), yaw_rate, leftward, self._forces)
         return measured
 
     def _gather(

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 ACROSS: Final = 0.95
 """Friction of a tyre across over that along [-]: 0.9 to 1."""
-FORCE_STDDEV: Final = 0.12
+FORCE_STDDEV: Final = 0.07
 """Relative deviation of the lateral force of an axle over its friction [-]."""
 UNMEASURED_FORCE_STDDEV: Final = 0.5
 """The same where yaw rate and lateral acceleration come from the wheel speeds [-]."""
@@ -34,6 +34,10 @@ FOLLOWED: Final = 0.03
 """Time in which the tyres follow [s]."""
 GYRATION: Final = 0.95
 """Yaw inertia over that of masses at the axles [-]."""
+SLIDING: Final = 0.08
+"""Change of the sideslip angle since the begin of a braking beyond which the car slides [rad]: no steering moves it."""
+ACROSS_STDDEV: Final = 0.2, 0.05
+"""Error of a measured lateral acceleration, bias [m/s^2] and by the roll of the body [-], three deviations."""
 WIDEST: Final = 2.0
 """Largest s_y of the larger force over lambda_max [-]."""
 LEAST_FORCE: Final = 100.0
@@ -71,9 +75,28 @@ class LateralSlip:
         self._yaw_rate = self._acceleration = self._brakes = 0.0
         self._begun = False
         self._yaw_acceleration = 0.0
+        self.begin_braking()
 
-    def move(self, dt: float, yaw_rate: float, leftward: float, brake_forces: Array) -> None:
-        """Take yaw rate [rad/s], lateral acceleration [m/s^2] and brake forces [N], (n,), after a time step [s]."""
+    def begin_braking(self) -> None:
+        """Take the sideslip of now for that of a car that does not slide."""
+        self._sideways = self._allowance = 0.0
+        self.slides = False
+        """Whether the car slides sideways: then force and slip of a wheel are as far from this model as the car is."""
+
+    def move(self, dt: float, speed: float, yaw_rate: float, leftward: float, brake_forces: Array) -> None:
+        """Take the motion of the car over a time step.
+
+        Args:
+            dt: [s].
+            speed: [m/s].
+            yaw_rate: [rad/s].
+            leftward: acceleration [m/s^2].
+            brake_forces: of the wheels [N], (n,).
+        """
+        self._sideways += dt * (leftward - speed * yaw_rate)
+        bias, by_roll = ACROSS_STDDEV
+        self._allowance += dt * (bias + by_roll * abs(leftward))
+        self.slides = abs(self._sideways) > SLIDING * speed + self._allowance
         if not self._begun:
             self._begun, self._yaw_rate, self._acceleration = True, yaw_rate, leftward
         gain = first_order_gain(dt, SMOOTHED)
