@@ -46,8 +46,8 @@ def graph_stages(processors: Sequence[Processor], most: int) -> list[Stage]:
     others. The others stay with those whose topics they take. A processor that collects the answers of several wheels
     (friction_state) is in the last stage.
     """
-    shared = [processor for processor in processors if len(_wheels(processor)) > 1]
     collecting = [processor for processor in processors if _collects(processor, processors)]
+    shared = [each for each in processors if len(_wheels(each)) > 1 and each not in collecting]
     groups = _connected([processor for processor in processors if processor not in (*shared, *collecting)])
     count = min(most, len(groups))
     alone = [processor for group in groups for processor in group]
