@@ -1,7 +1,7 @@
 """Messages of all wheels in, <wheel>/friction_slope of every wheel out: layer 2 of the method slip_position."""
 
 from collections.abc import Mapping, Sequence
-from math import nan
+from math import isfinite, nan
 from typing import Any, Final
 
 import numpy as np
@@ -88,7 +88,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         # Validity travels as a number, so that an interpolation between a known and an unknown slip is unknown.
         values = (message.slip, message.slip_stddev, message.vehicle_speed, 1.0)
         self._slip_faults[topic] = slip_fault(topic, message)
-        known = slip_is_known(message) and bool(np.isfinite(values).all())
+        known = slip_is_known(message) and all(map(isfinite, values))
         return self._aligner.offer(topic, to_nanoseconds(message.header.stamp), values if known else (0.0,) * 4)
 
     def _fire(self, sample: AlignedSample[tuple[float, ...]]) -> list[Output]:

@@ -95,6 +95,7 @@ class SlipPosition:
         for wheel in range(self._n):
             self._hypotheses.begin(wheel, 0.0)
         self._weigh()
+        self._sum_up()
 
     @property
     def unevenness(self) -> Array:
@@ -113,35 +114,48 @@ class SlipPosition:
             sample: what is measured.
             braked: wheels that count as braked, shape (n,).
         """
-        known = np.isfinite(sample.slip) & np.isfinite(sample.wheel_speed) & np.isfinite(sample.torque)
-        torque = np.where(known, sample.torque, 0.0) + self._drag
+        known = np.isfinite(sample.slip + sample.wheel_speed + sample.torque)
         speed = np.maximum(np.where(known, sample.ground_speed, SLOWEST), SLOWEST)
         kinematic = np.where(known, np.minimum(sample.slip, 1.0), self._kinematic)
         wheel_speed = np.where(known, sample.wheel_speed, 0.0)
-        stddev = np.where(known, sample.slip_stddev * speed, 0.0)
-        if braked.any() and not self._braked.any():
-            self._lateral.begin_braking()
-        begun, self._braked = braked & ~self._braked, braked.copy()
-        for wheel in np.flatnonzero(begun):
-            self._hypotheses.begin(int(wheel), float(stddev[wheel]))
-        self._seen &= ~begun
-        self._speed_variance = np.where(begun, stddev**2, self._speed_variance)
-        if begun.any():
-            self._weigh()
-        if self._stamp is not None:
+        torque = np.where(known, sample.torque, 0.0) + self._drag
+        stddev = np.where(known, sample.slip_stddev, 0.0) * speed
+        any_braked = bool(braked.any())
+        if any_braked:
+            self._begin_braking(braked, stddev)
+        car_speed = float(speed.sum()) / self._n
+        if self._stamp is None:
+            self.slip = kinematic.copy()
+            self._blocks.begin(wheel_speed, torque, kinematic)
+        else:
             dt = (sample.stamp - self._stamp) * NANOSECOND
             self._relax(dt, speed, kinematic, known)
-            measured = self._move(dt, sample, speed, known)
-            if braked.any() and known.any() and float(speed.mean()) > SLOWEST_EVIDENCE:
+            measured = self._move(dt, sample, speed, car_speed, known)
+            if any_braked and car_speed > SLOWEST_EVIDENCE:
                 self._gather(dt, wheel_speed, torque, kinematic, speed, stddev, known & braked, measured)
             else:
                 self._blocks.begin(wheel_speed, torque, kinematic)
-        else:
-            self.slip = kinematic.copy()
-            self._blocks.begin(wheel_speed, torque, kinematic)
         self._stamp, self._known, self._kinematic = sample.stamp, known, kinematic
+        if not any_braked:
+            self._braked = braked
+            return np.full(self._n, nan)
         judged = known & braked & (self._seen | (self.slip > LAMBDA_MAX[-1]))
         return np.where(judged, self._probability(kinematic, speed), nan)
+
+    def _begin_braking(self, braked: Flags, stddev: Array) -> None:
+        """Begin anew with the wheels that are braked and were not; `stddev` is that of their ground speeds [m/s]."""
+        begun, rolled = braked & ~self._braked, not self._braked.any()
+        self._braked = braked
+        if not begun.any():
+            return
+        if rolled:
+            self._lateral.begin_braking()
+        self._seen &= ~begun
+        self._speed_variance = np.where(begun, stddev**2, self._speed_variance)
+        for wheel in np.flatnonzero(begun):
+            self._hypotheses.begin(int(wheel), float(stddev[wheel]))
+        self._weigh()
+        self._sum_up()
 
     def _relax(self, dt: float, speed: Array, kinematic: Array, known: Flags) -> None:
         """Let the tyres follow the slips, which change linearly in the step; one that comes back begins anew."""
@@ -152,7 +166,7 @@ class SlipPosition:
         followed = kept * self.slip + (mean - kept) * self._kinematic + (1.0 - mean) * kinematic
         self.slip = np.where(known & self._known, followed, kinematic)
 
-    def _move(self, dt: float, sample: CarSample, speed: Array, known: Flags) -> bool:
+    def _move(self, dt: float, sample: CarSample, speed: Array, car_speed: float, known: Flags) -> bool:
         """Move loads and lateral forces; return whether the motion across is measured."""
         forward = sample.forward
         if not isfinite(forward):
@@ -163,11 +177,11 @@ class SlipPosition:
             yaw_rate = 0.0
             if self._lateral.known and known.all():
                 yaw_rate = float(speed[~self._left].mean() - speed[self._left].mean()) / self._track
-            leftward = yaw_rate * float(speed.mean())
+            leftward = yaw_rate * car_speed
         forward, leftward = (min(max(each, -_HARDEST), _HARDEST) for each in (forward, leftward))
         self._loads.update(dt, forward, leftward)
         if self._lateral.known:
-            self._lateral.move(dt, float(speed.mean()), yaw_rate, leftward, self._forces)
+            self._lateral.move(dt, car_speed, yaw_rate, leftward, self._forces)
         return measured
 
     def _gather(
@@ -203,7 +217,6 @@ class SlipPosition:
         found = self._hypotheses
         own = own_weights(found.log_weights)
         self._weights = joint_weights(own, found.x[MU], found.p[MU, MU], self._braked)
-        self._sum_up()
 
     def _sum_up(self) -> None:
         """Sum over the shapes, for each slip of the peak: weight, speed error and lateral slip with their variances."""

@@ -22,9 +22,9 @@ from vehicle_models.vehicle import FRONT, Vehicle
 
 Array = NDArray[np.float64]
 
-ACROSS: Final = 0.95
-"""Friction of a tyre across over that along [-]: 0.9 to 1."""
-FORCE_STDDEV: Final = 0.07
+ACROSS: Final = 0.92
+"""Friction of a tyre across over that along [-]: 0.85 to 1."""
+FORCE_STDDEV: Final = 0.06
 """Relative deviation of the lateral force of an axle over its friction [-]."""
 UNMEASURED_FORCE_STDDEV: Final = 0.5
 """The same where yaw rate and lateral acceleration come from the wheel speeds [-]."""
