@@ -53,7 +53,8 @@ class Blocks:
         self._first = wheel_speed, torque, slip
         self._torque = torque
         self._sums = np.zeros((4, len(slip)))
-        self._ratio = np.zeros((len(slip), LAMBDA.size))
+        self._slip = np.zeros((len(slip), LAMBDA.size))
+        self._ratio = np.zeros_like(self._slip)
         self._used = np.ones(len(slip), dtype=bool)
 
     def add(
@@ -61,6 +62,7 @@ class Blocks:
         dt: float,
         torque: Array,
         slip: Array,
+        by_length: Array,
         lateral_slip: Array,
         loads: Array,
         delayed: Array,
@@ -71,7 +73,8 @@ class Blocks:
         Args:
             dt: [s].
             torque: of the brakes [N m], (n,).
-            slip: s_x of the tyres [-], (n,).
+            slip: s_x of the tyres as each hypothesis corrects it [-], (n, H).
+            by_length: its derivative by the relaxation length [1/m], (n,).
             lateral_slip: s_y [-], (n, H).
             loads: [N], (n,).
             delayed: load by springs less that by dampers [N], (n,).
@@ -79,9 +82,10 @@ class Blocks:
         """
         self._samples += 1
         self._duration += dt
-        sigma = np.maximum(np.hypot(slip[:, np.newaxis], lateral_slip), LEAST_SIGMA)
-        self._ratio += (dt * slip)[:, np.newaxis] * friction_ratio(sigma) / sigma
-        self._sums += dt * np.array([0.5 * (torque + self._torque), slip, loads, delayed])
+        sigma = np.maximum(np.hypot(slip, lateral_slip), LEAST_SIGMA)
+        self._slip += dt * slip
+        self._ratio += dt * slip * friction_ratio(sigma) / sigma
+        self._sums += dt * np.array([0.5 * (torque + self._torque), by_length, loads, delayed])
         self._torque = torque
         self._used &= used
         return self._duration > LENGTH - _LENGTH_MARGIN
@@ -100,15 +104,16 @@ class Blocks:
             mu: peak friction of the hypotheses [-], (n, H).
         """
         duration = self._duration
-        torque, slip, loads, delayed = self._sums / duration
+        torque, by_length, loads, delayed = self._sums / duration
+        slip = self._slip / duration
         first_speed, first_torque, first_slip = self._first
         lever = self._radius * loads
         spin = self._inertia * (wheel_speed - first_speed) / duration
         torque_rate = (self._torque - first_torque) / duration
         age = SPEED_AGE * duration / self._samples
-        sigma = np.maximum(np.hypot(slip[:, np.newaxis], lateral_slip), LEAST_SIGMA)
+        sigma = np.maximum(np.hypot(slip, lateral_slip), LEAST_SIGMA)
         ratio, slope = friction_ratio_and_slope(sigma)
-        along, across = slip[:, np.newaxis] / sigma, lateral_slip / sigma
+        along, across = slip / sigma, lateral_slip / sigma
         secant = ratio / sigma
         by_slip = slope * along**2 + secant * (1.0 - along**2)
         by_lateral = (slope - secant) * along * across
@@ -125,6 +130,7 @@ class Blocks:
             spread=(mu * by_slip * (age * slip_rate)[:, np.newaxis]) ** 2 + across_spread[:, np.newaxis],
             ratio=self._ratio / duration,
             by_speed=by_slip * ((1.0 - kinematic) / np.maximum(speed, SLOWEST))[:, np.newaxis],
+            by_relaxation=by_slip * by_length[:, np.newaxis],
             by_delay=-torque_rate / lever,
             by_inertia=-spin / lever,
             by_drag=-1.0 / lever,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from friction_slope.slip_position.blocks import SLOWEST, SPEED_AGE, WHEEL_SPEED_STDDEV, Blocks
 from friction_slope.slip_position.common_road import joint_weights, own_weights
 from friction_slope.slip_position.curve_shapes import LAMBDA_MAX, SHAPES, STEP
-from friction_slope.slip_position.hypotheses import MU, SPEED, Hypotheses
+from friction_slope.slip_position.hypotheses import MU, RELAXATION, SPEED, Hypotheses
 from friction_slope.slip_position.lateral_slip import LateralSlip
 from friction_slope.slip_position.wheel_loads import WheelLoads
 from vehicle_models.constants import GRAVITY
@@ -85,6 +85,8 @@ class SlipPosition:
         self._braked = np.zeros(self._n, dtype=bool)
         self.slip: Array = np.zeros(self._n)
         """Slip along each wheel that its tyre has built up [-], shape (n,)."""
+        self._by_length: Array = np.zeros(self._n)
+        """Its derivative by the relaxation length [1/m], shape (n,)."""
         self._kinematic: Array = np.zeros(self._n)
         self._growth: Array = np.zeros(self._n)
         """What the tyre has built up of the rest of its slip within the age of a wheel speed [-], shape (n,)."""
@@ -164,7 +166,11 @@ class SlipPosition:
         mean = (1.0 - kept) / rolled
         self._growth = SPEED_AGE * dt * speed / self._length
         followed = kept * self.slip + (mean - kept) * self._kinematic + (1.0 - mean) * kinematic
-        self.slip = np.where(known & self._known, followed, kinematic)
+        change = kept * rolled * (self.slip - self._kinematic) + (mean - kept) * (self._kinematic - kinematic)
+        by_length = kept * self._by_length + change / self._length
+        follows = known & self._known
+        self.slip = np.where(follows, followed, kinematic)
+        self._by_length = np.where(follows, by_length, 0.0)
 
     def _move(self, dt: float, sample: CarSample, speed: Array, car_speed: float, known: Flags) -> bool:
         """Move loads and lateral forces; return whether the motion across is measured."""
@@ -197,7 +203,9 @@ class SlipPosition:
     ) -> None:
         """Add a sample to the block, and take the block as evidence where it is long enough."""
         lateral, loads, found = self._lateral, self._loads, self._hypotheses
-        if not self._blocks.add(dt, torque, self.slip, lateral.slip, loads.loads, loads.delayed, used):
+        corrected = self.slip[:, np.newaxis] + self._by_length[:, np.newaxis] * found.x[RELAXATION]
+        corrected += ((1.0 - kinematic) / speed)[:, np.newaxis] * found.x[SPEED]
+        if not self._blocks.add(dt, torque, corrected, self._by_length, lateral.slip, loads.loads, loads.delayed, used):
             return
         mu = found.x[MU]
         block, forces = self._blocks.end(wheel_speed, kinematic, speed, lateral.slip, lateral.stddev, mu)
@@ -219,28 +227,33 @@ class SlipPosition:
         self._weights = joint_weights(own, found.x[MU], found.p[MU, MU], self._braked)
 
     def _sum_up(self) -> None:
-        """Sum over the shapes, for each slip of the peak: weight, speed error and lateral slip with their variances."""
+        """Sum over the shapes, for each slip of the peak: weight, and what is added to the slip with its covariance."""
         weights = self._weights.reshape(_PER_SLIP)
         self._weight = weights.sum(axis=2)
         share = weights / np.maximum(self._weight, _LEAST_WEIGHT)[:, :, np.newaxis]
         found, lateral = self._hypotheses, self._lateral
 
-        def moments(mean: Array, variance: Array) -> tuple[Array, Array]:
-            mean, variance = mean.reshape(_PER_SLIP), variance.reshape(_PER_SLIP)
-            middle = (share * mean).sum(axis=2)
-            return middle, (share * (variance + mean**2)).sum(axis=2) - middle**2
+        def mean(values: Array) -> Array:
+            return np.asarray((share * values.reshape(_PER_SLIP)).sum(axis=2))
 
-        self._speed_error, self._speed_error_variance = moments(found.x[SPEED], found.p[SPEED, SPEED])
-        self._lateral_slip, self._lateral_variance = moments(lateral.slip, lateral.stddev**2)
+        speed, length = found.x[SPEED], found.x[RELAXATION]
+        self._speed_error, self._length_error, self._lateral_slip = mean(speed), mean(length), mean(lateral.slip)
+        self._speed_error_variance = mean(found.p[SPEED, SPEED] + speed**2) - self._speed_error**2
+        self._length_variance = mean(found.p[RELAXATION, RELAXATION] + length**2) - self._length_error**2
+        self._covariance = mean(found.p[SPEED, RELAXATION] + speed * length) - self._speed_error * self._length_error
+        self._lateral_variance = mean(lateral.stddev**2 + lateral.slip**2) - self._lateral_slip**2
 
     def _probability(self, kinematic: Array, speed: Array) -> Array:
         along = self.slip[:, np.newaxis]
         sigma = np.maximum(np.hypot(along, self._lateral_slip), 1e-5)
         by_speed = ((1.0 - kinematic) / speed)[:, np.newaxis] * along / sigma
         noise = (self._radius * WHEEL_SPEED_STDDEV / speed)[:, np.newaxis] ** 2
-        variance = by_speed**2 * self._speed_error_variance + (self._lateral_slip / sigma) ** 2 * self._lateral_variance
+        by_length = self._by_length[:, np.newaxis] * along / sigma
+        variance = by_speed**2 * self._speed_error_variance + by_length**2 * self._length_variance
+        variance += 2.0 * by_speed * by_length * self._covariance
+        variance += (self._lateral_slip / sigma) ** 2 * self._lateral_variance
         grown = (self._growth * (kinematic - self.slip))[:, np.newaxis] * along / sigma
-        away = sigma + grown + by_speed * self._speed_error - LAMBDA_MAX
+        away = sigma + grown + by_speed * self._speed_error + by_length * self._length_error - LAMBDA_MAX
         z = away / np.sqrt(variance + grown**2 + noise + (_GRID * LAMBDA_MAX) ** 2)
         z = np.clip(z, -6.0, 6.0)
         # the normal distribution to 2e-4

@@ -9,6 +9,7 @@
 | INERTIA | relative error of inertia over brake gain | - | constant |
 | DRAG | drag torque | N m | constant |
 | TRANSFER | share of the springs in the load transfer, less a half | - | random walk |
+| RELAXATION | error of the relaxation length | m | constant |
 
 Measured is the mean friction of a block of samples, y = (J omega' + T)/(r Fz) = mu f s_x / sigma + ...
 """
@@ -27,7 +28,7 @@ from vehicle_models.vehicle import Vehicle, absolute_deviation, relative_deviati
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-MU, LOAD, SPEED, DELAY, INERTIA, DRAG, TRANSFER = range(7)
+MU, LOAD, SPEED, DELAY, INERTIA, DRAG, TRANSFER, RELAXATION = STATES = range(8)
 
 # Before the first block
 PRIOR_MU: Final = 0.6, 0.5
@@ -85,9 +86,11 @@ class Block:
     spread: Array
     """Variance of y by the slip's age and by s_y, (n, H)."""
     ratio: Array
-    """Mean of f s_x / sigma [-], (n, H)."""
+    """Mean of f s_x / sigma at the slips that the hypotheses correct [-], (n, H)."""
     by_speed: Array
     """Derivative of that by the ground speed [s/m], (n, H)."""
+    by_relaxation: Array
+    """Derivative of that by the relaxation length [1/m], (n, H)."""
     by_delay: Array
     """Derivatives of y by DELAY [1/s], INERTIA [-], DRAG [1/(N m)] and TRANSFER [-], (n,) each."""
     by_inertia: Array
@@ -107,13 +110,16 @@ class Hypotheses:
             float(np.hypot(relative_deviation(wheel, "inertia"), relative_deviation(wheel, "brake_gain")))
             for wheel in wheels
         ]
-        self._prior = np.zeros((7, len(wheels)))
+        self._prior = np.zeros((len(STATES), len(wheels)))
         self._prior[MU], self._prior[DELAY], self._prior[INERTIA] = PRIOR_MU[1], delay, share
         self._prior[DRAG] = [drag if wheel.driven else 0.0 for wheel in wheels]
         self._prior[TRANSFER] = PRIOR_TRANSFER
+        self._prior[RELAXATION] = [
+            wheel.relaxation_length * relative_deviation(wheel, "relaxation_length") for wheel in wheels
+        ]
         shape = (len(wheels), LAMBDA.size)
-        self.x = np.zeros((7, *shape))
-        self.p = np.zeros((7, 7, *shape))
+        self.x = np.zeros((len(STATES), *shape))
+        self.p = np.zeros((len(STATES), len(STATES), *shape))
         self.log_weights = np.zeros(shape)
         self.unevenness = np.full(len(wheels), PRIOR_LOAD)
         """Relative deviation of the load that explains the innovations [-], (n,)."""
@@ -147,7 +153,8 @@ class Hypotheses:
         level = np.maximum(np.abs(block.friction), LEAST_FRICTION * (own * x[MU]).sum(axis=1))
         self._predict(block.duration, level, speed_variance)
         h = self._derivatives(block)
-        predicted = (h * x).sum(axis=0)
+        # the ratio is that of the corrected slip
+        predicted = (h * x).sum(axis=0) - h[SPEED] * x[SPEED] - h[RELAXATION] * x[RELAXATION]
         ph = np.einsum("ijnh,jnh->inh", p, h)
         variance = (h * ph).sum(axis=0) + block.spread + (block.variance + (MODEL * level) ** 2)[:, np.newaxis]
         innovation = block.friction[:, np.newaxis] - predicted
@@ -177,9 +184,10 @@ class Hypotheses:
 
     def _derivatives(self, block: Block) -> Array:
         h = np.empty_like(self.x)
-        h[MU] = block.ratio + block.by_speed * self.x[SPEED]
+        h[MU] = block.ratio
         h[LOAD] = 1.0
         h[SPEED] = self.x[MU] * block.by_speed
+        h[RELAXATION] = self.x[MU] * block.by_relaxation
         for state, of_wheels in (
             (DELAY, block.by_delay),
             (INERTIA, block.by_inertia),
