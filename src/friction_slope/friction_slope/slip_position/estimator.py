@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from friction_slope.slip_position.blocks import SLOWEST, SPEED_AGE, WHEEL_SPEED_STDDEV, Blocks
 from friction_slope.slip_position.common_road import joint_weights, own_weights
 from friction_slope.slip_position.curve_shapes import LAMBDA_MAX, SHAPES, STEP
-from friction_slope.slip_position.hypotheses import MU, RELAXATION, SPEED, Hypotheses
+from friction_slope.slip_position.hypotheses import LEAST_SPEED, MU, RELAXATION, SPEED, Hypotheses
 from friction_slope.slip_position.lateral_slip import LateralSlip
 from friction_slope.slip_position.wheel_loads import WheelLoads
 from vehicle_models.constants import GRAVITY
@@ -93,7 +93,7 @@ class SlipPosition:
         self._forces = np.zeros(self._n)
         self._seen = np.zeros(self._n, dtype=bool)
         """Wheels with evidence since the braking began or the road changed; a locked wheel needs none."""
-        self._speed_variance = np.zeros(self._n)
+        self._speed_variance = np.full(self._n, LEAST_SPEED**2)
         for wheel in range(self._n):
             self._hypotheses.begin(wheel, 0.0)
         self._weigh()
@@ -153,7 +153,7 @@ class SlipPosition:
         if rolled:
             self._lateral.begin_braking()
         self._seen &= ~begun
-        self._speed_variance = np.where(begun, stddev**2, self._speed_variance)
+        self._speed_variance = np.where(begun, np.maximum(stddev, LEAST_SPEED) ** 2, self._speed_variance)
         for wheel in np.flatnonzero(begun):
             self._hypotheses.begin(int(wheel), float(stddev[wheel]))
         self._weigh()
@@ -210,8 +210,10 @@ class SlipPosition:
         mu = found.x[MU]
         block, forces = self._blocks.end(wheel_speed, kinematic, speed, lateral.slip, lateral.stddev, mu)
         self._forces = np.where(used, forces, 0.0)
-        variance = stddev**2
-        changed = found.update(block, np.maximum(variance - self._speed_variance, 0.0))
+        # a correction by wheel_slip leaves of its error what is left of the variance, and adds an error of its own
+        before, variance = self._speed_variance, np.maximum(stddev, LEAST_SPEED) ** 2
+        kept = np.minimum(variance / before, 1.0)
+        changed = found.update(block, kept, np.maximum(variance - before, 0.0) + (1.0 - kept) * variance)
         self._speed_variance = variance
         self._seen = (self._seen | block.used) & ~changed
         for wheel in np.flatnonzero(changed):

@@ -143,15 +143,16 @@ class Hypotheses:
         self.log_weights[wheel] = 0.0
         self._change[wheel] = 0.0
 
-    def update(self, block: Block, speed_variance: Array) -> Flags:
+    def update(self, block: Block, speed_kept: Array, speed_added: Array) -> Flags:
         """Take a block; return the wheels whose road has changed, shape (n,), which the caller changes.
 
-        `speed_variance` [m^2/s^2] is what the stated variance of the ground speed has grown by, shape (n,).
+        `speed_kept` [-] is the share of the error of the ground speed that is left, and `speed_added` [m^2/s^2] the
+        variance of what has come, shape (n,) each.
         """
         x, p, used = self.x, self.p, block.used[:, np.newaxis]
         own = own_weights(self.log_weights)
         level = np.maximum(np.abs(block.friction), LEAST_FRICTION * (own * x[MU]).sum(axis=1))
-        self._predict(block.duration, level, speed_variance)
+        self._predict(block.duration, level, speed_kept, speed_added)
         h = self._derivatives(block)
         # the ratio is that of the corrected slip
         predicted = (h * x).sum(axis=0) - h[SPEED] * x[SPEED] - h[RELAXATION] * x[RELAXATION]
@@ -172,14 +173,17 @@ class Hypotheses:
         self.unevenness = np.where(block.used, np.clip(self.unevenness * (1.0 + growth), *LOAD_RANGE), self.unevenness)
         return block.used & (self._change > NEW_ROAD_EVIDENCE)
 
-    def _predict(self, duration: float, level: Array, speed_variance: Array) -> None:
+    def _predict(self, duration: float, level: Array, speed_kept: Array, speed_added: Array) -> None:
         kept = exp(-duration / LOAD_MEMORY)
         self.x[LOAD] *= kept
         self.p[LOAD] *= kept
         self.p[:, LOAD] *= kept
         self.p[LOAD, LOAD] += ((1.0 - kept**2) * (self.unevenness * level) ** 2)[:, np.newaxis]
         self.p[MU, MU] += MU_WALK**2 * duration
-        self.p[SPEED, SPEED] += (SPEED_WALK**2 * duration + speed_variance)[:, np.newaxis]
+        self.x[SPEED] *= speed_kept[:, np.newaxis]
+        self.p[SPEED] *= speed_kept[:, np.newaxis]
+        self.p[:, SPEED] *= speed_kept[:, np.newaxis]
+        self.p[SPEED, SPEED] += (SPEED_WALK**2 * duration + speed_added)[:, np.newaxis]
         self.p[TRANSFER, TRANSFER] += TRANSFER_WALK**2 * duration
 
     def _derivatives(self, block: Block) -> Array:
