@@ -21,6 +21,10 @@ SLIDING: Final = 0.35
 """Least friction of a sliding tyre over that of the peak [-]."""
 LAMBDA: Final = np.repeat(LAMBDA_MAX, len(SHAPES))
 """Slip of the peak of each hypothesis [-], shape (H,)."""
+INITIAL_SLOPE: Final = np.tile(
+    [p * (1.0 - np.exp(-p)) / (1.0 - np.exp(-p) - p * np.exp(-p)) for p, _ in SHAPES], LAMBDA_MAX.size
+)
+"""Slope of f at x = 0 of each hypothesis [-], shape (H,)."""
 STEP: Final = float(np.log(LAMBDA_MAX[1] / LAMBDA_MAX[0]))
 """Distance of the slips of the peak, in their logarithm."""
 

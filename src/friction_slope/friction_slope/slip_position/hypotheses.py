@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_slope.slip_position.common_road import own_weights
-from friction_slope.slip_position.curve_shapes import LAMBDA
+from friction_slope.slip_position.curve_shapes import INITIAL_SLOPE, LAMBDA
 from vehicle_models.vehicle import Vehicle, absolute_deviation, relative_deviation
 
 Array = NDArray[np.float64]
@@ -32,7 +32,9 @@ MU, LOAD, SPEED, DELAY, INERTIA, DRAG, TRANSFER, RELAXATION = STATES = range(8)
 
 # Before the first block
 PRIOR_MU: Final = 0.6, 0.5
-"""Mean and deviation of mu_max [-]."""
+"""Mean and deviation of mu_max of any road [-]."""
+PRIOR_STIFFNESS: Final = 15.0, 12.0
+"""Mean and deviation of the slip stiffness of a tyre over its load [-]: 3 to 40 on ice, snow and asphalt."""
 PRIOR_LOAD: Final = 0.03
 """Relative deviation of a load on a common road [-]."""
 PRIOR_TRANSFER: Final = 0.3
@@ -69,6 +71,11 @@ NEW_ROAD_LOG_DENSITY: Final = 0.19
 """Mean logarithm of the density of the friction of any road, with a deviation of 0.5 [-]."""
 NEW_ROAD_EVIDENCE: Final = 6.0
 """Logarithm of the odds at which the road is another: it changes once in 400 blocks of a braking."""
+
+
+_BY_STIFFNESS = np.array(PRIOR_STIFFNESS)[:, np.newaxis] * LAMBDA / INITIAL_SLOPE
+_PRIOR_VARIANCE = 1.0 / (PRIOR_MU[1] ** -2 + _BY_STIFFNESS[1] ** -2)
+_PRIOR_MEAN = _PRIOR_VARIANCE * (PRIOR_MU[0] * PRIOR_MU[1] ** -2 + _BY_STIFFNESS[0] * _BY_STIFFNESS[1] ** -2)
 
 
 @dataclass(frozen=True)
@@ -111,7 +118,7 @@ class Hypotheses:
             for wheel in wheels
         ]
         self._prior = np.zeros((len(STATES), len(wheels)))
-        self._prior[MU], self._prior[DELAY], self._prior[INERTIA] = PRIOR_MU[1], delay, share
+        self._prior[DELAY], self._prior[INERTIA] = delay, share
         self._prior[DRAG] = [drag if wheel.driven else 0.0 for wheel in wheels]
         self._prior[TRANSFER] = PRIOR_TRANSFER
         self._prior[RELAXATION] = [
@@ -135,10 +142,11 @@ class Hypotheses:
     def change_road(self, wheel: int, speed_stddev: float) -> None:
         """Forget the road of a wheel; what varies without a curve that explains it is not forgotten."""
         self.x[:, wheel] = 0.0
-        self.x[MU, wheel] = PRIOR_MU[0]
+        self.x[MU, wheel] = _PRIOR_MEAN
         self.p[:, :, wheel] = 0.0
         for state, stddev in enumerate(self._prior[:, wheel].tolist()):
             self.p[state, state, wheel] = stddev**2
+        self.p[MU, MU, wheel] = _PRIOR_VARIANCE
         self.p[SPEED, SPEED, wheel] = max(speed_stddev, LEAST_SPEED) ** 2
         self.log_weights[wheel] = 0.0
         self._change[wheel] = 0.0
