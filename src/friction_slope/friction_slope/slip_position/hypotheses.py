@@ -169,10 +169,11 @@ class Hypotheses:
         innovation = block.friction[:, np.newaxis] - predicted
         size = np.abs(innovation) / np.sqrt(variance)
         linear = np.maximum(size / OUTLIER, 1.0)
-        fit = -0.5 * size * np.minimum(size, OUTLIER) - 0.5 * np.log(variance)
-        likely = np.log((own * np.exp(np.maximum(fit, -60.0))).sum(axis=1) + 1e-30)
+        misfit = 0.5 * size * np.minimum(size, OUTLIER)
+        density = np.exp(np.maximum(-misfit - 0.5 * np.log(variance), -60.0))
+        likely = np.log((own * density).sum(axis=1) + 1e-30)
         self._change = np.where(block.used, np.maximum(self._change + NEW_ROAD_LOG_DENSITY - likely, 0.0), self._change)
-        self.log_weights += np.where(used, INDEPENDENT * fit, 0.0)
+        self.log_weights += np.where(used, -INDEPENDENT * misfit, 0.0)
         gain = ph * np.where(used, 1.0 / (variance * linear), 0.0)
         x += gain * innovation
         p -= gain[:, np.newaxis] * ph
