@@ -120,6 +120,8 @@ class Blocks:
         # the same for all hypotheses: an error of s_y is no evidence against those that it matters to
         across_spread = ((mu * by_lateral * lateral_stddev) ** 2).mean(axis=1)
         slip_rate = (kinematic - first_slip) / duration
+        slip_noise = self._radius * WHEEL_SPEED_STDDEV / np.maximum(speed, SLOWEST)
+        slip_variance = (age * slip_rate) ** 2 + slip_noise**2 / self._samples
         friction = (spin + torque) / lever
         noise = (np.sqrt(2.0) * self._inertia * WHEEL_SPEED_STDDEV / duration) ** 2 + TORQUE_STDDEV**2 / self._samples
         block = Block(
@@ -127,7 +129,7 @@ class Blocks:
             used=self._used & (kinematic < LOCKED) & (wheel_speed * self._radius > 0.5),
             friction=friction,
             variance=(noise + (age * torque_rate) ** 2) / lever**2,
-            spread=(mu * by_slip * (age * slip_rate)[:, np.newaxis]) ** 2 + across_spread[:, np.newaxis],
+            spread=(mu * by_slip) ** 2 * slip_variance[:, np.newaxis] + across_spread[:, np.newaxis],
             ratio=self._ratio / duration,
             by_speed=by_slip * ((1.0 - kinematic) / np.maximum(speed, SLOWEST))[:, np.newaxis],
             by_relaxation=by_slip * by_length[:, np.newaxis],

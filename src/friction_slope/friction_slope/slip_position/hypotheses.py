@@ -63,6 +63,8 @@ OUTLIER: Final = 3.0
 """Innovation beyond which it counts linearly [deviations]."""
 INDEPENDENT: Final = 0.75
 """Share of a block's evidence that is its own: errors of shape and load last longer than a block [-]."""
+EVIDENCE_MEMORY: Final = 2.0
+"""Time in which evidence fades: what the model lacks lasts, and is no evidence again and again [s]."""
 SCALE_GAIN: Final = 0.1
 """Share of a block in the estimate of the load's unevenness [-]."""
 LOAD_RANGE: Final = 0.005, 0.3
@@ -173,6 +175,7 @@ class Hypotheses:
         density = np.exp(np.maximum(-misfit - 0.5 * np.log(variance), -60.0))
         likely = np.log((own * density).sum(axis=1) + 1e-30)
         self._change = np.where(block.used, np.maximum(self._change + NEW_ROAD_LOG_DENSITY - likely, 0.0), self._change)
+        self.log_weights *= exp(-block.duration / EVIDENCE_MEMORY)
         self.log_weights += np.where(used, -INDEPENDENT * misfit, 0.0)
         gain = ph * np.where(used, 1.0 / (variance * linear), 0.0)
         x += gain * innovation
