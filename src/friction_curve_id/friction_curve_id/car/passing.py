@@ -1,4 +1,4 @@
-"""Time spent beyond the peak (95 % confidence), required for validity."""
+"""Largest slips on this road: a peak below them has been passed (95 % confidence), and stays so."""
 
 from math import exp, inf, sqrt
 
@@ -21,12 +21,17 @@ _LEAST_AGE = 0.1
 
 
 class Passing:
-    """How the peak of a road was passed."""
+    """How the peak of a road was passed.
+
+    The slips stay when their samples have left the window, and are compared with what lambda_max is now: where its
+    deviation has grown so far that they may have been before the peak, it is not seen any more.
+    """
 
     def __init__(self) -> None:
         """Begin before the peak."""
-        self.time_beyond = 0.0
-        """Time for which slips were surely beyond the peak, summed over the wheels [s]."""
+        self._largest = self._lasting = 0.0
+        """Largest slip, and the largest that was exceeded for _TIME, both less the error of the speed [-]."""
+        self._limit = inf
         self._since = inf
 
     def update(self, fit: CurveFit, peak: Peak, nodes: Nodes) -> None:
@@ -35,26 +40,31 @@ class Passing:
         A node near one at which a wheel may stand says nothing of a torque, but its own slip is known.
         """
         moved = fit.moved
-        limit = _PASSED * exp(peak.log_lambda_max)
         speed_variance = fit.covariance[Unknown.START_SPEED, Unknown.START_SPEED]
-        stddev = np.hypot(limit * peak.log_lambda_stddev, sqrt(speed_variance) / moved.speed)
         turning = nodes.turning | (moved.slip < 1.0 - TURNING)
-        beyond = turning & (moved.relaxed > limit + _SURE * stddev)
-        if not beyond.any():
+        reached = np.where(turning, moved.relaxed - _SURE * sqrt(speed_variance) / moved.speed, 0.0)
+        order = np.argsort(reached, axis=None)[::-1]
+        slips, times = reached.ravel()[order], np.broadcast_to(nodes.interval, reached.shape).ravel()[order]
+        lasting = int(np.searchsorted(times.cumsum(), _TIME))
+        self._largest = max(self._largest, float(slips[0]))
+        if lasting < len(slips):
+            self._lasting = max(self._lasting, float(slips[lasting]))
+        self._limit = exp(peak.log_lambda_max) * (_PASSED + _SURE * peak.log_lambda_stddev)
+        if not self.begun:
             self._since = inf
         elif self._since == inf:
-            self._since = float(nodes.time[int(np.argmax(beyond.any(axis=0)))])
-        self.time_beyond = float((beyond * nodes.interval).sum())
+            beyond = (reached > self._limit).any(axis=0)
+            self._since = float(nodes.time[int(np.argmax(beyond))])
 
     @property
     def begun(self) -> bool:
         """Whether a wheel has been beyond the peak for any time."""
-        return self.time_beyond > 0.0
+        return self._largest > self._limit
 
     @property
     def seen(self) -> bool:
         """Whether the peak has been seen."""
-        return self.time_beyond >= _TIME
+        return self._lasting > self._limit
 
     def long_ago(self, time: float) -> bool:
         """Whether it was first passed long enough before `time`, on the clock of the nodes [s]."""
