@@ -321,11 +321,11 @@ class CarEstimator:
             self._peak = mixture(*found, evidence, self._mu_floor, True, gone_astray=self._astray.forgot)
             self._unresolved = 0.0
             self._passing.update(fit, self._peak, nodes.subset(slice(0, keep)))
-            if not self._passing.seen:
+            if not self._passing.in_window:
                 self._peak = mixture(*found, evidence, self._mu_floor, False, [each.unsettled for each in fits])
-            else:
-                if len(fits) > 1:  # what is between the samples is known where the formula is
-                    self._unresolved = unresolved(fit.moved.relaxed, exp(self._peak.log_lambda_max))
+            elif len(fits) > 1:  # what is between the samples is known where the formula is
+                self._unresolved = unresolved(fit.moved.relaxed, exp(self._peak.log_lambda_max))
+            if self._passing.seen:
                 self._watch_road(fit, nodes.subset(slice(0, keep)), self._astray.calm(time))
         newest = keep - 1
         self._newest[which] = (

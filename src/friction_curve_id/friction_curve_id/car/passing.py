@@ -31,6 +31,7 @@ class Passing:
         """Begin before the peak."""
         self._largest = self._lasting = 0.0
         """Largest slip, and the largest that was exceeded for _TIME, both less the error of the speed [-]."""
+        self._in_window = 0.0
         self._limit = inf
         self._since = inf
 
@@ -47,8 +48,8 @@ class Passing:
         slips, times = reached.ravel()[order], np.broadcast_to(nodes.interval, reached.shape).ravel()[order]
         lasting = int(np.searchsorted(times.cumsum(), _TIME))
         self._largest = max(self._largest, float(slips[0]))
-        if lasting < len(slips):
-            self._lasting = max(self._lasting, float(slips[lasting]))
+        self._in_window = float(slips[lasting]) if lasting < len(slips) else 0.0
+        self._lasting = max(self._lasting, self._in_window)
         self._limit = exp(peak.log_lambda_max) * (_PASSED + _SURE * peak.log_lambda_stddev)
         if not self.begun:
             self._since = inf
@@ -65,6 +66,11 @@ class Passing:
     def seen(self) -> bool:
         """Whether the peak has been seen."""
         return self._lasting > self._limit
+
+    @property
+    def in_window(self) -> bool:
+        """Whether the samples of the window still have the peak: else it is told by the memory of the fit."""
+        return self._in_window > self._limit
 
     def long_ago(self, time: float) -> bool:
         """Whether it was first passed long enough before `time`, on the clock of the nodes [s]."""
